@@ -1,0 +1,50 @@
+"""Rejection sampling: the paper's own method, with the machine as it is (Section "Domain-Specific Sampling Techniques").
+
+Runs that get stuck are discarded; the first that does not gives the scene. Scene `index` of `seed` depends on the
+program, the seed and the index only (DESIGN, section 5).
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from typing import NamedTuple
+
+from ..interpreter.choosers import from_stream
+from ..interpreter.running import DEFAULT_FUEL, Accepted, run
+from ..interpreter.scenes import Scene, scene_of
+from ..semantics.config import Config
+from ..semantics.errors import AttemptsExhausted
+from ..semantics.outcome import Requirement
+
+DEFAULT_ATTEMPTS = 100_000
+
+
+class Sampled(NamedTuple):
+    """A scene, and how often which requirement failed on the way to it."""
+
+    scene: Scene
+    stuck: Counter[Requirement]
+    steps: int
+
+
+def sample(
+    start: Callable[[], Config], seed: int, index: int, *, max_attempts: int = DEFAULT_ATTEMPTS, fuel: int = DEFAULT_FUEL,
+    on_attempt: Callable[[int], None] | None = None,
+) -> Sampled:
+    """Scene number `index` of `seed`. Raises `AttemptsExhausted` with the requirements that failed, and the program's errors."""
+    stuck: Counter[Requirement] = Counter()
+    steps = 0
+    for attempt in range(max_attempts):
+        result = run(start(), from_stream(seed, index, attempt), fuel=fuel)
+        steps += result.steps
+        if isinstance(result, Accepted):
+            return Sampled(scene_of(result.state, seed, index, attempt + 1), stuck, steps)
+        stuck[result.requirement] += 1
+        if on_attempt is not None:
+            on_attempt(attempt + 1)
+    worst, count = stuck.most_common(1)[0]
+    raise AttemptsExhausted(
+        f"no scene in {max_attempts:,} attempts: most often ({count:,} times) this failed: {worst.text}", worst.span,
+        attempts=max_attempts, stuck=tuple(stuck.most_common()),
+    )

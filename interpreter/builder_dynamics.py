@@ -1,0 +1,214 @@
+"""The part of the builder for behaviors, monitors, scenarios and the statements inside them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from ..semantics.errors import ParseError
+from ..semantics.syntax import Block, Expression, Span, Statement
+from ..semantics.syntax.dynamics import (
+    Abort,
+    BehaviorDefinition,
+    Do,
+    DoChoose,
+    DoShuffle,
+    MonitorDefinition,
+    Override,
+    RequireAlways,
+    RequireEventually,
+    RequireMonitor,
+    ScenarioDefinition,
+    Take,
+    Terminate,
+    TerminateWhen,
+    TimeLimit,
+    Until,
+    Wait,
+)
+from ..semantics.syntax.expressions import Seconds
+from ..semantics.syntax.python_expressions import BinaryOperation, Constant, DictDisplay, UnaryOperation
+from ..semantics.syntax.statements import ExpressionStatement
+from .dialects import having
+from .tree_builder import BuilderBase, Parts, condition
+
+
+@dataclass(frozen=True, slots=True)
+class Guard:
+    """A `precondition:` or `invariant:` line."""
+
+    span: Span
+    kind: str
+    condition: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """The `setup` or `compose` block of a scenario."""
+
+    span: Span
+    kind: str
+    body: Block
+
+
+class DynamicsBuilder(BuilderBase):
+    """One method per rule of the grammar's dynamic and compositional statements."""
+
+    # -- Definitions
+
+    def make_behavior(self, span: Span, parts: Parts) -> BehaviorDefinition:
+        name, parameters, (preconditions, invariants, body, _) = parts
+        return BehaviorDefinition(
+            span=span,
+            name=self.identifier(name),
+            parameters=parameters or (),
+            preconditions=preconditions,
+            invariants=invariants,
+            body=body,
+        )
+
+    def make_monitor(self, span: Span, parts: Parts) -> MonitorDefinition:
+        name, parameters, body = parts
+        return MonitorDefinition(span=span, name=self.identifier(name), parameters=parameters or (), body=body)
+
+    def make_scenario(self, span: Span, parts: Parts) -> ScenarioDefinition:
+        name, parameters, (preconditions, invariants, body, blocks) = parts
+        setup, compose = blocks.get("setup"), blocks.get("compose")
+        rest = [statement for statement in body if not is_text(statement)]
+        if rest and blocks:
+            message = "a scenario with a `setup` or `compose` block has no statements outside of them"
+            raise ParseError(message, rest[0].span, hint="move the statement into the `setup` block")
+        return ScenarioDefinition(
+            span=span,
+            name=self.identifier(name),
+            parameters=parameters or (),
+            preconditions=preconditions,
+            invariants=invariants,
+            setup=setup if blocks or not body else body,
+            compose=compose,
+        )
+
+    def make_guarded_block(self, span: Span, parts: Parts) -> tuple[tuple[Expression, ...], tuple[Expression, ...], Block, dict[str, Block]]:
+        """Preconditions, invariants, statements and named blocks. Raises ParseError for guards that do not come first."""
+        guards: dict[str, list[Expression]] = {"precondition": [], "invariant": []}
+        statements: list[Statement] = []
+        blocks: dict[str, Block] = {}
+        for part in parts:
+            if isinstance(part, Guard):
+                if blocks or any(not is_text(statement) for statement in statements) or len(statements) > 1:
+                    hint = "move it to the head of the definition"
+                    raise ParseError(f"`{part.kind}` lines must come first in their definition", part.span, hint=hint)
+                guards[part.kind].append(part.condition)
+            elif isinstance(part, Part):
+                if part.kind in blocks:
+                    raise ParseError(f"a scenario has one `{part.kind}` block only", part.span)
+                if part.kind == "setup" and blocks:
+                    raise ParseError("the `setup` block comes before the `compose` block", part.span)
+                blocks[part.kind] = part.body
+            else:
+                statements.append(part)
+        return tuple(guards["precondition"]), tuple(guards["invariant"]), tuple(statements), blocks
+
+    make_scenario_block = make_guarded_block
+
+    def make_precondition(self, span: Span, parts: Parts) -> Guard:
+        return Guard(span, "precondition", condition(parts[0]))
+
+    def make_invariant(self, span: Span, parts: Parts) -> Guard:
+        return Guard(span, "invariant", condition(parts[0]))
+
+    def make_setup(self, span: Span, parts: Parts) -> Part:
+        return Part(span, "setup", parts[0])
+
+    def make_compose(self, span: Span, parts: Parts) -> Part:
+        return Part(span, "compose", parts[0])
+
+    # -- Requirements over time
+
+    def make_require_always(self, span: Span, parts: Parts) -> RequireAlways:
+        return RequireAlways(span=span, condition=condition(parts[0]))
+
+    def make_require_eventually(self, span: Span, parts: Parts) -> RequireEventually:
+        return RequireEventually(span=span, condition=condition(parts[0]))
+
+    def make_require_monitor(self, span: Span, parts: Parts) -> RequireMonitor:
+        word, monitor = parts
+        if not self.dialect.monitor_instances:
+            message = f"`require monitor` belongs to dialect {having('monitor_instances')}"
+            raise ParseError(message, self.token_span(word), hint="leave it out: a monitor runs as soon as it is defined")
+        return RequireMonitor(span=span, monitor=monitor)
+
+    def make_terminate_when(self, span: Span, parts: Parts) -> TerminateWhen:
+        return TerminateWhen(span=span, condition=condition(parts[0]))
+
+    # -- Inside behaviors, monitors and compose blocks
+
+    def make_take(self, span: Span, parts: Parts) -> Take:
+        return Take(span=span, actions=tuple(part for part in parts if part is not None))
+
+    def make_wait(self, span: Span, parts: Parts) -> Wait:
+        return Wait(span=span)
+
+    def make_terminate(self, span: Span, parts: Parts) -> Terminate:
+        return Terminate(span=span)
+
+    def make_abort(self, span: Span, parts: Parts) -> Abort:
+        return Abort(span=span)
+
+    def make_invocations(self, span: Span, parts: Parts) -> tuple[Expression, ...]:
+        return tuple(parts)
+
+    def make_do(self, span: Span, parts: Parts) -> Do:
+        return Do(span=span, invocations=parts[0], limit=parts[1])
+
+    def make_do_choose(self, span: Span, parts: Parts) -> DoChoose:
+        invocations, weights = weighted(parts[0])
+        return DoChoose(span=span, invocations=invocations, weights=weights, limit=parts[1])
+
+    def make_do_shuffle(self, span: Span, parts: Parts) -> DoShuffle:
+        invocations, weights = weighted(parts[0])
+        return DoShuffle(span=span, invocations=invocations, weights=weights, limit=parts[1])
+
+    def make_time_limit(self, span: Span, parts: Parts) -> TimeLimit:
+        amount, steps = parts
+        if steps is not None:
+            return TimeLimit(span=span, amount=amount, unit="steps")
+        return TimeLimit(span=span, amount=without_seconds(amount), unit="seconds")
+
+    def make_until(self, span: Span, parts: Parts) -> Until:
+        return Until(span=span, condition=condition(parts[0]))
+
+    def make_override(self, span: Span, parts: Parts) -> Override:
+        return Override(span=span, object=parts[0], specifiers=tuple(parts[1:]))
+
+
+def is_text(statement: Statement) -> bool:
+    """Whether `statement` is a lone string, as a docstring is."""
+    if not isinstance(statement, ExpressionStatement):
+        return False
+    return isinstance(statement.value, Constant) and isinstance(statement.value.value, str)
+
+
+def weighted(invocations: tuple[Expression, ...]) -> tuple[tuple[Expression, ...], tuple[Expression, ...]]:
+    """The alternatives and their weights: a lone dictionary display gives both."""
+    only = invocations[0]
+    if len(invocations) > 1 or not isinstance(only, DictDisplay):
+        return invocations, ()
+    keys = tuple(key for key, _ in only.items if key is not None)
+    if not keys or len(keys) < len(only.items):
+        raise ParseError("expected `{alternative: weight, ...}`", only.span)
+    return keys, tuple(weight for _, weight in only.items)
+
+
+def without_seconds(amount: Expression) -> Expression:
+    """The expression whose last word `seconds` was read as a postfix operator of its last operand, without that word."""
+    path: list[BinaryOperation | UnaryOperation] = []
+    node = amount
+    while isinstance(node, BinaryOperation) or (isinstance(node, UnaryOperation) and node.operator != "not"):
+        path.append(node)
+        node = node.right if isinstance(node, BinaryOperation) else node.operand
+    if not isinstance(node, Seconds):
+        raise ParseError("a time limit needs a unit", amount.span, hint="write `for ... seconds` or `for ... steps`")
+    tree = node.value
+    for outer in reversed(path):
+        tree = replace(outer, right=tree) if isinstance(outer, BinaryOperation) else replace(outer, operand=tree)
+    return tree

@@ -1,0 +1,225 @@
+"""The part of the builder for Scenic's own expressions, object definitions and specifiers."""
+
+from __future__ import annotations
+
+from ..semantics.errors import ParseError
+from ..semantics.syntax import Expression, Span, Specifier
+from ..semantics.syntax.expressions import (
+    Angle,
+    ApparentHeading,
+    CanSee,
+    Degrees,
+    Distance,
+    DistancePast,
+    Follow,
+    InInitialScenario,
+    ObjectDefinition,
+    ObjectOrOperator,
+    RelativeHeading,
+    Seconds,
+    SideOf,
+    Visible,
+)
+from ..semantics.syntax.specifiers import (
+    ApparentlyFacingSpecifier,
+    AtSpecifier,
+    BesideSpecifier,
+    BeyondSpecifier,
+    FacingAwayFromSpecifier,
+    FacingSpecifier,
+    FacingTowardSpecifier,
+    FollowingSpecifier,
+    InSpecifier,
+    OffsetAlongSpecifier,
+    OffsetBySpecifier,
+    VisibleSpecifier,
+    WithSpecifier,
+)
+from .chains import Link, as_vector, associate, is_dotted_name, join
+from .dialects import having
+from .tree_builder import BuilderBase, Parts
+
+CHAIN_LIMIT = 50
+
+
+class ScenicBuilder(BuilderBase):
+    """One method per rule of the grammar's Scenic expressions and specifiers."""
+
+    # -- Infix operators
+
+    def make_sight(self, span: Span, parts: Parts) -> Expression:
+        tree = parts[0]
+        for target in parts[1:]:
+            tree = CanSee(span=join(tree.span, target.span), viewer=tree, target=as_vector(target))
+        return tree
+
+    def make_phrase(self, span: Span, parts: Parts) -> Expression:
+        links: list[Link] = []
+        rest = iter(parts[1:])
+        for token in rest:
+            direction = next(rest) if token.type == "OFFSET_ALONG" else None
+            links.append(Link(token.type, next(rest), self.token_span(token), direction))
+        if len(links) > CHAIN_LIMIT:
+            raise ParseError("nested too deeply", links[CHAIN_LIMIT].keyword)
+        return associate(parts[0], links)
+
+    # -- Postfix and prefix operators
+
+    def make_degrees(self, span: Span, parts: Parts) -> Degrees:
+        return Degrees(span=span, value=parts[0])
+
+    def make_seconds(self, span: Span, parts: Parts) -> Seconds:
+        return Seconds(span=span, value=parts[0])
+
+    def make_relative_heading(self, span: Span, parts: Parts) -> RelativeHeading:
+        return RelativeHeading(span=span, heading=parts[0], origin=parts[1])
+
+    def make_apparent_heading(self, span: Span, parts: Parts) -> ApparentHeading:
+        return ApparentHeading(span=span, oriented_point=parts[0], origin=vector_or_none(parts[1]))
+
+    def make_distance(self, span: Span, parts: Parts) -> Distance:
+        ends = dict(part for part in parts if part is not None)
+        return Distance(span=span, origin=ends.get("from"), target=ends.get("to"))
+
+    def make_angle(self, span: Span, parts: Parts) -> Angle:
+        ends = dict(part for part in parts if part is not None)
+        return Angle(span=span, origin=ends.get("from"), target=ends.get("to"))
+
+    def make_from_(self, span: Span, parts: Parts) -> tuple[str, Expression]:
+        return "from", as_vector(parts[0])
+
+    def make_to_(self, span: Span, parts: Parts) -> tuple[str, Expression]:
+        return "to", as_vector(parts[0])
+
+    def make_distance_past(self, span: Span, parts: Parts) -> DistancePast:
+        return DistancePast(span=span, oriented_point=parts[0], vector=as_vector(parts[1]))
+
+    def make_follow(self, span: Span, parts: Parts) -> Follow:
+        return Follow(span=span, field=parts[0], origin=vector_or_none(parts[1]), distance=parts[2])
+
+    def make_side_of(self, span: Span, parts: Parts) -> SideOf:
+        side = " ".join(parts[0].split()[:-1])
+        return SideOf(span=span, side=side, object=parts[1])
+
+    def make_left_side_of(self, span: Span, parts: Parts) -> SideOf:
+        return SideOf(span=span, side="left", object=parts[0])
+
+    def make_right_side_of(self, span: Span, parts: Parts) -> SideOf:
+        return SideOf(span=span, side="right", object=parts[0])
+
+    def make_visible(self, span: Span, parts: Parts) -> Visible:
+        return Visible(span=span, region=parts[0])
+
+    def make_in_initial_scenario(self, span: Span, parts: Parts) -> InInitialScenario:
+        return InInitialScenario(span=span)
+
+    def make_initial_scenario(self, span: Span, parts: Parts) -> InInitialScenario:
+        if not self.dialect.initial_scenario:
+            message = f"`initial scenario` without `in` belongs to dialect {having('initial_scenario')}"
+            raise ParseError(message, span, hint="write `in initial scenario`")
+        return InInitialScenario(span=span)
+
+    # -- Object definitions
+
+    def make_object_definition(self, span: Span, parts: Parts) -> ObjectDefinition:
+        class_, *specifiers = parts
+        self.require_class(class_)
+        return self.defined(ObjectDefinition(span=span, class_=class_, specifiers=tuple(specifiers)))
+
+    def make_object_after_operator(self, span: Span, parts: Parts) -> ObjectDefinition:
+        first, *specifiers = parts
+        if not isinstance(first, ObjectOrOperator):
+            self.require_class(first, followed=True)
+            raise ParseError("a comma stands before the first specifier", first.span, hint="remove the comma after the class")
+        definition = first.as_object
+        return self.defined(ObjectDefinition(span=span, class_=definition.class_, specifiers=definition.specifiers + tuple(specifiers)))
+
+    def make_new_object(self, span: Span, parts: Parts) -> ObjectDefinition:
+        word, defined = parts
+        if not self.dialect.explicit_new:
+            message = f"`new` belongs to dialect {having('explicit_new')}"
+            raise ParseError(message, self.token_span(word), hint="leave out `new`, or choose that dialect")
+        if isinstance(defined, ObjectOrOperator):
+            defined = defined.as_object
+        if isinstance(defined, ObjectDefinition):
+            self.without_new.pop(defined.span, None)
+            return ObjectDefinition(span=span, class_=defined.class_, specifiers=defined.specifiers)
+        self.require_class(defined)
+        return ObjectDefinition(span=span, class_=defined)
+
+    def defined(self, definition: ObjectDefinition) -> ObjectDefinition:
+        """`definition`, noted as one that still lacks its `new` where the dialect wants one."""
+        if self.dialect.explicit_new:
+            self.without_new[definition.span] = definition
+        return definition
+
+    def require_class(self, node: Expression, *, followed: bool = False) -> None:
+        """Raises ParseError unless `node` can name a class."""
+        if not is_dotted_name(node):
+            message = "specifiers must follow the name of a class" if not followed else "a specifier stands behind an expression"
+            raise ParseError(message, node.span, hint="begin with a class, as in `Car at X, facing H`")
+
+    # -- Specifiers
+
+    def make_with(self, span: Span, parts: Parts) -> WithSpecifier:
+        return WithSpecifier(span=span, property=self.identifier(parts[0]), value=parts[1])
+
+    def make_at(self, span: Span, parts: Parts) -> AtSpecifier:
+        return AtSpecifier(span=span, vector=as_vector(parts[1]))
+
+    def make_offset_by(self, span: Span, parts: Parts) -> OffsetBySpecifier:
+        return OffsetBySpecifier(span=span, offset=as_vector(parts[1]))
+
+    def make_offset_along(self, span: Span, parts: Parts) -> OffsetAlongSpecifier:
+        return OffsetAlongSpecifier(span=span, direction=parts[1], offset=as_vector(parts[2]))
+
+    def make_in(self, span: Span, parts: Parts) -> InSpecifier:
+        return InSpecifier(span=span, keyword="in", region=parts[1])
+
+    def make_on(self, span: Span, parts: Parts) -> InSpecifier:
+        return InSpecifier(span=span, keyword="on", region=parts[0])
+
+    def make_left_of(self, span: Span, parts: Parts) -> BesideSpecifier:
+        return BesideSpecifier(span=span, side="left", reference=as_vector(parts[0]), gap=parts[1])
+
+    def make_right_of(self, span: Span, parts: Parts) -> BesideSpecifier:
+        return BesideSpecifier(span=span, side="right", reference=as_vector(parts[0]), gap=parts[1])
+
+    def make_ahead_of(self, span: Span, parts: Parts) -> BesideSpecifier:
+        return BesideSpecifier(span=span, side="ahead", reference=as_vector(parts[0]), gap=parts[1])
+
+    def make_behind(self, span: Span, parts: Parts) -> BesideSpecifier:
+        return BesideSpecifier(span=span, side="behind", reference=as_vector(parts[0]), gap=parts[1])
+
+    def make_beyond(self, span: Span, parts: Parts) -> BeyondSpecifier:
+        vector, offset, origin = parts
+        return BeyondSpecifier(span=span, vector=as_vector(vector), offset=as_vector(offset), origin=vector_or_none(origin))
+
+    def make_visible_lone(self, span: Span, parts: Parts) -> VisibleSpecifier:
+        return VisibleSpecifier(span=span)
+
+    def make_visible_from(self, span: Span, parts: Parts) -> VisibleSpecifier:
+        return VisibleSpecifier(span=span, viewer=as_vector(parts[1]))
+
+    def make_following(self, span: Span, parts: Parts) -> FollowingSpecifier:
+        field, origin, distance = parts
+        return FollowingSpecifier(span=span, field=field, origin=vector_or_none(origin), distance=distance)
+
+    def make_facing(self, span: Span, parts: Parts) -> FacingSpecifier:
+        return FacingSpecifier(span=span, direction=parts[0])
+
+    def make_facing_toward(self, span: Span, parts: Parts) -> FacingTowardSpecifier:
+        return FacingTowardSpecifier(span=span, vector=as_vector(parts[0]))
+
+    def make_facing_away_from(self, span: Span, parts: Parts) -> FacingAwayFromSpecifier:
+        return FacingAwayFromSpecifier(span=span, vector=as_vector(parts[0]))
+
+    def make_apparently_facing(self, span: Span, parts: Parts) -> ApparentlyFacingSpecifier:
+        return ApparentlyFacingSpecifier(span=span, heading=parts[0], origin=vector_or_none(parts[1]))
+
+
+def vector_or_none(node: Expression | None) -> Expression | None:
+    """`as_vector(node)`, or None for None."""
+    return None if node is None else as_vector(node)
+
+

@@ -1,0 +1,231 @@
+"""The part of the builder for Python's statements and Scenic's static ones."""
+
+from __future__ import annotations
+
+from ..semantics.errors import ParseError
+from ..semantics.syntax import Block, Expression, Span, Statement
+from ..semantics.syntax.python_expressions import Name
+from ..semantics.syntax.statements import (
+    Assert,
+    Assignment,
+    AugmentedAssignment,
+    Break,
+    ClassDefinition,
+    Continue,
+    Delete,
+    ExpressionStatement,
+    For,
+    FunctionDefinition,
+    Global,
+    Handler,
+    If,
+    Import,
+    ImportedName,
+    ImportFrom,
+    Interrupt,
+    Model,
+    Mutate,
+    Nonlocal,
+    Param,
+    ParamAssignment,
+    Pass,
+    PropertyDefault,
+    Raise,
+    Require,
+    Return,
+    SoftRequire,
+    Try,
+    While,
+)
+from . import literals
+from .builder_expressions import BareGenerator
+from .chains import join
+from .targets import deleted, single_target, target
+from .tree_builder import BuilderBase, Parts, condition, names_of
+
+
+class StatementBuilder(BuilderBase):
+    """One method per rule of the grammar's static statements."""
+
+    def make_program(self, span: Span, parts: Parts) -> Block:
+        return tuple(parts)
+
+    def make_interpolation(self, span: Span, parts: Parts) -> Expression:
+        return parts[0]
+
+    def make_block(self, span: Span, parts: Parts) -> Block:
+        return tuple(parts)
+
+    # -- Simple statements
+
+    def make_expression_statement(self, span: Span, parts: Parts) -> ExpressionStatement:
+        return ExpressionStatement(span=span, value=self.object_place(parts[0]))
+
+    def make_assignment(self, span: Span, parts: Parts) -> Assignment:
+        *targets, value = parts
+        return Assignment(span=span, targets=tuple(map(target, targets)), value=self.object_place(value))
+
+    def make_augmented_assignment(self, span: Span, parts: Parts) -> AugmentedAssignment:
+        left, operator, value = parts
+        return AugmentedAssignment(span=span, target=single_target(left), operator=operator[:-1], value=value)
+
+    def make_return(self, span: Span, parts: Parts) -> Return:
+        value = parts[0]
+        return Return(span=span, value=None if value is None else self.object_place(value))
+
+    def make_break(self, span: Span, parts: Parts) -> Break:
+        return Break(span=span)
+
+    def make_continue(self, span: Span, parts: Parts) -> Continue:
+        return Continue(span=span)
+
+    def make_pass(self, span: Span, parts: Parts) -> Pass:
+        return Pass(span=span)
+
+    def make_delete(self, span: Span, parts: Parts) -> Delete:
+        return Delete(span=span, targets=deleted(parts[0]))
+
+    def make_assert(self, span: Span, parts: Parts) -> Assert:
+        return Assert(span=span, test=condition(parts[0]), message=parts[1])
+
+    def make_raise(self, span: Span, parts: Parts) -> Raise:
+        exception, cause = parts
+        return Raise(span=span, exception=exception, cause=cause)
+
+    def make_global(self, span: Span, parts: Parts) -> Global:
+        return Global(span=span, names=tuple(map(self.identifier, parts)))
+
+    def make_nonlocal(self, span: Span, parts: Parts) -> Nonlocal:
+        return Nonlocal(span=span, names=tuple(map(self.identifier, parts)))
+
+    # -- Imports
+
+    def make_dotted_name(self, span: Span, parts: Parts) -> str:
+        return ".".join(map(self.identifier, parts))
+
+    def make_import(self, span: Span, parts: Parts) -> Import:
+        return Import(span=span, names=tuple(parts))
+
+    def make_imported_module(self, span: Span, parts: Parts) -> ImportedName:
+        name, alias = parts
+        return ImportedName(span=span, name=name, alias=None if alias is None else self.identifier(alias))
+
+    def make_import_source(self, span: Span, parts: Parts) -> tuple[str, int]:
+        *dots, module = parts
+        if not dots and module is None:
+            raise ParseError("expected the name of a module after `from`", span)
+        return module or "", sum(map(len, dots))
+
+    def make_import_from(self, span: Span, parts: Parts) -> ImportFrom:
+        (module, level), *names = parts
+        imported = tuple(name for name in names if isinstance(name, ImportedName))
+        return ImportFrom(span=span, module=module, names=imported, level=level)
+
+    def make_imported_name(self, span: Span, parts: Parts) -> ImportedName:
+        name, alias = parts
+        return ImportedName(span=span, name=self.identifier(name), alias=None if alias is None else self.identifier(alias))
+
+    # -- Compound statements
+
+    def make_if(self, span: Span, parts: Parts) -> If:
+        test, then, *branches, otherwise = parts
+        rest: Block = otherwise or ()
+        for place, branch_test, branch in reversed(branches):
+            end = rest[-1].span if rest else branch[-1].span
+            rest = (If(span=join(place, end), test=branch_test, then=branch, otherwise=rest),)
+        return If(span=span, test=condition(test), then=then, otherwise=rest)
+
+    def make_elif(self, span: Span, parts: Parts) -> tuple[Span, Expression, Block]:
+        return span, condition(parts[0]), parts[1]
+
+    def make_else(self, span: Span, parts: Parts) -> Block:
+        return parts[0]
+
+    def make_while(self, span: Span, parts: Parts) -> While:
+        return While(span=span, test=condition(parts[0]), body=parts[1], otherwise=parts[2] or ())
+
+    def make_for(self, span: Span, parts: Parts) -> For:
+        targets, _, iterable, body, otherwise = parts
+        return For(span=span, target=target(targets), iterable=iterable, body=body, otherwise=otherwise or ())
+
+    def make_function(self, span: Span, parts: Parts) -> FunctionDefinition:
+        name, parameters, body = parts
+        return FunctionDefinition(span=span, name=self.identifier(name), parameters=parameters or (), body=body)
+
+    def make_decorated(self, span: Span, parts: Parts) -> FunctionDefinition:
+        *decorators, function = parts
+        return FunctionDefinition(
+            span=span, name=function.name, parameters=function.parameters, body=function.body, decorators=tuple(decorators)
+        )
+
+    def make_decorator(self, span: Span, parts: Parts) -> Expression:
+        return parts[0]
+
+    def make_class(self, span: Span, parts: Parts) -> ClassDefinition:
+        name, superclasses, body = parts
+        for item in superclasses or ():
+            if not isinstance(item, Expression):
+                place = item.generator.span if isinstance(item, BareGenerator) else item.span
+                raise ParseError("a class takes the names of its superclasses only", place)
+        properties = tuple(item for item in body if isinstance(item, PropertyDefault))
+        statements = tuple(item for item in body if isinstance(item, Statement))
+        return ClassDefinition(
+            span=span, name=self.identifier(name), superclasses=tuple(superclasses or ()), properties=properties, body=statements
+        )
+
+    def make_class_block(self, span: Span, parts: Parts) -> Parts:
+        return parts
+
+    def make_property(self, span: Span, parts: Parts) -> PropertyDefault:
+        return PropertyDefault(span=span, name=self.identifier(parts[0]), value=self.object_place(parts[1]))
+
+    def make_try(self, span: Span, parts: Parts) -> Try:
+        body, *clauses, otherwise, final = parts
+        interrupts = tuple(clause for clause in clauses if isinstance(clause, Interrupt))
+        handlers = tuple(clause for clause in clauses if isinstance(clause, Handler))
+        if not clauses and final is None:
+            message = "`try` needs at least one `interrupt when`, `except` or `finally` clause"
+            raise ParseError(message, span, hint="add such a clause, aligned with `try`")
+        if otherwise is not None and not handlers:
+            raise ParseError("the `else` of a `try` needs an `except` before it", otherwise[0].span)
+        return Try(span=span, body=body, interrupts=interrupts, handlers=handlers, otherwise=otherwise or (), final=final or ())
+
+    def make_interrupt(self, span: Span, parts: Parts) -> Interrupt:
+        return Interrupt(span=span, condition=condition(parts[0]), body=parts[1])
+
+    def make_handler(self, span: Span, parts: Parts) -> Handler:
+        type_, name, body = parts
+        return Handler(span=span, type=type_, name=None if name is None else self.identifier(name), body=body)
+
+    def make_finally(self, span: Span, parts: Parts) -> Block:
+        return parts[0]
+
+    # -- Scenic's static statements
+
+    def make_model(self, span: Span, parts: Parts) -> Model:
+        return Model(span=span, name=parts[0])
+
+    def make_param(self, span: Span, parts: Parts) -> Param:
+        return Param(span=span, assignments=tuple(parts))
+
+    def make_param_assignment(self, span: Span, parts: Parts) -> ParamAssignment:
+        word, value = parts
+        name = literals.string(str(word)) if word.type == "STRING" else self.identifier(word)
+        if not isinstance(name, str):
+            raise ParseError("the name of a parameter must be text", self.token_span(word))
+        return ParamAssignment(span=span, name=name, value=value)
+
+    def make_require(self, span: Span, parts: Parts) -> Require:
+        return Require(span=span, condition=condition(parts[0]))
+
+    def make_soft_require(self, span: Span, parts: Parts) -> SoftRequire:
+        return SoftRequire(span=span, probability=parts[0], condition=condition(parts[1]))
+
+    def make_mutate(self, span: Span, parts: Parts) -> Mutate:
+        _, objects, scale = parts
+        return Mutate(span=span, objects=objects or (), scale=scale)
+
+    def make_mutated(self, span: Span, parts: Parts) -> tuple[Name, ...]:
+        return tuple(Name(span=self.token_span(token), name=self.identifier(token)) for token in names_of(parts))
+
+

@@ -1,0 +1,87 @@
+"""Layout: the post-lexer that drops line breaks inside brackets and turns indentation into tokens."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from lark.lexer import Token
+
+from ..semantics.errors import ParseError
+from ..semantics.syntax import Span
+
+OPENING = frozenset({"LPAR", "LSQB", "LBRACE"})
+CLOSING = frozenset({"RPAR", "RSQB", "RBRACE"})
+TAB = 8
+
+
+class Layout:
+    """A token stream with `_INDENT` and `_DEDENT`; it keeps no state between texts.
+
+    Layout tokens stand where the last significant token ended, so that blocks end where their last statement does.
+    """
+
+    always_accept = ("_NEWLINE",)
+
+    def process(self, stream: Iterator[Token]) -> Iterator[Token]:
+        """The tokens of `stream`, with layout made explicit. Raises ParseError on inconsistent indentation."""
+        depth = 0
+        levels = [("", 0)]
+        last: Token | None = None
+        in_param = False
+        line_start = True
+        for token in stream:
+            if token.type == "_NEWLINE":
+                if depth > 0 or (in_param and last is not None and last.type == "COMMA"):
+                    continue
+                indentation = token.rsplit("\n", 1)[-1].split("#")[0].replace("\f", "")
+                yield _after(last, "_NEWLINE", token)
+                yield from _change(levels, indentation, last, token)
+                line_start, in_param = True, False
+                continue
+            if last is None and token.column is not None and token.column > 1 and token.line == 1:
+                raise ParseError("unexpected indentation", _place(token), hint="begin the first statement in the first column")
+            if line_start:
+                in_param = token.type == "_PARAM"
+            line_start = token.type == "SEMICOLON"
+            depth += (token.type in OPENING) - (token.type in CLOSING)
+            last = token
+            yield token
+        while len(levels) > 1:
+            levels.pop()
+            yield _after(last, "_DEDENT", last)
+
+
+def _change(levels: list[tuple[str, int]], indentation: str, last: Token | None, token: Token) -> Iterator[Token]:
+    """The `_INDENT` or `_DEDENT` tokens that lead from `levels`, which it updates, to a line indented so."""
+    width = len(indentation.expandtabs(TAB))
+    text, current = levels[-1]
+    end_line = (token.end_line or 1, token.end_column or 1)
+    place = Span("", end_line[0], 1, end_line[0], max(2, end_line[1]))
+    if width == current and indentation != text:
+        raise ParseError("tabs and spaces are mixed in the indentation", place, hint="indent with spaces only")
+    if width > current:
+        if not indentation.startswith(text):
+            raise ParseError("tabs and spaces are mixed in the indentation", place, hint="indent with spaces only")
+        levels.append((indentation, width))
+        yield _after(None, "_INDENT", token)
+        return
+    while width < levels[-1][1]:
+        levels.pop()
+        yield _after(last, "_DEDENT", token)
+    if levels[-1] != (indentation, width):
+        mixed = levels[-1][1] == width or "\t" in indentation + text
+        message = "tabs and spaces are mixed in the indentation" if mixed else "this line's indentation matches no enclosing block"
+        raise ParseError(message, place, hint="indent with spaces only" if mixed else "align it with the block it belongs to")
+
+
+def _after(last: Token | None, kind: str, fallback: Token | None) -> Token:
+    """A layout token just behind `last`, or else where `fallback` ends."""
+    anchor = last if last is not None else fallback
+    if anchor is None:
+        return Token(kind, "", 0, 1, 1, 1, 1, 0)
+    line, column, position = anchor.end_line, anchor.end_column, anchor.end_pos
+    return Token(kind, "", position, line, column, line, column, position)
+
+
+def _place(token: Token) -> Span:
+    return Span("", token.line or 1, token.column or 1, token.end_line or 1, token.end_column or 1)

@@ -1,0 +1,169 @@
+"""Which modules a program may import, found before it runs, since the machine itself reads no files (DESIGN, section 4).
+
+Always allowed: Scenic modules next to the program, the world models that the project ships, and the harmless standard
+modules below. Any other Python module runs arbitrary code and needs `trust`.
+"""
+
+from __future__ import annotations
+
+import collections
+import enum
+import functools
+import importlib
+import importlib.util
+import itertools
+import math
+import random
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+
+from ..semantics.errors import ImportRefused, ScenicError, UsageError
+from ..semantics.scopes import descendants
+from ..semantics.syntax import Program
+from ..semantics.syntax import statements as s
+from .parser import parse
+
+Library = dict[str, Program | Mapping[str, object] | Exception]
+World = Callable[[], str | Mapping[str, object]]
+"""A shipped module: gives the text of a Scenic module, or the namespace of a Python one."""
+
+
+def _members(module: object, without: tuple[str, ...] = ()) -> Mapping[str, object]:
+    return {n: getattr(module, n) for n in dir(module) if not n.startswith("_") and n not in without}
+
+
+def _seeded(seed: int) -> random.Random:
+    return random.Random(seed)
+
+
+HARMLESS: Mapping[str, Callable[[], Mapping[str, object]]] = {
+    "math": lambda: _members(math),
+    "itertools": lambda: _members(itertools),
+    "functools": lambda: {n: getattr(functools, n) for n in ("partial", "reduce", "cmp_to_key")},
+    "collections": lambda: {n: getattr(collections, n) for n in ("namedtuple", "Counter", "OrderedDict", "defaultdict", "deque")},
+    "enum": lambda: {n: getattr(enum, n) for n in ("Enum", "IntEnum", "Flag", "auto")},
+    "random": lambda: {"Random": _seeded},
+}
+
+
+def library_of(
+    program: Program, *, worlds: Mapping[str, World], model: str | None, trust: bool, directory: Path | None, dialect: str | None
+) -> Library:
+    """Every module that the program, or a module it imports, may ask for by a statement."""
+    library: Library = {}
+    waiting = [(name, program.file) for name in ([model] if model else [])]
+    waiting += [(name, program.file) for name in imported_names(program)]
+    while waiting:
+        name, _ = waiting.pop()
+        if name in library:
+            continue
+        found = find(name, worlds=worlds, trust=trust, directory=directory, dialect=dialect)
+        if found is None:
+            continue
+        library[name] = found
+        if isinstance(found, Program):
+            waiting += [(inner, found.file) for inner in imported_names(found)]
+    return library
+
+
+def imported_names(program: Program) -> Iterator[str]:
+    """The modules that the statements of a program name, wherever they stand."""
+    for statement in program.statements:
+        for node in descendants(statement):
+            match node:
+                case s.Import(names=names):
+                    yield from (n.name for n in names)
+                case s.ImportFrom(module=module, names=names, level=level):
+                    yield "." * level + module
+                    yield from (f"{'.' * level}{module}.{n.name}" for n in names)
+                case s.Model(name=name):
+                    yield name
+                case _:
+                    pass
+
+
+def find(
+    name: str, *, worlds: Mapping[str, World], trust: bool, directory: Path | None, dialect: str | None
+) -> Program | Mapping[str, object] | Exception | None:
+    """The module of that name; an error to raise at the import; None if there is none."""
+    local = scenic_file(name, directory)
+    if local is not None:
+        return read_program(local, dialect)
+    if name in worlds:
+        found = worlds[name]()
+        return parse(found, f"<{name}>") if isinstance(found, str) else found
+    if name in HARMLESS:
+        return HARMLESS[name]()
+    if name.startswith("."):
+        return None
+    if not python_module_exists(name, directory):
+        return None
+    if not trust:
+        return ImportRefused(
+            f"importing {name} runs Python code that could do anything on this machine, so it needs --trust",
+            hint="give --trust if you know the code, or use math, itertools, functools, collections, enum",
+        )
+    return load_python(name, directory)
+
+
+def scenic_file(name: str, directory: Path | None) -> Path | None:
+    """NAME.scenic next to the program, dots being folders."""
+    if directory is None:
+        return None
+    base = directory
+    stripped = name.lstrip(".")
+    for _ in range(len(name) - len(stripped) - 1):
+        base = base.parent
+    path = base.joinpath(*stripped.split(".")).with_suffix(".scenic") if stripped else base
+    return path if path.is_file() else None
+
+
+def read_program(path: Path, dialect: str | None) -> Program:
+    """Parse and check a file."""
+    from .checks import check
+
+    program = parse(read_text(path), str(path), dialect)
+    check(program)
+    return program
+
+
+def read_text(path: Path) -> str:
+    """The text of a program file. Raises `UsageError` for directories, missing and unreadable files, and binary data."""
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError:
+        raise UsageError(f"there is no file {path}") from None
+    except IsADirectoryError:
+        raise UsageError(f"{path} is a directory, not a Scenic program") from None
+    except OSError as error:
+        raise UsageError(f"{path} cannot be read: {error.strerror or error}") from None
+    if b"\0" in data:
+        raise UsageError(f"{path} is not a text file")
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise UsageError(f"{path} is not a text file in UTF-8 (byte {error.start})") from None
+
+
+def python_module_exists(name: str, directory: Path | None) -> bool:
+    """Whether Python would find the module, without running any of it."""
+    first = name.partition(".")[0]
+    if directory is not None and (directory / f"{first}.py").is_file():
+        return True
+    try:
+        return importlib.util.find_spec(first) is not None
+    except (ImportError, ValueError):
+        return False
+
+
+def load_python(name: str, directory: Path | None) -> Mapping[str, object] | Exception:
+    """Import a Python module that the user trusts."""
+    if directory is not None and str(directory) not in sys.path:
+        sys.path.insert(0, str(directory))
+    try:
+        return _members(importlib.import_module(name))
+    except ScenicError:
+        raise
+    except Exception as exception:  # trusted code may fail in any way; the import statement reports it
+        return ImportRefused(f"importing {name} failed: {type(exception).__name__}: {exception}")

@@ -1,0 +1,59 @@
+"""How deep a tree is: the limit that keeps every walk over it, recursive ones too, within the stack."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import fields
+from functools import cache
+
+from ..semantics.errors import ParseError
+from ..semantics.syntax import Node
+from ..semantics.syntax.expressions import ObjectOrOperator
+
+LIMIT = 150
+READINGS_LIMIT = 12  # A tree with n nested ObjectOrOperator has 2 ** n paths.
+
+
+@cache
+def field_names(kind: type[Node]) -> tuple[str, ...]:
+    """The fields of a kind of node that can hold nodes."""
+    return tuple(field.name for field in fields(kind) if field.name != "span")
+
+
+def children(node: Node) -> Iterator[Node]:
+    """The nodes directly below `node`, in the order of its fields."""
+    for name in field_names(type(node)):
+        value = getattr(node, name)
+        if isinstance(value, Node):
+            yield value
+        elif isinstance(value, tuple):
+            yield from _inside(value)
+
+
+def _inside(value: tuple[object, ...]) -> Iterator[Node]:
+    """The nodes in a tuple, which may hold pairs of nodes (dictionary displays)."""
+    for item in value:
+        if isinstance(item, Node):
+            yield item
+        elif isinstance(item, tuple):
+            yield from (part for part in item if isinstance(part, Node))
+
+
+def check_nesting(roots: tuple[Node, ...]) -> None:
+    """Raises ParseError where a tree is deeper than LIMIT; it does not recurse and visits shared parts once."""
+    depths: dict[int, tuple[int, int]] = {}
+    pending: list[tuple[Node, tuple[Node, ...] | None]] = [(root, None) for root in reversed(roots)]
+    while pending:
+        node, below = pending.pop()
+        if below is None:
+            if id(node) in depths:
+                continue
+            below = tuple(children(node))
+            pending.append((node, below))
+            pending.extend((child, None) for child in below)
+            continue
+        depth = 1 + max((depths[id(child)][0] for child in below), default=0)
+        readings = isinstance(node, ObjectOrOperator) + max((depths[id(child)][1] for child in below), default=0)
+        depths[id(node)] = depth, readings
+        if depth > LIMIT or readings > READINGS_LIMIT:
+            raise ParseError("nested too deeply", node.span, hint="name parts of it in separate assignments")

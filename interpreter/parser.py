@@ -1,0 +1,156 @@
+"""From text to abstract syntax: `parse`."""
+
+from __future__ import annotations
+
+import os
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Literal
+
+from lark import Lark, Token, Tree
+from lark.exceptions import UnexpectedInput
+
+from ..semantics.errors import ParseError
+from ..semantics.syntax import Expression, Program, Span
+from ..semantics.syntax.python_expressions import Constant, FormattedValue, FString
+from . import dialects, literals, syntax_errors
+from .builder_dynamics import DynamicsBuilder
+from .builder_expressions import ExpressionBuilder
+from .builder_scenic import ScenicBuilder
+from .builder_statements import StatementBuilder
+from .dialects import Dialect
+from .indentation import Layout
+from .nesting import check_nesting
+from .tree_builder import Origin, Parts
+
+Start = Literal["program", "interpolation"]
+INTERPOLATION_LIMIT = 4
+
+
+def parse(text: str, file: str = "<string>", dialect: str | None = None) -> Program:
+    """The program that `text` is, written in `dialect` (or in the one that its first line names, or in the paper's).
+
+    Every node's span names `file`. Raises ParseError if the text is no program, UsageError for an unknown dialect.
+    """
+    chosen = dialects.choose(text, dialect)
+    origin = Origin(file)
+    source = normal(text, origin)
+    tree = parse_tree(source, "program", origin)
+    statements = TreeBuilder(origin, chosen).build(tree)
+    check_nesting(statements)
+    return Program(statements=statements, file=file, text=text, dialect=chosen.name)
+
+
+def normal(text: str, origin: Origin) -> str:
+    """`text` with `\\n` as the only line break, ending in one, and without a byte order mark. Raises ParseError for NUL."""
+    source = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
+    place = source.find("\0")
+    if place >= 0:
+        line, start = source.count("\n", 0, place) + 1, source.rfind("\n", 0, place)
+        raise ParseError("the text contains a NUL character", origin.span(line, place - start, line, place - start + 1))
+    return source if source.endswith("\n") else source + "\n"
+
+
+def parse_tree(source: str, start: Start, origin: Origin) -> Tree[Token]:
+    """Lark's tree of `source`. Raises ParseError, with its place in the file."""
+    try:
+        return tables().parse(source, start=start)
+    except UnexpectedInput as fault:
+        raise syntax_errors.explain(fault, source, origin, tables()) from None
+    except ParseError as fault:  # from the post-lexer
+        raise ParseError(fault.message, origin.move(fault.span), hint=fault.hint) from None
+
+
+@cache
+def tables() -> Lark:
+    """The parser's tables, built once per process or loaded from the user's cache directory."""
+    grammar = files("scenic_ref.interpreter").joinpath("grammar.lark").read_text("utf-8")
+    return Lark(
+        grammar,
+        parser="lalr",
+        lexer="contextual",
+        start=["program", "interpolation"],
+        propagate_positions=True,
+        maybe_placeholders=True,
+        postlex=Layout(),  # pyright: ignore[reportArgumentType]
+        cache=cache_file() or False,
+    )
+
+
+def cache_file() -> str | None:
+    """The file that keeps the tables between processes, or None where none can be written."""
+    try:
+        base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+        folder = Path(base) / "scenic_ref"
+        folder.mkdir(parents=True, exist_ok=True)
+    except (OSError, RuntimeError):
+        return None
+    return str(folder / "grammar.tables") if os.access(folder, os.W_OK) else None
+
+
+class TreeBuilder(ExpressionBuilder, ScenicBuilder, StatementBuilder, DynamicsBuilder):
+    """The whole builder; strings are here because an f-string parses its interpolations."""
+
+    def __init__(self, origin: Origin, dialect: Dialect, interpolated: int = 0) -> None:
+        super().__init__(origin, dialect)
+        self.interpolated = interpolated
+
+    def make_strings(self, span: Span, parts: Parts) -> Expression:
+        """Adjacent literals as one: a constant, or an f-string if any of them is one."""
+        pieces: list[str | bytes | FormattedValue] = []
+        for token in parts:
+            pieces.extend(self.string_pieces(token))
+        if any(token.type == "FSTRING" for token in parts):
+            if any(isinstance(piece, bytes) for piece in pieces):
+                raise ParseError("bytes and text cannot be joined", span)
+            return FString(span=span, parts=_joined(pieces))
+        text = [piece for piece in pieces if isinstance(piece, str)]
+        binary = [piece for piece in pieces if isinstance(piece, bytes)]
+        if text and binary:
+            raise ParseError("bytes and text cannot be joined", span)
+        return Constant(span=span, value=b"".join(binary) if binary else "".join(text))
+
+    def string_pieces(self, token: Token) -> list[str | bytes | FormattedValue]:
+        """What one literal contributes."""
+        try:
+            if token.type == "STRING":
+                return [literals.string(str(token))]
+            return [*self.formatted(literals.f_string(str(token)), token)]
+        except literals.LiteralFault as fault:
+            raise ParseError(fault.message, self.token_span(token)) from None
+
+    def formatted(self, pieces: tuple[literals.Piece, ...], token: Token) -> list[str | FormattedValue]:
+        """Pieces of the f-string `token` with their interpolations parsed."""
+        return [piece if isinstance(piece, str) else self.formatted_value(piece, token) for piece in pieces]
+
+    def formatted_value(self, piece: literals.Replacement, token: Token) -> FormattedValue:
+        if self.interpolated >= INTERPOLATION_LIMIT:
+            raise ParseError("f-strings are nested too deeply", self.token_span(token))
+        line, column = (token.line or 1), (token.column or 1)
+        before = str(token)[: piece.offset]
+        breaks = before.count("\n")
+        column = len(before) - before.rfind("\n") if breaks else column + piece.offset
+        start = self.origin.span(line + breaks, column, line + breaks, column)
+        origin = Origin(self.origin.file, start.line - 1, start.column - 2)  # the added "(" has column 1
+        source = f"({piece.expression})"
+        builder = TreeBuilder(origin, self.dialect, self.interpolated + 1)
+        value = builder.build(parse_tree(source, "interpolation", origin))
+        layout = None
+        if piece.format is not None:
+            layout = FString(span=self.token_span(token), parts=tuple(self.formatted(piece.format, token)))
+        return FormattedValue(span=value.span, value=value, conversion=piece.conversion, format=layout)  # pyright: ignore[reportArgumentType]
+
+
+def _joined(pieces: list[str | bytes | FormattedValue]) -> tuple[str | FormattedValue, ...]:
+    """The pieces with neighbouring texts joined and empty ones left out."""
+    parts: list[str | FormattedValue] = []
+    for piece in pieces:
+        if isinstance(piece, FormattedValue):
+            parts.append(piece)
+        elif isinstance(piece, str) and piece:
+            if parts and isinstance(parts[-1], str):
+                parts[-1] += piece
+            else:
+                parts.append(piece)
+    return tuple(parts)

@@ -1,0 +1,227 @@
+"""Abstract syntax as source text that parses back to the same tree: `to_source`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..semantics.syntax import Block, Expression, Node, Program, Specifier, Statement
+from ..semantics.syntax import dynamics as d
+from ..semantics.syntax import statements as s
+from ..semantics.syntax.python_expressions import Parameter
+from .dialects import DEFAULT, DIALECTS
+from .printer_expressions import ExpressionPrinter
+
+INDENT = "    "
+
+
+def to_source(what: Program | Node | Block, dialect: str = DEFAULT) -> str:
+    """The text of a program (in its own dialect, which its first line names), a block, a statement or an expression.
+
+    Parsing it gives an equal tree; positions are not part of equality.
+    """
+    if isinstance(what, Program):
+        mark = "" if what.dialect == DEFAULT else f"# dialect: {what.dialect}\n"
+        return mark + to_source(what.statements, what.dialect)
+    printer = StatementPrinter(DIALECTS[dialect])
+    if isinstance(what, tuple):
+        return "".join([line + "\n" for statement in what for line in printer.lines(statement)])
+    if isinstance(what, Statement):
+        return "".join([line + "\n" for line in printer.lines(what)])
+    if isinstance(what, Specifier):
+        return printer.specifier(what)
+    if isinstance(what, Expression):
+        return printer.test(what)
+    raise TypeError(f"no statement, specifier or expression: {type(what).__name__}")
+
+
+class StatementPrinter(ExpressionPrinter):
+    """Prints statements in one dialect, as lines."""
+
+    def lines(self, node: Statement) -> Iterator[str]:
+        """The lines of a statement, without line ends."""
+        yield from getattr(self, "lines_" + type(node).__name__, self.simple)(node)
+
+    def block(self, statements: Block, *more: str) -> Iterator[str]:
+        """The indented lines of a block, with `more` lines before its statements."""
+        for line in more:
+            yield INDENT + line
+        for statement in statements:
+            for line in self.lines(statement):
+                yield INDENT + line
+        if not statements and not more:
+            yield INDENT + "pass"
+
+    def clause(self, head: str, statements: Block) -> Iterator[str]:
+        """`head:` and its block."""
+        yield head + ":"
+        yield from self.block(statements)
+
+    def optional(self, head: str, statements: Block | None) -> Iterator[str]:
+        """`head:` and its block, if there is one."""
+        if statements:
+            yield from self.clause(head, statements)
+
+    # -- Simple statements
+
+    def simple(self, node: Statement) -> Iterator[str]:
+        """The one line of a simple statement."""
+        yield self.line(node)
+
+    def line(self, node: Statement) -> str:
+        match node:
+            case s.ExpressionStatement():
+                return self.list_of_tests(node.value)
+            case s.Assignment():
+                return " = ".join([self.target(t) for t in node.targets] + [self.list_of_tests(node.value)])
+            case s.AugmentedAssignment():
+                return f"{self.test(node.target)} {node.operator}= {self.list_of_tests(node.value)}"
+            case s.Return():
+                return "return" + ("" if node.value is None else " " + self.list_of_tests(node.value))
+            case s.Break() | s.Continue() | s.Pass() | d.Wait() | d.Terminate() | d.Abort():
+                return type(node).__name__.lower()
+            case s.Delete():
+                return "del " + (", ".join([self.test(t) for t in node.targets]) or "()")
+            case s.Assert():
+                return f"assert {self.operand(node.test)}" + ("" if node.message is None else f", {self.operand(node.message)}")
+            case s.Raise():
+                return "raise" + "".join([self.option("", node.exception)[1:], self.option("from", node.cause)])
+            case s.Global() | s.Nonlocal():
+                return f"{type(node).__name__.lower()} {', '.join(node.names)}"
+            case s.Import():
+                return "import " + ", ".join([imported(name) for name in node.names])
+            case s.ImportFrom():
+                names = ", ".join([imported(name) for name in node.names]) or "*"
+                return f"from {'.' * node.level}{node.module} import {names}"
+            case _:
+                return self.scenic_line(node)
+
+    def scenic_line(self, node: Statement) -> str:
+        match node:
+            case s.Model():
+                return f"model {node.name}"
+            case s.Param():
+                return "param " + ", ".join([f"{parameter_name(a.name)} = {self.operand(a.value)}" for a in node.assignments])
+            case s.Require():
+                return f"require ({self.test(node.condition)})"
+            case s.SoftRequire():
+                return f"require[{self.test(node.probability)}] {self.operand(node.condition)}"
+            case d.RequireAlways():
+                return f"require always ({self.test(node.condition)})"
+            case d.RequireEventually():
+                return f"require eventually ({self.test(node.condition)})"
+            case d.RequireMonitor():
+                return f"require monitor {self.test(node.monitor)}"
+            case d.TerminateWhen():
+                return f"terminate when {self.operand(node.condition)}"
+            case s.Mutate():
+                names = " ".join(["mutate", ", ".join([name.name for name in node.objects])]).rstrip()
+                return names + ("" if node.scale is None else f" by ({self.test(node.scale)})")
+            case d.Take():
+                return "take " + ", ".join([f"({self.test(a)})" for a in node.actions])
+            case d.Do():
+                return f"do {self.invoked(node.invocations)}{self.limit(node.limit)}"
+            case d.DoChoose() | d.DoShuffle():
+                word = "choose" if isinstance(node, d.DoChoose) else "shuffle"
+                return f"do {word} {self.weighted(node.invocations, node.weights)}{self.limit(node.limit)}"
+            case d.Override():
+                return f"override {self.operand(node.object)} {self.specifiers(node.specifiers)}"
+            case _:
+                raise TypeError(f"no statement: {type(node).__name__}")
+
+    def invoked(self, nodes: tuple[Expression, ...]) -> str:
+        return ", ".join([f"({self.test(node)})" for node in nodes])
+
+    def weighted(self, nodes: tuple[Expression, ...], weights: tuple[Expression, ...]) -> str:
+        """The alternatives of `do choose`, with their weights if they have any."""
+        if not weights:
+            return self.invoked(nodes)
+        pairs = [f"{self.operand(node)}: {self.operand(weight)}" for node, weight in zip(nodes, weights, strict=True)]
+        return "{" + ", ".join(pairs) + "}"
+
+    def limit(self, limit: d.TimeLimit | d.Until | None) -> str:
+        """` for S seconds`, ` for S steps`, ` until B` or nothing."""
+        if limit is None:
+            return ""
+        if isinstance(limit, d.Until):
+            return f" until {self.operand(limit.condition)}"
+        return f" for {self.operand(limit.amount)} {limit.unit}"
+
+    # -- Compound statements
+
+    def lines_If(self, node: s.If) -> Iterator[str]:
+        head = "if"
+        while True:
+            yield from self.clause(f"{head} {self.operand(node.test)}", node.then)
+            match node.otherwise:
+                case (s.If() as node,):
+                    head = "elif"
+                case rest:
+                    yield from self.optional("else", rest)
+                    return
+
+    def lines_While(self, node: s.While) -> Iterator[str]:
+        yield from self.clause(f"while {self.operand(node.test)}", node.body)
+        yield from self.optional("else", node.otherwise)
+
+    def lines_For(self, node: s.For) -> Iterator[str]:
+        yield from self.clause(f"for {self.target(node.target)} in {self.list_of_tests(node.iterable)}", node.body)
+        yield from self.optional("else", node.otherwise)
+
+    def lines_FunctionDefinition(self, node: s.FunctionDefinition) -> Iterator[str]:
+        for decorator in node.decorators:
+            yield "@" + self.operand(decorator)
+        yield from self.clause(f"def {node.name}({self.parameters(node.parameters)})", node.body)
+
+    def lines_Try(self, node: s.Try) -> Iterator[str]:
+        yield from self.clause("try", node.body)
+        for interrupt in node.interrupts:
+            yield from self.clause(f"interrupt when {self.operand(interrupt.condition)}", interrupt.body)
+        for handler in node.handlers:
+            name = f" as {handler.name}" if handler.name else ""
+            yield from self.clause("except" + self.option("", handler.type).replace("  ", " ", 1) + name, handler.body)
+        yield from self.optional("else", node.otherwise)
+        yield from self.optional("finally", node.final)
+
+    def lines_ClassDefinition(self, node: s.ClassDefinition) -> Iterator[str]:
+        superclasses = ", ".join([self.operand(c) if not c.__class__.__name__ == "Starred" else self.test(c) for c in node.superclasses])
+        yield f"class {node.name}({superclasses}):" if superclasses else f"class {node.name}:"
+        properties = [f"{item.name}: {self.list_of_tests(item.value)}" for item in node.properties]
+        yield from self.block(node.body, *properties)
+
+    def definition(self, word: str, name: str, parameters: tuple[Parameter, ...]) -> str:
+        return f"{word} {name}({self.parameters(parameters)}):"
+
+    def guards(self, node: d.BehaviorDefinition | d.ScenarioDefinition) -> list[str]:
+        """The lines of preconditions and invariants."""
+        lines = [f"precondition: {self.operand(condition)}" for condition in node.preconditions]
+        return lines + [f"invariant: {self.operand(condition)}" for condition in node.invariants]
+
+    def lines_BehaviorDefinition(self, node: d.BehaviorDefinition) -> Iterator[str]:
+        yield self.definition("behavior", node.name, node.parameters)
+        yield from self.block(node.body, *self.guards(node))
+
+    def lines_MonitorDefinition(self, node: d.MonitorDefinition) -> Iterator[str]:
+        yield self.definition("monitor", node.name, node.parameters)
+        yield from self.block(node.body)
+
+    def lines_ScenarioDefinition(self, node: d.ScenarioDefinition) -> Iterator[str]:
+        yield self.definition("scenario", node.name, node.parameters)
+        yield from self.block((), *self.guards(node), *self.parts(node))
+
+    def parts(self, node: d.ScenarioDefinition) -> Iterator[str]:
+        if node.setup is not None:
+            yield from self.clause("setup", node.setup)
+        if node.compose is not None:
+            yield from self.clause("compose", node.compose)
+
+
+def imported(name: s.ImportedName) -> str:
+    """`name as alias`."""
+    return name.name + (f" as {name.alias}" if name.alias else "")
+
+
+def parameter_name(name: str) -> str:
+    """The name of a global parameter, quoted unless it is an identifier."""
+    return name if name.isidentifier() else repr(name)
+
+

@@ -1,0 +1,117 @@
+"""The loop that drives the machine: it asks `step` what comes next and answers its draws, until the run ends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from ..semantics.config import Config, State
+from ..semantics.errors import FuelExhausted, RandomBranch, RunError, ScenicError
+from ..semantics.outcome import Done, Draw, Fault, Next, Observe, Outcome, Requirement, Stuck
+from ..semantics.regions import EmptyRegion, UnboundedRegion
+from ..semantics.step import place, step
+from ..semantics.vectors import Vector
+
+Chooser = Callable[[Draw], object]
+"""Answers a draw with a value of its distribution; may raise `EmptyRegion`, which makes the run stuck."""
+
+Witness = Callable[[Outcome, object], None]
+"""Is shown every outcome of a run, and the value that a draw was answered with (None for other outcomes)."""
+
+DEFAULT_FUEL = 5_000_000
+
+
+class Accepted(NamedTuple):
+    """A run that ended with a scene; `state` holds (π, O)."""
+
+    state: State
+    steps: int
+
+
+class Rejected(NamedTuple):
+    """A run that got stuck at `requirement`."""
+
+    requirement: Requirement
+    steps: int
+
+
+Run = Accepted | Rejected
+
+
+def run(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL, witness: Witness | None = None) -> Run:
+    """Drive one run to its end. Raises the program's error, or `FuelExhausted` after `fuel` steps."""
+    for steps in range(fuel):
+        outcome = step(config)
+        kind = type(outcome)
+        if kind is Next:
+            config = outcome.config  # type: ignore[union-attr]
+            if witness is not None:
+                witness(outcome, None)
+        elif kind is Draw:
+            try:
+                drawn = choose(outcome)  # type: ignore[arg-type]
+            except EmptyRegion as empty:
+                return _rejected(Stuck(outcome.rule, Requirement("region", outcome.node.span, str(empty))), steps, witness)  # type: ignore[union-attr]
+            except UnboundedRegion as unbounded:
+                raise RunError(str(unbounded), outcome.node.span, rule=outcome.rule) from None  # type: ignore[union-attr]
+            if witness is not None:
+                witness(outcome, drawn)
+            config = outcome.resume(drawn)  # type: ignore[union-attr]
+        elif kind is Observe:
+            if witness is not None:
+                witness(outcome, None)
+            config = outcome.config  # type: ignore[union-attr]
+        elif kind is Done:
+            if witness is not None:
+                witness(outcome, None)
+            return Accepted(outcome.state, steps)  # type: ignore[union-attr]
+        elif kind is Stuck:
+            return _rejected(outcome, steps, witness)  # type: ignore[arg-type]
+        elif kind is Fault:
+            raise outcome.error  # type: ignore[union-attr]
+    raise FuelExhausted(
+        f"the program took {fuel:,} steps without ending: is this an endless loop?", place(config), hint="raise --fuel if it really is that long"
+    )
+
+
+def _rejected(outcome: Stuck, steps: int, witness: Witness | None) -> Rejected:
+    if witness is not None:
+        witness(outcome, None)
+    return Rejected(outcome.requirement, steps)
+
+
+def rehearse(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL) -> None:
+    """One run that goes on where others get stuck, to find every branch on a random value (reading `random-branch`).
+
+    Which values are random does not depend on what is drawn, so that one run is enough. Raises `RandomBranch`; before
+    the first requirement that fails it raises any other error of the program as well, afterwards none.
+    """
+    stuck = False
+    for _ in range(fuel):
+        match step(config):
+            case Next(config=after) | Observe(config=after):
+                config = after
+            case Draw() as draw:
+                try:
+                    drawn = choose(draw)
+                except EmptyRegion:
+                    drawn, stuck = Vector(0.0, 0.0), True
+                except UnboundedRegion as unbounded:
+                    raise RunError(str(unbounded), draw.node.span, rule=draw.rule) from None
+                config = draw.resume(drawn)
+            case Stuck(beyond=beyond):
+                stuck = True
+                if beyond is None:
+                    return
+                config = beyond
+            case Fault(error=error):
+                if not stuck or isinstance(error, RandomBranch):
+                    raise error
+                return
+            case Done():
+                return
+    if not stuck:
+        raise FuelExhausted(f"the program took {fuel:,} steps without ending: is this an endless loop?", place(config))
+
+
+__all__ = ["DEFAULT_FUEL", "Accepted", "Chooser", "Rejected", "Run", "ScenicError", "Witness", "rehearse", "run"]

@@ -1,0 +1,122 @@
+"""Scenes: the result (π, O) of a run, as a record and in the JSON format (DESIGN, section 7)."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ..semantics.config import State
+from ..semantics.geometry import normalise_heading
+from ..semantics.kinds import is_scalar
+from ..semantics.programs import ego_of
+from ..semantics.values import Instance, ScenicClass, plain, unwrap
+from ..semantics.vectors import Vector
+
+SCHEMA = "scenic-ref/scene/1"
+OWN_FIELDS = ("position", "heading", "width", "length")
+
+
+@dataclass(frozen=True, slots=True)
+class SceneObject:
+    """An Object of a scene: metres, radians anticlockwise from North in (-π, π]; `properties` are all the others."""
+
+    id: int
+    name: str | None
+    class_name: str
+    position: Vector
+    heading: float
+    width: float
+    length: float
+    properties: Mapping[str, object]
+
+    def __getattr__(self, name: str) -> object:
+        try:
+            return object.__getattribute__(self, "properties")[name]
+        except KeyError:
+            raise AttributeError(f"{self.class_name} has no property {name}") from None
+
+    def to_json(self) -> dict[str, object]:
+        """The entry of the scene format."""
+        return {
+            "id": self.id, "name": self.name, "class": self.class_name, "position": [self.position.x, self.position.y], "heading": self.heading,
+            "width": self.width, "length": self.length, "properties": {k: json_value(v) for k, v in self.properties.items()},
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """One scene, the one with number `index` for `seed`; `attempts` runs were needed, `weight` is 1 for rejection."""
+
+    objects: tuple[SceneObject, ...]
+    ego_id: int
+    params: Mapping[str, object]
+    seed: int
+    index: int
+    attempts: int
+    weight: float = 1.0
+    workspace: object = None
+    background: tuple[object, ...] = ()
+
+    @property
+    def ego(self) -> SceneObject:
+        """The object from whose point of view the scene is."""
+        return self.objects[self.ego_id]
+
+    def to_json(self) -> dict[str, object]:
+        """The scene as a JSON object."""
+        return {
+            "schema": SCHEMA, "seed": self.seed, "scene": self.index, "attempts": self.attempts, "weight": self.weight,
+            "params": {k: json_value(v) for k, v in self.params.items()}, "ego": self.ego_id, "objects": [o.to_json() for o in self.objects],
+        }
+
+    def to_line(self) -> str:
+        """One line of a JSON Lines file."""
+        return json.dumps(self.to_json(), allow_nan=False, ensure_ascii=False)
+
+    def _repr_png_(self) -> bytes:
+        """A picture, for notebooks."""
+        from .pictures import picture
+
+        return picture([self])
+
+
+def json_value(value: object) -> object:
+    """A property or parameter in JSON; what has no JSON form is written as {"repr": "..."}."""
+    inner = plain(value)
+    match inner:
+        case None | bool() | str() | int():
+            return inner
+        case float():
+            return inner if math.isfinite(inner) else {"repr": repr(inner)}
+        case Vector(x=x, y=y):
+            return [json_value(x), json_value(y)]
+        case list() | tuple():
+            return [json_value(v) for v in inner]
+        case dict() if all(isinstance(plain(k), str) for k in inner):
+            return {str(plain(k)): json_value(v) for k, v in inner.items()}
+        case _ if is_scalar(inner):
+            return float(inner)  # type: ignore[arg-type]
+        case ScenicClass(name=name):
+            return {"repr": name}
+        case _:
+            return {"repr": repr(unwrap(inner)[0])[:1000]}
+
+
+def scene_of(state: State, seed: int, index: int, attempts: int, weight: float = 1.0) -> Scene:
+    """The scene (π, O) of a finished run."""
+    numbers = {instance.number: i for i, instance in enumerate(state.scene)}
+    objects = tuple(_scene_object(i, instance, state) for i, instance in enumerate(state.scene))
+    params = {name: unwrap(value)[0] for name, value in state.params.items()}
+    workspace = plain(state.workspace)
+    return Scene(objects, numbers[ego_of(state).number], params, seed, index, attempts, weight, workspace)
+
+
+def _scene_object(number: int, instance: Instance, state: State) -> SceneObject:
+    properties = {name: unwrap(value)[0] for name, value in state.objects[instance.number].items()}
+    position, heading, width, length = (properties.pop(name) for name in OWN_FIELDS)
+    assert isinstance(position, Vector)
+    return SceneObject(
+        number, state.names.get(instance.number), instance.class_.name, position, normalise_heading(heading), float(width), float(length), properties  # type: ignore[arg-type]
+    )

@@ -1,0 +1,152 @@
+"""What a user reads when the text is no program: the place, what was expected, and one repair."""
+
+from __future__ import annotations
+
+import re
+
+from lark import Lark, Token
+from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedToken
+from lark.parsers.lalr_interactive_parser import InteractiveParser
+
+from ..semantics.errors import ParseError, ScenicError
+from ..semantics.syntax import Span
+from . import repairs
+from .tree_builder import Origin
+
+EXPECTED_LIMIT = 8
+WORD = re.compile(r"[^\W\d]\w*|\d[\w.]*|\S")
+BRACKET_OR_TEXT = re.compile(
+    r"#[^\n]*|\"\"\"(?:[^\\]|\\[\s\S])*?\"\"\"|'''(?:[^\\]|\\[\s\S])*?'''|\"(?:[^\"\\\n]|\\[\s\S])*\"|'(?:[^'\\\n]|\\[\s\S])*'|[()\[\]{}]"
+)
+PAIRS = {")": "(", "]": "[", "}": "{"}
+
+# The names that a user knows terminals by, the most telling first.
+HUMAN: dict[str, tuple[str, ...]] = {
+    "an indented block": ("_INDENT",),
+    "`:`": ("COLON",),
+    "`)`": ("RPAR",),
+    "`]`": ("RSQB",),
+    "`}`": ("RBRACE",),
+    "`=`": ("EQUAL",),
+    "an expression": ("NUMBER", "LPAR_EXPRESSION"),
+    "a name": ("NAME",),
+    "`,`": ("COMMA",),
+    "`by`": ("_BY",),
+    "`from`": ("_FROM",),
+    "`to`": ("_TO",),
+    "`for`": ("_FOR",),
+    "`in`": ("IN_FOR",),
+    "`import`": ("_IMPORT",),
+    "`else`": ("_ELSE",),
+    "a specifier": ("_FACING", "_WITH"),
+    "an operator": ("PLUS",),
+    "a string": ("STRING",),
+    "the end of the line": ("_NEWLINE",),
+}
+
+
+def explain(fault: UnexpectedInput, source: str, origin: Origin, lark: Lark) -> ParseError:
+    """The error that tells of Lark's `fault` in `source`, which stands at `origin`."""
+    line, column = place_of(fault, source)
+    lines = source.split("\n")
+    text = lines[line - 1] if line <= len(lines) else ""
+    found = WORD.match(text, column - 1)
+    word = found.group() if found and not found.group().startswith("#") else ""
+    end = column + max(1, len(word))
+    span = origin.span(line, column, line, end)
+    unclosed = bracket_fault(source, line, column, word, ended=getattr(getattr(fault, "token", None), "type", "") == "$END")
+    if unclosed is not None:
+        (at_line, at_column), message, hint = unclosed
+        return ParseError(message, origin.span(at_line, at_column, at_line, at_column + 1), hint=hint)
+    expected = expected_names(fault, lark)
+    if isinstance(fault, UnexpectedCharacters) and re.match(r"(?i)(?:[rbuf]{0,2})['\"]", text[column - 1 :]):
+        return ParseError("this string is not terminated", span, hint="end it with the quotation mark it began with")
+    kind = fault.token.type if isinstance(fault, UnexpectedToken) else ""
+    if kind == "_INDENT":
+        return ParseError("unexpected indentation", span, hint="align the line with the one before")
+    repair = repairs.find(repairs.Situation(text, column - 1 if word else len(text.rstrip()), word))
+    if repair is not None:
+        return ParseError(repair.message, span, expected=expected, hint=repair.hint)
+    if expected == ("an indented block",):
+        return ParseError("expected an indented block", span, expected=expected, hint="indent the line, or write `pass`")
+    return ParseError(unexpected(word, kind, expected), span, expected=expected)
+
+
+def unexpected(word: str, kind: str, expected: tuple[str, ...]) -> str:
+    """The message where no known mistake was made."""
+    what = f"unexpected `{word}`" if word else "the text ends too early" if kind == "$END" else "the line ends too early"
+    return what + (f"; expected {' or '.join(expected[-3:] if len(expected) > 3 else expected)}" if expected else "")
+
+
+def place_of(fault: UnexpectedInput, source: str) -> tuple[int, int]:
+    """The 1-based line and column where parsing stopped."""
+    if isinstance(fault, UnexpectedToken) and isinstance(fault.token, Token) and fault.token.type in ("$END", "_NEWLINE", "_DEDENT"):
+        line, column = fault.token.end_line, fault.token.end_column
+    else:
+        line, column = getattr(fault, "line", None), getattr(fault, "column", None)
+    if not isinstance(line, int) or not isinstance(column, int) or line < 1:
+        return source.count("\n") or 1, 1
+    return line, max(1, column)
+
+
+def expected_names(fault: UnexpectedInput, lark: Lark) -> tuple[str, ...]:
+    """The human names of what could have stood there, at most EXPECTED_LIMIT."""
+    terminals = set(getattr(fault, "expected", None) or getattr(fault, "allowed", None) or ())
+    state = getattr(fault, "state", None)
+    if isinstance(fault, UnexpectedToken) and hasattr(state, "parse_conf"):
+        terminals = InteractiveParser(lark.parser.parser.parser, state, None).accepts() or terminals  # pyright: ignore
+    names = [name for name, kinds in HUMAN.items() if terminals & set(kinds)]
+    if "an expression" in names and "a name" in names:
+        names.remove("a name")
+    if "an expression" in names and "a string" in names:
+        names.remove("a string")
+    return tuple(names[:EXPECTED_LIMIT])
+
+
+def bracket_fault(source: str, line: int, column: int, word: str, *, ended: bool) -> tuple[tuple[int, int], str, str] | None:
+    """The place, message and hint for a bracket that is closed too often, wrongly, or never."""
+    stop = sum(len(text) + 1 for text in source.split("\n")[: line - 1]) + column - 1
+    stack: list[tuple[str, int]] = []
+    for match in BRACKET_OR_TEXT.finditer(source, 0, max(stop, 0) if not ended else len(source)):
+        char = match.group()
+        if char in PAIRS.values():
+            stack.append((char, match.start()))
+        elif char in PAIRS and stack:
+            stack.pop()
+    if word in PAIRS:
+        if not stack:
+            return (line, column), f"`{word}` closes no bracket", "remove it, or open a bracket before it"
+        opening, start = stack[-1]
+        if opening != PAIRS[word]:
+            message = f"`{word}` does not close the `{opening}` of line {source.count(chr(10), 0, start) + 1}"
+            closing = next(key for key, value in PAIRS.items() if value == opening)
+            return (line, column), message, f"write `{closing}`"
+    elif stack:
+        opening, start = stack[-1]
+        opened = source.count("\n", 0, start) + 1
+        if ended or opened < line:
+            message = f"this `{opening}` is never closed"
+            closing = next(key for key, value in PAIRS.items() if value == opening)
+            return (opened, start - source.rfind("\n", 0, start)), message, f"add `{closing}`"
+    return None
+
+
+def render(error: ScenicError, text: str) -> str:
+    """The whole message: place and kind, the source line with carets under the place, what was expected, the hint."""
+    span = error.span
+    out = [f"{span}: {error.kind}: {error.message}"]
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    if 1 <= span.line <= len(lines):
+        line = lines[span.line - 1].removeprefix("\ufeff")
+        start = min(max(span.column - 1, 0), len(line))
+        stop = span.end_column - 1 if span.end_line == span.line else len(line)
+        lead = "".join("\t" if char == "\t" else " " for char in line[:start])
+        width = max(1, min(stop, len(line)) - start)
+        number = str(span.line)
+        out += [f"{number} | {line}", f"{' ' * len(number)} | {lead}{'^' * width}"]
+    expected: tuple[str, ...] = getattr(error, "expected", ())
+    if expected:
+        out.append(f"expected: {', '.join(expected)}")
+    if error.hint:
+        out.append(f"hint: {error.hint}")
+    return "\n".join(out)

@@ -1,0 +1,113 @@
+"""From Lark's parse tree to the abstract syntax: the loop, source spans, and what all parts of the builder share."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from lark import Token, Tree
+
+from ..semantics.errors import ParseError
+from ..semantics.syntax import Expression, Span
+from ..semantics.syntax.expressions import ObjectDefinition, ObjectOrOperator, ObjectOrValue
+from ..semantics.syntax.python_expressions import Comparison, Name
+from . import literals
+from .chains import is_dotted_name
+from .dialects import Dialect
+
+Parts = list[Any]  # What the children of a rule were turned into: nodes, tokens, tuples of nodes, or None.
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """Where the parsed text stands: its file, and what to add to its lines and to the columns of its first line."""
+
+    file: str
+    line: int = 0
+    column: int = 0
+
+    def span(self, line: int, column: int, end_line: int, end_column: int) -> Span:
+        """The place in the file of a stretch of the parsed text."""
+        return Span(
+            self.file,
+            line + self.line,
+            column + (self.column if line == 1 else 0),
+            end_line + self.line,
+            end_column + (self.column if end_line == 1 else 0),
+        )
+
+    def move(self, span: Span) -> Span:
+        """The place in the file of a span within the parsed text."""
+        return self.span(span.line, span.column, span.end_line, span.end_column)
+
+
+class BuilderBase:
+    """What every part of the builder knows: where the text stands and which dialect it is written in."""
+
+    def __init__(self, origin: Origin, dialect: Dialect) -> None:
+        self.origin = origin
+        self.dialect = dialect
+        self.without_new: dict[Span, ObjectDefinition] = {}
+
+    def build(self, tree: Tree[Token]) -> Any:
+        """What `tree` means: each rule's method is called on what its children mean, leaves first, without recursion."""
+        pending: list[Tree[Token] | Token | None] = [tree]
+        order: list[Tree[Token] | Token | None] = []
+        while pending:
+            item = pending.pop()
+            order.append(item)
+            if isinstance(item, Tree):
+                pending.extend(item.children)
+        values: Parts = []
+        for item in reversed(order):
+            if not isinstance(item, Tree):
+                values.append(item)
+                continue
+            size = len(item.children)
+            parts = values[len(values) - size :]
+            del values[len(values) - size :]
+            values.append(getattr(self, "make_" + item.data)(self.span_of(item), parts))
+        for place in self.without_new:
+            raise ParseError(f"dialect {self.dialect.name} makes objects with `new`", place, hint="write `new` before the class")
+        return values[0]
+
+    def span_of(self, tree: Tree[Token]) -> Span:
+        """The place of a rule's text."""
+        meta = tree.meta
+        if meta.empty:
+            return self.origin.span(1, 1, 1, 1)
+        return self.origin.span(meta.line, meta.column, meta.end_line, meta.end_column)
+
+    def token_span(self, token: Token) -> Span:
+        """The place of a token."""
+        line, column = token.line or 1, token.column or 1
+        return self.origin.span(line, column, token.end_line or line, token.end_column or column)
+
+    def identifier(self, token: Token) -> str:
+        """The name that a NAME token spells."""
+        try:
+            return literals.name(str(token))
+        except literals.LiteralFault as fault:
+            raise ParseError(fault.message, self.token_span(token)) from None
+
+    def object_place(self, node: Expression) -> Expression:
+        """`node` where an object may stand: a (dotted) name alone may then be a class (reading `bare-class`)."""
+        if not self.dialect.explicit_new and is_dotted_name(node):
+            return ObjectOrValue(span=node.span, value=node)
+        return node
+
+
+def condition(node: Expression) -> Expression:
+    """`node` where a truth value is meant: `x in y` is then a comparison, whatever `x` is."""
+    if isinstance(node, ObjectOrOperator) and isinstance(node.as_operator, Comparison):
+        return node.as_operator
+    return node
+
+
+def names_of(tokens: Parts) -> list[Token]:
+    """The NAME tokens among `tokens`."""
+    return [token for token in tokens if isinstance(token, Token) and token.type == "NAME"]
+
+
+def name_node(span: Span, text: str) -> Name:
+    return Name(span=span, name=text)

@@ -1,0 +1,89 @@
+"""The names that every program starts with: Table "Distributions", the built-in classes, regions, and Python's builtins."""
+
+from __future__ import annotations
+
+import builtins as python
+import math
+from collections.abc import Mapping
+
+from . import regions
+from .classes import BUILT_IN_CLASSES
+from .distributions import BadParameters, Discrete, Normal, Range, TruncatedNormal, Uniform
+from .fields import PolygonalVectorField, VectorField
+from .scopes import Scope
+from .specials import SPECIAL_VALUES
+from .values import Constructor
+from .vectors import Vector
+
+
+def _uniform(*values: object) -> Uniform:
+    return Uniform(values)
+
+
+def _discrete(weights: object) -> Discrete:
+    if not isinstance(weights, Mapping):
+        raise BadParameters("Discrete", "weights", "must be given as {value: weight, ...}")
+    return Discrete(tuple((value, _weight(weight)) for value, weight in weights.items()))
+
+
+def _weight(weight: object) -> float:
+    from .values import unwrap
+
+    return unwrap(weight)[0]  # type: ignore[return-value]
+
+
+CONSTRUCTORS: Mapping[str, Constructor] = {
+    "Range": Constructor("Range", Range, keeps_values=False),
+    "Uniform": Constructor("Uniform", _uniform, keeps_values=True),
+    "Discrete": Constructor("Discrete", _discrete, keeps_values=True),
+    "Normal": Constructor("Normal", Normal, keeps_values=False),
+    "TruncatedNormal": Constructor("TruncatedNormal", TruncatedNormal, keeps_values=False),
+}
+
+GEOMETRY: Mapping[str, object] = {
+    "everywhere": regions.everywhere,
+    "nowhere": regions.nowhere,
+    **{
+        c.__name__: c
+        for c in (
+            regions.CircularRegion, regions.SectorRegion, regions.RectangularRegion, regions.PolygonalRegion, regions.PolylineRegion,
+            regions.PointSetRegion, regions.Workspace, VectorField, PolygonalVectorField, Vector,
+        )
+    },
+}
+
+_HOST_NAMES = (
+    "abs all any bin bool bytes chr complex divmod float format frozenset hash hex int iter max min next object oct ord pow range repr round "
+    "set slice sorted str sum"
+)
+
+
+def _power(base: object, exponent: object, modulus: object = None) -> object:
+    if modulus is None:
+        from .expressions import BINARY
+
+        return BINARY["**"](base, exponent)
+    return pow(base, exponent, modulus)  # type: ignore[call-overload]
+
+
+HOST: Mapping[str, object] = {
+    **{name: getattr(python, name) for name in _HOST_NAMES.split()},
+    "pow": _power,
+    "sin": math.sin,
+    "cos": math.cos,
+    "hypot": math.hypot,
+    "NotImplemented": NotImplemented,
+}
+
+EXCEPTIONS: Mapping[str, object] = {
+    name: value
+    for name, value in vars(python).items()
+    if isinstance(value, type) and issubclass(value, Exception) and not issubclass(value, Warning)
+}
+
+BUILTINS: Mapping[str, object] = {**HOST, **EXCEPTIONS, **GEOMETRY, **BUILT_IN_CLASSES, **CONSTRUCTORS, **SPECIAL_VALUES}
+
+
+def builtin_scope() -> Scope:
+    """The outermost scope of a run."""
+    return Scope("builtins", None, bindings=dict(BUILTINS))

@@ -1,0 +1,113 @@
+"""The state ⟨s, σ, π, O⟩ of a program: what is left to do, the variables, the global parameters, the objects."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+from .outcome import Change, Next
+from .scopes import Scope
+from .syntax.nodes import NOWHERE, Node, Span
+from .values import Instance
+
+if TYPE_CHECKING:
+    from .host import Door
+    from .outcome import Outcome
+    from .syntax import Program
+
+Properties = Mapping[str, object]
+
+
+class Settings(NamedTuple):
+    """What stays the same during a run: readings, importable modules, the machine itself (for calls from host code)."""
+
+    readings: Mapping[str, str]
+    library: Mapping[str, Program | Mapping[str, object] | Exception]
+    machine: Callable[[Config], Outcome]
+    door: Door
+    params: Mapping[str, object] = {}
+    model: str | None = None
+    euler_steps: int = 4
+
+
+class State(NamedTuple):
+    """(σ, π, O) and what the machine keeps beside them.
+
+    `sigma` is σ, `params` is π, `objects` maps the number of every instance to its properties, `scene` lists the
+    Objects among them in the order of creation (O proper). `ego` and `workspace` are the two variables that all modules
+    share. `prefix` and `draws` address the next draw; `modules` holds what was imported in this run; `late` the
+    requirements that wait for the end (reading `require-time=end`); `dynamic` those for the policy; `handling` the
+    exceptions being handled, innermost last; `depth` counts open calls.
+    """
+
+    sigma: Scope
+    settings: Settings
+    params: Mapping[str, object] = {}
+    objects: Mapping[int, Properties] = {}
+    scene: tuple[Instance, ...] = ()
+    names: Mapping[int, str] = {}
+    ego: object = None
+    workspace: object = None
+    prefix: tuple[int, ...] = ()
+    draws: int = 0
+    modules: Mapping[str, object] = {}
+    late: tuple[tuple[Node, Scope], ...] = ()
+    dynamic: tuple[Node, ...] = ()
+    handling: tuple[BaseException, ...] = ()
+    depth: int = 0
+
+    @property
+    def address(self) -> tuple[int, ...]:
+        """The address of the next draw."""
+        return (*self.prefix, self.draws)
+
+    def reading(self, name: str) -> str:
+        """The alternative of a reading that this run follows."""
+        return self.settings.readings[name]
+
+    def property(self, instance: Instance, name: str) -> object:
+        """O(instance.name)."""
+        return self.objects[instance.number][name]
+
+    def with_properties(self, instance: Instance, properties: Properties) -> State:
+        """O[instance.p / v] for every p in `properties`."""
+        updated = {**self.objects.get(instance.number, {}), **properties}
+        return self._replace(objects={**self.objects, instance.number: updated})
+
+
+class Value(NamedTuple):
+    """An expression has been reduced to `value`; a statement to `pass`, whose value is PASS."""
+
+    value: object
+
+
+PASS = Value(None)
+
+
+class Abrupt(NamedTuple):
+    """A statement left its block: by `break`, `continue`, `return` (with a value) or an exception."""
+
+    kind: Literal["break", "continue", "return", "raise"]
+    value: object = None
+    span: Span = NOWHERE
+
+
+Stack = tuple  # () or (frame, Stack): the context in which the control stands, innermost first
+
+
+class Config(NamedTuple):
+    """A configuration: a node to reduce, or what it was reduced to; the context around it; the state."""
+
+    control: Node | Value | Abrupt
+    stack: Stack
+    state: State
+
+
+def value(rule: str, result: object, stack: Stack, state: State, node: Node | None = None, change: Change | None = None) -> Next:
+    """The conclusion `... → result` of a rule without probability."""
+    return Next(rule, Config(Value(result), stack, state), node, change)
+
+
+def reduce(node: Node, frame: object, stack: Stack, state: State) -> Next:
+    """Go on with a premise: reduce `node`, then come back to `frame`."""
+    return Next("", Config(node, (frame, stack), state))

@@ -1,0 +1,25 @@
+"""The distributions of the paper's Table "Distributions", and uniformPointIn of a region.
+
+Each is sampled by a deterministic map of numbers that are uniform in [0, 1): the inverse distribution function of one number,
+but for points of regions. Where the inverse is infinite at 0, the number 0 counts as 2^-54. Parameters are checked when the
+distribution is made: `BadParameters` says which is wrong, and why.
+"""
+
+from .continuous import Normal, Range, TruncatedNormal
+from .distribution import BadParameters, Distribution, Numbers, Support
+from .finite import Coin, Discrete, Uniform
+from .points import PointIn
+
+__all__ = [
+    "BadParameters",
+    "Coin",
+    "Discrete",
+    "Distribution",
+    "Normal",
+    "Numbers",
+    "PointIn",
+    "Range",
+    "Support",
+    "TruncatedNormal",
+    "Uniform",
+]

@@ -1,0 +1,415 @@
+"""Expressions inherited from Python: displays, attributes, subscripts, arithmetic, comparisons, boolean operators.
+
+The paper uses their rules "essentially without change". What differs from Python: an operation on a random value gives a
+random value, and nothing may branch on one outside behaviors (reading `random-branch`).
+"""
+
+from __future__ import annotations
+
+import operator as python
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+from .classes import canonical
+from .config import Config, Stack, State, reduce, value
+from .errors import RandomBranch, RunError
+from .host import LARGEST_INTEGER_BITS, LARGEST_SEQUENCE, HostException, check_private, host
+from .kinds import Reader, has_kind, is_object, kind_name
+from .operations import membership
+from .operators import object_is_in, vector_is_in
+from .outcome import Next, Outcome
+from .premises import axiom, describe_origin, premises
+from .regions import Region
+from .scopes import MISSING
+from .syntax import expressions as e
+from .syntax import python_expressions as p
+from .syntax.nodes import Node
+from .values import Dynamic, Function, Instance, Method, Module, Random, ScenicClass, plain, unwrap, wrap
+
+
+def axiom_rule(node: Node, stack: Stack, state: State) -> Outcome:
+    """⟨c⟩ → c and ⟨x⟩ → σ(x)."""
+    return value("E-Variable" if isinstance(node, p.Name) else "E-Constant", axiom(node, state), stack, state, node)
+
+
+# Displays
+
+
+def display(node: p.TupleDisplay | p.ListDisplay | p.SetDisplay, stack: Stack, state: State) -> Outcome:
+    """`(a, *b)`, `[a, *b]`, `{a, *b}`: the elements keep their randomness, the container has none of its own."""
+    return premises(node, [i.value if isinstance(i, p.Starred) else i for i in node.items], conclude_display, stack, state)
+
+
+def conclude_display(node: p.TupleDisplay | p.ListDisplay | p.SetDisplay, values: list[object], stack: Stack, state: State) -> Outcome:
+    """Put the elements together."""
+    items: list[object] = []
+    for expression, item in zip(node.items, values, strict=True):
+        if isinstance(expression, p.Starred):
+            items.extend(elements(item, expression, state))
+        else:
+            items.append(item)
+    kind = {p.TupleDisplay: tuple, p.ListDisplay: list, p.SetDisplay: set}[type(node)]
+    return value("E-Display", host_container(kind, items), stack, state, node)
+
+
+def host_container(kind: Callable[[list[object]], object], items: list[object]) -> object:
+    """A container of the items; an unhashable one is the program's mistake."""
+    try:
+        return kind(items)
+    except TypeError as exception:
+        raise HostException(exception) from exception
+
+
+def elements(iterable: object, node: Node, state: State) -> list[object]:
+    """The items of something iterated over; how many there are may not be random."""
+    if type(iterable) is Random:
+        raise random_branch(iterable, node, "the number of its elements")
+    if isinstance(iterable, range) and len(iterable) > LARGEST_SEQUENCE:
+        raise RunError(f"{len(iterable)} elements are too many", node.span)
+    return host(state.settings.door, state, _listed, _Opaque(iterable))  # type: ignore[return-value]
+
+
+class _Opaque(NamedTuple):
+    """A container passed to `host` whose random elements stay as they are."""
+
+    content: object
+
+
+def _listed(box: _Opaque) -> list[object]:
+    return list(box.content)  # type: ignore[call-overload]
+
+
+def dict_display(node: p.DictDisplay, stack: Stack, state: State) -> Outcome:
+    """`{k: v, **m}`."""
+    expressions = [part for key, item in node.items for part in (key, item)]
+    return premises(node, expressions, conclude_dict, stack, state)
+
+
+def conclude_dict(node: p.DictDisplay, values: list[object], stack: Stack, state: State) -> Outcome:
+    """Put the entries together, later ones winning."""
+    result: dict[object, object] = {}
+    for index, (key_expression, _) in enumerate(node.items):
+        key, item = values[2 * index], values[2 * index + 1]
+        if key_expression is None:
+            if not isinstance(plain(item), Mapping):
+                raise HostException(TypeError(f"{kind_name(item)} is not a mapping"))
+            result.update(plain(item))  # type: ignore[call-overload]
+        else:
+            try:
+                result[key] = item
+            except TypeError as exception:
+                raise HostException(exception) from exception
+    return value("E-Display", result, stack, state, node)
+
+
+def formatted(node: p.FString, stack: Stack, state: State) -> Outcome:
+    """An f-string: its values, formatted and joined."""
+    expressions: list[Node | None] = []
+    for part in node.parts:
+        if isinstance(part, p.FormattedValue):
+            expressions += [part.value, part.format]
+    return premises(node, expressions, conclude_formatted, stack, state)
+
+
+def conclude_formatted(node: p.FString, values: list[object], stack: Stack, state: State) -> Outcome:
+    """Join the pieces."""
+    conversions = {"": lambda v: v, "r": repr, "s": str, "a": ascii}
+
+    def join(*parts: object) -> str:
+        rest = iter(parts)
+        return "".join(
+            part if isinstance(part, str) else format(conversions[part.conversion](next(rest)), str(next(rest) or "")) for part in node.parts
+        )
+
+    return value("E-FString", host(state.settings.door, state, join, *values), stack, state, node)
+
+
+# Attributes and subscripts
+
+
+def attribute(node: p.Attribute, stack: Stack, state: State) -> Outcome:
+    """`E.name`."""
+    return premises(node, [node.value], conclude_attribute, stack, state)
+
+
+def conclude_attribute(node: p.Attribute, values: list[object], stack: Stack, state: State) -> Outcome:
+    """O(instance.property) for instances, the attribute for everything else."""
+    subject = values[0]
+    if type(subject) is Random:
+        inner, origin = unwrap(get_attribute(subject.value, node, state))
+        return value("E-Attribute", wrap(inner, subject.origin or origin), stack, state, node)
+    return value("E-Attribute", get_attribute(subject, node, state), stack, state, node)
+
+
+def get_attribute(subject: object, node: p.Attribute, state: State) -> object:
+    """The attribute of a value that is not wrapped."""
+    name = node.name
+    match subject:
+        case Instance():
+            return instance_attribute(subject, name, state)
+        case Module():
+            result = subject.scope.bindings.get(name, MISSING)
+            if result is MISSING:
+                raise HostException(AttributeError(f"module {subject.name} has no {name}"))
+            return result
+        case ScenicClass():
+            found = subject.method(name)
+            if found is None:
+                raise HostException(AttributeError(f"class {subject.name} has no attribute {name}; a property needs an instance"))
+            return found
+        case Function() | Method() | Dynamic():
+            if name == "__name__" and isinstance(subject, Function):
+                return subject.name
+            raise HostException(AttributeError(f"{subject!r} has no attribute {name}"))
+        case _:
+            check_private(name, subject, node)
+            return host(state.settings.door, state, getattr, subject, name)
+
+
+def instance_attribute(instance: Instance, name: str, state: State) -> object:
+    """O(instance.name), or a method of its class."""
+    properties = state.objects[instance.number]
+    result = properties.get(canonical(name), MISSING)
+    if result is not MISSING:
+        return result
+    found = instance.class_.method(name)
+    if found is None:
+        raise HostException(AttributeError(f"{instance.class_.name} has no property {name}"))
+    return Method(found, instance) if isinstance(found, Function) else found
+
+
+def subscript(node: p.Subscript, stack: Stack, state: State) -> Outcome:
+    """`E[index]` and `E[a:b:c]`."""
+    index = node.index
+    parts = [index.lower, index.upper, index.step] if isinstance(index, p.Slice) else [index]
+    return premises(node, [node.value, *parts], conclude_subscript, stack, state)
+
+
+def conclude_subscript(node: p.Subscript, values: list[object], stack: Stack, state: State) -> Outcome:
+    """The element keeps its own randomness; a random index or container makes it random."""
+    container, *parts = values
+    index_value = slice(*(plain(v) for v in parts)) if isinstance(node.index, p.Slice) else plain(parts[0])
+    origin = next((v.origin for v in values if type(v) is Random), None)
+    inner = plain(container)
+    try:
+        result = inner[index_value]  # type: ignore[index]
+    except Exception as exception:
+        raise HostException(exception) from exception
+    if origin is not None:
+        result = wrap(unwrap(result)[0], origin)
+    return value("E-Subscript", result, stack, state, node)
+
+
+# Arithmetic and comparisons
+
+
+def _power(left: object, right: object) -> object:
+    if isinstance(left, int) and isinstance(right, int) and right > 0 and left.bit_length() * right > LARGEST_INTEGER_BITS:
+        raise OverflowError(f"{left} ** {right} is too large")
+    return left**right  # type: ignore[operator]
+
+
+def _times(left: object, right: object) -> object:
+    for sequence, count in ((left, right), (right, left)):
+        if isinstance(sequence, (str, bytes, list, tuple)) and isinstance(count, int) and len(sequence) * count > LARGEST_SEQUENCE:
+            raise MemoryError
+    if isinstance(left, int) and isinstance(right, int) and left.bit_length() + right.bit_length() > LARGEST_INTEGER_BITS:
+        raise OverflowError("an integer is too large")
+    return left * right  # type: ignore[operator]
+
+
+def _shift(left: object, right: object) -> object:
+    if isinstance(right, int) and right > LARGEST_INTEGER_BITS:
+        raise OverflowError("an integer is too large")
+    return left << right  # type: ignore[operator]
+
+
+BINARY: Mapping[str, Callable[[object, object], object]] = {
+    "+": python.add, "-": python.sub, "*": _times, "/": python.truediv, "//": python.floordiv, "%": python.mod, "**": _power,
+    "<<": _shift, ">>": python.rshift, "&": python.and_, "|": python.or_, "^": python.xor,
+}
+UNARY: Mapping[str, Callable[[object], object]] = {"-": python.neg, "+": python.pos, "~": python.invert, "not": python.not_}
+COMPARE: Mapping[str, Callable[[object, object], object]] = {
+    "==": python.eq, "!=": python.ne, "<": python.lt, ">": python.gt, "<=": python.le, ">=": python.ge,
+    "is": python.is_, "is not": python.is_not,
+    "in": lambda left, right: left in right, "not in": lambda left, right: left not in right,  # type: ignore[operator]
+}
+
+
+def apply_host(rule: str, node: Node, function: Callable[..., object], values: list[object], stack: Stack, state: State) -> Outcome:
+    """Conclude with a Python operation; the fast path is for two plain numbers."""
+    if len(values) == 2:
+        left, right = values
+        if type(left) is float and type(right) is float:
+            try:
+                return value(rule, function(left, right), stack, state, node)
+            except ArithmeticError as exception:
+                raise HostException(exception) from exception
+    return value(rule, host(state.settings.door, state, function, *values), stack, state, node)
+
+
+def binary(node: p.BinaryOperation, stack: Stack, state: State) -> Outcome:
+    """`E1 + E2` and the other arithmetic operators."""
+    return premises(node, [node.left, node.right], conclude_binary, stack, state)
+
+
+def conclude_binary(node: p.BinaryOperation, values: list[object], stack: Stack, state: State) -> Outcome:
+    """Python's arithmetic; a Point operand is read as its position (Section "Data Types")."""
+    return apply_host("E-Arithmetic", node, BINARY[node.operator], as_vectors(values, state), stack, state)
+
+
+def as_vectors(values: list[object], state: State) -> list[object]:
+    """Instances replaced by their positions."""
+    return [state.objects[v.number]["position"] if isinstance(v, Instance) else v for v in values]
+
+
+def unary(node: p.UnaryOperation, stack: Stack, state: State) -> Outcome:
+    """`-E`, `+E`, `~E`, `not E`."""
+    return premises(node, [node.operand], conclude_unary, stack, state)
+
+
+def conclude_unary(node: p.UnaryOperation, values: list[object], stack: Stack, state: State) -> Outcome:
+    """Python's unary operators."""
+    rule = "E-Not" if node.operator == "not" else "E-Arithmetic"
+    return apply_host(rule, node, UNARY[node.operator], values, stack, state)
+
+
+def comparison(node: p.Comparison, stack: Stack, state: State) -> Outcome:
+    """`E1 < E2 <= E3`: all operands are premises; `in` with a region is an operator of the paper."""
+    return premises(node, [node.left, *node.operands], conclude_comparison, stack, state)
+
+
+def conclude_comparison(node: p.Comparison, values: list[object], stack: Stack, state: State) -> Outcome:
+    """Every link of the chain must hold."""
+    if node.operators == ("in",) and isinstance(plain(values[1]), Region) and has_kind(unwrap(values[0])[0], "vector"):
+        return membership(node, values[0], values[1], stack, state)
+
+    def chain(*operands: object) -> object:
+        result: object = True
+        for left, name, right in zip(operands, node.operators, operands[1:], strict=False):
+            result = COMPARE[name](left, _containing(right, left, name, state))
+            if not result:
+                return result
+        return result
+
+    if len(node.operators) == 1 and node.operators[0] in ("<", ">", "<=", ">="):
+        return apply_host("E-Compare", node, COMPARE[node.operators[0]], values, stack, state)
+    return value("E-Compare", host(state.settings.door, state, chain, *values), stack, state, node)
+
+
+def _containing(right: object, left: object, name: str, state: State) -> object:
+    """`not in` a region, and regions inside longer chains: by the vector or the box of the left operand."""
+    if name in ("in", "not in") and isinstance(right, Region):
+        return _Membership(right, state)
+    return right
+
+
+class _Membership(NamedTuple):
+    region: Region
+    state: State
+
+    def __contains__(self, item: object) -> bool:
+        reader = Reader(self.state)
+        if isinstance(item, Instance) and is_object(item):
+            return object_is_in(reader.read(item, "Object"), self.region)  # type: ignore[arg-type]
+        if not has_kind(item, "vector"):
+            raise TypeError(f"{kind_name(item)} cannot lie in a region")
+        return vector_is_in(reader.vector(item), self.region)
+
+
+# Boolean operators and conditional expressions
+
+
+class Boolean(NamedTuple):
+    """Frame of `and`/`or`: operand `index` is being reduced; `held` are those before it once one was random."""
+
+    node: p.BooleanOperation
+    index: int
+    held: tuple[object, ...]
+
+
+def boolean(node: p.BooleanOperation, stack: Stack, state: State) -> Outcome:
+    """`E1 and E2`, `E1 or E2`: as in Python, except that after a random operand all the others are reduced as well."""
+    return reduce(node.operands[0], Boolean(node, 0, ()), stack, state)
+
+
+def resume_boolean(frame: Boolean, result: object, stack: Stack, state: State) -> Outcome:
+    """An operand was reduced."""
+    node, last = frame.node, frame.index == len(frame.node.operands) - 1
+    held = (*frame.held, result)
+    if not any(type(v) is Random for v in held):
+        decided = bool_of(result, node, state) is (node.operator == "or")
+        if decided or last:
+            return value("E-Boolean", result, stack, state, node)
+        held = ()
+    elif last:
+        return value("E-Boolean", combine(node.operator, held, state), stack, state, node)
+    return reduce(node.operands[frame.index + 1], Boolean(node, frame.index + 1, held), stack, state)
+
+
+def combine(operator: str, operands: tuple[object, ...], state: State) -> object:
+    """Python's `and` or `or` over values, some of which are random."""
+
+    def fold(*values: object) -> object:
+        for v in values[:-1]:
+            if bool(v) is (operator == "or"):
+                return v
+        return values[-1]
+
+    return host(state.settings.door, state, fold, *operands)
+
+
+def bool_of(result: object, node: Node, state: State) -> bool:
+    """The truth of a value that is not random."""
+    if result is True or result is False:
+        return result
+    return bool(host(state.settings.door, state, bool, result))
+
+
+def truth(result: object, node: Node, state: State, what: str) -> bool:
+    """The truth of a condition that decides control flow: it may not be random outside behaviors."""
+    if type(result) is Random:
+        raise random_branch(result, node, what)
+    return bool_of(result, node, state)
+
+
+def random_branch(result: Random, node: Node, what: str) -> RandomBranch:
+    """The error of reading `random-branch`."""
+    return RandomBranch(
+        f"{what} is random: it depends on {describe_origin(result.origin)}, and control flow outside behaviors may not",
+        node.span, rule="E-Branch", hint="use `require` to condition on it, or Uniform/Discrete to choose among values",
+    )
+
+
+class Test(NamedTuple):
+    """Frame of `E1 if B else E2` while B is being reduced."""
+
+    node: p.Conditional
+
+
+def conditional(node: p.Conditional, stack: Stack, state: State) -> Outcome:
+    """`E1 if B else E2`."""
+    return reduce(node.test, Test(node), stack, state)
+
+
+def resume_test(frame: Test, result: object, stack: Stack, state: State) -> Outcome:
+    """Go on with the branch that the condition chose."""
+    chosen = frame.node.then if truth(result, frame.node.test, state, "the condition of this `if`") else frame.node.otherwise
+    return Next("E-Conditional", Config(chosen, stack, state), frame.node)
+
+
+def seconds(node: e.Seconds, stack: Stack, state: State) -> Outcome:
+    """`E seconds` is E, in seconds (reading `time-unit`)."""
+    return premises(node, [node.value], conclude_seconds, stack, state)
+
+
+def conclude_seconds(node: e.Seconds, values: list[object], stack: Stack, state: State) -> Outcome:
+    """A duration in seconds is a scalar."""
+    if not has_kind(plain(values[0]), "scalar"):
+        raise RunError(f"`seconds` expects a scalar, not {kind_name(values[0])}", node.span, rule="E-Seconds")
+    return value("E-Seconds", values[0], stack, state, node)
+
+
+def in_initial_scenario(node: e.InInitialScenario, stack: Stack, state: State) -> Outcome:
+    """`in initial scenario`: true for the scenario that the run began with."""
+    return value("E-InInitialScenario", True, stack, state, node)

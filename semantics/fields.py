@@ -1,0 +1,132 @@
+"""Vector fields: a heading at each point of the plane (paper, Section "Data Types"; operator `F at V`)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import TypeAlias
+
+import numpy as np
+import shapely
+from shapely.geometry import MultiPolygon, Polygon
+
+from .vectors import Vector
+
+Cell: TypeAlias = "tuple[Polygon | MultiPolygon, float | Callable[[Vector], float] | None]"
+
+_CANDIDATE_MARGIN = 1e-6  # metres by which a square of the lookup grid is widened, so that rounding loses no cell
+
+
+class OutsideField(Exception):
+    """The field has no value at `point` (reading `field-outside`): the machine turns this into a stuck run."""
+
+    def __init__(self, field: VectorField, point: Vector) -> None:
+        super().__init__(f"the vector field {field.name} has no value at {point}")
+        self.field = field
+        self.point = point
+
+
+class VectorField:
+    """A heading (radians, anticlockwise from North) at each point, given by the function `value`.
+
+    `minSteps` and `defaultStepSize` are accepted as by the released library; the paper's forwardEuler has its own N.
+    """
+
+    def __init__(self, name: str, value: Callable[[Vector], float], minSteps: int = 4, defaultStepSize: float = 5) -> None:
+        self.name = name
+        self.value = value
+        self.minSteps = minSteps
+        self.defaultStepSize = defaultStepSize
+
+    def at(self, v: Vector) -> float:
+        """The heading at `v`: ⟦F at V⟧ = ⟦F⟧(⟦V⟧). Raises `OutsideField` where there is none."""
+        return self.value(v)
+
+    __call__ = at
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.name!r})"
+
+
+class PolygonalVectorField(VectorField):
+    """A field that is constant, or given by a function, on each of some closed polygons.
+
+    `cells` is a sequence of (polygon, heading); a heading may be a number, a function of the point, or None, which stands
+    for `headingFunction`. Where cells overlap, the first that contains the point wins. Outside all cells the value is
+    `defaultHeading` if given; else there is none, and `at` raises `OutsideField`.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        cells: Sequence[Cell],
+        headingFunction: Callable[[Vector], float] | None = None,
+        defaultHeading: float | None = None,
+    ) -> None:
+        super().__init__(name, self._value_at)
+        self.cells: tuple[Cell, ...] = tuple((polygon, heading) for polygon, heading in cells)
+        self.headingFunction = headingFunction
+        self.defaultHeading = defaultHeading
+        self._squares: dict[tuple[int, int], tuple[int, ...]] = {}  # grid square -> cells near it, filled on demand
+        for number, (_, heading) in enumerate(self.cells):
+            if heading is None and headingFunction is None and defaultHeading is None:
+                raise ValueError(f"cell {number} of the vector field {name} has no heading, and there is no headingFunction")
+        for polygon, _ in self.cells:
+            shapely.prepare(polygon)
+
+    def cell_at(self, v: Vector) -> int | None:
+        """The number of the first cell that contains `v` (edges included), or None."""
+        x, y, side = v.x, v.y, self._side
+        if not (math.isfinite(x) and math.isfinite(y)):
+            return None
+        square = (math.floor(x / side), math.floor(y / side))
+        candidates = self._squares.get(square)
+        if candidates is None:
+            candidates = self._candidates(square)
+        bounds, polygons = self._bounds, self._polygons
+        for number in candidates:
+            west, south, east, north = bounds[number]
+            if west <= x <= east and south <= y <= north and shapely.intersects_xy(polygons[number], x, y):
+                return number
+        return None
+
+    def _value_at(self, v: Vector) -> float:
+        number = self.cell_at(v)
+        if number is None:
+            if self.defaultHeading is None:
+                raise OutsideField(self, v)
+            return self.defaultHeading
+        heading = self.cells[number][1]
+        if heading is None:
+            heading = self.headingFunction if self.headingFunction is not None else self.defaultHeading
+        assert heading is not None  # checked by the constructor
+        return heading(v) if callable(heading) else heading
+
+    @cached_property
+    def _polygons(self) -> tuple[Polygon | MultiPolygon, ...]:
+        return tuple(polygon for polygon, _ in self.cells)
+
+    @cached_property
+    def _bounds(self) -> tuple[tuple[float, float, float, float], ...]:
+        return tuple(polygon.bounds for polygon in self._polygons)
+
+    @cached_property
+    def _tree(self) -> shapely.STRtree:
+        return shapely.STRtree(self._polygons)
+
+    @cached_property
+    def _side(self) -> float:
+        """The side of a square of the lookup grid, in metres: the median extent of a cell."""
+        extents = [max(east - west, north - south) for west, south, east, north in self._bounds]
+        return max(float(np.median(extents)), 1e-3) if extents else 1.0
+
+    def _candidates(self, square: tuple[int, int]) -> tuple[int, ...]:
+        """The cells that may contain a point of the grid square, in the order of the cells; remembered unless there are none."""
+        west, south = square[0] * self._side, square[1] * self._side
+        margin = _CANDIDATE_MARGIN + 1e-12 * (abs(west) + abs(south))
+        area = shapely.box(west - margin, south - margin, west + self._side + margin, south + self._side + margin)
+        near = tuple(sorted(int(i) for i in self._tree.query(area, predicate="intersects")))
+        if near:
+            self._squares[square] = near
+        return near

@@ -1,0 +1,130 @@
+"""The border between the machine and Python code that it did not interpret: operations, builtins, library methods.
+
+Out: `host` runs a Python operation and tells the program's exceptions from our own mistakes. In: host code that was
+given a function of the program (a key for `sorted`, the value of a vector field) calls it through the `Door`, where a
+draw is refused, never lost.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
+
+from .config import Abrupt, Config, State, Value
+from .errors import FuelExhausted, RunError, ScenicError
+from .outcome import Draw, Fault, Next, Observe, Stuck
+from .values import Function, Instance, Method, Origin, Random, ScenicClass, unwrap, wrap
+
+if TYPE_CHECKING:
+    from .syntax.nodes import Node
+
+DOOR_FUEL = 1_000_000
+LARGEST_INTEGER_BITS = 100_000
+LARGEST_SEQUENCE = 10_000_000
+
+
+class HostException(Exception):
+    """An exception that belongs to the program: host code raised it on the program's behalf."""
+
+    def __init__(self, exception: Exception) -> None:
+        super().__init__(str(exception))
+        self.exception = exception
+
+
+class DoorStuck(Exception):
+    """A requirement failed inside a function that host code called."""
+
+    def __init__(self, outcome: Stuck) -> None:
+        super().__init__(outcome.requirement.text)
+        self.outcome = outcome
+
+
+class Door:
+    """The one way in: `call` runs a function of the program to its value in the state of the surrounding host call."""
+
+    __slots__ = ("called", "enter", "origin", "state")
+
+    def __init__(self, enter: Callable[[Function, tuple[object, ...], Mapping[str, object], State], Config]) -> None:
+        self.enter = enter
+        self.state: State | None = None
+        self.origin: Origin | None = None
+        self.called = False
+
+    def call(self, function: Function, arguments: tuple[object, ...], keywords: Mapping[str, object]) -> object:
+        """The value of `function(*arguments, **keywords)`, with nothing random left in it (its origin is kept)."""
+        if self.state is None:
+            raise RunError(f"{function.name} is called outside any run", function.span)
+        state, self.called = self.state, True
+        config = self.enter(function, arguments, keywords, state)
+        for _ in range(DOOR_FUEL):
+            if not config.stack:
+                break
+            match state.settings.machine(config):
+                case Next(config=after) | Observe(config=after):
+                    config = after
+                case Fault(error=error):
+                    raise error
+                case Stuck() as outcome:
+                    raise DoorStuck(outcome)
+                case Draw(node=node):
+                    raise RunError(
+                        f"{function.name} draws a random value while library code calls it", node.span, rule="E-Call-Door",
+                        hint="draw the value before the call and use it inside the function",
+                    )
+                case _:
+                    raise RunError(f"{function.name} ends the program while library code calls it", function.span)
+        else:
+            raise FuelExhausted(f"{function.name} does not come to an end", function.span)
+        match config.control:
+            case Abrupt(kind="raise", value=BaseException() as exception):
+                raise exception
+            case Value(value=value):
+                result, origin = unwrap(value)
+                self.origin = self.origin or origin
+                return result
+            case _:
+                return None
+
+
+def host(door: Door, state: State, operation: Callable[..., object], *arguments: object, **keywords: object) -> object:
+    """`operation(*arguments, **keywords)` in Python; what is random inside the arguments makes the result random."""
+    origin: Origin | None = None
+    plain_arguments = []
+    for argument in arguments:
+        value, found = unwrap(argument)
+        origin = origin or found
+        plain_arguments.append(value)
+    plain_keywords = {}
+    for name, argument in keywords.items():
+        plain_keywords[name], found = unwrap(argument)
+        origin = origin or found
+    door.state, door.origin = state, None
+    try:
+        result = operation(*plain_arguments, **plain_keywords)
+    except (ScenicError, DoorStuck, HostException):
+        raise
+    except RecursionError:
+        raise RunError("this operation nests too deeply") from None
+    except MemoryError:
+        raise RunError("this operation needs more memory than there is") from None
+    except Exception as exception:  # whatever library code raises is the program's to catch
+        raise HostException(exception) from exception
+    return wrap(result, origin or door.origin)
+
+
+def is_host_object(value: object) -> bool:
+    """Whether `value` is a Python object that the machine does not know."""
+    return not isinstance(value, (Instance, ScenicClass, Function, Method, Random))
+
+
+def check_private(name: str, value: object, node: Node) -> None:
+    """Refuse `value._name` on host objects: through such names a program could reach anything (DESIGN, section 4)."""
+    if name.startswith("_") and name not in getattr(type(value), "scenic_names", ()) and not _is_user_made(value):
+        raise RunError(
+            f"names with a leading underscore, such as {name}, are private to Python objects", node.span, rule="E-Attribute-Host"
+        )
+
+
+def _is_user_made(value: object) -> bool:
+    owner = value if isinstance(value, type) else type(value)
+    return "__scenic_user_class__" in owner.__dict__

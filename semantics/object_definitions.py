@@ -1,0 +1,415 @@
+"""The rule "Object Definitions" (Figure "expression-semantics"): resolve the specifiers, evaluate them in order, newInstance.
+
+The arguments of specifiers are evaluated first, from left to right, since which properties a specifier specifies depends
+on their kinds (reading `specifier-arguments`); except those that mention a vector field relative to something, which wait
+for the object's position (reading `field-dependency`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from functools import lru_cache, partial
+from typing import NamedTuple
+
+from . import specifiers as sp
+from .classes import NON_NEGATIVE_PROPERTIES, SCALAR_PROPERTIES, VECTOR_PROPERTIES, canonical
+from .config import Abrupt, Config, Stack, State, Value, reduce, value
+from .distributions import BadParameters, PointIn
+from .errors import RunError
+from .expressions import axiom
+from .fields import OutsideField, VectorField
+from .host import HostException
+from .kinds import OrientedPointAt, Reader, has_kind, is_finite, is_object, kind_name
+from .operations import SPECIFIED
+from .outcome import Change, Draw, Next, Outcome, Requirement, Stuck
+from .premises import NOT_AN_AXIOM, premises
+from .regions import Region
+from .resolution import Ordered, Specification, resolve_specifiers
+from .scopes import MISSING, Scope, descendants
+from .syntax import expressions as e
+from .syntax import python_expressions as p
+from .syntax import specifiers as q
+from .syntax.nodes import Node
+from .values import Instance, Origin, Random, ScenicClass, plain, unwrap
+from .vectors import Vector
+
+
+class ClassOf(NamedTuple):
+    """Frame: the class name of an object definition, or the head of what may be one, is being reduced."""
+
+    node: Node
+
+
+class Construction(NamedTuple):
+    """Frame of an object definition whose specifier number `index` is being evaluated for `instance`."""
+
+    node: e.ObjectDefinition
+    instance: Instance
+    order: Ordered
+    index: int
+    outer: Scope
+
+
+def object_definition(node: e.ObjectDefinition | e.ObjectOrValue | e.ObjectOrOperator, stack: Stack, state: State) -> Outcome:
+    """Reduce the class, or the head that decides whether this is an object definition at all."""
+    head = {e.ObjectDefinition: "class_", e.ObjectOrValue: "value", e.ObjectOrOperator: "head"}[type(node)]
+    return reduce(getattr(node, head), ClassOf(node), stack, state)
+
+
+def resume_class(frame: ClassOf, head: object, stack: Stack, state: State) -> Outcome:
+    """`E at X` is an object definition if E is a Scenic class, otherwise an operator (reading `bare-class`)."""
+    node = frame.node
+    if isinstance(head, ScenicClass):
+        definition = node if isinstance(node, e.ObjectDefinition) else node.as_object if isinstance(node, e.ObjectOrOperator) else None
+        if definition is None:
+            definition = e.ObjectDefinition(class_=node.value, span=node.span)  # type: ignore[attr-defined]
+        return evaluate_arguments(definition, head, stack, state)
+    if isinstance(node, e.ObjectOrValue):
+        return value("", head, stack, state)
+    if isinstance(node, e.ObjectOrOperator):
+        return Next("", Config(node.as_operator, stack, state))
+    raise RunError(
+        f"specifiers must follow the name of a Scenic class, and this is {kind_name(head)}", node.span, rule="E-ObjectDefinition"
+    )
+
+
+# Arguments of the specifiers
+
+
+def evaluate_arguments(node: e.ObjectDefinition, class_: ScenicClass, stack: Stack, state: State) -> Outcome:
+    """Rewrite the specifiers, then reduce the arguments that need not wait."""
+    rewritten = tuple(rewrite(s) for s in node.specifiers)
+    deferred = tuple(waits_for_position(s, state) for s in rewritten)
+    expressions = [a for s, late in zip(rewritten, deferred, strict=True) if not late for a in arguments_of(s)]
+    return premises(node, expressions, partial(conclude_arguments, class_, rewritten, deferred), stack, state)
+
+
+def rewrite(node: Node) -> Node:
+    """Apply the equation ⟦S⟧ = ⟦S'⟧ between specifiers, if there is one for S."""
+    rewriting = sp.REWRITINGS.get(type(node))
+    return rewriting.rewrite(node) if rewriting is not None and rewriting.applies(node) else node
+
+
+def arguments_of(node: Node) -> list[Node]:
+    """The argument expressions of a specifier, in the order of its form's kinds."""
+    if isinstance(node, q.WithSpecifier):
+        return [node.value]
+    return [getattr(node, name) for name in sp.FORMS[type(node)][0]]
+
+
+def waits_for_position(specifier: Node, state: State) -> bool:
+    """Whether an argument mentions a vector field relative to a heading or field (reading `field-dependency`)."""
+    if not _has_relative_to(_Identity(specifier)):
+        return False
+    return any(
+        isinstance(n, e.RelativeTo) and any(isinstance(peek(side, state), VectorField) for side in (n.left, n.right))
+        for n in descendants(specifier)
+    )
+
+
+class _Identity:
+    __slots__ = ("node",)
+
+    def __init__(self, node: Node) -> None:
+        self.node = node
+
+    def __hash__(self) -> int:
+        return id(self.node)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Identity) and other.node is self.node
+
+
+@lru_cache(maxsize=65536)
+def _has_relative_to(key: _Identity) -> bool:
+    return any(isinstance(n, e.RelativeTo) for n in descendants(key.node))
+
+
+def peek(node: Node, state: State) -> object:
+    """The value of a path (names, attributes, constant subscripts) if it has one already, else None; nothing is reduced."""
+    match node:
+        case p.Name(name=name):
+            found = state.sigma.lookup(name)
+            return None if found is MISSING else plain(found)
+        case p.Attribute(value=inner, name=name):
+            owner = peek(inner, state)
+            if isinstance(owner, Instance):
+                return plain(state.objects[owner.number].get(canonical(name)))
+            scope = getattr(owner, "scope", None)
+            if isinstance(scope, Scope):
+                return plain(scope.bindings.get(name))
+            return None if name.startswith("_") else getattr(owner, name, None)
+        case p.Subscript(value=inner, index=p.Constant(value=index)):
+            owner = peek(inner, state)
+            try:
+                return plain(owner[index]) if isinstance(owner, (list, tuple, dict)) else None  # type: ignore[index]
+            except (LookupError, TypeError):
+                return None
+        case _:
+            return None
+
+
+def conclude_arguments(
+    class_: ScenicClass, rewritten: tuple[Node, ...], deferred: tuple[bool, ...], node: e.ObjectDefinition, values: list[object], stack: Stack, state: State
+) -> Outcome:
+    """resolveSpecifiers(class, specifiers) = ((s1, p1), ..., (sn, pn)); then σ[self / ⊥]."""
+    rest = iter(values)
+    specifications = [describe(s, None if late else [next(rest) for _ in arguments_of(s)], state) for s, late in zip(rewritten, deferred, strict=True)]
+    defaults = {name: default_specification(name, expression, owner, state) for name, (expression, owner) in class_.defaults.items()}
+    known = frozenset(defaults) if state.reading("optional-unknown") == "ignore" else None
+    absent = frozenset({"width", "length"}) if state.reading("point-size") == "zero" else frozenset()
+    order = resolve_specifiers(node.span, specifications, defaults, known, absent)
+    instance = Instance(len(state.objects), class_)
+    begun = state._replace(objects={**state.objects, instance.number: {}})
+    return construct(Construction(node, instance, order, 0, state.sigma), stack, begun)
+
+
+def describe(node: Node, arguments: list[object] | None, state: State) -> Specification:
+    """What a specifier specifies, optionally or not, and its dependencies, from the kinds of its arguments."""
+    name = sp.specifier_name(node)
+    if isinstance(node, q.WithSpecifier):
+        dependencies = ("position",) if arguments is None else ()
+        return Specification(node, name, (canonical(node.property),), (), dependencies, None, None if arguments is None else tuple(arguments))
+    forms = sp.forms_of(node, state.reading("offset-by"))
+    if arguments is None:
+        form = forms[0]
+        return Specification(node, name, form.specifies, (), tuple(dict.fromkeys((*form.dependencies, "position"))), None, None)
+    form, complete = choose_form(node, forms, arguments, state)
+    optional = form.optional
+    if form.rule == "P-In" and unwrap(arguments[0])[0].orientation is not None:  # type: ignore[attr-defined]
+        optional = sp.HEADING_ONLY
+    return Specification(node, name, form.specifies, optional, form.dependencies, form, complete)
+
+
+def choose_form(node: Node, forms: tuple[sp.Form, ...], arguments: list[object], state: State) -> tuple[sp.Form, tuple[object, ...]]:
+    """The form whose kinds fit, and its arguments (ego joins those that speak of it)."""
+    if forms[0].rule in sp.USES_EGO:
+        arguments = [*arguments, axiom(p.Name(name="ego", span=node.span), state)]
+    operands = [unwrap(a)[0] for a in arguments]
+    for form in forms:
+        if all(has_kind(v, kind) for v, kind in zip(operands, form.kinds, strict=True)):
+            return form, tuple(arguments)
+    expected = " or ".join(dict.fromkeys("(" + ", ".join(f.kinds) + ")" for f in forms))
+    found = ", ".join(kind_name(v) for v in operands)
+    raise RunError(f"`{sp.specifier_name(node)}` expects {expected}, not ({found})", node.span, rule=forms[0].rule)
+
+
+def default_specification(name: str, expression: Node, owner: ScenicClass, state: State) -> Specification:
+    """A default value expression as a specifier: its dependencies are the properties it mentions as `self.property`."""
+    dependencies = tuple(canonical(d) for d in _self_properties(_Identity(expression)))
+    if _has_relative_to(_Identity(expression)) and waits_for_position(expression, state._replace(sigma=owner.scope)):
+        dependencies = tuple(dict.fromkeys((*dependencies, "position")))
+    return Specification(expression, f"default {name} of {owner.name}", (name,), (), dependencies, None, None, is_default=True)
+
+
+@lru_cache(maxsize=65536)
+def _self_properties(key: _Identity) -> tuple[str, ...]:
+    def found() -> Iterator[str]:
+        for n in descendants(key.node):
+            if isinstance(n, p.Attribute) and isinstance(n.value, p.Name) and n.value.name == "self":
+                yield n.name
+
+    return tuple(dict.fromkeys(found()))
+
+
+# Evaluation in order
+
+
+def construct(frame: Construction, stack: Stack, state: State) -> Outcome:
+    """⟨s_i, σ[self.p_{i-1} / v_{i-1}]⟩ → v_i for the next specifier; after the last, newInstance."""
+    if frame.index == len(frame.order):
+        return new_instance(frame, stack, state)
+    specification, names = frame.order[frame.index]
+    if specification.is_default or specification.arguments is None:
+        return evaluate_late(frame, specification, stack, state)
+    if specification.form is None:
+        return assign_property(frame, "P-With", dict.fromkeys(names, specification.arguments[0]), stack, state)
+    return apply_form(frame, specification.form, specification.arguments, stack, state)
+
+
+def evaluate_late(frame: Construction, specification: Specification, stack: Stack, state: State) -> Outcome:
+    """Reduce a default value, or an argument that waited for the position, where `self` is the object so far."""
+    node = specification.node
+    if specification.is_default:
+        found = axiom(node, state) if type(node) is p.Constant else NOT_AN_AXIOM
+        if found is not NOT_AN_AXIOM:
+            return assign_property(frame, "P-Default", {frame.order[frame.index][1][0]: found}, stack, state)
+        owner = frame.instance.class_.defaults[specification.specifies[0]][1]
+        bindings: Mapping[str, object] = {"self": frame.instance, SPECIFIED: frame.instance}
+        scope = Scope("specifier", owner.scope, bindings=dict(bindings))
+        return reduce(node, Defaulting(frame), stack, state._replace(sigma=scope))
+    scope = Scope("specifier", frame.outer, bindings={SPECIFIED: frame.instance})
+    arguments = arguments_of(node)
+    return premises(node, arguments, partial(conclude_late, frame), (frame, stack), state._replace(sigma=scope))
+
+
+def conclude_late(frame: Construction, node: Node, values: list[object], stack: Stack, state: State) -> Outcome:
+    """The arguments that waited are reduced: apply the specifier."""
+    outer = state._replace(sigma=frame.outer)
+    if isinstance(node, q.WithSpecifier):
+        return assign_property(frame, "P-With", {canonical(node.property): values[0]}, stack[1], outer)
+    form, complete = choose_form(node, sp.forms_of(node, state.reading("offset-by")), values, state)
+    return apply_form(frame, form, complete, stack[1], outer)
+
+
+def resume_construction(frame: Construction, result: object, stack: Stack, state: State) -> Outcome:
+    """A specifier's properties are assigned: go on with the next one."""
+    return construct(frame, stack, state)
+
+
+class Defaulting(NamedTuple):
+    """Frame: a default value expression is being reduced, with `self` bound to the object so far."""
+
+    construction: Construction
+
+
+def resume_defaulting(frame: Defaulting, result: object, stack: Stack, state: State) -> Outcome:
+    """The default value was reduced to `result`."""
+    construction = frame.construction
+    name = construction.order[construction.index][1][0]
+    return assign_property(construction, "P-Default", {name: result}, stack, state._replace(sigma=construction.outer))
+
+
+def unwind_construction(frame: Construction | Defaulting, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
+    """An exception leaves the object unfinished; σ is restored."""
+    outer = frame.construction.outer if isinstance(frame, Defaulting) else frame.outer
+    return Next("", Config(abrupt, stack, state._replace(sigma=outer)))
+
+
+def apply_form(frame: Construction, form: sp.Form, arguments: tuple[object, ...], stack: Stack, state: State) -> Outcome:
+    """Apply the equation of a specifier; `in R` and `visible` first draw the point."""
+    reader = Reader(state)
+    node = frame.order[frame.index][0].node
+    operands = [reader.read(reader.plain(a), kind) for a, kind in zip(arguments, form.kinds, strict=True)]
+    if form.needs_self:
+        operands.append(reader.read(frame.instance, "Point"))
+    if form.rule == "P-Following":
+        operands.append(state.settings.euler_steps)
+    door = state.settings.door
+    door.state, door.called = state, False
+    try:
+        result = form.function(*operands)
+    except OutsideField as outside:
+        return outside_field(frame, form.rule, outside, {"position": Vector(0.0, 0.0), "heading": 0.0}, reader.origin, stack, state)
+    except Exception as exception:
+        if door.called and not isinstance(exception, (RunError, HostException)):
+            raise HostException(exception) from exception
+        raise
+    if isinstance(result, Region):
+        return draw_point(frame, form.rule, result, node, stack, state)
+    return assign_property(frame, form.rule, properties_of(result, form, reader.origin), stack, state)
+
+
+def properties_of(result: object, form: sp.Form, origin: Origin | None) -> dict[str, object]:
+    """{position ↦ v}, {heading ↦ v} or {position ↦ o.position, heading ↦ o.heading}."""
+    reader_wrap = (lambda v: Random(v, origin._replace(distribution=None))) if origin is not None else (lambda v: v)
+    match result:
+        case OrientedPointAt(position=position, heading=None):
+            return {"position": reader_wrap(position)}
+        case OrientedPointAt(position=position, heading=heading):
+            return {"position": reader_wrap(position), "heading": reader_wrap(heading)}
+        case _:
+            return {form.specifies[0]: reader_wrap(result)}
+
+
+def draw_point(frame: Construction, rule: str, region: Region, node: Node, stack: Stack, state: State) -> Outcome:
+    """x = uniformPointIn(R)."""
+    try:
+        distribution = PointIn(region)
+    except BadParameters as bad:
+        raise RunError(str(bad), node.span, rule=rule) from None
+    origin = Origin(node.span, "a uniformly random point", None)
+    after = state._replace(draws=state.draws + 1)
+    resume = partial(place_point, frame, rule, region, origin, stack, after)
+    return Draw(rule, state.address, distribution, node, resume)
+
+
+class Placed(NamedTuple):
+    """Control result: the point that `in R` or `visible` drew, on its way to the object."""
+
+    point: Vector
+    rule: str
+    region: Region
+    origin: Origin
+
+
+def place_point(frame: Construction, rule: str, region: Region, origin: Origin, stack: Stack, state: State, point: object) -> Config:
+    """The configuration after the draw: the specifier's frame receives the point."""
+    assert isinstance(point, Vector)
+    return Config(Value(Placed(point, rule, region, origin)), (Placing(frame), stack), state)
+
+
+class Placing(NamedTuple):
+    """Frame: a specifier's point was drawn, its orientation is next."""
+
+    construction: Construction
+
+
+def resume_placing(frame: Placing, placed: Placed, stack: Stack, state: State) -> Outcome:
+    """OrientedPoint(x, ⟦orientation(R)⟧(x)), or (x, ⊥)."""
+    state.settings.door.state = state
+    try:
+        at = sp.oriented(placed.region, placed.point) if placed.rule == "P-In" else OrientedPointAt(placed.point, None)
+    except OutsideField as outside:
+        properties: dict[str, object] = {"position": placed.point, "heading": 0.0}
+        return outside_field(frame.construction, placed.rule, outside, properties, placed.origin, stack, state)
+    properties = properties_of(at, sp.FORMS[q.InSpecifier][1][0], placed.origin)
+    return assign_property(frame.construction, placed.rule, properties, stack, state)
+
+
+def outside_field(
+    frame: Construction, rule: str, outside: OutsideField, properties: dict[str, object], origin: Origin | None, stack: Stack, state: State
+) -> Outcome:
+    """Reading `field-outside`: the run is stuck."""
+    node = frame.order[frame.index][0].node
+    names = frame.order[frame.index][1]
+    anything = {n: (Random(v, origin) if origin else v) for n, v in properties.items() if n in names}
+    beyond = assign_property(frame, rule, anything, stack, state)
+    return Stuck(rule, Requirement("field", node.span, str(outside)), beyond.config if isinstance(beyond, Next) else None)
+
+
+def assign_property(frame: Construction, rule: str, properties: Mapping[str, object], stack: Stack, state: State) -> Outcome:
+    """σ[self.p / v(p)] for the properties p that Algorithm 1 gave to this specifier; then the next specifier."""
+    specification, names = frame.order[frame.index]
+    chosen = {name: checked(name, properties[name], specification, frame, state) for name in names if name in properties}
+    after = state.with_properties(frame.instance, chosen)
+    change = Change("O", f"{frame.instance!r}.{', '.join(chosen)}", next(iter(chosen.values()), None))
+    following = frame._replace(index=frame.index + 1)
+    return Next(rule, Config(Value(None), (following, stack), after), specification.node, change)
+
+
+def checked(name: str, assigned: object, specification: Specification, frame: Construction, state: State) -> object:
+    """The value of a built-in property in its kind: positions are vectors, sizes are finite and not negative."""
+    if name in VECTOR_PROPERTIES:
+        kind, expected = "vector", "a vector"
+    elif name in SCALAR_PROPERTIES:
+        kind, expected = "heading" if name == "heading" else "scalar", "a scalar"
+    else:
+        return assigned
+    reader = Reader(state)
+    inner = reader.plain(assigned)
+    if not has_kind(inner, kind):
+        raise _bad(name, expected, inner, specification, frame)
+    result = reader.read(inner, kind)
+    if not is_finite(result):
+        raise _bad(name, "finite", result, specification, frame)
+    if name in NON_NEGATIVE_PROPERTIES and result < 0:  # type: ignore[operator]
+        raise _bad(name, "at least 0", result, specification, frame)
+    if type(assigned) is Random and not isinstance(inner, Instance):
+        return Random(result, assigned.origin)
+    return reader.wrap(result)
+
+
+def _bad(name: str, expected: str, found: object, specification: Specification, frame: Construction) -> RunError:
+    place = frame.node.span if specification.is_default else specification.node.span
+    shown = kind_name(found) if not isinstance(found, (int, float, Vector)) or isinstance(found, bool) else str(found)
+    return RunError(f"the property {name} must be {expected}, not {shown} (from `{specification.name}`)", place, rule="E-ObjectDefinition")
+
+
+def new_instance(frame: Construction, stack: Stack, state: State) -> Outcome:
+    """inst = newInstance(class, σ_n(self)), and O_n ∪ {inst}."""
+    instance = frame.instance
+    scene = (*state.scene, instance) if is_object(instance) else state.scene
+    after = state._replace(sigma=frame.outer, scene=scene)
+    change = Change("O", repr(instance), instance) if is_object(instance) else None
+    return value("E-ObjectDefinition", instance, stack, after, frame.node, change)

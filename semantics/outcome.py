@@ -1,0 +1,85 @@
+"""What one step of the machine can say (DESIGN, section 1)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+from .errors import ScenicError
+from .syntax.nodes import Node, Span
+
+if TYPE_CHECKING:
+    from .config import Config, State
+    from .distributions import Distribution
+
+
+class Requirement(NamedTuple):
+    """A condition that a run must meet: what kind, where it stands, and a sentence naming it."""
+
+    kind: str
+    span: Span
+    text: str
+
+
+class Change(NamedTuple):
+    """What a step changed, for people: `where` is σ, π, O or "print"; `name` and `value` say what became what."""
+
+    where: Literal["σ", "π", "O", "print", ""]
+    name: str
+    value: object
+
+
+class Next(NamedTuple):
+    """A rule fired with probability 1; `rule` is "" for the bookkeeping between rules."""
+
+    rule: str
+    config: Config
+    node: Node | None = None
+    change: Change | None = None
+
+
+class Draw(NamedTuple):
+    """A probabilistic rule asks for a value of `distribution`; `resume(value)` is the configuration after it.
+
+    `address` names the draw within the run. `per_scene` draws are made once for all attempts at one scene (reading
+    `soft=scene`).
+    """
+
+    rule: str
+    address: tuple[int, ...]
+    distribution: Distribution
+    node: Node
+    resume: Callable[[object], Config]
+    per_scene: bool = False
+
+
+class Observe(NamedTuple):
+    """A requirement was checked and holds."""
+
+    rule: str
+    requirement: Requirement
+    config: Config
+
+
+class Done(NamedTuple):
+    """The run ended with a scene: (π, O) of `state`."""
+
+    rule: str
+    state: State
+
+
+class Stuck(NamedTuple):
+    """No rule applies: `requirement` does not hold. `beyond` is the configuration if it had, where there is one."""
+
+    rule: str
+    requirement: Requirement
+    beyond: Config | None = None
+
+
+class Fault(NamedTuple):
+    """The program is wrong, or the paper is silent: `error` says where and how."""
+
+    error: ScenicError
+
+
+Outcome = Next | Draw | Observe | Done | Stuck | Fault

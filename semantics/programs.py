@@ -1,0 +1,38 @@
+"""The start of a run: the configuration ⟨program, ∅, ∅, ∅⟩, and what a finished run says, the scene (π, O)."""
+
+from __future__ import annotations
+
+from .builtins import builtin_scope
+from .config import Config, Settings, State
+from .functions import enter
+from .host import Door
+from .kinds import is_object
+from .scopes import Scope
+from .step import step
+from .syntax import Program
+from .syntax.python_expressions import Constant
+from .syntax.statements import Block, If, Model
+from .termination import Finishing
+from .values import Instance, plain
+
+
+def make_settings(readings: dict[str, str], library: dict[str, object], params: dict[str, object], model: str | None) -> Settings:
+    """What stays the same during a run."""
+    return Settings(readings=readings, library=library, machine=step, door=Door(enter), params=params, model=model)  # type: ignore[arg-type]
+
+
+def initial(program: Program, settings: Settings) -> Config:
+    """⟨program, ∅, ∅, ∅⟩; a world model named from outside comes first if the program names none itself."""
+    scope = Scope("module", builtin_scope())
+    statements: Block = program.statements
+    if settings.model is not None and not any(isinstance(s, Model) for s in statements):
+        statements = (Model(name=settings.model), *statements)
+    whole = If(test=Constant(value=True), then=statements)
+    return Config(whole, (Finishing(), ()), State(scope, settings, params=dict(settings.params)))
+
+
+def ego_of(state: State) -> Instance:
+    """The ego object of a finished run."""
+    ego = plain(state.ego)
+    assert isinstance(ego, Instance) and is_object(ego)
+    return ego

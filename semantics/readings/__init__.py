@@ -1,0 +1,41 @@
+"""Readings: where the paper leaves a choice, as data, bundled in profiles.
+
+`formal` takes the formal rules to the letter; `paper`, the default, sets an equation aside only where a definition, a
+table or a drawn figure of the same paper contradicts it; `prose` lets the prose win; `scenic-2.1` and `scenic-3` do what
+the released implementations do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from difflib import get_close_matches
+
+from ..errors import UsageError
+from .conflicts import CONFLICTS
+from .reading import PROFILES, Probe, Reading
+from .silences import SILENCES
+
+READINGS: Mapping[str, Reading] = {r.id: r for r in (*CONFLICTS, *SILENCES)}
+
+
+def select(profile: str = "paper", chosen: Mapping[str, str] | None = None) -> dict[str, str]:
+    """The alternative of every reading: that of the profile, unless `chosen` names another. Raises `UsageError`."""
+    if profile not in PROFILES:
+        raise UsageError(f"there is no profile {profile}", hint=_nearest(profile, PROFILES))
+    selected = {name: reading.under(profile) for name, reading in READINGS.items()}
+    for name, alternative in (chosen or {}).items():
+        if name not in READINGS:
+            raise UsageError(f"there is no reading {name}", hint=_nearest(name, tuple(READINGS)))
+        if alternative not in READINGS[name].alternatives:
+            known = ", ".join(READINGS[name].alternatives)
+            raise UsageError(f"the reading {name} has no alternative {alternative}", hint=f"it has {known}")
+        selected[name] = alternative
+    return selected
+
+
+def _nearest(name: str, known: tuple[str, ...]) -> str:
+    near = get_close_matches(name, known, n=1)
+    return f"did you mean {near[0]}?" if near else f"there are {', '.join(known)}"
+
+
+__all__ = ["PROFILES", "READINGS", "Probe", "Reading", "select"]

@@ -1,0 +1,28 @@
+"""Regions: sets of points that can be sampled uniformly, tested for points and boxes, and combined."""
+
+from .combined import DifferenceRegion, IntersectionRegion, UnionRegion
+from .curves import PointSetRegion, PolylineRegion
+from .errors import BadRegion, EmptyRegion, UnboundedRegion
+from .polygons import PolygonalRegion
+from .region import Region, everywhere, nowhere
+from .shapes import CircularRegion, RectangularRegion, SectorRegion
+from .workspace import Workspace
+
+__all__ = [
+    "BadRegion",
+    "CircularRegion",
+    "DifferenceRegion",
+    "EmptyRegion",
+    "IntersectionRegion",
+    "PointSetRegion",
+    "PolygonalRegion",
+    "PolylineRegion",
+    "RectangularRegion",
+    "Region",
+    "SectorRegion",
+    "UnboundedRegion",
+    "UnionRegion",
+    "Workspace",
+    "everywhere",
+    "nowhere",
+]

@@ -1,0 +1,128 @@
+"""Regions between two polygons: a core inside and a cover outside, as close as one asks for.
+
+Predicates without a closed form are decided by them: what holds of the core holds of the region, what fails for the cover
+fails for it, and in between one looks closer. At the finest level the cover decides; an arc is then known to within 1.2e-9 of
+its radius (6e-8 m for 50 m). Regions with straight edges are their own core and cover, so for them the first level is exact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Protocol
+
+import shapely
+from shapely.geometry import GeometryCollection, LineString, Point, Polygon
+from shapely.geometry.base import BaseGeometry
+
+from ..geometry import corners
+from ..vectors import Vector
+
+Bounds = tuple[float, float, float, float]  # west, south, east, north
+
+NO_BOUNDS: Bounds = (float("inf"), float("inf"), float("-inf"), float("-inf"))  # of the empty set
+LEVELS = (32, 256, 4096, 65536)  # sides of the polygons that stand for a circle
+TOLERANCE = 1e-8  # metres: how near a point must be to lie on a line or coincide with a point, which have no inside
+_SLIVER = 1e-9  # metres by which lines and points left over by clipping are widened when they belong to a cover
+
+
+@dataclass(frozen=True)
+class Approximation:
+    """Geometries with core ⊆ region ⊆ cover, inside the window they were asked for. One object twice if exact."""
+
+    core: BaseGeometry
+    cover: BaseGeometry
+
+    @property
+    def exact(self) -> bool:
+        return self.core is self.cover
+
+
+class Approximable(Protocol):
+    def approximate(self, sides: int, window: Polygon) -> Approximation: ...
+
+
+def levels(region: Approximable, window: Polygon) -> Iterator[Approximation]:
+    """Ever closer approximations of `region` inside `window`; only one if it is exact."""
+    for sides in LEVELS:
+        approximation = region.approximate(sides, window)
+        yield approximation
+        if approximation.exact:
+            return
+
+
+def contains(region: Approximable, shape: BaseGeometry) -> bool:
+    """Whether `shape` ⊆ `region`."""
+    for approximation in levels(region, window_around(shape.bounds)):
+        if approximation.core.covers(shape):
+            return True
+        if not approximation.cover.covers(shape):
+            return False
+    return True
+
+
+def meets(region: Approximable, shape: BaseGeometry) -> bool:
+    """Whether `shape` ∩ `region` ≠ ∅."""
+    for approximation in levels(region, window_around(shape.bounds)):
+        if approximation.core.intersects(shape):
+            return True
+        if not approximation.cover.intersects(shape):
+            return False
+    return True
+
+
+def distance(region: Approximable, v: Vector, window: Polygon) -> float:
+    """The distance in metres from `v` to `region`, within 1e-6 where arcs are involved; infinite for an empty region."""
+    point, nearest = Point(v.x, v.y), float("inf")
+    for approximation in levels(region, window):
+        if approximation.cover.is_empty:
+            return float("inf")
+        nearest = approximation.cover.distance(point)
+        if not approximation.core.is_empty and approximation.core.distance(point) - nearest < 1e-6:
+            break
+    return nearest
+
+
+def box_shape(position: Vector, heading: float, width: float, length: float) -> BaseGeometry:
+    """The box as a shape; a segment or a point if it is that thin."""
+    points = [(corner.x, corner.y) for corner in corners(position, heading, width, length)]
+    if points[0] not in (points[1], points[3]):
+        return Polygon(points)
+    return LineString((points[0], points[2])) if points[0] != points[2] else Point(points[0])
+
+
+def window_around(bounds: Bounds, margin: float = 1.0) -> Polygon:
+    """The rectangle with these bounds, widened by `margin` metres; empty for the bounds of the empty set."""
+    west, south, east, north = bounds
+    if not west <= east:
+        return Polygon()
+    return shapely.box(west - margin, south - margin, east + margin, north + margin)
+
+
+def hull(first: Bounds, second: Bounds) -> Bounds:
+    """The bounds of the union."""
+    return min(first[0], second[0]), min(first[1], second[1]), max(first[2], second[2]), max(first[3], second[3])
+
+
+def overlap(first: Bounds, second: Bounds) -> Bounds:
+    """Bounds of the intersection."""
+    west, south, east, north = max(first[0], second[0]), max(first[1], second[1]), min(first[2], second[2]), min(first[3], second[3])
+    return (west, south, east, north) if west <= east and south <= north else NO_BOUNDS
+
+
+def polygonal(shape: BaseGeometry) -> BaseGeometry:
+    """The part of `shape` that has area."""
+    if shape.geom_type in ("Polygon", "MultiPolygon"):
+        return shape
+    polygons = [part for part in shapely.get_parts(shape) if part.geom_type in ("Polygon", "MultiPolygon")]
+    return shapely.union_all(polygons) if polygons else Polygon()
+
+
+def as_core(shape: BaseGeometry) -> BaseGeometry:
+    """A subset of `shape` that later set operations accept: of a mixed collection, the polygons."""
+    return polygonal(shape) if isinstance(shape, GeometryCollection) else shape
+
+
+def as_cover(shape: BaseGeometry) -> BaseGeometry:
+    """A superset of `shape` that later set operations accept: of a mixed collection, the parts slightly widened."""
+    return shape.buffer(_SLIVER, quad_segs=1, join_style="mitre") if isinstance(shape, GeometryCollection) else shape

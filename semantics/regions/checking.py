@@ -1,0 +1,42 @@
+"""Checks of the numbers that describe a region, common to all kinds of regions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+
+from ..vectors import Vector
+from .errors import BadRegion
+
+
+def finite(kind: str, name: str, value: float) -> float:
+    """`value` as a float; `BadRegion` if it is not a finite number."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise BadRegion(f"the {name} of a {kind} must be a number, not {value!r}") from None
+    if not math.isfinite(number):
+        raise BadRegion(f"the {name} of a {kind} must be finite, not {number}")
+    return number
+
+
+def nonnegative(kind: str, name: str, value: float) -> float:
+    """`value` as a float; `BadRegion` if it is not a finite number that is at least 0."""
+    number = finite(kind, name, value)
+    if number < 0:
+        raise BadRegion(f"the {name} of a {kind} must not be negative, but it is {number}")
+    return number
+
+
+def vector(kind: str, name: str, value: Vector | Sequence[float]) -> Vector:
+    """`value`, a vector or a pair of numbers, as a vector of finite floats; otherwise `BadRegion`."""
+    try:
+        x, y, *_ = value
+    except (TypeError, ValueError):
+        raise BadRegion(f"the {name} of a {kind} must be a vector, not {value!r}") from None
+    return Vector(finite(kind, f"x coordinate of the {name}", x), finite(kind, f"y coordinate of the {name}", y))
+
+
+def vectors(kind: str, values: Iterable[Vector | Sequence[float]]) -> tuple[Vector, ...]:
+    """Each of `values` as a vector of finite floats."""
+    return tuple(vector(kind, f"point {number}", value) for number, value in enumerate(values))

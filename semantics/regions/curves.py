@@ -1,0 +1,174 @@
+"""Regions without area: polylines (such as curbs) and finite sets of points."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Sequence
+from functools import cached_property
+
+import shapely
+from shapely.geometry import LineString, MultiLineString, MultiPoint, Point, Polygon
+
+from ..fields import VectorField
+from ..geometry import angle_of
+from ..vectors import Vector
+from . import intervals
+from .approximation import NO_BOUNDS, TOLERANCE, Approximation, Bounds, window_around
+from .checking import vectors
+from .errors import BadRegion, EmptyRegion
+from .intervals import Intervals
+from .polygons import intervals_within
+from .region import Region
+from .sampling import Numbers, Segment, SegmentSampler
+
+
+class PolylineRegion(Region):
+    """The curve through `points`, or a given shapely LineString, MultiLineString or sequence of LineStrings.
+
+    `orientation` True orients each point along the line, in the direction of its points (the nearest segment's, the first of
+    several); a vector field orients it so; False or None not at all. Raises `BadRegion` for what is not a curve.
+    """
+
+    dimension = 1
+
+    def __init__(
+        self,
+        points: Sequence[Vector | Sequence[float]] | None = None,
+        polyline: LineString | MultiLineString | Iterable[LineString] | None = None,
+        orientation: VectorField | bool | None = True,
+        name: str | None = None,
+    ) -> None:
+        if (points is None) == (polyline is None):
+            raise BadRegion("a polyline region is given either by its points or by a polyline")
+        paths = [vectors("polyline", points)] if points is not None else _paths(polyline)
+        self.name = name
+        self.lines: tuple[tuple[Vector, ...], ...] = tuple(paths)
+        self._all_segments: tuple[Segment, ...] = tuple((a, b) for path in paths for a, b in itertools.pairwise(path) if a != b)
+        if not self._all_segments:
+            raise BadRegion("a polyline needs at least 2 different points")
+        self.polyline = MultiLineString([[(v.x, v.y) for v in path] for path in paths])
+        shapely.prepare(self.polyline)
+        along = VectorField(f"along {name or 'polyline'}", self.heading_at)
+        self.orientation = along if orientation is True else orientation or None
+
+    def __repr__(self) -> str:
+        return f"PolylineRegion({self.name or self.polyline!r})"
+
+    def heading_at(self, v: Vector) -> float:
+        """The heading of the line at its point nearest to `v`."""
+        nearest = self._tree.query_nearest(Point(v.x, v.y), all_matches=True)
+        start, end = self._all_segments[int(min(nearest))]
+        return angle_of(end - start)
+
+    @cached_property
+    def _tree(self) -> shapely.STRtree:
+        return shapely.STRtree([LineString([(a.x, a.y), (b.x, b.y)]) for a, b in self._all_segments])
+
+    def contains_point(self, v: Vector) -> bool:
+        return bool(shapely.dwithin(self.polyline, Point(v.x, v.y), TOLERANCE))
+
+    def distance_to(self, v: Vector) -> float:
+        return float(self.polyline.distance(Point(v.x, v.y)))
+
+    def bounds(self) -> Bounds:
+        return self.polyline.bounds
+
+    def approximate(self, sides: int, window: Polygon) -> Approximation:
+        return Approximation(self.polyline, self.polyline)
+
+    def intervals(self, start: Vector, end: Vector) -> Intervals:
+        return intervals_within(self.polyline, start, end)
+
+    @cached_property
+    def _disjoint_segments(self) -> tuple[Segment, ...]:
+        """The segments, without the parts that earlier ones cover already."""
+        if shapely.union_all(self.polyline).length >= self.polyline.length * (1 - 1e-12):
+            return self._all_segments
+        kept: list[Segment] = []
+        for start, end in self._all_segments:
+            earlier = shapely.union_all([LineString([tuple(a), tuple(b)]) for a, b in kept]) if kept else LineString()
+            for low, high in intervals.complement(intervals_within(earlier, start, end)):
+                kept.append((start + (end - start) * low, start + (end - start) * high))
+        return tuple(kept)
+
+    @cached_property
+    def _disjoint_tree(self) -> shapely.STRtree:
+        return shapely.STRtree([LineString([tuple(a), tuple(b)]) for a, b in self._disjoint_segments])
+
+    def segments(self, within: Bounds | None = None) -> Iterable[Segment]:
+        if within is None:
+            return self._disjoint_segments
+        window = window_around(within, TOLERANCE)
+        near = sorted(self._disjoint_tree.query(window)) if not window.is_empty else ()
+        return tuple(self._disjoint_segments[int(i)] for i in near)
+
+    @cached_property
+    def _sampler(self) -> SegmentSampler:
+        return SegmentSampler(self._disjoint_segments)
+
+    def measure(self) -> float:
+        return self._sampler.length
+
+    def sample(self, uniform: Numbers) -> Vector:
+        return self._sampler.sample(uniform)
+
+
+class PointSetRegion(Region):
+    """A finite set of points, each as likely as any other; a point that is listed twice counts once.
+
+    `kdTree` is accepted as by the released library, and not needed.
+    """
+
+    dimension = 0
+
+    def __init__(
+        self,
+        name: str,
+        points: Iterable[Vector | Sequence[float]],
+        kdTree: object = None,
+        orientation: VectorField | None = None,
+    ) -> None:
+        self.name = name
+        self.orientation = orientation
+        self._points = tuple(dict.fromkeys(vectors("set of points", points)))
+        self._shape = MultiPoint([(v.x, v.y) for v in self._points])
+        shapely.prepare(self._shape)
+
+    def __repr__(self) -> str:
+        return f"PointSetRegion({self.name!r}, {len(self._points)} points)"
+
+    def contains_point(self, v: Vector) -> bool:
+        return bool(shapely.dwithin(self._shape, Point(v.x, v.y), TOLERANCE))
+
+    def distance_to(self, v: Vector) -> float:
+        return float(self._shape.distance(Point(v.x, v.y))) if self._points else float("inf")
+
+    def bounds(self) -> Bounds:
+        return self._shape.bounds if self._points else NO_BOUNDS
+
+    def approximate(self, sides: int, window: Polygon) -> Approximation:
+        return Approximation(self._shape, self._shape)
+
+    def intervals(self, start: Vector, end: Vector) -> Intervals:
+        return intervals.NONE
+
+    def points(self) -> Iterable[Vector]:
+        return self._points
+
+    def measure(self) -> float:
+        return float(len(self._points))
+
+    def sample(self, uniform: Numbers) -> Vector:
+        if not self._points:
+            raise EmptyRegion(self, "it has no points")
+        return self._points[int(uniform() * len(self._points))]
+
+
+def _paths(polyline: object) -> list[tuple[Vector, ...]]:
+    """The corner points of the lines that `polyline` is or holds."""
+    if isinstance(polyline, LineString):
+        return [vectors("polyline", polyline.coords)] if not polyline.is_empty else []
+    members = polyline.geoms if isinstance(polyline, MultiLineString) else polyline
+    if not isinstance(members, Iterable):
+        raise BadRegion(f"a polyline region is made of shapely linestrings, not of {polyline!r}")
+    return [path for member in members for path in _paths(member)]

@@ -1,0 +1,130 @@
+"""Polygonal regions: areas with straight edges, such as the roads of a map."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from functools import cached_property
+
+import numpy as np
+import shapely
+from shapely.geometry import LineString, MultiPolygon, Point, Polygon
+from shapely.geometry.base import BaseGeometry
+
+from ..fields import VectorField
+from ..vectors import Vector
+from . import intervals
+from .approximation import Approximation, Bounds, box_shape
+from .checking import vectors
+from .errors import BadRegion
+from .intervals import Intervals
+from .region import Region
+from .sampling import Numbers, TriangleSampler
+
+
+class PolygonalRegion(Region):
+    """The polygon with the corners `points`, or a given shapely polygon, multipolygon or sequence of polygons.
+
+    Parts may overlap: the region is their union. `orientation` is a vector field or None. `polygon` is the union as one
+    shapely geometry; sampling uses exactly three numbers. Raises `BadRegion` for what is not a polygon.
+    """
+
+    def __init__(
+        self,
+        points: Sequence[Vector | Sequence[float]] | None = None,
+        polygon: Polygon | MultiPolygon | Iterable[Polygon] | None = None,
+        orientation: VectorField | None = None,
+        name: str | None = None,
+    ) -> None:
+        if (points is None) == (polygon is None):
+            raise BadRegion("a polygonal region is given either by its points or by a polygon")
+        parts = [_from_points(points)] if points is not None else _parts(polygon)
+        self.name = name
+        self.orientation = orientation
+        self.polygon: Polygon | MultiPolygon = _united([_checked(part) for part in parts])
+        shapely.prepare(self.polygon)
+
+    def __repr__(self) -> str:
+        return f"PolygonalRegion({self.name or self.polygon!r})"
+
+    def contains_point(self, v: Vector) -> bool:
+        return bool(shapely.intersects_xy(self.polygon, v.x, v.y))
+
+    def contains_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
+        return bool(self.polygon.covers(box_shape(position, heading, width, length)))
+
+    def meets_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
+        return bool(self.polygon.intersects(box_shape(position, heading, width, length)))
+
+    def distance_to(self, v: Vector) -> float:
+        return float(self.polygon.distance(Point(v.x, v.y)))
+
+    def bounds(self) -> Bounds:
+        return self.polygon.bounds
+
+    def approximate(self, sides: int, window: Polygon) -> Approximation:
+        return Approximation(self.polygon, self.polygon)
+
+    def intervals(self, start: Vector, end: Vector) -> Intervals:
+        return intervals_within(self.polygon, start, end)
+
+    def measure(self) -> float:
+        return float(self.polygon.area)
+
+    def sample(self, uniform: Numbers) -> Vector:
+        return self.triangulation.sample(uniform)
+
+    @cached_property
+    def triangulation(self) -> TriangleSampler:
+        """The union cut into disjoint triangles, with their areas."""
+        return TriangleSampler(self.polygon)
+
+
+def intervals_within(shape: BaseGeometry, start: Vector, end: Vector) -> Intervals:
+    """The parameters t for which start + t (end - start) lies in `shape`; single points are left out."""
+    dx, dy = end.x - start.x, end.y - start.y
+    square = dx * dx + dy * dy
+    if square == 0:
+        return intervals.NONE
+    segment = LineString([(start.x, start.y), (end.x, end.y)])
+    if shape.covers(segment):
+        return intervals.ALL
+    common = shapely.intersection(shape, segment) if shape.intersects(segment) else LineString()
+    found: list[tuple[float, float]] = []
+    for part in shapely.get_parts(common):
+        if part.geom_type == "LineString" and not part.is_empty:
+            along = ((shapely.get_coordinates(part) - (start.x, start.y)) @ np.array([dx, dy])) / square
+            found.append((float(np.clip(along.min(), 0, 1)), float(np.clip(along.max(), 0, 1))))
+    return tuple(sorted(found))
+
+
+def _from_points(points: Sequence[Vector | Sequence[float]]) -> Polygon:
+    corners = vectors("polygon", points)
+    if len(set(corners)) < 3:
+        raise BadRegion(f"a polygon needs at least 3 different points, not {len(set(corners))}")
+    return Polygon([(corner.x, corner.y) for corner in corners])
+
+
+def _parts(polygon: object) -> list[Polygon]:
+    """The polygons that `polygon` is or holds."""
+    if isinstance(polygon, Polygon):
+        return [polygon]
+    members = polygon.geoms if isinstance(polygon, MultiPolygon) else polygon
+    if not isinstance(members, Iterable):
+        raise BadRegion(f"a polygonal region is made of shapely polygons, not of {polygon!r}")
+    return [part for member in members for part in _parts(member)]
+
+
+def _checked(polygon: Polygon) -> Polygon:
+    if polygon.is_empty or not np.isfinite(shapely.get_coordinates(polygon)).all():
+        raise BadRegion(f"a polygon must have points with finite coordinates: {polygon!r}")
+    if not polygon.is_valid:
+        raise BadRegion(f"not a polygon: {shapely.is_valid_reason(polygon)}")
+    return polygon if not polygon.has_z else shapely.force_2d(polygon)
+
+
+def _united(parts: list[Polygon]) -> Polygon | MultiPolygon:
+    if not parts:
+        raise BadRegion("a polygonal region needs at least one polygon")
+    union = parts[0] if len(parts) == 1 else shapely.union_all(parts)
+    assert isinstance(union, (Polygon, MultiPolygon))
+    return union

@@ -1,0 +1,164 @@
+"""Regions: sets of points of the plane (paper, Section "Data Types")."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable
+
+from shapely.geometry import Polygon
+
+from ..fields import VectorField
+from ..vectors import Vector
+from . import intervals
+from .approximation import NO_BOUNDS, Approximation, Bounds, box_shape, contains, distance, hull, meets, window_around
+from .errors import EmptyRegion, UnboundedRegion
+from .intervals import Intervals
+from .sampling import Numbers, Segment
+
+
+class Region(ABC):
+    """A set of points. Immutable; points are in metres.
+
+    `dimension` is 2 for areas, 1 for curves, 0 for points; `orientation` is the preferred orientation of its points (a vector
+    field, or None for ⊥ in the paper's orientation(R)).
+    """
+
+    dimension: int = 2
+    orientation: VectorField | None = None
+
+    @abstractmethod
+    def contains_point(self, v: Vector) -> bool:
+        """Whether v ∈ R (operator `V is in R`). Regions are closed; curves and points are widened by 1e-8 m."""
+
+    @abstractmethod
+    def bounds(self) -> Bounds | None:
+        """West, south, east and north ends; None if unbounded; `NO_BOUNDS` (inf, inf, -inf, -inf) if empty."""
+
+    @abstractmethod
+    def approximate(self, sides: int, window: Polygon) -> Approximation:
+        """Shapes inside and around the region, valid inside `window`, in which full circles have `sides` sides."""
+
+    @abstractmethod
+    def intervals(self, start: Vector, end: Vector) -> Intervals:
+        """The parameters t in [0, 1] for which start + t (end - start) lies in the region."""
+
+    @abstractmethod
+    def measure(self) -> float | None:
+        """The area, length or number of points, by `dimension`; None if it is infinite or has no closed form."""
+
+    @abstractmethod
+    def sample(self, uniform: Numbers) -> Vector:
+        """uniformPointIn(R), a deterministic map of the numbers that `uniform` gives. Raises `EmptyRegion`, `UnboundedRegion`."""
+
+    def contains_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
+        """Whether the whole box lies in the region (operator `O is in R`)."""
+        return contains(self, box_shape(position, heading, width, length))
+
+    def meets_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
+        """Whether the box and the region share a point."""
+        return meets(self, box_shape(position, heading, width, length))
+
+    def distance_to(self, v: Vector) -> float:
+        """The distance from `v` to the nearest point of the region: 0 inside, infinite if the region is empty."""
+        return 0.0 if self.contains_point(v) else distance(self, v, window_around(hull(self.extent(), (v.x, v.y, v.x, v.y))))
+
+    def extent(self) -> Bounds:
+        """Bounds outside which the region holds all points or none."""
+        return self.bounds() or NO_BOUNDS
+
+    def segments(self, within: Bounds | None = None) -> Iterable[Segment]:
+        """The segments of a region of dimension 1, overlapping nowhere; those away from the bounds `within` may be left out."""
+        return ()
+
+    def points(self) -> Iterable[Vector]:
+        """The points of a region of dimension 0."""
+        return ()
+
+    def intersect(self, other: Region) -> Region:
+        """The points in both regions, oriented as this one if it is oriented, else as `other`."""
+        from .combined import intersection  # a region and its combinations know each other
+
+        return intersection(self, other)
+
+    def union(self, other: Region) -> Region:
+        """The points in either region, oriented if both are."""
+        from .combined import union
+
+        return union(self, other)
+
+    def difference(self, other: Region) -> Region:
+        """The points of this region that are not in `other`, oriented as this region."""
+        from .combined import difference
+
+        return difference(self, other)
+
+    def intersects(self, other: Region) -> bool:
+        """Whether the regions share a point; arcs that miss or touch by less than 1.2e-9 of their radius count as sharing."""
+        from .combined import share_a_point
+
+        return share_a_point(self, other)
+
+    def containsPoint(self, point: Vector | tuple[float, float]) -> bool:
+        """`contains_point` under the released library's name."""
+        x, y = point
+        return self.contains_point(Vector(x, y))
+
+
+class Everywhere(Region):
+    """The whole plane."""
+
+    def contains_point(self, v: Vector) -> bool:
+        return True
+
+    def contains_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
+        return True
+
+    def bounds(self) -> None:
+        return None
+
+    def approximate(self, sides: int, window: Polygon) -> Approximation:
+        return Approximation(window, window)
+
+    def intervals(self, start: Vector, end: Vector) -> Intervals:
+        return intervals.ALL
+
+    def measure(self) -> None:
+        return None
+
+    def sample(self, uniform: Numbers) -> Vector:
+        raise UnboundedRegion(self)
+
+    def __repr__(self) -> str:
+        return "everywhere"
+
+
+class Nowhere(Region):
+    """The empty set."""
+
+    dimension = 0
+
+    def contains_point(self, v: Vector) -> bool:
+        return False
+
+    def bounds(self) -> Bounds:
+        return NO_BOUNDS
+
+    def approximate(self, sides: int, window: Polygon) -> Approximation:
+        nothing = Polygon()
+        return Approximation(nothing, nothing)
+
+    def intervals(self, start: Vector, end: Vector) -> Intervals:
+        return intervals.NONE
+
+    def measure(self) -> float:
+        return 0.0
+
+    def sample(self, uniform: Numbers) -> Vector:
+        raise EmptyRegion(self, "it is empty")
+
+    def __repr__(self) -> str:
+        return "nowhere"
+
+
+everywhere: Region = Everywhere()
+nowhere: Region = Nowhere()

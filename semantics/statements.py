@@ -1,0 +1,148 @@
+"""Scenic's static statements: Figure "statement-semantics" of the paper."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from .assignment import done
+from .config import PASS, Abrupt, Config, Stack, State, reduce
+from .distributions import BadParameters, Coin
+from .errors import RunError
+from .expressions import bool_of
+from .kinds import is_object, kind_name
+from .outcome import Change, Draw, Next, Observe, Outcome, Requirement, Stuck
+from .premises import premises
+from .syntax import dynamics as d
+from .syntax import statements as s
+from .syntax.nodes import Node
+from .values import Dynamic, Instance, Random, plain
+
+
+def param(node: s.Param, stack: Stack, state: State) -> Outcome:
+    """If ⟨E, σ, π, O⟩ → ⟨v, σ, π, O'⟩ then ⟨param x = E, σ, π, O⟩ → ⟨pass, σ, π[x/v], O'⟩."""
+    return premises(node, [a.value for a in node.assignments], conclude_param, stack, state)
+
+
+def conclude_param(node: s.Param, values: list[object], stack: Stack, state: State) -> Outcome:
+    """π[x/v]; a value given on the command line wins."""
+    assigned = {a.name: v for a, v in zip(node.assignments, values, strict=True) if a.name not in state.settings.params}
+    change = Change("π", ", ".join(assigned), next(iter(assigned.values()), None))
+    return done("S-Param", node, stack, state._replace(params={**state.params, **assigned}), change)
+
+
+# Requirements
+
+
+class Requiring(NamedTuple):
+    """Frame: the condition of a requirement is being reduced."""
+
+    requirement: Requirement
+    rule: str
+
+
+def hard_requirement(node: s.Require, stack: Stack, state: State) -> Outcome:
+    """Hard Requirements: if ⟨B, σ, π, O⟩ → ⟨True, σ, π, O'⟩ then ⟨require B, σ, π, O⟩ → ⟨pass, σ, π, O'⟩."""
+    if state.reading("require-time") == "end":
+        late = (*state.late, (node, state.sigma.snapshot()))
+        return Next("S-Require-Capture", Config(PASS, stack, state._replace(late=late)), node)
+    return enforce(node, stack, state)
+
+
+def enforce(node: s.Require, stack: Stack, state: State) -> Outcome:
+    """Reduce the condition: now, or at the end of the program with the variables of the statement (reading `require-time`)."""
+    return reduce(node.condition, Requiring(Requirement("require", node.span, "require"), "S-Require"), stack, state)
+
+
+def resume_requiring(frame: Requiring, result: object, stack: Stack, state: State) -> Outcome:
+    """The rule fires only if the condition is True; otherwise no rule applies and the run is stuck."""
+    after = Config(PASS, stack, state)
+    holds = bool_of(plain(result), s.Pass(span=frame.requirement.span), state)
+    return Observe(frame.rule, frame.requirement, after) if holds else Stuck(frame.rule, frame.requirement, after)
+
+
+def soft_requirement(node: s.SoftRequire, stack: Stack, state: State) -> Outcome:
+    """Soft Requirements: ⟨require[p] B⟩ →^p ⟨require B⟩ and ⟨require[p] B⟩ →^{1-p} ⟨pass⟩."""
+    return premises(node, [node.probability], conclude_soft, stack, state)
+
+
+def conclude_soft(node: s.SoftRequire, values: list[object], stack: Stack, state: State) -> Outcome:
+    """Throw the coin: once per run, or once per scene before the rejection loop (reading `soft`)."""
+    probability = values[0]
+    if type(probability) is Random:
+        raise RunError("the probability of a soft requirement must be a constant", node.probability.span, rule="S-SoftReq")
+    try:
+        coin = Coin(probability)  # type: ignore[arg-type]
+    except (BadParameters, TypeError):
+        raise RunError(
+            f"the probability of a soft requirement must be between 0 and 1, not {probability}", node.probability.span, rule="S-SoftReq"
+        ) from None
+
+    def resume(heads: object) -> Config:
+        if not heads:
+            return Config(PASS, stack, state._replace(draws=state.draws + 1))
+        inner = state._replace(prefix=state.address, draws=0)
+        return Config(s.Require(condition=node.condition, span=node.span), (Coined(state.prefix, state.draws + 1), stack), inner)
+
+    return Draw("S-SoftReq", state.address, coin, node, resume, per_scene=state.reading("soft") == "scene")
+
+
+class Coined(NamedTuple):
+    """Frame of a soft requirement that is enforced: its own draws are numbered apart from those after it."""
+
+    prefix: tuple[int, ...]
+    draws: int
+
+
+def resume_coined(frame: Coined, result: object, stack: Stack, state: State) -> Outcome:
+    """Go on numbering draws after the coin."""
+    return Next("", Config(PASS, stack, state._replace(prefix=frame.prefix, draws=frame.draws)))
+
+
+def unwind_coined(frame: Coined, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
+    """As above, for an exception."""
+    return Next("", Config(abrupt, stack, state._replace(prefix=frame.prefix, draws=frame.draws)))
+
+
+# Mutation
+
+
+def mutate(node: s.Mutate, stack: Stack, state: State) -> Outcome:
+    """⟨mutate obj_i by s, σ, π, O⟩ → ⟨pass, σ, π, O[σ(obj_i).mutationScale / s]⟩; the scale is 1 by default."""
+    return premises(node, [node.scale, *node.objects], conclude_mutate, stack, state)
+
+
+def conclude_mutate(node: s.Mutate, values: list[object], stack: Stack, state: State) -> Outcome:
+    """Set the scale of the listed objects, or of every Object that exists now (reading `mutate-all`)."""
+    scale, *listed = values
+    scale = 1 if node.scale is None else scale
+    inner = plain(scale)
+    if isinstance(inner, bool) or not isinstance(inner, (int, float)) or not 0 <= inner < float("inf"):
+        raise RunError(f"`mutate ... by` expects a number that is at least 0, not {inner}", node.span, rule="S-Mutate")
+    targets = [plain(v) for v in listed] if node.objects else list(state.scene)
+    for target in targets:
+        if not (isinstance(target, Instance) and is_object(target)):
+            raise RunError(f"only Objects can be mutated, not {kind_name(target)}", node.span, rule="S-Mutate")
+        state = state.with_properties(target, {"mutationScale": scale})
+    return done("S-Mutate", node, stack, state, Change("O", ", ".join(f"{t!r}.mutationScale" for t in targets), scale))
+
+
+# Dynamic requirements and definitions: remembered for the policy
+
+
+def dynamic_requirement(node: Node, stack: Stack, state: State) -> Outcome:
+    """`require always`, `require eventually`, `terminate when`: conditions that the policy monitors, not the scene."""
+    return Next("S-Dynamic", Config(PASS, stack, state._replace(dynamic=(*state.dynamic, node))), node)
+
+
+def dynamic_definition(node: d.BehaviorDefinition | d.MonitorDefinition | d.ScenarioDefinition, stack: Stack, state: State) -> Outcome:
+    """σ[name / the behavior, monitor or scenario]; default arguments are evaluated now."""
+    return premises(node, [q.default for q in node.parameters], conclude_definition, stack, state)
+
+
+def conclude_definition(
+    node: d.BehaviorDefinition | d.MonitorDefinition | d.ScenarioDefinition, values: list[object], stack: Stack, state: State
+) -> Outcome:
+    """Bind the name."""
+    defaults = {q.name: v for q, v in zip(node.parameters, values, strict=True) if q.default is not None}
+    state.sigma.bind(node.name, Dynamic(node, state.sigma, defaults))
+    return done("S-Definition", node, stack, state, Change("σ", node.name, None))

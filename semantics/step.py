@@ -1,0 +1,214 @@
+"""step : Config -> Outcome. One step of the machine: the table from what stands in control to the rule that reduces it.
+
+Pure: it never samples, reads or writes anything outside the configuration. A `Draw` asks for a value, and whoever runs
+the machine answers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from . import assignment, control, definitions, expressions, functions, object_definitions, operations, premises, statements, termination
+from .config import Abrupt, Config, Stack, State, Value
+from .distributions import BadParameters
+from .errors import RunError, ScenicError, UncaughtException
+from .fields import OutsideField
+from .host import DoorStuck, HostException
+from .outcome import Fault, Next, Outcome, Requirement, Stuck
+from .regions import BadRegion, EmptyRegion, UnboundedRegion
+from .syntax import dynamics as d
+from .syntax import expressions as e
+from .syntax import python_expressions as p
+from .syntax import statements as s
+from .syntax.nodes import NOWHERE, Node, Span
+
+REDUCE: Mapping[type, Callable[..., Outcome]] = {
+    # expressions inherited from Python
+    p.Constant: expressions.axiom_rule,
+    p.Name: expressions.axiom_rule,
+    p.FString: expressions.formatted,
+    p.TupleDisplay: expressions.display,
+    p.ListDisplay: expressions.display,
+    p.SetDisplay: expressions.display,
+    p.DictDisplay: expressions.dict_display,
+    p.Attribute: expressions.attribute,
+    p.Subscript: expressions.subscript,
+    p.Call: functions.call,
+    p.UnaryOperation: expressions.unary,
+    p.BinaryOperation: expressions.binary,
+    p.BooleanOperation: expressions.boolean,
+    p.Comparison: expressions.comparison,
+    p.Conditional: expressions.conditional,
+    p.Lambda: functions.lambda_rule,
+    p.Comprehension: functions.comprehension,
+    # operators of the appendix
+    e.RelativeHeading: operations.operator,
+    e.ApparentHeading: operations.operator,
+    e.Distance: operations.operator,
+    e.DistancePast: operations.operator,
+    e.Angle: operations.operator,
+    e.CanSee: operations.operator,
+    e.Degrees: operations.operator,
+    e.FieldAt: operations.operator,
+    e.RelativeTo: operations.operator,
+    e.VectorOf: operations.operator,
+    e.OffsetBy: operations.operator,
+    e.OffsetAlong: operations.operator,
+    e.Visible: operations.operator,
+    e.VisibleFrom: operations.operator,
+    e.Follow: operations.operator,
+    e.SideOf: operations.side_of,
+    e.Seconds: expressions.seconds,
+    e.IntervalOrPair: functions.interval_or_pair,
+    e.InInitialScenario: expressions.in_initial_scenario,
+    # object definitions
+    e.ObjectDefinition: object_definitions.object_definition,
+    e.ObjectOrValue: object_definitions.object_definition,
+    e.ObjectOrOperator: object_definitions.object_definition,
+    # statements inherited from Python
+    s.ExpressionStatement: control.expression_statement,
+    s.Assignment: assignment.assignment,
+    s.AugmentedAssignment: assignment.augmented,
+    s.If: control.if_statement,
+    s.While: control.while_statement,
+    s.For: control.for_statement,
+    s.FunctionDefinition: control.function_definition,
+    s.Return: control.return_statement,
+    s.Break: control.leave_block,
+    s.Continue: control.leave_block,
+    s.Pass: control.pass_statement,
+    s.Global: control.pass_statement,
+    s.Nonlocal: control.pass_statement,
+    s.Delete: assignment.delete,
+    s.Assert: control.assert_statement,
+    s.Raise: control.raise_statement,
+    s.Try: control.try_statement,
+    s.Import: definitions.import_statement,
+    s.ImportFrom: definitions.import_from,
+    s.ClassDefinition: definitions.class_definition,
+    # Scenic's static statements
+    s.Model: definitions.model,
+    s.Param: statements.param,
+    s.Require: statements.hard_requirement,
+    s.SoftRequire: statements.soft_requirement,
+    s.Mutate: statements.mutate,
+    # dynamic definitions and requirements, kept for the policy
+    d.BehaviorDefinition: statements.dynamic_definition,
+    d.MonitorDefinition: statements.dynamic_definition,
+    d.ScenarioDefinition: statements.dynamic_definition,
+    d.RequireAlways: statements.dynamic_requirement,
+    d.RequireEventually: statements.dynamic_requirement,
+    d.RequireMonitor: statements.dynamic_requirement,
+    d.TerminateWhen: statements.dynamic_requirement,
+    # dynamic statements have no place in the generation of a scene
+    d.Take: control.not_executable,
+    d.Wait: control.not_executable,
+    d.Terminate: control.not_executable,
+    d.Do: control.not_executable,
+    d.DoChoose: control.not_executable,
+    d.DoShuffle: control.not_executable,
+    d.Abort: control.not_executable,
+    d.Override: control.not_executable,
+}
+
+RESUME: Mapping[type, Callable[..., Outcome]] = {
+    premises.Premises: premises.resume_premises,
+    expressions.Boolean: expressions.resume_boolean,
+    expressions.Test: expressions.resume_test,
+    functions.Called: functions.resume_called,
+    functions.InScope: functions.resume_in_scope,
+    functions.Comprehending: functions.resume_comprehension,
+    object_definitions.ClassOf: object_definitions.resume_class,
+    object_definitions.Construction: object_definitions.resume_construction,
+    object_definitions.Defaulting: object_definitions.resume_defaulting,
+    object_definitions.Placing: object_definitions.resume_placing,
+    control.Sequence: control.resume_sequence,
+    control.Discard: control.resume_discard,
+    control.Branching: control.resume_branching,
+    control.Looping: control.resume_looping,
+    control.Testing: control.resume_testing,
+    control.Iterating: control.resume_iterating,
+    control.Handling: control.resume_handling,
+    control.Choosing: control.resume_choosing,
+    control.Handled: control.resume_handled,
+    control.Finally: control.resume_finally,
+    control.Afterwards: control.resume_afterwards,
+    statements.Requiring: statements.resume_requiring,
+    statements.Coined: statements.resume_coined,
+    definitions.ClassBody: definitions.resume_class_body,
+    definitions.ModuleBody: definitions.resume_module_body,
+    termination.Finishing: termination.resume_finishing,
+    termination.Mutating: termination.resume_mutating,
+    termination.Late: termination.resume_late,
+    termination.Checking: termination.resume_checking,
+}
+
+UNWIND: Mapping[type, Callable[..., Outcome]] = {
+    functions.Called: functions.unwind_called,
+    functions.InScope: functions.unwind_in_scope,
+    object_definitions.Construction: object_definitions.unwind_construction,
+    object_definitions.Defaulting: object_definitions.unwind_construction,
+    control.Looping: control.unwind_looping,
+    control.Handling: control.unwind_handling,
+    control.Handled: control.unwind_handled,
+    control.Finally: control.unwind_finally,
+    statements.Coined: statements.unwind_coined,
+    definitions.ClassBody: definitions.unwind_class_body,
+    definitions.ModuleBody: definitions.unwind_module_body,
+}
+
+
+def step(config: Config) -> Outcome:
+    """What the machine says next about `config`."""
+    control_, stack, state = config
+    kind = type(control_)
+    try:
+        if kind is Value:
+            frame, rest = stack
+            return RESUME[type(frame)](frame, control_.value, rest, state)  # type: ignore[union-attr]
+        if kind is Abrupt:
+            return unwind(control_, stack, state)  # type: ignore[arg-type]
+        return REDUCE[kind](control_, stack, state)
+    except HostException as problem:
+        return raised(problem.exception, config)
+    except OutsideField as outside:
+        return Stuck("O-At", Requirement("field", place(config), str(outside)))
+    except DoorStuck as inner:
+        return inner.outcome._replace(beyond=None)
+    except (BadRegion, BadParameters, UnboundedRegion) as bad:
+        return Fault(RunError(str(bad), place(config), rule="E-Region"))
+    except EmptyRegion as empty:
+        return Stuck("E-Region", Requirement("region", place(config), str(empty)))
+    except ScenicError as error:
+        if error.span is NOWHERE or error.span.line == 0:
+            error.span = place(config)
+        return Fault(error)
+
+
+def unwind(abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
+    """Leave frames until one stops what left its block; an exception that none stops is the program's error."""
+    while stack:
+        frame, stack = stack
+        rule = UNWIND.get(type(frame))
+        if rule is not None:
+            return rule(frame, abrupt, stack, state)
+    exception = abrupt.value
+    assert isinstance(exception, BaseException)
+    return Fault(UncaughtException(f"{type(exception).__name__}: {exception}".rstrip(": "), abrupt.span, exception=exception))
+
+
+def raised(exception: Exception, config: Config) -> Next:
+    """A Python operation raised an exception: the program may catch it."""
+    return Next("E-Raise", Config(Abrupt("raise", exception, place(config)), config.stack, config.state))
+
+
+def place(config: Config) -> Span:
+    """Where in the source the control stands: its node, or the innermost frame that has one."""
+    control_, stack, _ = config
+    span = getattr(control_, "span", NOWHERE)
+    while (span is NOWHERE or span.line == 0) and stack:
+        frame, stack = stack
+        node = getattr(frame, "node", None) or getattr(getattr(frame, "construction", None), "node", None)
+        span = node.span if isinstance(node, Node) else NOWHERE
+    return span
+

@@ -1,0 +1,141 @@
+"""Dynamic and compositional statements: the second group of Table "Statements", behaviors, monitors and scenarios."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from .nodes import Expression, Node, Specifier, Statement
+from .python_expressions import Parameter
+from .statements import Block
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BehaviorDefinition(Statement):
+    """`behavior name(parameters): precondition/invariant lines, then body`."""
+
+    name: str
+    parameters: tuple[Parameter, ...]
+    preconditions: tuple[Expression, ...]
+    invariants: tuple[Expression, ...]
+    body: Block
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MonitorDefinition(Statement):
+    """`monitor name[(parameters)]: body`."""
+
+    name: str
+    parameters: tuple[Parameter, ...]
+    body: Block
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ScenarioDefinition(Statement):
+    """`scenario name(parameters): preconditions, invariants, setup block, compose block`; a missing block is None."""
+
+    name: str
+    parameters: tuple[Parameter, ...]
+    preconditions: tuple[Expression, ...]
+    invariants: tuple[Expression, ...]
+    setup: Block | None = None
+    compose: Block | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RequireAlways(Statement):
+    """`require always B`."""
+
+    condition: Expression
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RequireEventually(Statement):
+    """`require eventually B`."""
+
+    condition: Expression
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RequireMonitor(Statement):
+    """`require monitor M(...)` of dialect `scenic-3`."""
+
+    monitor: Expression
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TerminateWhen(Statement):
+    """`terminate when B`."""
+
+    condition: Expression
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Take(Statement):
+    """`take action, ...`."""
+
+    actions: tuple[Expression, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Wait(Statement):
+    """`wait`."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Terminate(Statement):
+    """`terminate`."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TimeLimit(Node):
+    """`for S seconds` or `for S steps`."""
+
+    amount: Expression
+    unit: Literal["seconds", "steps"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Until(Node):
+    """`until B`."""
+
+    condition: Expression
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Do(Statement):
+    """`do invocation, ... [for S seconds | for S steps | until B]`."""
+
+    invocations: tuple[Expression, ...]
+    limit: TimeLimit | Until | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DoChoose(Statement):
+    """`do choose A, B` or, with weights, `do choose {A: 2, B: 1}` (then `weights` is as long as `invocations`)."""
+
+    invocations: tuple[Expression, ...]
+    weights: tuple[Expression, ...] = ()
+    limit: TimeLimit | Until | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DoShuffle(Statement):
+    """`do shuffle A, B` or, with weights, `do shuffle {A: 2, B: 1}`."""
+
+    invocations: tuple[Expression, ...]
+    weights: tuple[Expression, ...] = ()
+    limit: TimeLimit | Until | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Abort(Statement):
+    """`abort`."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Override(Statement):
+    """`override name specifier, ...`."""
+
+    object: Expression
+    specifiers: tuple[Specifier, ...]

@@ -1,0 +1,188 @@
+"""The two termination rules of Figure "statement-semantics": apply mutations, then check the default requirements.
+
+⟨pass, σ, π, O⟩ becomes ⟨Done, σ, π, O'⟩ by Step 1 and (π, O') by Step 2.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from . import geometry
+from .config import PASS, Config, Stack, State, Value
+from .distributions import BadParameters, Normal
+from .errors import RunError
+from .kinds import Reader, View, kind_name
+from .operators import can_see_object, object_is_in
+from .outcome import Done, Draw, Next, Observe, Outcome, Requirement, Stuck
+from .regions import Region, everywhere
+from .statements import enforce
+from .syntax.nodes import NOWHERE
+from .syntax.python_expressions import Constant
+from .values import Instance, Origin, Random, plain
+
+COMPONENTS = ("x", "y", "heading")
+
+
+class Finishing(NamedTuple):
+    """Frame at the bottom of the program: when its statements are reduced to `pass`, the termination rules begin."""
+
+
+class Mutating(NamedTuple):
+    """Frame of Step 1: the noise for `component` of object number `index` is next; `noise` holds what was drawn for it."""
+
+    index: int
+    component: int = 0
+    noise: tuple[object, ...] = ()
+
+
+class Checking(NamedTuple):
+    """Frame of Step 2: premise number `index` of `premises` (kind, object, other object) is next."""
+
+    index: int
+    premises: tuple[tuple[str, Instance, Instance], ...]
+
+
+class Late(NamedTuple):
+    """Frame: requirement number `index` of those that waited for the end is next (reading `require-time=end`)."""
+
+    index: int
+
+
+def resume_finishing(frame: Finishing, result: object, stack: Stack, state: State) -> Outcome:
+    """⟨pass, σ, π, O⟩: the program has been reduced; a program without ego is ill-formed."""
+    if state.ego is None:
+        raise RunError(
+            "the program never assigns ego, the object from whose point of view the scene is", NOWHERE, rule="T-Mutate", hint="write ego = Object ..."
+        )
+    return mutate_objects(Mutating(0), stack, state)
+
+
+def mutate_objects(frame: Mutating, stack: Stack, state: State) -> Outcome:
+    """Termination, Step 1: n ~ Normal(0, S_i · ps_i) for x and y, Normal(0, S_i · hs_i) for the heading of every o_i.
+
+    A standard deviation of 0 is a point mass: no draw, probability 1 (reading `zero-stddev`).
+    """
+    if frame.index == len(state.scene):
+        return Next("T-Mutate", Config(PASS, (Late(0), stack), state))
+    instance = state.scene[frame.index]
+    if frame.component == 3:
+        return apply_noise(frame, instance, stack, state)
+    reader = Reader(state)
+    scale = reader.property(instance, "mutationScale")
+    if not scale:
+        return mutate_objects(Mutating(frame.index + 1), stack, state)
+    deviation = reader.property(instance, "headingStdDev" if frame.component == 2 else "positionStdDev")
+    try:
+        distribution = Normal(0.0, float(scale) * float(deviation))  # type: ignore[arg-type]
+    except (BadParameters, TypeError):
+        raise RunError(f"the standard deviation of the noise on {instance!r} is not a number", instance.class_.span, rule="T-Mutate") from None
+    if distribution.std == 0:
+        return mutate_objects(frame._replace(component=frame.component + 1, noise=(*frame.noise, 0.0)), stack, state)
+    origin = Origin(NOWHERE, f"mutation of {instance!r}", None)
+    after = state._replace(draws=state.draws + 1)
+
+    def resume(drawn: object) -> Config:
+        return Config(Value(Random(drawn, origin)), (frame, stack), after)
+
+    return Draw("T-Mutate", state.address, distribution, Constant(value=None), resume)
+
+
+def resume_mutating(frame: Mutating, drawn: object, stack: Stack, state: State) -> Outcome:
+    """n_{i,x}, n_{i,y} or n_{i,h} was drawn."""
+    return mutate_objects(frame._replace(component=frame.component + 1, noise=(*frame.noise, drawn)), stack, state)
+
+
+def apply_noise(frame: Mutating, instance: Instance, stack: Stack, state: State) -> Outcome:
+    """pos_i = O(o_i.position) + (n_{i,x}, n_{i,y}) and head_i = O(o_i.heading) + n_{i,h}."""
+    reader = Reader(state)
+    dx, dy, turn = (reader.plain(n) for n in frame.noise)
+    position = reader.property(instance, "position")
+    heading = reader.property(instance, "heading")
+    moved = {"position": reader.wrap(position + (dx, dy)), "heading": reader.wrap(heading + turn)}  # type: ignore[operator]
+    return mutate_objects(Mutating(frame.index + 1), stack, state.with_properties(instance, moved))
+
+
+def resume_late(frame: Late, result: object, stack: Stack, state: State) -> Outcome:
+    """Reading `require-time=end`: each captured requirement, with σ as it was at the statement; then Step 2."""
+    if frame.index < len(state.late):
+        node, sigma = state.late[frame.index]
+        return enforce(node, (Late(frame.index + 1), stack), state._replace(sigma=sigma))  # type: ignore[arg-type]
+    return check_default_requirements(Checking(0, premises_of_step_two(state)), stack, state)
+
+
+def resume_checking(frame: Checking, result: object, stack: Stack, state: State) -> Outcome:
+    """One default requirement holds: on with the next."""
+    return check_default_requirements(frame, stack, state)
+
+
+def check_default_requirements(frame: Checking, stack: Stack, state: State) -> Outcome:
+    """Termination, Step 2: boundingBox(o_i) ⊆ workspace; no collisions; visible from ego. One premise per step."""
+    if frame.index == len(frame.premises):
+        return Done("T-Check", state)
+    kind, first, second = frame.premises[frame.index]
+    after = Config(PASS, (Checking(frame.index + 1, frame.premises), stack), state)
+    reader = Reader(state)
+    one = View(first, reader)
+    name = name_of(first, state)
+    if kind == "containment":
+        requirement = Requirement("containment", NOWHERE, f"{name} is contained in the workspace")
+        holds = object_is_in(one, workspace_of(state))
+    elif kind == "regionContainedIn":
+        requirement = Requirement("containment", NOWHERE, f"{name} is contained in its regionContainedIn")
+        holds = object_is_in(one, contained_in(first, reader))
+    elif kind == "collision":
+        other = View(second, reader)
+        requirement = Requirement("collision", NOWHERE, f"{name} and {name_of(second, state)} do not intersect")
+        holds = not geometry.boxes_intersect(
+            one.position, one.heading, one.width, one.length, other.position, other.heading, other.width, other.length
+        )
+    else:
+        requirement = Requirement("visibility", NOWHERE, f"{name} is visible from ego")
+        holds = can_see_object(View(second, reader), one)
+    return Observe("T-Check", requirement, after) if holds else Stuck("T-Check", requirement, after)
+
+
+def premises_of_step_two(state: State) -> tuple[tuple[str, Instance, Instance], ...]:
+    """The premises of the rule, in its order: containment of all, collisions of all pairs, visibility of all.
+
+    Which ones there are depends on properties that are constants of the program in all but odd cases.
+    """
+    reader = Reader(state)
+    objects = state.scene
+    ego = reader.plain(state.ego)
+    assert isinstance(ego, Instance)
+    unbounded = workspace_of(state) is everywhere
+    checks: list[tuple[str, Instance, Instance]] = []
+    for o in objects:
+        if not unbounded:
+            checks.append(("containment", o, o))
+        if reader.property(o, "regionContainedIn") is not None:
+            checks.append(("regionContainedIn", o, o))
+    solid = [o for o in objects if not reader.property(o, "allowCollisions")]
+    checks.extend(("collision", solid[i], solid[j]) for j in range(len(solid)) for i in range(j))
+    checks.extend(("visibility", o, ego) for o in objects if reader.property(o, "requireVisible"))
+    return tuple(checks)
+
+
+def workspace_of(state: State) -> Region:
+    """The value of `workspace`; without one, the whole plane."""
+    found = plain(state.workspace)
+    if found is None:
+        return everywhere
+    if isinstance(found, Region):
+        return found
+    raise RunError(f"workspace must be a region, not {kind_name(found)}", NOWHERE, rule="T-Check", hint="write workspace = Workspace(region)")
+
+
+def contained_in(instance: Instance, reader: Reader) -> Region:
+    """O(instance.regionContainedIn) (reading `region-contained`)."""
+    found = reader.property(instance, "regionContainedIn")
+    if isinstance(found, Region):
+        return found
+    raise RunError(f"regionContainedIn must be a region, not {kind_name(found)}", instance.class_.span, rule="T-Check")
+
+
+def name_of(instance: Instance, state: State) -> str:
+    """The object as the report names it: by its variable, or by its class and place in the scene."""
+    name = state.names.get(instance.number)
+    return name or f"{instance.class_.name} (object {state.scene.index(instance)})"

@@ -1,0 +1,202 @@
+"""What expressions evaluate to: random values, instances, classes, functions (paper, Section "Data Types").
+
+Booleans, scalars, strings, tuples, lists, ... are Python's own; vectors, fields and regions stand in `vectors`,
+`fields` and `regions`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple
+
+from .scopes import Names, Scope
+from .syntax.nodes import NOWHERE, Node, Span
+from .syntax.python_expressions import Parameter
+from .syntax.statements import Block
+
+if TYPE_CHECKING:
+    from .host import Door
+
+
+class Origin(NamedTuple):
+    """Where a random value comes from: the draw in the source and what was drawn; `distribution` if it is itself a draw."""
+
+    span: Span
+    text: str
+    distribution: object | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Random:
+    """A value that some run would find different: `value` in this run, and the draw it stems from.
+
+    The machine wraps the result of every draw and of every operation on wrapped values. Control flow outside behaviors
+    may not look inside (reading `random-branch`); `resample` reads `origin.distribution` (reading `resample`).
+    """
+
+    value: object
+    origin: Origin
+
+
+def plain(value: object) -> object:
+    """The value in this run, random or not; containers are left as they are."""
+    return value.value if type(value) is Random else value
+
+
+def unwrap(value: object) -> tuple[object, Origin | None]:
+    """The value with no `Random` anywhere inside lists, tuples, sets and dicts, and the origin of the first one found."""
+    if type(value) is Random:
+        inner, _ = unwrap(value.value)
+        return inner, value.origin
+    if isinstance(value, (list, tuple, set, frozenset)) and type(value) in (list, tuple, set, frozenset):
+        pairs = [unwrap(item) for item in value]
+        origin = next((o for _, o in pairs if o is not None), None)
+        return (value, None) if origin is None else (type(value)(v for v, _ in pairs), origin)
+    if type(value) is dict:
+        pairs = [(unwrap(key), unwrap(item)) for key, item in value.items()]
+        origin = next((o for pair in pairs for _, o in pair if o is not None), None)
+        return (value, None) if origin is None else ({k[0]: v[0] for k, v in pairs}, origin)
+    return value, None
+
+
+def wrap(value: object, origin: Origin | None) -> object:
+    """`value` marked as stemming from `origin`; the distribution is dropped, since `value` is a result, not a draw."""
+    if origin is None or type(value) is Random:
+        return value
+    return Random(value, origin if origin.distribution is None else origin._replace(distribution=None))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Instance:
+    """A reference to an instance of a Scenic class; its properties stand in the state's O, under `number`."""
+
+    number: int
+    class_: ScenicClass
+
+    def __repr__(self) -> str:
+        return f"<{self.class_.name} {self.number}>"
+
+
+@dataclass(frozen=True, eq=False)
+class ScenicClass:
+    """A Scenic class: its own defaults as expressions, its methods, and the scope in which both are evaluated."""
+
+    name: str
+    superclass: ScenicClass | None
+    own_defaults: Mapping[str, Node]
+    scope: Scope
+    methods: Mapping[str, object] = field(default_factory=dict)
+    span: Span = NOWHERE
+    built_in: bool = False
+
+    @cached_property
+    def built_in_name(self) -> str:
+        """Which of Point, OrientedPoint and Object this class is or descends from, the nearest one."""
+        return next(c.name for c in self.lineage if c.built_in)
+
+    @cached_property
+    def lineage(self) -> tuple[ScenicClass, ...]:
+        """This class, its superclass, and so on up to Point."""
+        return (self,) if self.superclass is None else (self, *self.superclass.lineage)
+
+    @cached_property
+    def defaults(self) -> Mapping[str, tuple[Node, ScenicClass]]:
+        """The most-derived default value expression of every property, with the class that it stands in."""
+        inherited = {} if self.superclass is None else dict(self.superclass.defaults)
+        return inherited | {name: (value, self) for name, value in self.own_defaults.items()}
+
+    def is_subclass_of(self, other: ScenicClass) -> bool:
+        """Whether `other` is this class or one above it."""
+        return other in self.lineage
+
+    def method(self, name: str) -> object | None:
+        """The most-derived method or class attribute of that name, or None."""
+        return next((c.methods[name] for c in self.lineage if name in c.methods), None)
+
+    def __repr__(self) -> str:
+        return f"<class {self.name}>"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Function:
+    """A function of the program: closed over its scope, its default values evaluated when `def` ran."""
+
+    name: str
+    parameters: tuple[Parameter, ...]
+    body: Block | Node
+    scope: Scope
+    defaults: Mapping[str, object]
+    names: Names
+    door: Door
+    span: Span = NOWHERE
+
+    def __call__(self, *arguments: object, **keywords: object) -> object:
+        """Called by host code: through the door."""
+        return self.door.call(self, arguments, keywords)
+
+    def __get__(self, instance: object, owner: type | None = None) -> Function | Method:
+        """A method, where Python looks this function up on an instance of a class of the program."""
+        return self if instance is None else Method(self, instance)
+
+    def __repr__(self) -> str:
+        return f"<function {self.name}>"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Method:
+    """A function of the program bound to its first argument."""
+
+    function: Function
+    instance: object
+
+    def __call__(self, *arguments: object, **keywords: object) -> object:
+        """Called by host code: through the door."""
+        return self.function.door.call(self.function, (self.instance, *arguments), keywords)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Constructor:
+    """A distribution's name as a value: `make(arguments)` checks the parameters θ and gives baseDist(θ).
+
+    `keeps_values`: the arguments are values to choose among, which may be random themselves, not parameters.
+    """
+
+    name: str
+    make: Callable[..., object]
+    keeps_values: bool
+
+    def __repr__(self) -> str:
+        return f"<distribution {self.name}>"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Special:
+    """A builtin that is a rule of the machine rather than a host function: `resample`, `print`, ..."""
+
+    name: str
+
+    def __repr__(self) -> str:
+        return f"<built-in {self.name}>"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Dynamic:
+    """A behavior, monitor or scenario class as a value, or (with arguments) one ready to run."""
+
+    definition: Node
+    scope: Scope
+    defaults: Mapping[str, object]
+    arguments: tuple[tuple[object, ...], Mapping[str, object]] | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Module:
+    """An imported module's namespace."""
+
+    name: str
+    scope: Scope
+
+    def __repr__(self) -> str:
+        return f"<module {self.name}>"

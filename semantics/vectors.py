@@ -1,0 +1,52 @@
+"""Vectors: positions and offsets in the plane, in metres (paper, Section "Data Types")."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Vector:
+    """The vector ⟨x, y⟩; `x` points East, `y` North; floats, or arrays of one shape for many vectors at once."""
+
+    x: float
+    y: float
+
+    def __iter__(self) -> Iterator[float]:
+        yield self.x
+        yield self.y
+
+    def __len__(self) -> int:
+        return 2
+
+    def __getitem__(self, index: int) -> float:
+        return (self.x, self.y)[index]
+
+    def __add__(self, other: Vector | tuple[float, float]) -> Vector:
+        x, y = other
+        return Vector(self.x + x, self.y + y)
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Vector | tuple[float, float]) -> Vector:
+        x, y = other
+        return Vector(self.x - x, self.y - y)
+
+    def __rsub__(self, other: tuple[float, float]) -> Vector:
+        x, y = other
+        return Vector(x - self.x, y - self.y)
+
+    def __mul__(self, factor: float) -> Vector:
+        return Vector(self.x * factor, self.y * factor)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, divisor: float) -> Vector:
+        return Vector(self.x / divisor, self.y / divisor)
+
+    def __neg__(self) -> Vector:
+        return Vector(-self.x, -self.y)
+
+    def __repr__(self) -> str:
+        return f"({self.x}, {self.y})"

@@ -1,0 +1,1 @@
+"""Worlds to put scenes in, and simulators that run them."""

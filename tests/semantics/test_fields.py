@@ -1,0 +1,76 @@
+"""Vector fields: values, precedence of cells, and what lies outside."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scenic_ref.semantics.fields import OutsideField, PolygonalVectorField, VectorField
+from scenic_ref.semantics.vectors import Vector
+from shapely.geometry import Point, Polygon, box
+
+HERE = Vector(0.5, 0.5)
+triangles = st.lists(st.tuples(st.integers(-6, 6), st.integers(-6, 6)), min_size=3, max_size=3).map(Polygon).filter(lambda p: p.area > 0)
+
+
+def test_a_field_is_its_function() -> None:
+    assert VectorField("twice", lambda v: 2 * v.x).at(Vector(3.0, 0.0)) == 6
+
+
+@given(st.lists(triangles, max_size=12), st.tuples(st.integers(-24, 24), st.integers(-24, 24)))
+@settings(deadline=None, max_examples=200)
+def test_the_first_cell_that_contains_the_point_wins(cells: list[Polygon], quarters: tuple[int, int]) -> None:
+    """Compared with trying every cell in turn, also at points on edges and corners."""
+    v = Vector(quarters[0] / 4, quarters[1] / 4)
+    field = PolygonalVectorField("field", [(cell, float(number)) for number, cell in enumerate(cells)])
+    expected = next((number for number, cell in enumerate(cells) if cell.intersects(Point(v.x, v.y))), None)
+    assert field.cell_at(v) == expected
+    if expected is None:
+        with pytest.raises(OutsideField) as outside:
+            field.at(v)
+        assert outside.value.field is field
+        assert outside.value.point == v
+    else:
+        assert field.at(v) == expected
+
+
+def test_cells_are_closed() -> None:
+    field = PolygonalVectorField("field", [(box(0, 0, 1, 1), 7.0)])
+    assert [field.at(Vector(x, y)) for x, y in ((0, 0), (1, 1), (1, 0.5), (0.25, 0))] == [7.0] * 4
+
+
+@pytest.mark.parametrize("number", [float("nan"), float("inf"), -float("inf"), 1e300])
+def test_points_that_are_nowhere_are_outside(number: float) -> None:
+    with pytest.raises(OutsideField):
+        PolygonalVectorField("field", [(box(0, 0, 1, 1), 7.0)]).at(Vector(number, 0.0))
+
+
+def test_a_default_heading_holds_outside_and_in_cells_without_heading() -> None:
+    field = PolygonalVectorField("field", [(box(0, 0, 1, 1), None)], defaultHeading=2.0)
+    assert (field.at(HERE), field.at(Vector(5.0, 5.0))) == (2, 2)
+
+
+def test_a_heading_function_holds_in_cells_without_heading_only() -> None:
+    field = PolygonalVectorField("field", [(box(0, 0, 1, 1), None), (box(1, 0, 2, 1), 4.0)], headingFunction=lambda v: v.x)
+    assert (field.at(HERE), field.at(Vector(1.5, 0.5))) == (0.5, 4)
+    with pytest.raises(OutsideField):
+        field.at(Vector(5.0, 5.0))
+
+
+def test_a_cell_may_have_a_function_of_its_own() -> None:
+    assert PolygonalVectorField("field", [(box(0, 0, 1, 1), lambda v: v.x + v.y)]).at(HERE) == 1
+
+
+def test_a_cell_without_any_heading_is_refused() -> None:
+    with pytest.raises(ValueError, match="cell 0 of the vector field road has no heading"):
+        PolygonalVectorField("road", [(box(0, 0, 1, 1), None)])
+
+
+def test_a_field_without_cells_is_nowhere_defined() -> None:
+    with pytest.raises(OutsideField):
+        PolygonalVectorField("field", []).at(HERE)
+
+
+def test_cells_of_very_different_sizes_are_all_found() -> None:
+    field = PolygonalVectorField("field", [*((box(i, 0, i + 1, 1), float(i)) for i in range(50)), (box(-1e5, -1e5, 1e5, 1e5), -1.0)])
+    assert [field.at(Vector(x, 0.5)) for x in (3.5, 49.5, 60.0, -9e4)] == [3, 49, -1, -1]
