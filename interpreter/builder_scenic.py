@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from typing import get_args
+
 from ..semantics.errors import ParseError
-from ..semantics.syntax import Expression, Span, Specifier
+from ..semantics.syntax import Expression, Span
 from ..semantics.syntax.expressions import (
     Angle,
     ApparentHeading,
@@ -17,6 +19,7 @@ from ..semantics.syntax.expressions import (
     ObjectOrOperator,
     RelativeHeading,
     Seconds,
+    Side,
     SideOf,
     Visible,
 )
@@ -37,9 +40,10 @@ from ..semantics.syntax.specifiers import (
 )
 from .chains import Link, as_vector, associate, is_dotted_name, join
 from .dialects import having
-from .tree_builder import BuilderBase, Parts
+from .tree_builder import BuilderBase, Parts, is_number
 
 CHAIN_LIMIT = 50
+SIDES: dict[str, Side] = {side: side for side in get_args(Side)}
 
 
 class ScenicBuilder(BuilderBase):
@@ -98,8 +102,7 @@ class ScenicBuilder(BuilderBase):
         return Follow(span=span, field=parts[0], origin=vector_or_none(parts[1]), distance=parts[2])
 
     def make_side_of(self, span: Span, parts: Parts) -> SideOf:
-        side = " ".join(parts[0].split()[:-1])
-        return SideOf(span=span, side=side, object=parts[1])
+        return SideOf(span=span, side=SIDES[" ".join(parts[0].split()[:-1])], object=parts[1])
 
     def make_left_side_of(self, span: Span, parts: Parts) -> SideOf:
         return SideOf(span=span, side="left", object=parts[0])
@@ -129,6 +132,8 @@ class ScenicBuilder(BuilderBase):
     def make_object_after_operator(self, span: Span, parts: Parts) -> ObjectDefinition:
         first, *specifiers = parts
         if not isinstance(first, ObjectOrOperator):
+            if is_number(first):
+                raise ParseError("a vector needs parentheses", first.span, hint="write `(x, y)`")
             self.require_class(first, followed=True)
             raise ParseError("a comma stands before the first specifier", first.span, hint="remove the comma after the class")
         definition = first.as_object

@@ -225,6 +225,9 @@ class StatementBuilder(BuilderBase):
         _, objects, scale = parts
         return Mutate(span=span, objects=objects or (), scale=scale)
 
+    def make_mutate_all(self, span: Span, parts: Parts) -> Mutate:
+        return Mutate(span=span, scale=parts[0])
+
     def make_mutated(self, span: Span, parts: Parts) -> tuple[Name, ...]:
         return tuple(Name(span=self.token_span(token), name=self.identifier(token)) for token in names_of(parts))
 

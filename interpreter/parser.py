@@ -57,7 +57,7 @@ def parse_tree(source: str, start: Start, origin: Origin) -> Tree[Token]:
     try:
         return tables().parse(source, start=start)
     except UnexpectedInput as fault:
-        raise syntax_errors.explain(fault, source, origin, tables()) from None
+        raise syntax_errors.explain(fault, source, origin) from None
     except ParseError as fault:  # from the post-lexer
         raise ParseError(fault.message, origin.move(fault.span), hint=fault.hint) from None
 

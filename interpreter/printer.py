@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from ..semantics.syntax import Block, Expression, Node, Program, Specifier, Statement
 from ..semantics.syntax import dynamics as d
 from ..semantics.syntax import statements as s
-from ..semantics.syntax.python_expressions import Parameter
+from ..semantics.syntax.python_expressions import Parameter, Starred
 from .dialects import DEFAULT, DIALECTS
 from .printer_expressions import ExpressionPrinter
 
@@ -183,7 +183,7 @@ class StatementPrinter(ExpressionPrinter):
         yield from self.optional("finally", node.final)
 
     def lines_ClassDefinition(self, node: s.ClassDefinition) -> Iterator[str]:
-        superclasses = ", ".join([self.operand(c) if not c.__class__.__name__ == "Starred" else self.test(c) for c in node.superclasses])
+        superclasses = ", ".join([self.test(c) if isinstance(c, Starred) else self.operand(c) for c in node.superclasses])
         yield f"class {node.name}({superclasses}):" if superclasses else f"class {node.name}:"
         properties = [f"{item.name}: {self.list_of_tests(item.value)}" for item in node.properties]
         yield from self.block(node.body, *properties)

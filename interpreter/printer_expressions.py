@@ -13,9 +13,13 @@ from .printer_strings import StringPrinter
 
 # Words that begin or continue a construct: as names they are written in parentheses, which is always right.
 SOFT_WORDS = frozenset(
-    "abort ahead angle apparent apparently at back behavior behind beyond by can compose deg distance do facing follow following "
-    "front in initial interrupt invariant left model monitor mutate new of offset on override param past precondition relative "
-    "require right scenario seconds setup steps take terminate to toward until visible wait".split()
+    {
+        "abort", "ahead", "angle", "apparent", "apparently", "at", "back", "behavior", "behind", "beyond", "by", "can", "compose",
+        "deg", "distance", "do", "facing", "follow", "following", "front", "in", "initial", "interrupt", "invariant", "left",
+        "model", "monitor", "mutate", "new", "of", "offset", "on", "override", "param", "past", "precondition", "relative",
+        "require", "right", "scenario", "seconds", "setup", "steps", "take", "terminate", "to", "toward", "until", "visible",
+        "wait",
+    }
 )
 
 TERMS = (

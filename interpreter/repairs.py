@@ -86,6 +86,8 @@ TABLE: tuple[tuple[str, str, str], ...] = (
     (r"^\s*(?:var|let|const|function|func)\s+\w.*", "there are no declarations", "write `name = value` or `def name():`"),
     (r"->", "annotations are not part of the language", "leave out the annotation"),
     (r"\bdef\s+\w+\(.*\w\s*:", "annotations are not part of the language", "leave out the annotation"),
+    (r"^\s*(behavior|monitor|scenario)\s+(\w+)\s*$", "a `:` is missing at the end of the line", r"write `\1 \2():`"),
+    (r"^\s*(?!(?:else|try|finally|setup|compose)\b)[\w.]+\s*:", "annotations are not part of the language", "`name: value` lines belong into classes"),
     (r"[“”‘’«»]", "these quotation marks are not those of the language", "write \" or '"),
     (r"[\u00a0\u2000-\u200b\u3000\ufeff]", "this white space is not that of the language", "write an ordinary space"),
     (r"[−–—]", "this dash is no minus sign", "write -"),
@@ -124,12 +126,19 @@ def _unknown_specifier(place: Situation) -> Repair | None:
     """A word where a specifier or an operator could stand."""
     if re.match(SPECIFIER_START, place.after) and re.search(r"\S\s*$", place.before):
         return Repair(f"a comma is missing before `{place.word}`", "separate specifiers with commas")
+    earlier = re.search(r",\s*([^\W\d]\w*)\s+$", place.before)
+    if earlier and _nearest(earlier.group(1)):
+        return Repair(f"`{earlier.group(1)}` is no specifier", f"did you mean `{_nearest(earlier.group(1))}`?")
     if not re.match(r"[^\W\d]\w*$", place.word) or not re.search(r"[\w)\]]\s*$|,\s*$", place.before):
         return None
     if re.match(BLOCK_START, place.line) and place.line.lstrip().split()[0] not in ("if", "elif", "while", "for"):
         return Repair("the head of this definition is malformed", "write `name(parameters):`")
+    near = _nearest(place.word)
+    return Repair(f"`{place.word}` is no specifier or operator", f"did you mean `{near}`?") if near else None
+
+
+def _nearest(word: str) -> str | None:
+    """The specifier whose first word is most like `word`, if one is."""
     first_words = {specifier.split()[0]: specifier for specifier in reversed(SPECIFIERS)}
-    near = difflib.get_close_matches(place.word, list(first_words), n=1, cutoff=0.6)
-    if near:
-        return Repair(f"`{place.word}` is no specifier or operator", f"did you mean `{first_words[near[0]]}`?")
-    return None
+    near = difflib.get_close_matches(word, list(first_words), n=1, cutoff=0.6)
+    return first_words[near[0]] if near else None

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import re
 
-from lark import Lark, Token
+from lark import Token
 from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedToken
-from lark.parsers.lalr_interactive_parser import InteractiveParser
+from lark.parsers.lalr_parser_state import ParserState
 
 from ..semantics.errors import ParseError, ScenicError
-from ..semantics.syntax import Span
 from . import repairs
 from .tree_builder import Origin
 
@@ -28,24 +27,23 @@ HUMAN: dict[str, tuple[str, ...]] = {
     "`]`": ("RSQB",),
     "`}`": ("RBRACE",),
     "`=`": ("EQUAL",),
-    "an expression": ("NUMBER", "LPAR_EXPRESSION"),
+    "an expression": ("NUMBER",),
     "a name": ("NAME",),
     "`,`": ("COMMA",),
     "`by`": ("_BY",),
     "`from`": ("_FROM",),
     "`to`": ("_TO",),
     "`for`": ("_FOR",),
-    "`in`": ("IN_FOR",),
     "`import`": ("_IMPORT",),
     "`else`": ("_ELSE",),
     "a specifier": ("_FACING", "_WITH"),
-    "an operator": ("PLUS",),
+    "an operator": ("DEG",),
     "a string": ("STRING",),
     "the end of the line": ("_NEWLINE",),
 }
 
 
-def explain(fault: UnexpectedInput, source: str, origin: Origin, lark: Lark) -> ParseError:
+def explain(fault: UnexpectedInput, source: str, origin: Origin) -> ParseError:
     """The error that tells of Lark's `fault` in `source`, which stands at `origin`."""
     line, column = place_of(fault, source)
     lines = source.split("\n")
@@ -58,7 +56,7 @@ def explain(fault: UnexpectedInput, source: str, origin: Origin, lark: Lark) -> 
     if unclosed is not None:
         (at_line, at_column), message, hint = unclosed
         return ParseError(message, origin.span(at_line, at_column, at_line, at_column + 1), hint=hint)
-    expected = expected_names(fault, lark)
+    expected = expected_names(fault)
     if isinstance(fault, UnexpectedCharacters) and re.match(r"(?i)(?:[rbuf]{0,2})['\"]", text[column - 1 :]):
         return ParseError("this string is not terminated", span, hint="end it with the quotation mark it began with")
     kind = fault.token.type if isinstance(fault, UnexpectedToken) else ""
@@ -89,18 +87,31 @@ def place_of(fault: UnexpectedInput, source: str) -> tuple[int, int]:
     return line, max(1, column)
 
 
-def expected_names(fault: UnexpectedInput, lark: Lark) -> tuple[str, ...]:
+def expected_names(fault: UnexpectedInput) -> tuple[str, ...]:
     """The human names of what could have stood there, at most EXPECTED_LIMIT."""
-    terminals = set(getattr(fault, "expected", None) or getattr(fault, "allowed", None) or ())
     state = getattr(fault, "state", None)
-    if isinstance(fault, UnexpectedToken) and hasattr(state, "parse_conf"):
-        terminals = InteractiveParser(lark.parser.parser.parser, state, None).accepts() or terminals  # pyright: ignore
+    if isinstance(state, ParserState):
+        terminals = acceptable(state)
+    else:
+        terminals = set(getattr(fault, "allowed", None) or ())
     names = [name for name, kinds in HUMAN.items() if terminals & set(kinds)]
-    if "an expression" in names and "a name" in names:
-        names.remove("a name")
-    if "an expression" in names and "a string" in names:
-        names.remove("a string")
+    if "an expression" in names:
+        names = [name for name in names if name not in ("a name", "a string", "`from`", "`for`", "`import`", "an operator")]
     return tuple(names[:EXPECTED_LIMIT])
+
+
+def acceptable(state: ParserState) -> set[str]:
+    """The terminals with which parsing could go on: the table's candidates, each tried on a copy of the stack."""
+    found: set[str] = set()
+    for terminal in state.parse_conf.parse_table.states[state.position]:
+        if not terminal.isupper():
+            continue
+        try:
+            state.copy(deepcopy_values=False).feed_token(Token(terminal, ""), terminal == "$END")
+        except UnexpectedToken:
+            continue
+        found.add(terminal)
+    return found
 
 
 def bracket_fault(source: str, line: int, column: int, word: str, *, ended: bool) -> tuple[tuple[int, int], str, str] | None:

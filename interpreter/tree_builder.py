@@ -9,10 +9,10 @@ from lark import Token, Tree
 
 from ..semantics.errors import ParseError
 from ..semantics.syntax import Expression, Span
-from ..semantics.syntax.expressions import ObjectDefinition, ObjectOrOperator, ObjectOrValue
-from ..semantics.syntax.python_expressions import Comparison, Name
+from ..semantics.syntax.expressions import FieldAt, ObjectDefinition, ObjectOrOperator, ObjectOrValue, OffsetBy
+from ..semantics.syntax.python_expressions import Comparison, Constant, TupleDisplay, UnaryOperation
 from . import literals
-from .chains import is_dotted_name
+from .chains import is_dotted_name, join
 from .dialects import Dialect
 
 Parts = list[Any]  # What the children of a rule were turned into: nodes, tokens, tuples of nodes, or None.
@@ -51,8 +51,8 @@ class BuilderBase:
 
     def build(self, tree: Tree[Token]) -> Any:
         """What `tree` means: each rule's method is called on what its children mean, leaves first, without recursion."""
-        pending: list[Tree[Token] | Token | None] = [tree]
-        order: list[Tree[Token] | Token | None] = []
+        pending: list[Any] = [tree]
+        order: list[Any] = []
         while pending:
             item = pending.pop()
             order.append(item)
@@ -94,7 +94,26 @@ class BuilderBase:
         """`node` where an object may stand: a (dotted) name alone may then be a class (reading `bare-class`)."""
         if not self.dialect.explicit_new and is_dotted_name(node):
             return ObjectOrValue(span=node.span, value=node)
+        if isinstance(node, TupleDisplay):
+            _refuse_split_vector(node)
         return node
+
+
+def _refuse_split_vector(node: TupleDisplay) -> None:
+    """Raises ParseError for `C at 1, 2`, which reads as a tuple but was meant as `C at (1, 2)`."""
+    first = node.items[0] if node.items else None
+    if len(node.items) != 2 or not isinstance(first, ObjectOrOperator) or not isinstance(first.as_operator, FieldAt | OffsetBy):
+        return
+    vector = first.as_operator.vector if isinstance(first.as_operator, FieldAt) else first.as_operator.offset
+    if is_number(vector) and is_number(node.items[1]) and node.span.column == first.span.column:
+        raise ParseError("a vector needs parentheses", join(vector.span, node.span), hint="write `(x, y)`")
+
+
+def is_number(node: Expression) -> bool:
+    """Whether `node` is a number, perhaps with a sign."""
+    if isinstance(node, UnaryOperation):
+        node = node.operand
+    return isinstance(node, Constant) and isinstance(node.value, int | float)
 
 
 def condition(node: Expression) -> Expression:
@@ -107,7 +126,3 @@ def condition(node: Expression) -> Expression:
 def names_of(tokens: Parts) -> list[Token]:
     """The NAME tokens among `tokens`."""
     return [token for token in tokens if isinstance(token, Token) and token.type == "NAME"]
-
-
-def name_node(span: Span, text: str) -> Name:
-    return Name(span=span, name=text)

@@ -109,6 +109,7 @@ def assign_name(name: str, assigned: object, node: Node, state: State) -> State:
             raise RunError("ego must be an Object", node.span, rule="S-Assignment", hint="write ego = Object ..., or a class below Object")
         return state._replace(ego=assigned, names={**state.names, inner.number: "ego"})
     if name == "workspace":
+        state.sigma.bind(name, assigned)
         return state._replace(workspace=assigned)
     state.sigma.bind(name, assigned)
     if isinstance(assigned, Instance) and is_object(assigned) and state.sigma.kind == "module" and assigned.number not in state.names:

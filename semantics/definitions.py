@@ -153,8 +153,6 @@ def import_from(node: s.ImportFrom, stack: Stack, state: State) -> Outcome:
             found = state.modules[submodule]
         if found is MISSING:
             raise RunError(f"the module {name} has no {member}", node.span, rule="S-Import")
-        if alias == "workspace" and not node.names:
-            continue
         state.sigma.bind(alias, found)
     return done("S-Import", node, stack, state)
 

@@ -284,6 +284,9 @@ def conclude_comparison(node: p.Comparison, values: list[object], stack: Stack, 
     if node.operators == ("in",) and isinstance(plain(values[1]), Region) and has_kind(unwrap(values[0])[0], "vector"):
         return membership(node, values[0], values[1], stack, state)
 
+    if node.operators in (("is",), ("is not",)) and values[1] is None and never_none(values[0]):
+        return value("E-Compare", node.operators == ("is not",), stack, state, node)
+
     def chain(*operands: object) -> object:
         result: object = True
         for left, name, right in zip(operands, node.operators, operands[1:], strict=False):
@@ -295,6 +298,14 @@ def conclude_comparison(node: p.Comparison, values: list[object], stack: Stack, 
     if len(node.operators) == 1 and node.operators[0] in ("<", ">", "<=", ">="):
         return apply_host("E-Compare", node, COMPARE[node.operators[0]], values, stack, state)
     return value("E-Compare", host(state.settings.door, state, chain, *values), stack, state, node)
+
+
+def never_none(subject: object) -> bool:
+    """Whether `subject` is a draw that cannot give None, so that `is None` does not depend on what is drawn (reading `is-none`)."""
+    if type(subject) is not Random or subject.origin.distribution is None:
+        return False
+    support = subject.origin.distribution.support()
+    return support is None or all(plain(v) is not None for v, _ in support)
 
 
 def _containing(right: object, left: object, name: str, state: State) -> object:

@@ -8,6 +8,7 @@ for the object's position (reading `field-dependency`).
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from functools import lru_cache, partial
 from typing import NamedTuple
 
@@ -77,17 +78,16 @@ def resume_class(frame: ClassOf, head: object, stack: Stack, state: State) -> Ou
 
 
 def evaluate_arguments(node: e.ObjectDefinition, class_: ScenicClass, stack: Stack, state: State) -> Outcome:
-    """Rewrite the specifiers, then reduce the arguments that need not wait."""
-    rewritten = tuple(rewrite(s) for s in node.specifiers)
-    deferred = tuple(waits_for_position(s, state) for s in rewritten)
-    expressions = [a for s, late in zip(rewritten, deferred, strict=True) if not late for a in arguments_of(s)]
-    return premises(node, expressions, partial(conclude_arguments, class_, rewritten, deferred), stack, state)
-
-
-def rewrite(node: Node) -> Node:
-    """Apply the equation ⟦S⟧ = ⟦S'⟧ between specifiers, if there is one for S."""
-    rewriting = sp.REWRITINGS.get(type(node))
-    return rewriting.rewrite(node) if rewriting is not None and rewriting.applies(node) else node
+    """Rewrite the specifiers one by one, then reduce the arguments that need not wait."""
+    for index, specifier in enumerate(node.specifiers):
+        rewriting = sp.REWRITINGS.get(type(specifier))
+        if rewriting is not None and rewriting.applies(specifier):
+            specifiers = (*node.specifiers[:index], rewriting.rewrite(specifier), *node.specifiers[index + 1 :])
+            rewritten = ClassOf(replace(node, specifiers=specifiers))  # type: ignore[arg-type]
+            return Next(rewriting.rule, Config(Value(class_), (rewritten, stack), state), specifier)
+    deferred = tuple(waits_for_position(s, state) for s in node.specifiers)
+    expressions = [a for s, late in zip(node.specifiers, deferred, strict=True) if not late for a in arguments_of(s)]
+    return premises(node, expressions, partial(conclude_arguments, class_, deferred), stack, state)
 
 
 def arguments_of(node: Node) -> list[Node]:
@@ -150,18 +150,19 @@ def peek(node: Node, state: State) -> object:
 
 
 def conclude_arguments(
-    class_: ScenicClass, rewritten: tuple[Node, ...], deferred: tuple[bool, ...], node: e.ObjectDefinition, values: list[object], stack: Stack, state: State
+    class_: ScenicClass, deferred: tuple[bool, ...], node: e.ObjectDefinition, values: list[object], stack: Stack, state: State
 ) -> Outcome:
     """resolveSpecifiers(class, specifiers) = ((s1, p1), ..., (sn, pn)); then σ[self / ⊥]."""
     rest = iter(values)
-    specifications = [describe(s, None if late else [next(rest) for _ in arguments_of(s)], state) for s, late in zip(rewritten, deferred, strict=True)]
+    specifications = [describe(s, None if late else [next(rest) for _ in arguments_of(s)], state) for s, late in zip(node.specifiers, deferred, strict=True)]
     defaults = {name: default_specification(name, expression, owner, state) for name, (expression, owner) in class_.defaults.items()}
     known = frozenset(defaults) if state.reading("optional-unknown") == "ignore" else None
     absent = frozenset({"width", "length"}) if state.reading("point-size") == "zero" else frozenset()
     order = resolve_specifiers(node.span, specifications, defaults, known, absent)
-    instance = Instance(len(state.objects), class_)
+    instance = Instance(len(state.objects), class_, node.span)
     begun = state._replace(objects={**state.objects, instance.number: {}})
-    return construct(Construction(node, instance, order, 0, state.sigma), stack, begun)
+    frame = Construction(node, instance, order, 0, state.sigma)
+    return Next("R-ResolveSpecifiers", Config(Value(None), (frame, stack), begun), node, Change("", "order", order))
 
 
 def describe(node: Node, arguments: list[object] | None, state: State) -> Specification:

@@ -75,16 +75,16 @@ def mutate_objects(frame: Mutating, stack: Stack, state: State) -> Outcome:
     try:
         distribution = Normal(0.0, float(scale) * float(deviation))  # type: ignore[arg-type]
     except (BadParameters, TypeError):
-        raise RunError(f"the standard deviation of the noise on {instance!r} is not a number", instance.class_.span, rule="T-Mutate") from None
+        raise RunError(f"the standard deviation of the noise on {instance!r} is not a number", instance.span, rule="T-Mutate") from None
     if distribution.std == 0:
         return mutate_objects(frame._replace(component=frame.component + 1, noise=(*frame.noise, 0.0)), stack, state)
-    origin = Origin(NOWHERE, f"mutation of {instance!r}", None)
+    origin = Origin(instance.span, f"mutation of {instance!r}", None)
     after = state._replace(draws=state.draws + 1)
 
     def resume(drawn: object) -> Config:
         return Config(Value(Random(drawn, origin)), (frame, stack), after)
 
-    return Draw("T-Mutate", state.address, distribution, Constant(value=None), resume)
+    return Draw("T-Mutate", state.address, distribution, Constant(value=None, span=instance.span), resume)
 
 
 def resume_mutating(frame: Mutating, drawn: object, stack: Stack, state: State) -> Outcome:
@@ -125,19 +125,19 @@ def check_default_requirements(frame: Checking, stack: Stack, state: State) -> O
     one = View(first, reader)
     name = name_of(first, state)
     if kind == "containment":
-        requirement = Requirement("containment", NOWHERE, f"{name} is contained in the workspace")
+        requirement = Requirement("containment", first.span, f"{name} is contained in the workspace")
         holds = object_is_in(one, workspace_of(state))
     elif kind == "regionContainedIn":
-        requirement = Requirement("containment", NOWHERE, f"{name} is contained in its regionContainedIn")
+        requirement = Requirement("containment", first.span, f"{name} is contained in its regionContainedIn")
         holds = object_is_in(one, contained_in(first, reader))
     elif kind == "collision":
         other = View(second, reader)
-        requirement = Requirement("collision", NOWHERE, f"{name} and {name_of(second, state)} do not intersect")
+        requirement = Requirement("collision", first.span, f"{name} and {name_of(second, state)} do not intersect")
         holds = not geometry.boxes_intersect(
             one.position, one.heading, one.width, one.length, other.position, other.heading, other.width, other.length
         )
     else:
-        requirement = Requirement("visibility", NOWHERE, f"{name} is visible from ego")
+        requirement = Requirement("visibility", first.span, f"{name} is visible from ego")
         holds = can_see_object(View(second, reader), one)
     return Observe("T-Check", requirement, after) if holds else Stuck("T-Check", requirement, after)
 
@@ -179,7 +179,7 @@ def contained_in(instance: Instance, reader: Reader) -> Region:
     found = reader.property(instance, "regionContainedIn")
     if isinstance(found, Region):
         return found
-    raise RunError(f"regionContainedIn must be a region, not {kind_name(found)}", instance.class_.span, rule="T-Check")
+    raise RunError(f"regionContainedIn must be a region, not {kind_name(found)}", instance.span, rule="T-Check")
 
 
 def name_of(instance: Instance, state: State) -> str:

@@ -17,6 +17,7 @@ from .syntax.python_expressions import Parameter
 from .syntax.statements import Block
 
 if TYPE_CHECKING:
+    from .distributions import Distribution
     from .host import Door
 
 
@@ -25,7 +26,7 @@ class Origin(NamedTuple):
 
     span: Span
     text: str
-    distribution: object | None = None
+    distribution: Distribution | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,10 +71,11 @@ def wrap(value: object, origin: Origin | None) -> object:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Instance:
-    """A reference to an instance of a Scenic class; its properties stand in the state's O, under `number`."""
+    """A reference to an instance of a Scenic class, made at `span`; its properties stand in the state's O, under `number`."""
 
     number: int
     class_: ScenicClass
+    span: Span = NOWHERE
 
     def __repr__(self) -> str:
         return f"<{self.class_.name} {self.number}>"

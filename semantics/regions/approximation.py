@@ -126,3 +126,8 @@ def as_core(shape: BaseGeometry) -> BaseGeometry:
 def as_cover(shape: BaseGeometry) -> BaseGeometry:
     """A superset of `shape` that later set operations accept: of a mixed collection, the parts slightly widened."""
     return shape.buffer(_SLIVER, quad_segs=1, join_style="mitre") if isinstance(shape, GeometryCollection) else shape
+
+
+def union_inside(window: Polygon, first: BaseGeometry, second: BaseGeometry) -> BaseGeometry:
+    """first ∪ second inside `window` (clipped first, for speed)."""
+    return shapely.union(shapely.intersection(first, window), shapely.intersection(second, window))

@@ -31,7 +31,7 @@ class PolygonalRegion(Region):
     def __init__(
         self,
         points: Sequence[Vector | Sequence[float]] | None = None,
-        polygon: Polygon | MultiPolygon | Iterable[Polygon] | None = None,
+        polygon: Polygon | MultiPolygon | Iterable[Polygon | MultiPolygon] | None = None,
         orientation: VectorField | None = None,
         name: str | None = None,
     ) -> None:

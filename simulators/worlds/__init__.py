@@ -2,7 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import cache
 from importlib.resources import files
 
-WORLDS: Mapping = {}
+from .city import city
+from .gta import data
+
+
+@cache
+def _text(name: str) -> str:
+    return (files(__spec__.parent if __spec__ else "scenic_ref.simulators.worlds") / name).read_text(encoding="utf-8")
+
+
+@cache
+def gta_map() -> Mapping[str, object]:
+    """The regions and the traffic direction of the synthetic city, under the names of the paper."""
+    town = city()
+    return {
+        "MODELS": data.MODELS, "COLOR_WEIGHTS": data.COLOR_WEIGHTS, "WEATHER_WEIGHTS": data.WEATHER_WEIGHTS,
+        "road": town.road_region(), "curb": town.curb_region(), "roadDirection": town.road_direction(),
+    }
+
+
+WORLDS: Mapping[str, Callable[[], str | Mapping[str, object]]] = {
+    "scenic.simulators.gta.model": lambda: _text("gta/model.scenic"),
+    "scenic.simulators.gta.map": gta_map,
+    "gtaLib": lambda: "from scenic.simulators.gta.model import *\n",
+    "mars": lambda: _text("mars/mars.scenic"),
+    "scenic.simulators.webots.mars.model": lambda: "from mars import *\n",
+}
+"""Shipped modules by name: the text of a Scenic module, or the namespace of a Python one."""

@@ -9,6 +9,7 @@ in radians anticlockwise from North.
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -125,7 +126,7 @@ def _north_south(line: tuple[float, float, float, float], *, swap: bool = False)
 def _bezier(control: tuple[tuple[float, float], ...]) -> np.ndarray:
     """A cubic Bézier curve as a centre line, (n, 2), in steps of about `STEP` metres."""
     a, b, c, d = (np.array(point) for point in control)
-    count = round(sum(math.dist(p, q) for p, q in zip(control, control[1:], strict=False)) / STEP)
+    count = round(sum(math.dist(p, q) for p, q in itertools.pairwise(control)) / STEP)
     t = np.linspace(0.0, 1.0, count + 1)[:, None]
     return (1 - t) ** 3 * a + 3 * t * (1 - t) ** 2 * b + 3 * t * t * (1 - t) * c + t**3 * d
 

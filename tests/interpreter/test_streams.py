@@ -102,6 +102,6 @@ def test_numbers_are_uniform_along_every_coordinate(along: str) -> None:
     steps = np.arange(count + 1) / count
     for power, uniform_too in ((1, True), (2, False)):
         ordered = np.sort(np.power(numbers, power))
-        distance = max(np.max(steps[1:] - ordered), np.max(ordered - steps[:-1]))
+        distance = float(max(np.max(steps[1:] - ordered), np.max(ordered - steps[:-1])))
         assert (distance < bound) is uniform_too
     assert len(set(islice(numbers, count))) == count

@@ -1,0 +1,48 @@
+# Everything sets itself up in .venv: `make demo` and `make test` need Python 3.11 or later and nothing else.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+
+.PHONY: demo test check docs bench clean
+
+$(VENV)/.core: pyproject.toml constraints.txt
+	$(PYTHON) -c 'import sys; sys.exit("scenic-ref needs Python 3.11 or later" if sys.version_info < (3, 11) else 0)'
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e .
+	touch $@
+
+$(VENV)/.test: $(VENV)/.core
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test]'
+	touch $@
+
+$(VENV)/.docs: $(VENV)/.core
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[docs]'
+	touch $@
+
+## Scenes of the paper's badly parked car: a picture and JSON Lines in demo/
+demo: $(VENV)/.core
+	mkdir -p demo
+	$(BIN)/scenic-ref run examples/gallery/badly_parked_car.scenic -n 6 --seed 0 -o demo/badly_parked_car.jsonl --plot demo/badly_parked_car.png
+	@echo "The scenes are in demo/badly_parked_car.jsonl, their picture is demo/badly_parked_car.png"
+
+## The test suite
+test: $(VENV)/.test
+	$(BIN)/python -m pytest
+
+## Style, types and layering
+check: $(VENV)/.test
+	$(BIN)/ruff check .
+	$(BIN)/basedpyright
+	$(BIN)/python -m pytest tests/test_architecture.py
+
+## The documentation as a site in site/
+docs: $(VENV)/.docs
+	$(BIN)/python docs/generate.py
+	$(BIN)/mkdocs build --strict --quiet
+
+## Rules per second, and attempts per second of each gallery program
+bench: $(VENV)/.core
+	$(BIN)/python benchmarks/interpreter.py
+
+clean:
+	rm -rf $(VENV) demo site build dist *.egg-info

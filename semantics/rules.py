@@ -1,0 +1,176 @@
+"""The catalogue of rules: every inference rule, equation and algorithm of the paper, with its own name and its function.
+
+Ids are `<judgement>-<name>`: E expression, O operator, P specifier, R resolution, S statement, T termination. The
+catalogue lists what the paper defines and, marked `inherited`, what it takes over from Python "essentially without change".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from . import (
+    assignment,
+    control,
+    definitions,
+    expressions,
+    functions,
+    object_definitions,
+    operators,
+    resolution,
+    specials,
+    specifiers,
+    statements,
+    termination,
+)
+from .syntax import expressions as e
+from .syntax import specifiers as q
+
+EXPRESSIONS = 'Figure "Semantics of expressions"'
+STATEMENTS = 'Figure "Semantics of statements"'
+SCALAR, BOOLEAN, HEADING = 'Figure "Scalar operators"', 'Figure "Boolean operators"', 'Figure "Heading operators"'
+VECTOR, REGION, ORIENTED = 'Figure "Vector operators"', 'Figure "Region operators"', 'Figure "OrientedPoint operators"'
+POSITION = 'Figure "Semantics of position specifiers"'
+POSITION_HEADING = 'Figure "Semantics of position specifiers that optionally specify heading"'
+HEADINGS = 'Figure "Semantics of heading specifiers"'
+ALGORITHM = "Algorithm 1 (resolveSpecifiers)"
+PYTHON = 'Section "Syntax of Scenic": standard imperative constructs'
+SILENT = "silent in the paper; see the readings"
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """One rule: its id, the paper's name or left-hand side for it, where it stands, and the function that is its code."""
+
+    id: str
+    name: str
+    place: str
+    function: Callable[..., object]
+    inherited: bool = False
+
+    @property
+    def code(self) -> str:
+        """Where the function stands."""
+        return f"{self.function.__module__.removeprefix('scenic_ref.')}.{self.function.__name__}"
+
+    @property
+    def statement(self) -> str:
+        """The rule in words or symbols: the first line of the function's docstring."""
+        return (self.function.__doc__ or "").strip().splitlines()[0]
+
+
+def _left_hand_side(function: Callable[..., object]) -> str:
+    text = (function.__doc__ or "").strip()
+    return text[1 : text.index("⟧")] if text.startswith("⟦") else text.partition("\n")[0]
+
+
+def _equation(rule: str, function: Callable[..., object], place: str) -> Rule:
+    return Rule(rule, _left_hand_side(function), place, function)
+
+
+_OPERATOR_PLACES: Mapping[type, str] = {
+    e.RelativeHeading: SCALAR, e.ApparentHeading: SCALAR, e.Distance: SCALAR, e.DistancePast: SILENT, e.Angle: SCALAR, e.CanSee: BOOLEAN,
+    e.Degrees: 'Figure "Operators by result type"', e.FieldAt: HEADING, e.RelativeTo: HEADING, e.VectorOf: 'Section "Data Types", footnote',
+    e.OffsetBy: VECTOR, e.OffsetAlong: VECTOR, e.Visible: REGION, e.VisibleFrom: REGION, e.Follow: ORIENTED,
+}
+_OTHER_PLACES: Mapping[str, str] = {
+    "O-CanSee-Vector": SILENT, "O-RelativeTo-VectorOrientedPoint": ORIENTED, "O-RelativeTo-Vectors": SILENT,
+    "O-OffsetBy-OrientedPoint": ORIENTED, "O-Distance-Region": SILENT,
+}
+_SPECIFIER_PLACES: Mapping[type, str] = {
+    q.InSpecifier: POSITION_HEADING, q.FollowingSpecifier: POSITION_HEADING, q.FacingSpecifier: HEADINGS, q.FacingTowardSpecifier: HEADINGS,
+    q.FacingAwayFromSpecifier: HEADINGS, q.ApparentlyFacingSpecifier: HEADINGS,
+}
+
+
+def _operator_rules() -> list[Rule]:
+    found = [_equation(r.rule, r.rewrite, _OPERATOR_PLACES[kind]) for kind, r in operators.REWRITINGS.items()]
+    for kind, (_, equations) in operators.EQUATIONS.items():
+        found += [_equation(q.rule, q.function, _OTHER_PLACES.get(q.rule, _OPERATOR_PLACES[kind])) for q in equations]
+    found += [_equation(q.rule, q.function, BOOLEAN) for q in operators.IN_EQUATIONS]
+    found += [_equation(q.rule, q.function, ORIENTED) for q in operators.SIDES.values()]
+    return found
+
+
+def _specifier_rules() -> list[Rule]:
+    found = [Rule("P-With", "`with' specifier", EXPRESSIONS, object_definitions.assign_property)]
+    found += [_equation(r.rule, r.rewrite, _SPECIFIER_PLACES.get(kind, POSITION)) for kind, r in specifiers.REWRITINGS.items()]
+    found += [_equation(f.rule, f.function, POSITION) for forms in specifiers.OFFSET_BY.values() for f in forms]
+    for forms in specifiers.BESIDE.values():
+        found += [_equation(f.rule, f.function, POSITION if f.rule.endswith("Vector") else POSITION_HEADING) for f in forms]
+    for kind, (_, forms) in specifiers.FORMS.items():
+        found += [_equation(f.rule, f.function, _SPECIFIER_PLACES.get(kind, POSITION)) for f in forms]
+    found.append(Rule("P-Default", "default value specifier", 'Section "Data Types"; Algorithm 1', object_definitions.evaluate_late))
+    return found
+
+
+_PAPER = [
+    Rule("E-Distributions", "Distributions", EXPRESSIONS, functions.draw),
+    Rule("E-Resample", "resample(D)", 'Section "Expressions"', specials.resample),
+    Rule("E-Resample-Constant", "resample(v)", SILENT, specials.resample),
+    Rule("E-ObjectDefinition", "Object Definitions", EXPRESSIONS, object_definitions.construct),
+    Rule("E-Seconds", "E seconds", 'Section "Stateful Behaviors"', expressions.seconds),
+    Rule("E-InInitialScenario", "in initial scenario", 'Section "Compositional Scenarios"', expressions.in_initial_scenario),
+    Rule("R-ResolveSpecifiers", "resolveSpecifiers", ALGORITHM, resolution.resolve_specifiers),
+    Rule("R-SpecifiedTwice", "syntax error: property P specified twice", ALGORITHM + ", gather all specified properties", resolution.resolve_specifiers),
+    Rule(
+        "R-SpecifiedTwiceOptionally", "syntax error: property P specified twice", ALGORITHM + ", filter optional specifications",
+        resolution.resolve_specifiers,
+    ),
+    Rule("R-MissingProperty", "syntax error: missing property D required by S", ALGORITHM + ", build dependency graph", resolution.resolve_specifiers),
+    Rule("R-Cyclic", "syntax error: specifiers have cyclic dependencies", ALGORITHM + ", build dependency graph", resolution.resolve_specifiers),
+    Rule("S-Assignment", "Variable Assignments", STATEMENTS, assignment.assignment),
+    Rule("S-Param", "Parameter Assignments", STATEMENTS, statements.param),
+    Rule("S-Require", "Hard Requirements", STATEMENTS, statements.hard_requirement),
+    Rule("S-Require-Capture", "Hard Requirements, checked at the end", "reading require-time = end", statements.hard_requirement),
+    Rule("S-SoftReq-Check", "Soft Requirements (with probability p)", STATEMENTS, statements.soft_requirement),
+    Rule("S-SoftReq-Skip", "Soft Requirements (with probability 1-p)", STATEMENTS, statements.soft_requirement),
+    Rule("S-Mutate", "Mutations", STATEMENTS, statements.mutate),
+    Rule("S-Model", "Selecting a World Model", 'Section "Statements"', definitions.model),
+    Rule("S-Class", "class definitions", 'Section "Data Types"', definitions.class_definition),
+    Rule("S-Dynamic", "dynamic requirements and termination conditions", 'Section "Statements"', statements.dynamic_requirement),
+    Rule("S-Definition", "behaviors, monitors and scenarios", 'Section "Statements"', statements.dynamic_definition),
+    Rule("T-Mutate", "Termination, Step 1: Apply Mutations", STATEMENTS, termination.mutate_objects),
+    Rule("T-Check", "Termination, Step 2: Check Default Requirements", STATEMENTS, termination.check_default_requirements),
+]
+
+_INHERITED = [
+    ("E-Constant", "literals", expressions.axiom_rule),
+    ("E-Variable", "variables", expressions.axiom_rule),
+    ("E-Display", "tuples, lists, sets and dicts", expressions.display),
+    ("E-FString", "f-strings", expressions.formatted),
+    ("E-Attribute", "object.property", expressions.attribute),
+    ("E-Subscript", "subscripts and slices", expressions.subscript),
+    ("E-Arithmetic", "arithmetic operators", expressions.binary),
+    ("E-Not", "not boolean", expressions.unary),
+    ("E-Compare", "comparisons", expressions.comparison),
+    ("E-Boolean", "boolean and/or boolean", expressions.boolean),
+    ("E-Conditional", "conditional expressions", expressions.conditional),
+    ("E-Lambda", "lambda", functions.lambda_rule),
+    ("E-Call", "calls of functions of the program", functions.apply),
+    ("E-Return", "the end of a call", functions.resume_called),
+    ("E-Call-Host", "calls of library functions", functions.call_host),
+    ("E-Call-Dynamic", "behaviors, monitors and scenarios with arguments", functions.invocation),
+    ("E-Comprehension", "comprehensions", functions.comprehension),
+    ("E-Print", "print", specials.print_rule),
+    ("E-Raise", "exceptions raised by operations", control.raise_statement),
+    ("S-If", "if", control.if_statement),
+    ("S-While", "while", control.while_statement),
+    ("S-For", "for", control.for_statement),
+    ("S-Break", "break", control.unwind_looping),
+    ("S-Def", "def", control.function_definition),
+    ("S-Return", "return", control.return_statement),
+    ("S-Assert", "assert", control.assert_statement),
+    ("S-Raise", "raise", control.raise_statement),
+    ("S-Except", "except", control.handle),
+    ("S-Finally", "finally", control.resume_finally),
+    ("S-Delete", "del", assignment.delete),
+    ("S-Import", "import", definitions.import_statement),
+]
+
+CATALOGUE: tuple[Rule, ...] = (
+    *_PAPER, *_specifier_rules(), *_operator_rules(), *(Rule(i, name, PYTHON, function, inherited=True) for i, name, function in _INHERITED),
+)
+"""Every rule, those of the paper first."""
+
+RULES: Mapping[str, Rule] = {rule.id: rule for rule in CATALOGUE}

@@ -1,0 +1,1 @@
+"""The GTA-like world: `model.scenic`, and the constants that it takes from here (`data`)."""

@@ -1,0 +1,110 @@
+"""What the user reads for the most common mistakes: message, place and the one repair."""
+
+from __future__ import annotations
+
+import pytest
+from scenic_ref.interpreter.parser import parse
+from scenic_ref.interpreter.syntax_errors import render
+from scenic_ref.semantics.errors import ParseError, UsageError
+
+# text: (line, column, message, hint)
+MISTAKES: dict[str, tuple[int, int, str, str]] = {
+    "Car left of spot 0.5": (1, 18, "the distance needs `by`", "write `left of spot by 0.5`"),
+    "require x = 3": (1, 11, "`=` assigns", "write `==` to compare"),
+    "if x = 3: pass": (1, 6, "`=` assigns", "write `==` to compare"),
+    "Car offset (1, 2)": (1, 5, "`offset` needs `by` or `along`", "write `offset by ...`"),
+    "Car wiht x 3": (1, 5, "`wiht` is no specifier or operator", "did you mean `with`?"),
+    "Car at X, facign 3": (1, 18, "`facign` is no specifier", "did you mean `facing`?"),
+    "Car facing towards ego": (1, 20, "`facing towards` is spelt `facing toward`", "write `facing toward`"),
+    "ego = new Car": (1, 7, "`new` belongs to dialect scenic-3", "leave out `new`, or choose that dialect"),
+    "require monitor M()": (1, 1, "`require monitor` belongs to dialect scenic-3", "leave it out: a monitor runs as soon as it is defined"),
+    "if initial scenario: pass": (1, 4, "`initial scenario` without `in` belongs to dialect scenic-3", "write `in initial scenario`"),
+    "if x\n  y": (1, 5, "a `:` is missing at the end of the line", "end the line with `:`"),
+    "behavior Foo\n  wait": (1, 10, "a `:` is missing at the end of the line", "write `behavior Foo():`"),
+    "x = (1, 2\ny = 3": (1, 5, "this `(` is never closed", "add `)`"),
+    "x = 1, 2)": (1, 9, "`)` closes no bracket", "remove it, or open a bracket before it"),
+    "x = (1, 2]": (1, 10, "`]` does not close the `(` of line 1", "write `)`"),
+    "if x:\n\ty = 3\n        z = 4": (3, 1, "tabs and spaces are mixed in the indentation", "indent with spaces only"),
+    'x = "abc': (1, 5, "this string is not terminated", "end it with the quotation mark it began with"),
+    "require 0.5 x > 3": (1, 13, "the probability of a soft requirement stands in brackets", "write `require[0.5] ...`"),
+    "mutate x, by 2": (1, 14, "no comma stands before `by`", "remove the comma"),
+    "param x: 3": (1, 7, "a parameter is set with `=`", "write `param name = value`"),
+    "Car with color = red": (1, 16, "`with` takes the property and its value without `=`", "write `with color ...`"),
+    "Car at 1, 2": (1, 8, "a vector needs parentheses", "write `(x, y)`"),
+    "Car at 1, 2, facing 3": (1, 11, "a vector needs parentheses", "write `(x, y)`"),
+    "Car facing 30 degrees": (1, 15, "the unit of angles is spelt `deg`", "write `deg`"),
+    "x = road visible from": (1, 22, "`visible from` needs an argument", "write `visible from ...`"),
+    "x = distance between a and b": (1, 14, "there is no `between`", "write `from ... to ...`"),
+    "if x: pass\nelse if y: pass": (2, 6, "`else if` is spelt `elif`", "write `elif`"),
+    "if x: pass\nelsif y: pass": (2, 7, "`elsif` is spelt `elif`", "write `elif`"),
+    "if a && b: pass": (1, 7, "`&&` is no operator", "write `and`"),
+    "if a || b: pass": (1, 7, "`||` is no operator", "write `or`"),
+    "if !a: pass": (1, 4, "`!` is no operator", "write `not`"),
+    "i++": (1, 4, "there is no increment operator", "write `+= 1` or `-= 1`"),
+    "Car at X facing 3": (1, 10, "a comma is missing before `facing`", "separate specifiers with commas"),
+    "Car, with x 3": (1, 1, "a comma stands before the first specifier", "remove the comma after the class"),
+    "yield x": (1, 1, "`yield` is not part of the language", "return a list, or write a behavior"),
+    "with a as b: pass": (1, 1, "Python's `with` statement is not part of the language", "use try and finally"),
+    "async def f(): pass": (1, 1, "`async` and `await` are not part of the language", "write a behavior"),
+    "match x:\n  case 1: pass": (1, 7, "Python's `match` statement is not part of the language", "use if and elif"),
+    "if (x := 3): pass": (1, 7, "assignment expressions (`:=`) are not part of the language", "assign in a statement of its own"),
+    "def f(x: int): pass": (1, 8, "annotations are not part of the language", "leave out the annotation"),
+    "x: int = 3": (1, 2, "annotations are not part of the language", "`name: value` lines belong into classes"),
+    "print x": (1, 7, "`print` is a function", "write `print(...)`"),
+    "if x:\ny = 3": (2, 1, "expected an indented block", "indent the line, or write `pass`"),
+    "x = 3\n  y = 4": (2, 3, "unexpected indentation", "align the line with the one before"),
+    "  x = 3": (1, 3, "unexpected indentation", "begin the first statement in the first column"),
+    "if x:\n    y\n  z": (3, 1, "this line's indentation matches no enclosing block", "align it with the block it belongs to"),
+    "x = “a”": (1, 5, "these quotation marks are not those of the language", "write \" or '"),
+    "do X() for 5": (1, 12, "a time limit needs a unit", "write `for ... seconds` or `for ... steps`"),
+    "f() = 3": (1, 1, "this cannot be assigned to", "write == to compare"),
+    "behavior B():\n  x = 3\n  precondition: x": (
+        3,
+        3,
+        "`precondition` lines must come first in their definition",
+        "move it to the head of the definition",
+    ),
+    "x = 0123": (1, 5, "a decimal integer cannot begin with 0; write 0o17 for an octal number", ""),
+    "x = 3j": (1, 5, "complex numbers are not part of the language", ""),
+    "x = ²": (1, 5, "'²' is not a name", ""),
+    "x = a\0b": (1, 6, "the text contains a NUL character", ""),
+    "x = 3 +": (1, 8, "the line ends too early; expected an expression", ""),
+    'x = f"{a b}"': (1, 10, "unexpected `b`; expected `,` or a specifier or an operator", ""),
+    'x = f"{a"': (1, 5, "f-string: expected '}'", ""),
+}
+
+
+@pytest.mark.parametrize("text", MISTAKES)
+def test_mistake_is_explained_with_its_place_and_one_repair(text: str) -> None:
+    with pytest.raises(ParseError) as caught:
+        parse(text, "f")
+    error = caught.value
+    assert (error.span.line, error.span.column, error.message, error.hint) == MISTAKES[text]
+    assert error.span.file == "f"
+    assert len(error.expected) <= 8
+
+
+def test_render_shows_the_line_and_carets_under_the_word() -> None:
+    text = "x = 1\n\tCar wiht x 3\n"
+    with pytest.raises(ParseError) as caught:
+        parse("if a:\n\tCar wiht x 3\n", "f")
+    assert render(caught.value, text) == (
+        "f:2:6: syntax error: `wiht` is no specifier or operator\n"
+        "2 | \tCar wiht x 3\n"
+        "  | \t    ^^^^\n"
+        "expected: `=`, `,`, a specifier, an operator, the end of the line\n"
+        "hint: did you mean `with`?"
+    )
+
+
+@pytest.mark.parametrize("text", ["\x01", "x = \u2028", "\ud800", "x = \U0001f600", "é = 1\nx = ﬁ + ?", "\\", "x \\ y", "(", "'", "f'{'", "#", "@"])
+def test_odd_text_gives_a_tree_or_a_parse_error(text: str) -> None:
+    try:
+        parse(text)
+    except ParseError as error:
+        assert render(error, text)
+
+
+def test_unknown_dialect_is_a_usage_error() -> None:
+    with pytest.raises(UsageError, match="klingon"):
+        parse("x = 1", dialect="klingon")

@@ -1,0 +1,32 @@
+"""How long parsing takes, with bounds generous enough for a busy machine."""
+
+from __future__ import annotations
+
+import time
+
+from scenic_ref.interpreter.parser import parse
+
+BLOCK = """class Foo{i}(Car):
+    position: Point on road
+    def f(self, a, b=3):
+        for i in range(10):
+            x = Car left of spot by 0.5, facing Range(-5, 5) deg relative to roadDirection
+            if x.position in road and (distance from x to ego) < 10:
+                y = [a * b + c for a in self.items if a > 3]
+        return Uniform(1.0, -1.0) * (10 + 3 * self.x[3]) deg
+ego = Car at (120, 300), with behavior Follow(3, key=lambda r: r.x), facing 37 deg
+require[0.5] ego can see car2 and car.width < 4.5
+"""
+
+
+def test_a_thousand_lines_parse_within_two_seconds() -> None:
+    parse("x = 1")
+    text = "".join(BLOCK.replace("{i}", str(i)) for i in range(100))
+    start = time.perf_counter()
+    parse(text)
+    assert time.perf_counter() - start < 2
+
+
+def test_ten_thousand_lines_parse() -> None:
+    program = parse("".join(BLOCK.replace("{i}", str(i)) for i in range(1000)))
+    assert len(program.statements) == 3000
