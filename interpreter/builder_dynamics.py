@@ -1,5 +1,7 @@
 """The part of the builder for behaviors, monitors, scenarios and the statements inside them."""
 
+# ruff: noqa: D102 (a method per rule or node, named after it: the grammar and the node say what it is)
+
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
@@ -50,6 +52,10 @@ class Part:
     body: Block
 
 
+# Preconditions, invariants, statements, and the named blocks of a scenario.
+Guarded = tuple[tuple[Expression, ...], tuple[Expression, ...], Block, dict[str, Block]]
+
+
 class DynamicsBuilder(BuilderBase):
     """One method per rule of the grammar's dynamic and compositional statements."""
 
@@ -87,7 +93,7 @@ class DynamicsBuilder(BuilderBase):
             compose=compose,
         )
 
-    def make_guarded_block(self, span: Span, parts: Parts) -> tuple[tuple[Expression, ...], tuple[Expression, ...], Block, dict[str, Block]]:
+    def make_guarded_block(self, span: Span, parts: Parts) -> Guarded:
         """Preconditions, invariants, statements and named blocks. Raises ParseError for guards that do not come first."""
         guards: dict[str, list[Expression]] = {"precondition": [], "invariant": []}
         statements: list[Statement] = []

@@ -1,5 +1,7 @@
 """The part of the builder for Scenic's own expressions, object definitions and specifiers."""
 
+# ruff: noqa: D102 (a method per rule or node, named after it: the grammar and the node say what it is)
+
 from __future__ import annotations
 
 from typing import get_args
@@ -134,6 +136,9 @@ class ScenicBuilder(BuilderBase):
         if not isinstance(first, ObjectOrOperator):
             if is_number(first):
                 raise ParseError("a vector needs parentheses", first.span, hint="write `(x, y)`")
+            if isinstance(specifiers[0], VisibleSpecifier) and specifiers[0].viewer is None:
+                hint = "write `(visible)` if a variable of that name is meant"
+                raise ParseError("`visible` is a specifier here, but no object stands before it", specifiers[0].span, hint=hint)
             self.require_class(first, followed=True)
             raise ParseError("a comma stands before the first specifier", first.span, hint="remove the comma after the class")
         definition = first.as_object
@@ -226,5 +231,3 @@ class ScenicBuilder(BuilderBase):
 def vector_or_none(node: Expression | None) -> Expression | None:
     """`as_vector(node)`, or None for None."""
     return None if node is None else as_vector(node)
-
-

@@ -1,6 +1,10 @@
 """The part of the builder for Python's statements and Scenic's static ones."""
 
+# ruff: noqa: D102 (a method per rule or node, named after it: the grammar and the node say what it is)
+
 from __future__ import annotations
+
+from lark import Token
 
 from ..semantics.errors import ParseError
 from ..semantics.syntax import Block, Expression, Span, Statement
@@ -154,9 +158,7 @@ class StatementBuilder(BuilderBase):
 
     def make_decorated(self, span: Span, parts: Parts) -> FunctionDefinition:
         *decorators, function = parts
-        return FunctionDefinition(
-            span=span, name=function.name, parameters=function.parameters, body=function.body, decorators=tuple(decorators)
-        )
+        return FunctionDefinition(span=span, name=function.name, parameters=function.parameters, body=function.body, decorators=tuple(decorators))
 
     def make_decorator(self, span: Span, parts: Parts) -> Expression:
         return parts[0]
@@ -169,9 +171,7 @@ class StatementBuilder(BuilderBase):
                 raise ParseError("a class takes the names of its superclasses only", place)
         properties = tuple(item for item in body if isinstance(item, PropertyDefault))
         statements = tuple(item for item in body if isinstance(item, Statement))
-        return ClassDefinition(
-            span=span, name=self.identifier(name), superclasses=tuple(superclasses or ()), properties=properties, body=statements
-        )
+        return ClassDefinition(span=span, name=self.identifier(name), superclasses=tuple(superclasses or ()), properties=properties, body=statements)
 
     def make_class_block(self, span: Span, parts: Parts) -> Parts:
         return parts
@@ -210,10 +210,17 @@ class StatementBuilder(BuilderBase):
 
     def make_param_assignment(self, span: Span, parts: Parts) -> ParamAssignment:
         word, value = parts
-        name = literals.string(str(word)) if word.type == "STRING" else self.identifier(word)
+        name = self.literal_name(word) if word.type == "STRING" else self.identifier(word)
         if not isinstance(name, str):
             raise ParseError("the name of a parameter must be text", self.token_span(word))
         return ParamAssignment(span=span, name=name, value=value)
+
+    def literal_name(self, token: Token) -> str | bytes:
+        """The value of a string that names a parameter."""
+        try:
+            return literals.string(str(token))
+        except literals.LiteralFault as fault:
+            raise ParseError(fault.message, self.token_span(token)) from None
 
     def make_require(self, span: Span, parts: Parts) -> Require:
         return Require(span=span, condition=condition(parts[0]))
@@ -230,5 +237,3 @@ class StatementBuilder(BuilderBase):
 
     def make_mutated(self, span: Span, parts: Parts) -> tuple[Name, ...]:
         return tuple(Name(span=self.token_span(token), name=self.identifier(token)) for token in names_of(parts))
-
-

@@ -16,6 +16,8 @@ import math
 import random
 import sys
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from difflib import get_close_matches
 from pathlib import Path
 
 from ..semantics.errors import ImportRefused, ScenicError, UsageError
@@ -52,35 +54,49 @@ def library_of(
 ) -> Library:
     """Every module that the program, or a module it imports, may ask for by a statement."""
     library: Library = {}
-    waiting = [(name, program.file) for name in ([model] if model else [])]
-    waiting += [(name, program.file) for name in imported_names(program)]
+    waiting = [(model, True)] if model else []
+    waiting += imported_names(program)
     while waiting:
-        name, _ = waiting.pop()
+        name, is_needed = waiting.pop()
         if name in library:
             continue
         found = find(name, worlds=worlds, trust=trust, directory=directory, dialect=dialect)
-        if found is None:
-            continue
-        library[name] = found
+        if found is None and is_needed:
+            near = get_close_matches(name, [*worlds, *HARMLESS], n=1)
+            found = ImportRefused(f"there is no module {name}", hint=f"did you mean {near[0]}?" if near else "")
+        if found is not None:
+            library[name] = found
         if isinstance(found, Program):
-            waiting += [(inner, found.file) for inner in imported_names(found)]
+            waiting += imported_names(found)
     return library
 
 
-def imported_names(program: Program) -> Iterator[str]:
-    """The modules that the statements of a program name, wherever they stand."""
+def imported_names(program: Program) -> Iterator[tuple[str, bool]]:
+    """The modules that the statements of a program name, wherever they stand; False for `from m import n`, where m.n may be one."""
     for statement in program.statements:
         for node in descendants(statement):
             match node:
                 case s.Import(names=names):
-                    yield from (n.name for n in names)
+                    yield from ((n.name, True) for n in names)
                 case s.ImportFrom(module=module, names=names, level=level):
-                    yield "." * level + module
-                    yield from (f"{'.' * level}{module}.{n.name}" for n in names)
+                    yield "." * level + module, bool(module)
+                    yield from ((f"{'.' * level}{module}.{n.name}", False) for n in names)
                 case s.Model(name=name):
-                    yield name
+                    yield name, True
                 case _:
                     pass
+
+
+def with_old_imports(program: Program, library: Library) -> Program:
+    """In dialect `pldi19`, `import m` of a Scenic module brings its names as well (the gallery's `import mars`)."""
+    if program.dialect != "pldi19":
+        return program
+    statements: list[s.Statement] = []
+    for statement in program.statements:
+        statements.append(statement)
+        if isinstance(statement, s.Import):
+            statements += [s.ImportFrom(module=n.name, names=(), span=n.span) for n in statement.names if isinstance(library.get(n.name), Program)]
+    return replace(program, statements=tuple(statements))
 
 
 def find(

@@ -73,7 +73,7 @@ def tables() -> Lark:
         start=["program", "interpolation"],
         propagate_positions=True,
         maybe_placeholders=True,
-        postlex=Layout(),  # pyright: ignore[reportArgumentType]
+        postlex=Layout(),
         cache=cache_file() or False,
     )
 
@@ -125,6 +125,7 @@ class TreeBuilder(ExpressionBuilder, ScenicBuilder, StatementBuilder, DynamicsBu
         return [piece if isinstance(piece, str) else self.formatted_value(piece, token) for piece in pieces]
 
     def formatted_value(self, piece: literals.Replacement, token: Token) -> FormattedValue:
+        """`{...}` of the f-string `token`, its expression parsed where it stands in the file."""
         if self.interpolated >= INTERPOLATION_LIMIT:
             raise ParseError("f-strings are nested too deeply", self.token_span(token))
         line, column = (token.line or 1), (token.column or 1)

@@ -1,5 +1,7 @@
 """Abstract syntax as source text that parses back to the same tree: `to_source`."""
 
+# ruff: noqa: D102 (a method per rule or node, named after it: the grammar and the node say what it is)
+
 from __future__ import annotations
 
 from collections.abc import Iterator
@@ -223,5 +225,3 @@ def imported(name: s.ImportedName) -> str:
 def parameter_name(name: str) -> str:
     """The name of a global parameter, quoted unless it is an identifier."""
     return name if name.isidentifier() else repr(name)
-
-

@@ -1,5 +1,7 @@
 """Expressions and specifiers as source text, with parentheses around every operand that is not a single term."""
 
+# ruff: noqa: D102 (a method per rule or node, named after it: the grammar and the node say what it is)
+
 from __future__ import annotations
 
 from collections.abc import Iterable
@@ -14,10 +16,55 @@ from .printer_strings import StringPrinter
 # Words that begin or continue a construct: as names they are written in parentheses, which is always right.
 SOFT_WORDS = frozenset(
     {
-        "abort", "ahead", "angle", "apparent", "apparently", "at", "back", "behavior", "behind", "beyond", "by", "can", "compose",
-        "deg", "distance", "do", "facing", "follow", "following", "front", "in", "initial", "interrupt", "invariant", "left",
-        "model", "monitor", "mutate", "new", "of", "offset", "on", "override", "param", "past", "precondition", "relative",
-        "require", "right", "scenario", "seconds", "setup", "steps", "take", "terminate", "to", "toward", "until", "visible",
+        "abort",
+        "ahead",
+        "angle",
+        "apparent",
+        "apparently",
+        "at",
+        "back",
+        "behavior",
+        "behind",
+        "beyond",
+        "by",
+        "can",
+        "compose",
+        "deg",
+        "distance",
+        "do",
+        "facing",
+        "follow",
+        "following",
+        "front",
+        "in",
+        "initial",
+        "interrupt",
+        "invariant",
+        "left",
+        "model",
+        "monitor",
+        "mutate",
+        "new",
+        "of",
+        "offset",
+        "on",
+        "override",
+        "param",
+        "past",
+        "precondition",
+        "relative",
+        "require",
+        "right",
+        "scenario",
+        "seconds",
+        "setup",
+        "steps",
+        "take",
+        "terminate",
+        "to",
+        "toward",
+        "until",
+        "visible",
         "wait",
     }
 )

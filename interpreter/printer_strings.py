@@ -1,5 +1,7 @@
 """Literals as source text; f-strings need care, since an interpolation has neither backslashes nor the outer quotes."""
 
+# ruff: noqa: D102 (a method per rule or node, named after it: the grammar and the node say what it is)
+
 from __future__ import annotations
 
 import math
@@ -64,7 +66,8 @@ class StringPrinter:
 
     def inside(self, node: FString, quote: str, *, layout: bool = False) -> str:
         """The text between the quotes (`layout`: of a format specification)."""
-        return "".join([self.literal(part, quote, layout) if isinstance(part, str) else self.replacement(part, quote) for part in node.parts])
+        texts = [self.literal(part, quote, layout) if isinstance(part, str) else self.replacement(part, quote) for part in node.parts]
+        return "".join(texts)
 
     def literal(self, text: str, quote: str, layout: bool) -> str:
         """Literal characters of an f-string: escaped, or as they are inside another f-string."""

@@ -25,8 +25,12 @@ SPECIFIERS = (
     "facing away from",
     "apparently facing",
 )
-SPECIFIER_START = r"(?:with|at|offset\s+by|offset\s+along|left\s+of|right\s+of|ahead\s+of|behind|beyond|visible|in|on|following|facing|apparently\s+facing)\b"
-BLOCK_START = r"^\s*(?:if|elif|else|for|while|def|class|try|except|finally|behavior|monitor|scenario|interrupt\s+when|setup|compose|precondition|invariant)\b"
+SPECIFIER_START = r"(?:" + "|".join(specifier.replace(" ", r"\s+") for specifier in SPECIFIERS) + r")\b"
+BLOCK_START = (
+    r"^\s*(?:if|elif|else|for|while|def|class|try|except|finally"
+    r"|behavior|monitor|scenario|interrupt\s+when|setup|compose|precondition|invariant)\b"
+)
+CONDITION_START = r"^\s*(?:require|if|elif|while|assert|until|terminate\s+when|interrupt\s+when)\b"
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,10 +43,12 @@ class Situation:
 
     @property
     def before(self) -> str:
+        """The line up to that column."""
         return self.line[: self.column]
 
     @property
     def after(self) -> str:
+        """The line from that column on."""
         return self.line[self.column :]
 
 
@@ -75,7 +81,7 @@ TABLE: tuple[tuple[str, str, str], ...] = (
     (r"^\s*mutate\b.*,\s*by\b.*", "no comma stands before `by`", "remove the comma"),
     (r"^\s*param\s+\w+\s*:", "a parameter is set with `=`", "write `param name = value`"),
     (r"\bwith\s+(\w+)\s*[=:]", "`with` takes the property and its value without `=`", r"write `with \1 ...`"),
-    (r"^\s*(?:require|if|elif|while|assert|until|terminate\s+when|interrupt\s+when)\b[^=]*[^=!<>]=(?!=)", "`=` assigns", "write `==` to compare"),
+    (CONDITION_START + r"[^=]*[^=!<>]=(?!=)", "`=` assigns", "write `==` to compare"),
     (r"\b(?:degrees?|degs)\b", "the unit of angles is spelt `deg`", "write `deg`"),
     (r"\b(?:secs?|second)\b", "the unit of time is spelt `seconds`", "write `seconds`"),
     (r"\bstep\b", "the unit of time steps is spelt `steps`", "write `steps`"),
@@ -87,7 +93,11 @@ TABLE: tuple[tuple[str, str, str], ...] = (
     (r"->", "annotations are not part of the language", "leave out the annotation"),
     (r"\bdef\s+\w+\(.*\w\s*:", "annotations are not part of the language", "leave out the annotation"),
     (r"^\s*(behavior|monitor|scenario)\s+(\w+)\s*$", "a `:` is missing at the end of the line", r"write `\1 \2():`"),
-    (r"^\s*(?!(?:else|try|finally|setup|compose)\b)[\w.]+\s*:", "annotations are not part of the language", "`name: value` lines belong into classes"),
+    (
+        r"^\s*(?!(?:else|try|finally|setup|compose)\b)[\w.]+\s*:",
+        "annotations are not part of the language",
+        "`name: value` lines belong into classes",
+    ),
     (r"[“”‘’«»]", "these quotation marks are not those of the language", "write \" or '"),
     (r"[\u00a0\u2000-\u200b\u3000\ufeff]", "this white space is not that of the language", "write an ordinary space"),
     (r"[−–—]", "this dash is no minus sign", "write -"),
@@ -127,7 +137,7 @@ def _unknown_specifier(place: Situation) -> Repair | None:
     if re.match(SPECIFIER_START, place.after) and re.search(r"\S\s*$", place.before):
         return Repair(f"a comma is missing before `{place.word}`", "separate specifiers with commas")
     earlier = re.search(r",\s*([^\W\d]\w*)\s+$", place.before)
-    if earlier and _nearest(earlier.group(1)):
+    if earlier and _nearest(earlier.group(1)) and not re.match(SPECIFIER_START, earlier.group(1)):
         return Repair(f"`{earlier.group(1)}` is no specifier", f"did you mean `{_nearest(earlier.group(1))}`?")
     if not re.match(r"[^\W\d]\w*$", place.word) or not re.search(r"[\w)\]]\s*$|,\s*$", place.before):
         return None

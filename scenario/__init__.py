@@ -9,7 +9,7 @@ from pathlib import Path
 from ..inference.rejection import DEFAULT_ATTEMPTS, Sampled, sample
 
 from ..interpreter.choosers import from_stream
-from ..interpreter.modules import library_of, read_text
+from ..interpreter.modules import library_of, read_text, with_old_imports
 from ..interpreter.parser import parse
 from ..interpreter.running import DEFAULT_FUEL, rehearse
 from ..interpreter.scenes import Scene
@@ -51,7 +51,7 @@ class Scenario:
 
     def start(self) -> Config:
         """The configuration that every run begins with."""
-        return initial(self.program, self.settings)
+        return initial(with_old_imports(self.program, self.settings.library), self.settings)  # type: ignore[arg-type]
 
     @cached_property
     def rehearsed(self) -> bool:

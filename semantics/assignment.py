@@ -12,6 +12,7 @@ from .host import HostException, check_private, host
 from .kinds import is_object
 from .outcome import Change, Next, Outcome
 from .premises import premises
+from .properties import checked_property
 from .scopes import MISSING
 from .syntax import python_expressions as p
 from .syntax import statements as s
@@ -134,7 +135,8 @@ def set_attribute(subject: object, name: str, assigned: object, node: Node, stat
     inner = plain(subject)
     match inner:
         case Instance():
-            return state.with_properties(inner, {canonical(name): assigned})
+            checked = checked_property(canonical(name), assigned, node.span, f".{name} =", state)
+            return state.with_properties(inner, {canonical(name): checked})
         case Module():
             inner.scope.bindings[name] = assigned
             return state

@@ -12,7 +12,7 @@ from .distributions import BadParameters, Discrete, Normal, Range, TruncatedNorm
 from .fields import PolygonalVectorField, VectorField
 from .scopes import Scope
 from .specials import SPECIAL_VALUES
-from .values import Constructor
+from .values import Constructor, unwrap
 from .vectors import Vector
 
 
@@ -23,13 +23,7 @@ def _uniform(*values: object) -> Uniform:
 def _discrete(weights: object) -> Discrete:
     if not isinstance(weights, Mapping):
         raise BadParameters("Discrete", "weights", "must be given as {value: weight, ...}")
-    return Discrete(tuple((value, _weight(weight)) for value, weight in weights.items()))
-
-
-def _weight(weight: object) -> float:
-    from .values import unwrap
-
-    return unwrap(weight)[0]  # type: ignore[return-value]
+    return Discrete(tuple((value, unwrap(weight)[0]) for value, weight in weights.items()))
 
 
 CONSTRUCTORS: Mapping[str, Constructor] = {

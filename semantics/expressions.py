@@ -163,7 +163,16 @@ def get_attribute(subject: object, node: p.Attribute, state: State) -> object:
             raise HostException(AttributeError(f"{subject!r} has no attribute {name}"))
         case _:
             check_private(name, subject, node)
-            return host(state.settings.door, state, getattr, subject, name)
+            return get_host_attribute(subject, name, state)
+
+
+def get_host_attribute(subject: object, name: str, state: State) -> object:
+    """Python's attribute; a container's methods stay those of the container itself, random elements and all."""
+    state.settings.door.state = state
+    try:
+        return getattr(subject, name)
+    except Exception as exception:
+        raise HostException(exception) from exception
 
 
 def instance_attribute(instance: Instance, name: str, state: State) -> object:

@@ -43,8 +43,6 @@ class VectorField:
         """The heading at `v`: ⟦F at V⟧ = ⟦F⟧(⟦V⟧). Raises `OutsideField` where there is none."""
         return self.value(v)
 
-    __call__ = at
-
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self.name!r})"
 

@@ -244,6 +244,7 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
     guard_format(plain(function), arguments, node)
     if is_structural(function):
         return value("E-Call-Host", call_raw(function, arguments, keywords, state), stack, state, node)
+    function = on_plain_elements(function, node)
     if is_geometric(plain(function)):
         arguments = tuple(as_positions(a, state) for a in arguments)
         keywords = {k: as_positions(v, state) for k, v in keywords.items()}
@@ -264,6 +265,22 @@ def is_structural(function: object) -> bool:
     """Whether this is a method of a Python container that does not look at the elements, such as `list.append`."""
     owner = getattr(function, "__self__", None)
     return type(owner) in (list, dict, set) and getattr(function, "__name__", "") in STRUCTURAL_METHODS
+
+
+def on_plain_elements(function: object, node: Node) -> object:
+    """A method of a container with random elements, as a method of the container of their values in this run."""
+    owner = getattr(function, "__self__", None)
+    if type(owner) not in (list, dict, set, tuple):
+        return function
+    values, origin = unwrap(owner)
+    if origin is None:
+        return function
+    name = getattr(function, "__name__", "")
+    if name in ("sort", "remove", "discard"):
+        raise RunError(
+            f"{name}() would make which element stands where random", node.span, rule="E-Call-Host", hint="make a new list, with sorted(...) for instance"
+        )
+    return Random(getattr(values, name), origin._replace(distribution=None))
 
 
 def is_geometric(function: object) -> bool:

@@ -68,7 +68,7 @@ class Door:
                     raise DoorStuck(outcome)
                 case Draw(node=node):
                     raise RunError(
-                        f"{function.name} draws a random value while library code calls it", node.span, rule="E-Call-Door",
+                        f"{function.name} draws a random value while library code calls it", node.span, rule="E-Call-Host",
                         hint="draw the value before the call and use it inside the function",
                     )
                 case _:
@@ -121,7 +121,7 @@ def check_private(name: str, value: object, node: Node) -> None:
     """Refuse `value._name` on host objects: through such names a program could reach anything (DESIGN, section 4)."""
     if name.startswith("_") and name not in getattr(type(value), "scenic_names", ()) and not _is_user_made(value):
         raise RunError(
-            f"names with a leading underscore, such as {name}, are private to Python objects", node.span, rule="E-Attribute-Host"
+            f"names with a leading underscore, such as {name}, are private to Python objects", node.span, rule="E-Attribute"
         )
 
 

@@ -7,23 +7,24 @@ for the object's position (reading `field-dependency`).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache, partial
 from typing import NamedTuple
 
 from . import specifiers as sp
-from .classes import NON_NEGATIVE_PROPERTIES, SCALAR_PROPERTIES, VECTOR_PROPERTIES, canonical
+from .classes import canonical
 from .config import Abrupt, Config, Stack, State, Value, reduce, value
 from .distributions import BadParameters, PointIn
 from .errors import RunError
 from .expressions import axiom
 from .fields import OutsideField, VectorField
 from .host import HostException
-from .kinds import OrientedPointAt, Reader, has_kind, is_finite, is_object, kind_name
+from .kinds import OrientedPointAt, Reader, has_kind, is_object, kind_name
 from .operations import SPECIFIED
 from .outcome import Change, Draw, Next, Outcome, Requirement, Stuck
 from .premises import NOT_AN_AXIOM, premises
+from .properties import checked_property
 from .regions import Region
 from .resolution import Ordered, Specification, resolve_specifiers
 from .scopes import MISSING, Scope, descendants
@@ -197,20 +198,18 @@ def choose_form(node: Node, forms: tuple[sp.Form, ...], arguments: list[object],
 
 def default_specification(name: str, expression: Node, owner: ScenicClass, state: State) -> Specification:
     """A default value expression as a specifier: its dependencies are the properties it mentions as `self.property`."""
-    dependencies = tuple(canonical(d) for d in _self_properties(_Identity(expression)))
+    specification = _default_specification(name, _Identity(expression), owner.name)
     if _has_relative_to(_Identity(expression)) and waits_for_position(expression, state._replace(sigma=owner.scope)):
-        dependencies = tuple(dict.fromkeys((*dependencies, "position")))
-    return Specification(expression, f"default {name} of {owner.name}", (name,), (), dependencies, None, None, is_default=True)
+        return specification._replace(dependencies=tuple(dict.fromkeys((*specification.dependencies, "position"))))
+    return specification
 
 
 @lru_cache(maxsize=65536)
-def _self_properties(key: _Identity) -> tuple[str, ...]:
-    def found() -> Iterator[str]:
-        for n in descendants(key.node):
-            if isinstance(n, p.Attribute) and isinstance(n.value, p.Name) and n.value.name == "self":
-                yield n.name
-
-    return tuple(dict.fromkeys(found()))
+def _default_specification(name: str, key: _Identity, owner: str) -> Specification:
+    mentioned = dict.fromkeys(
+        canonical(n.name) for n in descendants(key.node) if isinstance(n, p.Attribute) and isinstance(n.value, p.Name) and n.value.name == "self"
+    )
+    return Specification(key.node, f"default {name} of {owner}", (name,), (), tuple(mentioned), None, None, is_default=True)
 
 
 # Evaluation in order
@@ -372,39 +371,12 @@ def outside_field(
 def assign_property(frame: Construction, rule: str, properties: Mapping[str, object], stack: Stack, state: State) -> Outcome:
     """σ[self.p / v(p)] for the properties p that Algorithm 1 gave to this specifier; then the next specifier."""
     specification, names = frame.order[frame.index]
-    chosen = {name: checked(name, properties[name], specification, frame, state) for name in names if name in properties}
+    place = frame.node.span if specification.is_default else specification.node.span
+    chosen = {n: checked_property(n, properties[n], place, specification.name, state) for n in names if n in properties}
     after = state.with_properties(frame.instance, chosen)
     change = Change("O", f"{frame.instance!r}.{', '.join(chosen)}", next(iter(chosen.values()), None))
     following = frame._replace(index=frame.index + 1)
     return Next(rule, Config(Value(None), (following, stack), after), specification.node, change)
-
-
-def checked(name: str, assigned: object, specification: Specification, frame: Construction, state: State) -> object:
-    """The value of a built-in property in its kind: positions are vectors, sizes are finite and not negative."""
-    if name in VECTOR_PROPERTIES:
-        kind, expected = "vector", "a vector"
-    elif name in SCALAR_PROPERTIES:
-        kind, expected = "heading" if name == "heading" else "scalar", "a scalar"
-    else:
-        return assigned
-    reader = Reader(state)
-    inner = reader.plain(assigned)
-    if not has_kind(inner, kind):
-        raise _bad(name, expected, inner, specification, frame)
-    result = reader.read(inner, kind)
-    if not is_finite(result):
-        raise _bad(name, "finite", result, specification, frame)
-    if name in NON_NEGATIVE_PROPERTIES and result < 0:  # type: ignore[operator]
-        raise _bad(name, "at least 0", result, specification, frame)
-    if type(assigned) is Random and not isinstance(inner, Instance):
-        return Random(result, assigned.origin)
-    return reader.wrap(result)
-
-
-def _bad(name: str, expected: str, found: object, specification: Specification, frame: Construction) -> RunError:
-    place = frame.node.span if specification.is_default else specification.node.span
-    shown = kind_name(found) if not isinstance(found, (int, float, Vector)) or isinstance(found, bool) else str(found)
-    return RunError(f"the property {name} must be {expected}, not {shown} (from `{specification.name}`)", place, rule="E-ObjectDefinition")
 
 
 def new_instance(frame: Construction, stack: Stack, state: State) -> Outcome:

@@ -83,7 +83,7 @@ def select(node: Node, equations: Sequence[o.Equation], operands: list[object], 
     if isinstance(node, e.RelativeTo) and all(isinstance(v, Instance) and is_oriented(v) for v in operands):
         raise RunError(
             "both sides of `relative to` are oriented points, so it could mean their positions or their headings",
-            node.span, rule="O-RelativeTo", hint="write .position or .heading behind one of them",
+            node.span, rule="O-RelativeTo-Headings", hint="write .position or .heading behind one of them",
         )
     if isinstance(node, e.OffsetBy) and state.reading("oriented-offset") == "global":
         equations = [q for q in equations if q.rule != "O-OffsetBy-OrientedPoint"]

@@ -108,6 +108,7 @@ _PAPER = [
     Rule("E-Distributions", "Distributions", EXPRESSIONS, functions.draw),
     Rule("E-Resample", "resample(D)", 'Section "Expressions"', specials.resample),
     Rule("E-Resample-Constant", "resample(v)", SILENT, specials.resample),
+    Rule("E-Branch", "conditional branching may not depend on random variables", 'Section "Syntax of Scenic"', expressions.random_branch),
     Rule("E-ObjectDefinition", "Object Definitions", EXPRESSIONS, object_definitions.construct),
     Rule("E-Seconds", "E seconds", 'Section "Stateful Behaviors"', expressions.seconds),
     Rule("E-InInitialScenario", "in initial scenario", 'Section "Compositional Scenarios"', expressions.in_initial_scenario),

@@ -69,12 +69,12 @@ def conclude_soft(node: s.SoftRequire, values: list[object], stack: Stack, state
     """Throw the coin: once per run, or once per scene before the rejection loop (reading `soft`)."""
     probability = values[0]
     if type(probability) is Random:
-        raise RunError("the probability of a soft requirement must be a constant", node.probability.span, rule="S-SoftReq")
+        raise RunError("the probability of a soft requirement must be a constant", node.probability.span, rule="S-SoftReq-Check")
     try:
         coin = Coin(probability)  # type: ignore[arg-type]
     except (BadParameters, TypeError):
         raise RunError(
-            f"the probability of a soft requirement must be between 0 and 1, not {probability}", node.probability.span, rule="S-SoftReq"
+            f"the probability of a soft requirement must be between 0 and 1, not {probability}", node.probability.span, rule="S-SoftReq-Check"
         ) from None
 
     def resume(heads: object) -> Config:

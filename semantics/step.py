@@ -176,9 +176,9 @@ def step(config: Config) -> Outcome:
     except DoorStuck as inner:
         return inner.outcome._replace(beyond=None)
     except (BadRegion, BadParameters, UnboundedRegion) as bad:
-        return Fault(RunError(str(bad), place(config), rule="E-Region"))
+        return Fault(RunError(str(bad), place(config), rule="E-Call-Host"))
     except EmptyRegion as empty:
-        return Stuck("E-Region", Requirement("region", place(config), str(empty)))
+        return Stuck("E-Call-Host", Requirement("region", place(config), str(empty)))
     except ScenicError as error:
         if error.span is NOWHERE or error.span.line == 0:
             error.span = place(config)

@@ -48,14 +48,15 @@ def plain(value: object) -> object:
 
 def unwrap(value: object) -> tuple[object, Origin | None]:
     """The value with no `Random` anywhere inside lists, tuples, sets and dicts, and the origin of the first one found."""
-    if type(value) is Random:
+    kind = type(value)
+    if kind is Random:
         inner, _ = unwrap(value.value)
         return inner, value.origin
-    if isinstance(value, (list, tuple, set, frozenset)) and type(value) in (list, tuple, set, frozenset):
+    if kind in (list, tuple, set, frozenset):
         pairs = [unwrap(item) for item in value]
         origin = next((o for _, o in pairs if o is not None), None)
-        return (value, None) if origin is None else (type(value)(v for v, _ in pairs), origin)
-    if type(value) is dict:
+        return (value, None) if origin is None else (kind(v for v, _ in pairs), origin)
+    if kind is dict:
         pairs = [(unwrap(key), unwrap(item)) for key, item in value.items()]
         origin = next((o for pair in pairs for _, o in pair if o is not None), None)
         return (value, None) if origin is None else ({k[0]: v[0] for k, v in pairs}, origin)

@@ -106,9 +106,7 @@ def test_specifier_comma_wins_over_the_comma_of_arguments_and_tuples() -> None:
     car = obj("Car", sp.AtSpecifier(vector=n("X")), sp.FacingSpecifier(direction=n("H")))
     assert value("f(Car at X, facing H, y)") == p.Call(function=n("f"), arguments=(car, n("y")))
     assert value("[Car at X, facing H, y]") == p.ListDisplay(items=(car, n("y")))
-    assert value("f(x, at, facing=3)") == p.Call(
-        function=n("f"), arguments=(n("x"), n("at")), keywords=(p.Keyword(name="facing", value=c(3)),)
-    )
+    assert value("f(x, at, facing=3)") == p.Call(function=n("f"), arguments=(n("x"), n("at")), keywords=(p.Keyword(name="facing", value=c(3)),))
     assert value("f(Car visible, with v 3)") == p.Call(
         function=n("f"), arguments=(obj("Car", sp.VisibleSpecifier(), sp.WithSpecifier(property="v", value=c(3))),)
     )
@@ -180,11 +178,61 @@ def test_units_bind_tighter_than_arithmetic() -> None:
 
 # -- Soft keywords
 
-WORDS = (
-    "at by to on behind beyond past deg seconds steps until visible following facing param model mutate take wait terminate do "
-    "choose shuffle abort override behavior monitor scenario precondition invariant setup compose interrupt when require ego workspace "
-    "simulation relative offset front left of can see apparent initial new follow distance angle always eventually"
-).split()
+WORDS = [
+    "at",
+    "by",
+    "to",
+    "on",
+    "behind",
+    "beyond",
+    "past",
+    "deg",
+    "seconds",
+    "steps",
+    "until",
+    "visible",
+    "following",
+    "facing",
+    "param",
+    "model",
+    "mutate",
+    "take",
+    "wait",
+    "terminate",
+    "do",
+    "choose",
+    "shuffle",
+    "abort",
+    "override",
+    "behavior",
+    "monitor",
+    "scenario",
+    "precondition",
+    "invariant",
+    "setup",
+    "compose",
+    "interrupt",
+    "when",
+    "require",
+    "ego",
+    "workspace",
+    "simulation",
+    "relative",
+    "offset",
+    "front",
+    "left",
+    "of",
+    "can",
+    "see",
+    "apparent",
+    "initial",
+    "new",
+    "follow",
+    "distance",
+    "angle",
+    "always",
+    "eventually",
+]
 
 
 @pytest.mark.parametrize("word", WORDS)
@@ -365,9 +413,7 @@ def test_pldi19_pair_is_an_interval_outside_vector_positions() -> None:
     assert value("(1, 2) deg", "pldi19") == e.Degrees(value=interval)
     assert value("(1, 2) @ (1, 2)", "pldi19") == e.VectorOf(x=interval, y=interval)
     pair = p.TupleDisplay(items=(c(1), c(2)))
-    assert value("Car offset by (1, 2), at (1, 2)", "pldi19") == obj(
-        "Car", sp.OffsetBySpecifier(offset=pair), sp.AtSpecifier(vector=pair)
-    )
+    assert value("Car offset by (1, 2), at (1, 2)", "pldi19") == obj("Car", sp.OffsetBySpecifier(offset=pair), sp.AtSpecifier(vector=pair))
     assert value("(1, 2)") == pair
 
 

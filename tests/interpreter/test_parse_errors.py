@@ -97,7 +97,10 @@ def test_render_shows_the_line_and_carets_under_the_word() -> None:
     )
 
 
-@pytest.mark.parametrize("text", ["\x01", "x = \u2028", "\ud800", "x = \U0001f600", "é = 1\nx = ﬁ + ?", "\\", "x \\ y", "(", "'", "f'{'", "#", "@"])
+ODD = ["\x01", "x = \u2028", "\ud800", "x = \U0001f600", "é = 1\nx = ﬁ + ?", "\\", "x \\ y", "(", "'", "f'{'", "#", "@", "param '\\x' = 3"]
+
+
+@pytest.mark.parametrize("text", ODD)
 def test_odd_text_gives_a_tree_or_a_parse_error(text: str) -> None:
     try:
         parse(text)

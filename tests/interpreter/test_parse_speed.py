@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import time
+from pathlib import Path
 
-from scenic_ref.interpreter.parser import parse
+import pytest
+from scenic_ref.interpreter.parser import cache_file, parse
 
 BLOCK = """class Foo{i}(Car):
     position: Point on road
@@ -30,3 +32,14 @@ def test_a_thousand_lines_parse_within_two_seconds() -> None:
 def test_ten_thousand_lines_parse() -> None:
     program = parse("".join(BLOCK.replace("{i}", str(i)) for i in range(1000)))
     assert len(program.statements) == 3000
+
+
+def test_tables_are_kept_in_the_users_cache_directory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert Path(cache_file() or "").is_relative_to(tmp_path)
+
+
+def test_unusable_cache_directory_is_tolerated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
+    assert cache_file() is None

@@ -17,7 +17,14 @@ LISTINGS = [
     (textwrap.dedent(body), head.split("|")[-1].strip())
     for head, _, body in (chunk.partition("\n") for chunk in HERE.with_name("listings.txt").read_text("utf-8").split("=== ")[1:])
 ]
-SCENIC_3 = "ego = new Car at x, facing 3\nnew Car\ny = new Car in R\nz = new Car with x new C\nrequire monitor M()\nif initial scenario: pass\nf = C at x"
+SCENIC_3 = """ego = new Car at x, facing 3
+new Car
+y = new Car in R
+z = new Car with x new C
+require monitor M()
+if initial scenario: pass
+f = C at x
+"""
 
 
 def assert_round_trip(text: str, dialect: str) -> None:
@@ -42,8 +49,36 @@ def test_scenic_3_survives_printing() -> None:
 
 
 NAMES = st.sampled_from(["a", "b.c", "ego", "at", "visible", "take", "by", "require", "follow", "wait"])
-INFIX = ["at", "relative to", "offset by", "visible from", "can see", "+", "*", "@", "**", "-", "<", "in", "is in", "and", "or", "offset along d by"]
-PREFIX = ["-", "not ", "front of ", "left of ", "visible ", "distance to ", "angle from b to ", "relative heading of ", "follow f for ", "lambda: "]
+INFIX = [
+    "at",
+    "relative to",
+    "offset by",
+    "visible from",
+    "can see",
+    "+",
+    "*",
+    "@",
+    "**",
+    "-",
+    "<",
+    "in",
+    "is in",
+    "and",
+    "or",
+    "offset along d by",
+]
+PREFIX = [
+    "-",
+    "not ",
+    "front of ",
+    "left of ",
+    "visible ",
+    "distance to ",
+    "angle from b to ",
+    "relative heading of ",
+    "follow f for ",
+    "lambda: ",
+]
 POSTFIX = [" deg", " seconds", ".x", "(a, k=b)", "[1:2]", "[a, b]"]
 SPECIFIERS = ["on", "at", "left of", "with p", "facing", "beyond a by", "visible from", "offset along d by"]
 WRAPPED = ["({})", "[{}, a]", "({}, b)", "{{a: {}}}", "[x for x in {}]", "({} if {} else a)", "f'{{({})}}'", "(lambda a, b={}: a)"]
@@ -51,14 +86,16 @@ WRAPPED = ["({})", "[{}, a]", "({}, b)", "{{a: {}}}", "[x for x in {}]", "({} if
 
 def compound(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
     """Larger expressions made of smaller ones; operands are parenthesised at random."""
-    operand = st.one_of(inner.map(lambda text: f"({text})"), NAMES.map(lambda text: f"({text})"), st.sampled_from(["1", "0.5", "'s'"]))
+    operand = st.one_of(inner.map(lambda text: f"({text})"), NAMES.map(lambda text: f"({text})"), st.sampled_from(["(1)", "0.5", "'s'"]))
     return st.one_of(
         st.lists(st.tuples(operand, st.sampled_from(INFIX)), min_size=1, max_size=3).map(lambda p: " ".join(f"{o} {w}" for o, w in p) + " (z)"),
         st.tuples(st.sampled_from(["E", "lib.E"]), st.sampled_from(INFIX[:4]), operand, st.sampled_from(INFIX[:4]), operand).map(" ".join),
         st.tuples(st.sampled_from(PREFIX), operand).map("".join),
         st.tuples(operand, st.sampled_from(POSTFIX)).map("".join),
         st.lists(st.tuples(st.sampled_from(SPECIFIERS), operand).map(" ".join), min_size=2, max_size=3).map(lambda s: "(Car " + ", ".join(s) + ")"),
-        st.tuples(st.sampled_from(WRAPPED[:-2] + WRAPPED[-1:]), inner).map(lambda p: p[0].format(p[1], p[1]) if p[0].count("{}") > 1 else p[0].format(p[1])),
+        st.tuples(st.sampled_from(WRAPPED[:-2] + WRAPPED[-1:]), inner).map(
+            lambda p: p[0].format(p[1], p[1]) if p[0].count("{}") > 1 else p[0].format(p[1])
+        ),
     )
 
 

@@ -1,0 +1,8 @@
+# dialect: pldi19
+# The paper, Appendix "Gallery of Scenarios", "Two Cars", as printed.
+from scenic.simulators.gta.model import *
+
+wiggle = (-10 deg, 10 deg)
+ego = EgoCar with roadDeviation wiggle
+Car visible, with roadDeviation resample(wiggle)
+Car visible, with roadDeviation resample(wiggle)

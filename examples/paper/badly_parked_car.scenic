@@ -1,0 +1,8 @@
+# The paper, Section "Basic Scenarios": "a scenario for badly-parked cars by adding two lines", as printed, completed by ego.
+model scenic.simulators.gta.model
+ego = Car
+
+spot = OrientedPoint on visible curb
+badAngle = Uniform(1.0, -1.0) * Range(10, 20) deg
+Car left of spot by 0.5,
+    facing badAngle relative to roadDirection
