@@ -2,14 +2,34 @@
 
     scenario = scenic_ref.load("scene.scenic")
     scene = scenario.sample(seed=0)
+
+The names below are loaded when they are first used, so that the command line answers at once.
 """
 
 from __future__ import annotations
 
-from .interpreter.scenes import Scene, SceneObject
-from .scenario import Scenario, load, loads
-from .semantics import errors
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .interpreter.scenes import Scene, SceneObject
+    from .scenario import Scenario, load, loads
+    from .semantics import errors
 
 __version__ = "0.1.0"
 
 __all__ = ["Scenario", "Scene", "SceneObject", "__version__", "errors", "load", "loads"]
+
+_HOMES = {
+    "Scene": ".interpreter.scenes", "SceneObject": ".interpreter.scenes", "Scenario": ".scenario", "load": ".scenario", "loads": ".scenario",
+    "errors": ".semantics.errors",
+}
+
+
+def __getattr__(name: str) -> object:
+    """A public name, from its home module (PEP 562)."""
+    from importlib import import_module
+
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    module = import_module(_HOMES[name], __name__)
+    return module if name == "errors" else getattr(module, name)

@@ -31,11 +31,9 @@ class SceneObject:
     length: float
     properties: Mapping[str, object]
 
-    def __getattr__(self, name: str) -> object:
-        try:
-            return object.__getattribute__(self, "properties")[name]
-        except KeyError:
-            raise AttributeError(f"{self.class_name} has no property {name}") from None
+    def __getitem__(self, name: str) -> object:
+        """Any property by name; KeyError if the object has none of that name."""
+        return getattr(self, name) if name in OWN_FIELDS else self.properties[name]
 
     def to_json(self) -> dict[str, object]:
         """The entry of the scene format."""
@@ -57,7 +55,6 @@ class Scene:
     attempts: int
     weight: float = 1.0
     workspace: object = None
-    background: tuple[object, ...] = ()
 
     @property
     def ego(self) -> SceneObject:

@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from .assignment import bind_target, done
+from .conditions import truth
 from .config import PASS, Abrupt, Config, Stack, State, Value, reduce
 from .errors import Gap, RunError
-from .expressions import elements, truth
+from .expressions import elements
 from .functions import make_function
 from .host import HostException, host
 from .kinds import kind_name

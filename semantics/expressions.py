@@ -11,14 +11,15 @@ from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 from .classes import canonical
-from .config import Config, Stack, State, reduce, value
-from .errors import RandomBranch, RunError
+from .conditions import random_branch
+from .config import Stack, State, value
+from .errors import RunError
 from .host import LARGEST_INTEGER_BITS, LARGEST_SEQUENCE, HostException, check_private, host
 from .kinds import Reader, has_kind, is_object, kind_name
 from .operations import membership
 from .operators import object_is_in, vector_is_in
-from .outcome import Next, Outcome
-from .premises import axiom, describe_origin, premises
+from .outcome import Outcome
+from .premises import axiom, premises
 from .regions import Region
 from .scopes import MISSING
 from .syntax import expressions as e
@@ -335,87 +336,6 @@ class _Membership(NamedTuple):
         if not has_kind(item, "vector"):
             raise TypeError(f"{kind_name(item)} cannot lie in a region")
         return vector_is_in(reader.vector(item), self.region)
-
-
-# Boolean operators and conditional expressions
-
-
-class Boolean(NamedTuple):
-    """Frame of `and`/`or`: operand `index` is being reduced; `held` are those before it once one was random."""
-
-    node: p.BooleanOperation
-    index: int
-    held: tuple[object, ...]
-
-
-def boolean(node: p.BooleanOperation, stack: Stack, state: State) -> Outcome:
-    """`E1 and E2`, `E1 or E2`: as in Python, except that after a random operand all the others are reduced as well."""
-    return reduce(node.operands[0], Boolean(node, 0, ()), stack, state)
-
-
-def resume_boolean(frame: Boolean, result: object, stack: Stack, state: State) -> Outcome:
-    """An operand was reduced."""
-    node, last = frame.node, frame.index == len(frame.node.operands) - 1
-    held = (*frame.held, result)
-    if not any(type(v) is Random for v in held):
-        decided = bool_of(result, node, state) is (node.operator == "or")
-        if decided or last:
-            return value("E-Boolean", result, stack, state, node)
-        held = ()
-    elif last:
-        return value("E-Boolean", combine(node.operator, held, state), stack, state, node)
-    return reduce(node.operands[frame.index + 1], Boolean(node, frame.index + 1, held), stack, state)
-
-
-def combine(operator: str, operands: tuple[object, ...], state: State) -> object:
-    """Python's `and` or `or` over values, some of which are random."""
-
-    def fold(*values: object) -> object:
-        for v in values[:-1]:
-            if bool(v) is (operator == "or"):
-                return v
-        return values[-1]
-
-    return host(state.settings.door, state, fold, *operands)
-
-
-def bool_of(result: object, node: Node, state: State) -> bool:
-    """The truth of a value that is not random."""
-    if result is True or result is False:
-        return result
-    return bool(host(state.settings.door, state, bool, result))
-
-
-def truth(result: object, node: Node, state: State, what: str) -> bool:
-    """The truth of a condition that decides control flow: it may not be random outside behaviors."""
-    if type(result) is Random:
-        raise random_branch(result, node, what)
-    return bool_of(result, node, state)
-
-
-def random_branch(result: Random, node: Node, what: str) -> RandomBranch:
-    """The error of reading `random-branch`."""
-    return RandomBranch(
-        f"{what} is random: it depends on {describe_origin(result.origin)}, and control flow outside behaviors may not",
-        node.span, rule="E-Branch", hint="use `require` to condition on it, or Uniform/Discrete to choose among values",
-    )
-
-
-class Test(NamedTuple):
-    """Frame of `E1 if B else E2` while B is being reduced."""
-
-    node: p.Conditional
-
-
-def conditional(node: p.Conditional, stack: Stack, state: State) -> Outcome:
-    """`E1 if B else E2`."""
-    return reduce(node.test, Test(node), stack, state)
-
-
-def resume_test(frame: Test, result: object, stack: Stack, state: State) -> Outcome:
-    """Go on with the branch that the condition chose."""
-    chosen = frame.node.then if truth(result, frame.node.test, state, "the condition of this `if`") else frame.node.otherwise
-    return Next("E-Conditional", Config(chosen, stack, state), frame.node)
 
 
 def seconds(node: e.Seconds, stack: Stack, state: State) -> Outcome:

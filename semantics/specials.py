@@ -35,7 +35,7 @@ def resample(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack,
             f"resample needs one of the built-in distributions, not an operation on one (this value depends on {describe_origin(subject.origin)})",
             node.span, rule="E-Resample", hint="resample the operands instead: resample(x) + resample(y)",
         )
-    from .functions import ask
+    from .draws import ask
 
     return ask(node, distribution, "E-Resample", stack, state, subject.origin.text)
 

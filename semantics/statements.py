@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from .assignment import done
+from .conditions import bool_of
 from .config import PASS, Abrupt, Config, Stack, State, reduce
 from .distributions import BadParameters, Coin
 from .errors import RunError
-from .expressions import bool_of
 from .kinds import is_object, kind_name
 from .outcome import Change, Draw, Next, Observe, Outcome, Requirement, Stuck
 from .premises import premises

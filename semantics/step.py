@@ -8,7 +8,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from . import assignment, control, definitions, expressions, functions, object_definitions, operations, premises, statements, termination
+from . import (
+    assignment,
+    calls,
+    comprehensions,
+    conditions,
+    control,
+    definitions,
+    draws,
+    expressions,
+    functions,
+    object_definitions,
+    operations,
+    premises,
+    statements,
+    termination,
+)
 from .config import Abrupt, Config, Stack, State, Value
 from .distributions import BadParameters
 from .errors import RunError, ScenicError, UncaughtException
@@ -33,14 +48,14 @@ REDUCE: Mapping[type, Callable[..., Outcome]] = {
     p.DictDisplay: expressions.dict_display,
     p.Attribute: expressions.attribute,
     p.Subscript: expressions.subscript,
-    p.Call: functions.call,
+    p.Call: calls.call,
     p.UnaryOperation: expressions.unary,
     p.BinaryOperation: expressions.binary,
-    p.BooleanOperation: expressions.boolean,
+    p.BooleanOperation: conditions.boolean,
     p.Comparison: expressions.comparison,
-    p.Conditional: expressions.conditional,
+    p.Conditional: conditions.conditional,
     p.Lambda: functions.lambda_rule,
-    p.Comprehension: functions.comprehension,
+    p.Comprehension: comprehensions.comprehension,
     # operators of the appendix
     e.RelativeHeading: operations.operator,
     e.ApparentHeading: operations.operator,
@@ -59,7 +74,7 @@ REDUCE: Mapping[type, Callable[..., Outcome]] = {
     e.Follow: operations.operator,
     e.SideOf: operations.side_of,
     e.Seconds: expressions.seconds,
-    e.IntervalOrPair: functions.interval_or_pair,
+    e.IntervalOrPair: draws.interval_or_pair,
     e.InInitialScenario: expressions.in_initial_scenario,
     # object definitions
     e.ObjectDefinition: object_definitions.object_definition,
@@ -113,11 +128,11 @@ REDUCE: Mapping[type, Callable[..., Outcome]] = {
 
 RESUME: Mapping[type, Callable[..., Outcome]] = {
     premises.Premises: premises.resume_premises,
-    expressions.Boolean: expressions.resume_boolean,
-    expressions.Test: expressions.resume_test,
+    conditions.Boolean: conditions.resume_boolean,
+    conditions.Test: conditions.resume_test,
     functions.Called: functions.resume_called,
     functions.InScope: functions.resume_in_scope,
-    functions.Comprehending: functions.resume_comprehension,
+    comprehensions.Comprehending: comprehensions.resume_comprehension,
     object_definitions.ClassOf: object_definitions.resume_class,
     object_definitions.Construction: object_definitions.resume_construction,
     object_definitions.Defaulting: object_definitions.resume_defaulting,

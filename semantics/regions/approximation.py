@@ -35,11 +35,16 @@ class Approximation:
 
     @property
     def exact(self) -> bool:
+        """Whether core and cover are the region itself."""
         return self.core is self.cover
 
 
 class Approximable(Protocol):
-    def approximate(self, sides: int, window: Polygon) -> Approximation: ...
+    """What can be approximated, as `Region.approximate` says."""
+
+    def approximate(self, sides: int, window: Polygon) -> Approximation:
+        """Shapes inside and around the set."""
+        ...
 
 
 def levels(region: Approximable, window: Polygon) -> Iterator[Approximation]:

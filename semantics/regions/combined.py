@@ -1,10 +1,11 @@
 """Intersections, unions and differences of regions: exact predicates where the parts have them, sampling by rejection.
 
-A difference is the set of points of the first region that are not in the second; so it lacks the second's edge.
+A difference holds the points of the first region that are not in the second, so it lacks the second's edge.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
@@ -36,8 +37,8 @@ from .region import Everywhere, Nowhere, Region, everywhere, nowhere
 from .sampling import Numbers, Segment, SegmentSampler, TriangleSampler
 
 _GOOD_COVER = 0.5  # a cover is close enough for sampling if at least this share of it is core
-_MOST_TRIES = 1_000_000
-
+_POOREST_COVER = 1e-3  # a region is too thin to be told from the empty set if the finest cover has less core than this
+_CERTAINTY = 200.0  # sampling gives up after so many tries that it would fail by chance with probability exp(-200)
 
 def intersection(first: Region, second: Region) -> Region:
     """first ∩ second, the simpler region where one is everywhere or nowhere."""
@@ -58,7 +59,7 @@ def union(first: Region, second: Region) -> Region:
 
 
 def difference(first: Region, second: Region) -> Region:
-    """first minus second, the simpler region where one is everywhere or nowhere."""
+    """first minus second, simplified likewise."""
     if isinstance(first, Nowhere) or isinstance(second, Everywhere):
         return nowhere
     return first if isinstance(second, Nowhere) else DifferenceRegion(first, second)
@@ -100,8 +101,8 @@ class _Combination(Region):
         return (self._sample_point, self._sample_curve, self._sample_area)[self.dimension](uniform)
 
     def _sample_area(self, uniform: Numbers) -> Vector:
-        sampler = self._triangle_sampler
-        for _ in range(_MOST_TRIES):
+        sampler, tries = self._triangle_sampler
+        for _ in range(tries):
             point = sampler.sample(uniform)
             if self.contains_point(point):
                 return point
@@ -126,15 +127,16 @@ class _Combination(Region):
         return area if fine.exact else area + (area - polygonal(coarse.core).area) / 3
 
     @cached_property
-    def _triangle_sampler(self) -> TriangleSampler:
+    def _triangle_sampler(self) -> tuple[TriangleSampler, int]:
+        """A sampler of a cover, and after how many tries at most one of its points is in the region."""
         core, cover = 0.0, Polygon()
         for approximation in levels(self, window_around(self.bounds() or NO_BOUNDS)):
             core, cover = polygonal(approximation.core).area, polygonal(approximation.cover)
             if core >= _GOOD_COVER * cover.area:
                 break
-        if core == 0 or cover.area == 0:
+        if core == 0 or core < _POOREST_COVER * cover.area:
             raise EmptyRegion(self, "it has no area")
-        return TriangleSampler(cover)
+        return TriangleSampler(cover), math.ceil(_CERTAINTY * cover.area / core)
 
     @cached_property
     def _segment_sampler(self) -> SegmentSampler:

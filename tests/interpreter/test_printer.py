@@ -81,7 +81,7 @@ PREFIX = [
 ]
 POSTFIX = [" deg", " seconds", ".x", "(a, k=b)", "[1:2]", "[a, b]"]
 SPECIFIERS = ["on", "at", "left of", "with p", "facing", "beyond a by", "visible from", "offset along d by"]
-WRAPPED = ["({})", "[{}, a]", "({}, b)", "{{a: {}}}", "[x for x in {}]", "({} if {} else a)", "f'{{({})}}'", "(lambda a, b={}: a)"]
+WRAPPED = ["({0})", "[{0}, a]", "({0}, b)", "{{a: {0}}}", "[x for x in ({0})]", "(({0}) if ({0}) else a)", "(lambda a, b={0}: a)"]
 
 
 def compound(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
@@ -93,9 +93,7 @@ def compound(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
         st.tuples(st.sampled_from(PREFIX), operand).map("".join),
         st.tuples(operand, st.sampled_from(POSTFIX)).map("".join),
         st.lists(st.tuples(st.sampled_from(SPECIFIERS), operand).map(" ".join), min_size=2, max_size=3).map(lambda s: "(Car " + ", ".join(s) + ")"),
-        st.tuples(st.sampled_from(WRAPPED[:-2] + WRAPPED[-1:]), inner).map(
-            lambda p: p[0].format(p[1], p[1]) if p[0].count("{}") > 1 else p[0].format(p[1])
-        ),
+        st.tuples(st.sampled_from(WRAPPED), inner).map(lambda p: p[0].format(p[1])),
     )
 
 

@@ -62,7 +62,17 @@ def test_numbers_depend_on_nothing_else(seed: int, scene: int, attempt: int, add
     assert all(a == b and 0 <= a < 1 for a, b in interleaved)
 
 
-@pytest.mark.parametrize("other", [(Stream(1, 0, 0), (0,)), (Stream(0, 1, 0), (0,)), (Stream(0, 0, 1), (0,)), (Stream(0, 0, 0), (1,)), (Stream(0, 0, 0), (0, 0)), (Stream(0, 0, 0), ())])  # fmt: skip
+@pytest.mark.parametrize(
+    "other",
+    [
+        (Stream(1, 0, 0), (0,)),
+        (Stream(0, 1, 0), (0,)),
+        (Stream(0, 0, 1), (0,)),
+        (Stream(0, 0, 0), (1,)),
+        (Stream(0, 0, 0), (0, 0)),
+        (Stream(0, 0, 0), ()),
+    ],
+)
 def test_each_coordinate_matters(other: tuple[Stream, tuple[int, ...]]) -> None:
     stream, address = other
     assert stream.at(address)() != Stream(0, 0, 0).at((0,))()

@@ -70,7 +70,8 @@ def test_samples_follow_the_distribution_function(distribution: Distribution, cd
 
 
 @pytest.mark.parametrize(
-    "distribution", [Range(-2, 3), Normal(1, 2), TruncatedNormal(1, 2, 0, 4), TruncatedNormal(0, 1, 9, 10), TruncatedNormal(0, 1, -INFINITY, -3)]
+    "distribution",
+    [Range(-2, 3), Normal(1, 2), TruncatedNormal(1, 2, 0, 4), TruncatedNormal(0, 1, 9, 10), TruncatedNormal(0, 1, -INFINITY, -3)],
 )
 def test_densities_are_the_derivatives_of_the_distribution_functions(distribution: Distribution) -> None:
     """By the inverse: between the values at u and at u', the density integrates to u' - u."""
@@ -139,7 +140,9 @@ def test_values_need_not_be_hashable() -> None:
     assert Discrete((([1], 1), ([2], 1))).log_density([2]) == pytest.approx(math.log(0.5))
 
 
-@pytest.mark.parametrize(("probability", "support"), [(0.25, ((True, Fraction(1, 4)), (False, Fraction(3, 4)))), (1, ((True, 1),)), (0, ((False, 1),))])
+@pytest.mark.parametrize(
+    ("probability", "support"), [(0.25, ((True, Fraction(1, 4)), (False, Fraction(3, 4)))), (1, ((True, 1),)), (0, ((False, 1),))]
+)
 def test_a_coin_shows_true_with_its_probability(probability: float, support: tuple) -> None:
     coin = Coin(probability)
     assert coin.support() == support

@@ -192,7 +192,9 @@ def test_points_are_equally_likely() -> None:
     assert not alarms(points.intersect(CircularRegion(ORIGIN, 1.5)).sample, lambda v: round(v.x), {0: 1 / 2, 1: 1 / 2})
 
 
-@pytest.mark.parametrize("region", [CircularRegion(ORIGIN, 1.0), SectorRegion(ORIGIN, 1.0, 0.0, 1.0), RectangularRegion(ORIGIN, 0.0, 1.0, 1.0)])
+@pytest.mark.parametrize(
+    "region", [CircularRegion(ORIGIN, 1.0), SectorRegion(ORIGIN, 1.0, 0.0, 1.0), RectangularRegion(ORIGIN, 0.0, 1.0, 1.0)]
+)
 def test_shapes_use_two_numbers_and_polygons_three(region: Region) -> None:
     for shape, expected in ((region, 2), (PolygonalRegion(polygon=box(0, 0, 1, 1)), 3), (PolylineRegion([(0, 0), (1, 1)]), 1)):
         used: list[float] = []

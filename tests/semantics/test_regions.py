@@ -39,7 +39,9 @@ extents = st.floats(0.01, 5)
 circles = st.builds(CircularRegion, vectors, extents)
 sectors = st.builds(SectorRegion, vectors, extents, headings, st.floats(0.01, 7))
 rectangles = st.builds(RectangularRegion, vectors, headings, extents, extents)
-polygons = st.sampled_from([Polygon([(0, 0), (4, 0), (4, 4), (3, 1)]), Polygon(box(-3, -3, 1, 1).exterior, [box(-2, -2, 0, 0).exterior])]).map(lambda p: PolygonalRegion(polygon=p))
+polygons = st.sampled_from(
+    [Polygon([(0, 0), (4, 0), (4, 4), (3, 1)]), Polygon(box(-3, -3, 1, 1).exterior, [box(-2, -2, 0, 0).exterior])]
+).map(lambda p: PolygonalRegion(polygon=p))
 simple = circles | sectors | rectangles | polygons
 combined = st.builds(lambda how, a, b: getattr(a, how)(b), st.sampled_from(["intersect", "union", "difference"]), simple, simple)
 regions = simple | combined
@@ -99,7 +101,9 @@ def test_points_between_core_and_cover(region: Region, v: Vector) -> None:
 @given(regions, vectors)
 @settings(deadline=None, max_examples=200)
 def test_distance_is_that_to_close_polygons_and_zero_inside(region: Region, v: Vector) -> None:
-    shape = region.approximate(4096, box(-30, -30, 30, 30)).cover
+    approximation = region.approximate(4096, box(-30, -30, 30, 30))
+    shape = approximation.cover
+    assume(shape.is_empty or approximation.core.area > 1e-6)  # thinner remains than this cannot be told from nothing
     distance = region.distance_to(v)
     if shape.is_empty:
         assert distance == math.inf

@@ -1,0 +1,175 @@
+"""Calls: apply a function value, whether a distribution, a function of the program, a rule of the machine, or host code."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from .conditions import random_branch
+from .config import Stack, State, value
+from .distributions import BadParameters
+from .draws import draw
+from .errors import RunError
+from .expressions import elements
+from .fields import VectorField
+from .functions import bind, enter
+from .host import LARGEST_SEQUENCE, HostException, host
+from .kinds import kind_name
+from .outcome import Next, Outcome
+from .premises import premises
+from .regions import BadRegion, Region
+from .specials import SPECIALS, STRUCTURAL_METHODS, call_raw
+from .syntax import python_expressions as p
+from .syntax.nodes import Node
+from .values import Constructor, Dynamic, Function, Instance, Method, Random, ScenicClass, Special, plain, unwrap
+from .vectors import Vector
+
+
+def call(node: p.Call, stack: Stack, state: State) -> Outcome:
+    """`E(arguments)`: the function first, then the arguments from left to right."""
+    arguments = [a.value if isinstance(a, p.Starred) else a for a in node.arguments]
+    return premises(node, [node.function, *arguments, *(k.value for k in node.keywords)], conclude_call, stack, state)
+
+
+def conclude_call(node: p.Call, values: list[object], stack: Stack, state: State) -> Outcome:
+    """Spread starred arguments, then apply the function."""
+    function, *rest = values
+    arguments: list[object] = []
+    for expression, argument in zip(node.arguments, rest, strict=False):
+        if isinstance(expression, p.Starred):
+            arguments.extend(elements(argument, expression, state))
+        else:
+            arguments.append(argument)
+    keywords: dict[str, object] = {}
+    for keyword, argument in zip(node.keywords, rest[len(node.arguments) :], strict=True):
+        if keyword.name is not None:
+            keywords[keyword.name] = argument
+        elif isinstance(plain(argument), Mapping):
+            keywords.update({str(k): v for k, v in plain(argument).items()})  # type: ignore[attr-defined]
+        else:
+            raise HostException(TypeError(f"{kind_name(argument)} after ** is not a mapping"))
+    return apply(node, function, tuple(arguments), keywords, stack, state)
+
+
+def apply(node: Node, function: object, arguments: tuple[object, ...], keywords: Mapping[str, object], stack: Stack, state: State) -> Outcome:
+    """Apply a function value: a distribution, a function of the program, a rule of the machine, or host code."""
+    match function:
+        case Constructor():
+            return draw(node, function, arguments, keywords, stack, state)
+        case Function():
+            return Next("E-Call", enter(function, arguments, keywords, state, stack, node), node)
+        case Method():
+            return Next("E-Call", enter(function.function, (function.instance, *arguments), keywords, state, stack, node), node)
+        case Special():
+            return SPECIALS[function.name](node, arguments, keywords, stack, state)
+        case ScenicClass():
+            raise RunError(
+                f"{function.name} is a Scenic class: its objects are made with specifiers, not with parentheses", node.span,
+                rule="E-ObjectDefinition", hint=f"write {function.name} at ..., or {function.name} alone",
+            )
+        case Dynamic():
+            return value("E-Call-Dynamic", invocation(function, arguments, keywords), stack, state, node)
+        case Instance():
+            raise HostException(TypeError(f"an instance of {function.class_.name} is not callable"))
+        case Random() if isinstance(function.value, (Function, Method, Constructor, Special)):
+            raise random_branch(function, node, "which function is called")
+        case type() if "__scenic_user_class__" in function.__dict__:
+            return instantiate(node, function, arguments, keywords, stack, state)
+        case _:
+            return call_host(node, function, arguments, keywords, stack, state)
+
+
+def invocation(dynamic: Dynamic, arguments: tuple[object, ...], keywords: Mapping[str, object]) -> Dynamic:
+    """A behavior, monitor or scenario with its arguments, checked against its parameters."""
+    bind(dynamic.definition.name, dynamic.definition.parameters, dynamic.defaults, arguments, keywords)  # type: ignore[attr-defined]
+    return Dynamic(dynamic.definition, dynamic.scope, dynamic.defaults, (arguments, dict(keywords)))
+
+
+def call_host(node: Node, function: object, arguments: tuple[object, ...], keywords: Mapping[str, object], stack: Stack, state: State) -> Outcome:
+    """Call library code with plain values; the result is random if anything that went in was."""
+    if not callable(plain(function)):
+        raise HostException(TypeError(f"{kind_name(function)} is not callable"))
+    if any(isinstance(a, range) and len(a) > LARGEST_SEQUENCE for a in arguments):
+        raise RunError("a range with so many elements cannot be turned into a collection", node.span, rule="E-Call-Host")
+    guard_format(plain(function), arguments, node)
+    if is_structural(function):
+        return value("E-Call-Host", call_raw(function, arguments, keywords, state), stack, state, node)
+    function = on_plain_elements(function, node)
+    if is_geometric(plain(function)):
+        arguments = tuple(as_positions(a, state) for a in arguments)
+        keywords = {k: as_positions(v, state) for k, v in keywords.items()}
+
+    def invoke(f: object, *rest: object, **named: object) -> object:
+        return f(*rest, **named)  # type: ignore[operator]
+
+    try:
+        result = host(state.settings.door, state, invoke, function, *arguments, **keywords)
+    except HostException as problem:
+        if isinstance(problem.exception, (BadRegion, BadParameters)):
+            raise RunError(str(problem.exception), node.span, rule="E-Call-Host") from None
+        raise
+    return value("E-Call-Host", result, stack, state, node)
+
+
+def is_structural(function: object) -> bool:
+    """Whether this is a method of a Python container that does not look at the elements, such as `list.append`."""
+    owner = getattr(function, "__self__", None)
+    return type(owner) in (list, dict, set) and getattr(function, "__name__", "") in STRUCTURAL_METHODS
+
+
+def on_plain_elements(function: object, node: Node) -> object:
+    """A method of a container with random elements, as a method of the container of their values in this run."""
+    owner = getattr(function, "__self__", None)
+    if type(owner) not in (list, dict, set, tuple):
+        return function
+    values, origin = unwrap(owner)
+    if origin is None:
+        return function
+    name = getattr(function, "__name__", "")
+    if name in ("sort", "remove", "discard"):
+        raise RunError(
+            f"{name}() would make which element stands where random", node.span, rule="E-Call-Host", hint="make a new list, with sorted(...) for instance"
+        )
+    return Random(getattr(values, name), origin._replace(distribution=None))
+
+
+def is_geometric(function: object) -> bool:
+    """Whether this constructs a region or field, or is a method of one: it takes vectors, and Points count as such."""
+    if isinstance(function, type):
+        return issubclass(function, (Region, VectorField))
+    return isinstance(getattr(function, "__self__", None), (Region, VectorField, Vector))
+
+
+def as_positions(argument: object, state: State) -> object:
+    """Points replaced by their positions, in lists and tuples as well."""
+    match argument:
+        case Instance():
+            return state.objects[argument.number]["position"]
+        case Random(value=Instance() as instance, origin=origin):
+            return Random(unwrap(state.objects[instance.number]["position"])[0], origin)
+        case list() | tuple() if any(isinstance(a, (Instance, Random, list, tuple)) for a in argument):
+            return type(argument)(as_positions(a, state) for a in argument)
+        case _:
+            return argument
+
+
+def guard_format(function: object, arguments: tuple[object, ...], node: Node) -> None:
+    """`"{0._x}".format(v)` would read private names, and a width could ask for gigabytes: refuse both."""
+    subject = getattr(function, "__self__", None)
+    name = getattr(function, "__name__", "")
+    if isinstance(subject, str) and name in ("format", "format_map") and ("._" in subject or "[_" in subject):
+        raise RunError("format strings may not read private names", node.span, rule="E-Call-Host")
+    if isinstance(subject, (str, bytes)) and name in ("ljust", "rjust", "center", "zfill", "expandtabs"):
+        width = plain(arguments[0]) if arguments else 0
+        if isinstance(width, int) and width > LARGEST_SEQUENCE:
+            raise RunError("a string of this width is too large", node.span, rule="E-Call-Host")
+
+
+def instantiate(node: Node, class_: type, arguments: tuple[object, ...], keywords: Mapping[str, object], stack: Stack, state: State) -> Outcome:
+    """An instance of a Python class of the program; `__init__` runs in the machine, so that it may draw."""
+    initializer = getattr(class_, "__init__", None)
+    if not isinstance(initializer, Function):
+        return call_host(node, class_, arguments, keywords, stack, state)
+    instance = class_.__new__(class_, *arguments) if issubclass(class_, BaseException) else class_.__new__(class_)
+    config = enter(initializer, (instance, *arguments), keywords, state, stack, node)
+    frame, rest = config.stack
+    return Next("E-Call", config._replace(stack=(frame._replace(constructed=instance), rest)), node)

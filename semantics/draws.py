@@ -1,0 +1,55 @@
+"""The rule "Distributions" of Figure "expression-semantics": a distribution evaluates to a sample from it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from .config import Config, Stack, State, Value, value
+from .distributions import BadParameters, Distribution, Range
+from .errors import RunError
+from .kinds import has_kind
+from .outcome import Draw, Outcome
+from .premises import premises
+from .syntax import expressions as e
+from .syntax.nodes import Node
+from .values import Constructor, Origin, Random, plain, unwrap
+
+
+def draw(node: Node, constructor: Constructor, arguments: tuple[object, ...], keywords: Mapping[str, object], stack: Stack, state: State) -> Outcome:
+    """⟨params⟩ → θ and v ∈ dom baseDist(θ) give ⟨baseDist(params)⟩ →^{P_θ(v)} v (Figure "expression-semantics", Distributions)."""
+    try:
+        if constructor.keeps_values:
+            distribution = constructor.make(*arguments, **keywords)
+        else:
+            distribution = constructor.make(*(unwrap(a)[0] for a in arguments), **{k: unwrap(v)[0] for k, v in keywords.items()})
+    except BadParameters as bad:
+        raise RunError(str(bad), node.span, rule="E-Distributions") from None
+    except TypeError as problem:
+        raise RunError(f"{constructor.name}: {problem}", node.span, rule="E-Distributions") from None
+    return ask(node, distribution, "E-Distributions", stack, state, f"{constructor.name}(...)")
+
+
+def ask(node: Node, distribution: Distribution, rule: str, stack: Stack, state: State, text: str) -> Draw:
+    """A draw whose result is the value of the expression."""
+    origin = Origin(node.span, text, distribution)
+    after = state._replace(draws=state.draws + 1)
+
+    def resume(drawn: object) -> Config:
+        return Config(Value(Random(unwrap(drawn)[0], origin)), stack, after)
+
+    return Draw(rule, state.address, distribution, node, resume)
+
+
+def interval_or_pair(node: e.IntervalOrPair, stack: Stack, state: State) -> Outcome:
+    """`(low, high)` of dialect `pldi19` (reading `intervals`)."""
+    return premises(node, [node.low, node.high], conclude_interval, stack, state)
+
+
+def conclude_interval(node: e.IntervalOrPair, values: list[object], stack: Stack, state: State) -> Outcome:
+    """Uniform on the interval if both ends are scalars, otherwise a pair."""
+    if all(has_kind(plain(v), "scalar") for v in values):
+        return draw(node, RANGE, tuple(values), {}, stack, state)
+    return value("E-Display", tuple(values), stack, state, node)
+
+
+RANGE = Constructor("Range", Range, keeps_values=False)
