@@ -1,4 +1,4 @@
-"""Functions, lambdas, calls and comprehensions: as in Python, except that arguments keep their randomness."""
+"""Functions and lambdas, as in Python: closed over their scope, default values evaluated once; arguments keep their randomness."""
 
 from __future__ import annotations
 
@@ -34,16 +34,11 @@ class InScope(NamedTuple):
 
 
 def lambda_rule(node: p.Lambda, stack: Stack, state: State) -> Outcome:
-    """`lambda parameters: E`."""
-    return define(node, "<lambda>", node.parameters, node.body, stack, state)
+    """`lambda parameters: E`: default values are evaluated now, once (reading `default-arguments`), then it closes over σ."""
+    return premises(node, [q.default for q in node.parameters], conclude_lambda, stack, state)
 
 
-def define(node: Node, name: str, parameters: tuple[p.Parameter, ...], body: object, stack: Stack, state: State) -> Outcome:
-    """Evaluate the default values now, once (reading `default-arguments`), then close over σ."""
-    return premises(node, [q.default for q in parameters], conclude_define, stack, state)
-
-
-def conclude_define(node: Node, values: list[object], stack: Stack, state: State) -> Outcome:
+def conclude_lambda(node: p.Lambda, values: list[object], stack: Stack, state: State) -> Outcome:
     """The function as a value."""
     function = make_function(node, values, state)
     return value("E-Lambda", function, stack, state, node)

@@ -122,7 +122,8 @@ def test_intervals_are_the_part_of_a_segment_inside(region: Region, start: Vecto
         t = k / 60
         if any(abs(t - bound) < 1e-6 for interval in inside for bound in interval):
             continue
-        assert any(a < t < b for a, b in inside) == region.contains_point(start + (end - start) * t)
+        around = {region.contains_point(start + (end - start) * (t + shift)) for shift in (-1e-7, 0.0, 1e-7)}
+        assert len(around) == 2 or around == {any(a < t < b for a, b in inside)}  # single points, where it touches, are left out
 
 
 @given(regions)
