@@ -2,7 +2,7 @@
 
 It is a pure function of the constants below: a grid of gently winding avenues (three lanes a side) and streets (one lane a
 side), a boulevard across it, and one-way ramps round the corners of some junctions. Traffic keeps to the right. It covers
-about 1 km² around the coordinates of the gallery's scenes: (-628.8, -540.6) is on the left northbound lane of an avenue. Metres; headings
+about 420 m by 420 m around the coordinates of the gallery's scenes: (-628.8, -540.6) is on the left northbound lane of an avenue. Metres; headings
 in radians anticlockwise from North.
 """
 
@@ -21,24 +21,21 @@ from shapely.geometry import LineString, MultiPolygon, Polygon
 from ...semantics.fields import PolygonalVectorField
 from ...semantics.regions import PolygonalRegion, PolylineRegion
 
-WEST, SOUTH, EAST, NORTH = -1130.0, -1040.0, -130.0, -40.0
+WEST, SOUTH, EAST, NORTH = -840.0, -750.0, -420.0, -330.0
 LANE = 3.5  # width of a lane
 SHOULDER = 0.6  # width of the strip between the outermost lane and the edge of the road
 CURB_INSET = 0.25  # how far inside the edge of the road a curb runs, so that its points have a traffic direction
 SHORTEST_CURB = 4.0
-STEP = 18.0  # length of a cell along a road that is not a ramp
+STEP = 14.0  # length of a cell along a road that is not a ramp
 RAMP_RADIUS = 38.0
 
 # Centre lines: (coordinate, amplitude of the winding, its wave length, where it starts), across the whole city.
-NORTH_SOUTH_AVENUES = (
-    (-1010.0, 10.0, 740.0, 0.10), (-820.0, 7.0, 610.0, 0.45), (-635.1, 5.0, 820.0, 0.9711), (-440.0, 9.0, 690.0, 0.80),
-    (-250.0, 6.0, 560.0, 0.25),
-)  # fmt: skip
-EAST_WEST_AVENUES = ((-880.0, 8.0, 650.0, 0.30), (-680.0, 6.0, 720.0, 0.65), (-430.0, 10.0, 800.0, 0.05), (-210.0, 7.0, 590.0, 0.50))
-NORTH_SOUTH_STREETS = ((-915.0, 6.0, 520.0, 0.60), (-725.0, 8.0, 600.0, 0.20), (-535.0, 5.0, 480.0, 0.75), (-345.0, 8.0, 560.0, 0.40))
-EAST_WEST_STREETS = ((-970.0, 6.0, 540.0, 0.15), (-780.0, 7.0, 500.0, 0.50), (-590.0, 5.0, 620.0, 0.90), (-320.0, 6.0, 530.0, 0.35))
-BOULEVARD = ((-1100.0, -120.0), (-900.0, -560.0), (-560.0, -900.0), (-150.0, -1000.0))  # a cubic Bézier curve
-RAMP_JUNCTIONS = ((1, 0), (2, 1), (2, 2), (3, 2), (3, 3), (4, 1))  # of which avenues: (north-south, east-west)
+NORTH_SOUTH_AVENUES = ((-770.0, 7.0, 410.0, 0.45), (-635.1, 5.0, 820.0, 0.9711), (-480.0, 8.0, 390.0, 0.80))
+EAST_WEST_AVENUES = ((-680.0, 6.0, 420.0, 0.65), (-440.0, 8.0, 400.0, 0.05))
+NORTH_SOUTH_STREETS = ((-560.0, 5.0, 280.0, 0.75),)
+EAST_WEST_STREETS = ((-600.0, 5.0, 320.0, 0.90), (-370.0, 6.0, 300.0, 0.35))
+BOULEVARD = ((-825.0, -350.0), (-790.0, -520.0), (-700.0, -650.0), (-520.0, -735.0))  # a cubic Bézier curve
+RAMP_JUNCTIONS = ((0, 1), (1, 0), (1, 1), (2, 1))  # of which avenues: (north-south, east-west)
 
 Cell = tuple[Polygon, float]
 
