@@ -1,6 +1,6 @@
 """The part of the builder for behaviors, monitors, scenarios and the statements inside them."""
 
-# ruff: noqa: D102 (a method per rule or node, named after it: the grammar and the node say what it is)
+
 
 from __future__ import annotations
 

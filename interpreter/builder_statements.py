@@ -1,6 +1,6 @@
 """The part of the builder for Python's statements and Scenic's static ones."""
 
-# ruff: noqa: D102 (a method per rule or node, named after it: the grammar and the node say what it is)
+
 
 from __future__ import annotations
 

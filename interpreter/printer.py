@@ -1,6 +1,6 @@
 """Abstract syntax as source text that parses back to the same tree: `to_source`."""
 
-# ruff: noqa: D102 (a method per rule or node, named after it: the grammar and the node say what it is)
+
 
 from __future__ import annotations
 

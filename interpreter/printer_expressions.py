@@ -1,6 +1,6 @@
 """Expressions and specifiers as source text, with parentheses around every operand that is not a single term."""
 
-# ruff: noqa: D102 (a method per rule or node, named after it: the grammar and the node say what it is)
+
 
 from __future__ import annotations
 

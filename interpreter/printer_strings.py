@@ -1,6 +1,6 @@
 """Literals as source text; f-strings need care, since an interpolation has neither backslashes nor the outer quotes."""
 
-# ruff: noqa: D102 (a method per rule or node, named after it: the grammar and the node say what it is)
+
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ from functools import cached_property
 from pathlib import Path
 
 from ..inference.rejection import DEFAULT_ATTEMPTS, Sampled, sample
-
+from ..interpreter.checks import check
 from ..interpreter.choosers import from_stream
 from ..interpreter.modules import library_of, read_text, with_old_imports
 from ..interpreter.parser import parse
@@ -38,6 +38,7 @@ class Scenario:
         self.trust = trust
         self.directory = directory
         self.fuel = fuel
+        check(program)
 
 
     @cached_property
@@ -75,7 +76,8 @@ class Scenario:
 
 def loads(
     text: str, *, file: str = "<string>", dialect: str | None = None, profile: str = "paper", readings: Mapping[str, str] | None = None,
-    params: Mapping[str, object] | None = None, model: str | None = None, trust: bool = False, directory: Path | None = None, fuel: int = DEFAULT_FUEL,
+    params: Mapping[str, object] | None = None, model: str | None = None, trust: bool = False, directory: Path | None = None,
+    fuel: int = DEFAULT_FUEL,
 ) -> Scenario:
     """The scenario of a program text. Raises `ParseError`, `CheckError`, `UsageError`."""
     program = parse(text, file, dialect)

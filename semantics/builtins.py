@@ -23,15 +23,15 @@ def _uniform(*values: object) -> Uniform:
 def _discrete(weights: object) -> Discrete:
     if not isinstance(weights, Mapping):
         raise BadParameters("Discrete", "weights", "must be given as {value: weight, ...}")
-    return Discrete(tuple((value, unwrap(weight)[0]) for value, weight in weights.items()))
+    return Discrete(tuple((value, unwrap(weight)[0]) for value, weight in weights.items()))  # pyright: ignore[reportArgumentType]: Discrete checks
 
 
 CONSTRUCTORS: Mapping[str, Constructor] = {
-    "Range": Constructor("Range", Range, keeps_values=False),
-    "Uniform": Constructor("Uniform", _uniform, keeps_values=True),
-    "Discrete": Constructor("Discrete", _discrete, keeps_values=True),
-    "Normal": Constructor("Normal", Normal, keeps_values=False),
-    "TruncatedNormal": Constructor("TruncatedNormal", TruncatedNormal, keeps_values=False),
+    "Range": Constructor("Range", Range, keeps_values=False, takes="low, high"),
+    "Uniform": Constructor("Uniform", _uniform, keeps_values=True, takes="value, ..., value"),
+    "Discrete": Constructor("Discrete", _discrete, keeps_values=True, takes="{value: weight, ...}"),
+    "Normal": Constructor("Normal", Normal, keeps_values=False, takes="mean, stdDev"),
+    "TruncatedNormal": Constructor("TruncatedNormal", TruncatedNormal, keeps_values=False, takes="mean, stdDev, low, high"),
 }
 
 GEOMETRY: Mapping[str, object] = {

@@ -57,8 +57,8 @@ def apply(node: Node, function: object, arguments: tuple[object, ...], keywords:
             return draw(node, function, arguments, keywords, stack, state)
         case Function():
             return Next("E-Call", enter(function, arguments, keywords, state, stack, node), node)
-        case Method():
-            return Next("E-Call", enter(function.function, (function.instance, *arguments), keywords, state, stack, node), node)
+        case Method(function=code, instance=instance):
+            return Next("E-Call", enter(code, (instance, *arguments), keywords, state, stack, node), node)
         case Special():
             return SPECIALS[function.name](node, arguments, keywords, stack, state)
         case ScenicClass():
@@ -91,7 +91,7 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
     if any(isinstance(a, range) and len(a) > LARGEST_SEQUENCE for a in arguments):
         raise RunError("a range with so many elements cannot be turned into a collection", node.span, rule="E-Call-Host")
     guard_format(plain(function), arguments, node)
-    if is_structural(function):
+    if callable(function) and is_structural(function):
         return value("E-Call-Host", call_raw(function, arguments, keywords, state), stack, state, node)
     function = on_plain_elements(function, node)
     if is_geometric(plain(function)):
@@ -127,7 +127,7 @@ def on_plain_elements(function: object, node: Node) -> object:
     name = getattr(function, "__name__", "")
     if name in ("sort", "remove", "discard"):
         raise RunError(
-            f"{name}() would make which element stands where random", node.span, rule="E-Call-Host", hint="make a new list, with sorted(...) for instance"
+            f"{name}() would make which element stands where random", node.span, rule="E-Call-Host", hint="make a new list, with sorted(...)"
         )
     return Random(getattr(values, name), origin._replace(distribution=None))
 
@@ -164,12 +164,15 @@ def guard_format(function: object, arguments: tuple[object, ...], node: Node) ->
             raise RunError("a string of this width is too large", node.span, rule="E-Call-Host")
 
 
-def instantiate(node: Node, class_: type, arguments: tuple[object, ...], keywords: Mapping[str, object], stack: Stack, state: State) -> Outcome:
+def instantiate(
+    node: Node, class_: type, arguments: tuple[object, ...], keywords: Mapping[str, object], stack: Stack, state: State
+) -> Outcome:
     """An instance of a Python class of the program; `__init__` runs in the machine, so that it may draw."""
     initializer = getattr(class_, "__init__", None)
     if not isinstance(initializer, Function):
         return call_host(node, class_, arguments, keywords, stack, state)
-    instance = class_.__new__(class_, *arguments) if issubclass(class_, BaseException) else class_.__new__(class_)
+    rest = arguments if issubclass(class_, BaseException) else ()
+    instance = call_raw(class_.__new__, (class_, *rest), {}, state)
     config = enter(initializer, (instance, *arguments), keywords, state, stack, node)
-    frame, rest = config.stack
-    return Next("E-Call", config._replace(stack=(frame._replace(constructed=instance), rest)), node)
+    frame, below = config.stack
+    return Next("E-Call", config._replace(stack=(frame._replace(constructed=instance), below)), node)

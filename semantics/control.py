@@ -33,7 +33,8 @@ def block(statements: s.Block, stack: Stack, state: State, rule: str = "", node:
     if not statements:
         return Next(rule, Config(PASS, stack, state), node)
     rest = (Sequence(statements, 1), stack) if len(statements) > 1 else stack
-    return Next(rule, Config(statements[0], rest, state), node)
+    first, *_ = statements
+    return Next(rule, Config(first, rest, state), node)
 
 
 def resume_sequence(frame: Sequence, result: object, stack: Stack, state: State) -> Outcome:
@@ -125,8 +126,9 @@ def for_statement(node: s.For, stack: Stack, state: State) -> Outcome:
 def resume_iterating(frame: Iterating, result: object, stack: Stack, state: State) -> Outcome:
     """The elements are known: the first turn."""
     iterable = plain(result)
-    lazy = isinstance(iterable, range) and iterable is result
-    source: Iterator[object] = iter(iterable) if lazy else iter(elements(result, frame.node.iterable, state))
+    if isinstance(iterable, range) and iterable is result:
+        return next_turn(frame.node, iter(iterable), stack, state)
+    source = iter(elements(result, frame.node.iterable, state))
     return next_turn(frame.node, source, stack, state)
 
 

@@ -165,7 +165,7 @@ def model(node: s.Model, stack: Stack, state: State) -> Outcome:
 
 def public_names(module: object) -> list[str]:
     """What `*` imports."""
-    names = list(module.scope.bindings) if isinstance(module, Module) else [n for n in dir(module)]
+    names = list(module.scope.bindings) if isinstance(module, Module) else dir(module)
     return [n for n in names if not n.startswith("_")]
 
 

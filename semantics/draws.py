@@ -24,8 +24,8 @@ def draw(node: Node, constructor: Constructor, arguments: tuple[object, ...], ke
             distribution = constructor.make(*(unwrap(a)[0] for a in arguments), **{k: unwrap(v)[0] for k, v in keywords.items()})
     except BadParameters as bad:
         raise RunError(str(bad), node.span, rule="E-Distributions") from None
-    except TypeError as problem:
-        raise RunError(f"{constructor.name}: {problem}", node.span, rule="E-Distributions") from None
+    except TypeError:
+        raise RunError(f"the parameters of {constructor.name} are ({constructor.takes})", node.span, rule="E-Distributions") from None
     return ask(node, distribution, "E-Distributions", stack, state, f"{constructor.name}(...)")
 
 
@@ -52,4 +52,4 @@ def conclude_interval(node: e.IntervalOrPair, values: list[object], stack: Stack
     return value("E-Display", tuple(values), stack, state, node)
 
 
-RANGE = Constructor("Range", Range, keeps_values=False)
+RANGE = Constructor("Range", Range, keeps_values=False, takes="low, high")

@@ -185,7 +185,7 @@ def instance_attribute(instance: Instance, name: str, state: State) -> object:
     found = instance.class_.method(name)
     if found is None:
         raise HostException(AttributeError(f"{instance.class_.name} has no property {name}"))
-    return Method(found, instance) if isinstance(found, Function) else found
+    return Method(found, instance, found.door) if isinstance(found, Function) else found
 
 
 def subscript(node: p.Subscript, stack: Stack, state: State) -> Outcome:
@@ -234,12 +234,12 @@ def _shift(left: object, right: object) -> object:
     return left << right  # type: ignore[operator]
 
 
-BINARY: Mapping[str, Callable[[object, object], object]] = {
+BINARY: Mapping[str, Callable[..., object]] = {
     "+": python.add, "-": python.sub, "*": _times, "/": python.truediv, "//": python.floordiv, "%": python.mod, "**": _power,
     "<<": _shift, ">>": python.rshift, "&": python.and_, "|": python.or_, "^": python.xor,
 }
-UNARY: Mapping[str, Callable[[object], object]] = {"-": python.neg, "+": python.pos, "~": python.invert, "not": python.not_}
-COMPARE: Mapping[str, Callable[[object, object], object]] = {
+UNARY: Mapping[str, Callable[..., object]] = {"-": python.neg, "+": python.pos, "~": python.invert, "not": python.not_}
+COMPARE: Mapping[str, Callable[..., object]] = {
     "==": python.eq, "!=": python.ne, "<": python.lt, ">": python.gt, "<=": python.le, ">=": python.ge,
     "is": python.is_, "is not": python.is_not,
     "in": lambda left, right: left in right, "not in": lambda left, right: left not in right,  # type: ignore[operator]

@@ -155,7 +155,9 @@ def conclude_arguments(
 ) -> Outcome:
     """resolveSpecifiers(class, specifiers) = ((s1, p1), ..., (sn, pn)); then σ[self / ⊥]."""
     rest = iter(values)
-    specifications = [describe(s, None if late else [next(rest) for _ in arguments_of(s)], state) for s, late in zip(node.specifiers, deferred, strict=True)]
+    specifications = [
+        describe(s, None if late else [next(rest) for _ in arguments_of(s)], state) for s, late in zip(node.specifiers, deferred, strict=True)
+    ]
     defaults = {name: default_specification(name, expression, owner, state) for name, (expression, owner) in class_.defaults.items()}
     known = frozenset(defaults) if state.reading("optional-unknown") == "ignore" else None
     absent = frozenset({"width", "length"}) if state.reading("point-size") == "zero" else frozenset()

@@ -17,7 +17,9 @@ from .syntax.nodes import Node
 from .syntax.python_expressions import Constant, Name
 from .values import Origin, Random
 
-Conclusion = Callable[[Node, list[object], Stack, State], Outcome]
+Conclusion = Callable[..., Outcome]
+
+"""Gets the node, the values of its premises, the stack and the state: `conclude(node, values, stack, state)`."""
 
 NOT_AN_AXIOM = object()
 

@@ -35,13 +35,17 @@ Ordered = tuple[tuple[Specification, tuple[str, ...]], ...]
 
 
 def resolve_specifiers(
-    span: Span, specifiers: Sequence[Specification], defaults: Mapping[str, Specification], known: frozenset[str] | None = None,
+    span: Span,
+    specifiers: Sequence[Specification],
+    defaults: Mapping[str, Specification],
+    known: frozenset[str] | None = None,
     absent: frozenset[str] = frozenset(),
 ) -> Ordered:
     """((S1, P1), ..., (Sn, Pn)): the specifiers in evaluation order, each with the properties whose values it determines.
 
     `defaults` is defaultValueExpressions(class). `known`, if given, keeps optional specifications to those properties
-    (reading `optional-unknown` = ignore); `absent` are dependencies that may be missing (reading `point-size`). Raises a named `ResolutionError` where the algorithm says "syntax error".
+    (reading `optional-unknown` = ignore); `absent` are dependencies that may be missing (reading `point-size`).
+    Raises a named `ResolutionError` where the algorithm says "syntax error".
     """
     # 1. gather all specified properties
     spec_for_property: dict[str, Specification] = {}
@@ -90,7 +94,7 @@ def resolve_specifiers(
             predecessors[id(specifier)].append((dependency, spec_for_property[dependency]))
 
     # 5. construct specifier and property evaluation order
-    order = _topological_order(used, predecessors, spec_for_property, span)
+    order = _topological_order(used, predecessors, span)
     return tuple((s, tuple(name for name, chosen in spec_for_property.items() if chosen is s)) for s in order)
 
 
@@ -101,7 +105,6 @@ def _place(specifier: Specification, span: Span) -> Span:
 def _topological_order(
     used: tuple[Specification, ...],
     predecessors: Mapping[int, list[tuple[str, Specification]]],
-    spec_for_property: Mapping[str, Specification],
     span: Span,
 ) -> list[Specification]:
     """Repeatedly the first specifier whose dependencies are all placed (Kahn's algorithm, stable)."""
@@ -111,7 +114,7 @@ def _topological_order(
     while waiting:
         ready = [s for s in waiting if all(id(p) in placed for _, p in predecessors[id(s)])]
         if not ready:
-            raise _cycle_error(waiting, predecessors, spec_for_property, span)
+            raise _cycle_error(waiting, predecessors, span)
         order.extend(ready)
         placed.update(id(s) for s in ready)
         waiting = [s for s in waiting if id(s) not in placed]
@@ -119,7 +122,7 @@ def _topological_order(
 
 
 def _cycle_error(
-    waiting: list[Specification], predecessors: Mapping[int, list[tuple[str, Specification]]], spec_for_property: Mapping[str, Specification], span: Span
+    waiting: list[Specification], predecessors: Mapping[int, list[tuple[str, Specification]]], span: Span
 ) -> ResolutionError:
     """The error that prints one cycle: position (left of) needs heading (facing), which needs position."""
     unplaced = {id(s) for s in waiting}

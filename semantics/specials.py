@@ -190,7 +190,8 @@ def _comprehend(
 
 
 STRUCTURAL: Mapping[str, Callable[..., object]] = {
-    "len": len, "list": list, "tuple": tuple, "zip": lambda *xs, **k: list(zip(*xs, **k)), "enumerate": lambda xs, start=0: list(enumerate(xs, start)),
+    "len": len, "list": list, "tuple": tuple, "zip": lambda *xs, **k: list(zip(*xs, **k)),
+    "enumerate": lambda xs, start=0: list(enumerate(xs, start)),
     "reversed": lambda xs: list(reversed(xs)), "dict": dict,
 }
 """Builtins that look at a container, not at its elements: these keep their randomness. Lazy ones give lists."""

@@ -252,7 +252,9 @@ HEADING_ONLY = ("heading",)
 WIDE, LONG = ("width",), ("length",)
 
 
-def _beside(name: str, vector: Callable[..., object], point: Callable[..., object], object_: Callable[..., object], size: tuple[str, ...]) -> tuple[Form, ...]:
+def _beside(
+    name: str, vector: Callable[..., object], point: Callable[..., object], object_: Callable[..., object], size: tuple[str, ...]
+) -> tuple[Form, ...]:
     return (
         Form(f"P-{name}-Object", (OBJECT, SCALAR), object_, optional=HEADING_ONLY, dependencies=size, needs_self=True),
         Form(f"P-{name}-OrientedPoint", (ORIENTED_POINT, SCALAR), point, optional=HEADING_ONLY, dependencies=size, needs_self=True),

@@ -19,6 +19,7 @@ from .statements import enforce
 from .syntax.nodes import NOWHERE
 from .syntax.python_expressions import Constant
 from .values import Instance, Origin, Random, plain
+from .vectors import Vector
 
 COMPONENTS = ("x", "y", "heading")
 
@@ -98,7 +99,7 @@ def apply_noise(frame: Mutating, instance: Instance, stack: Stack, state: State)
     dx, dy, turn = (reader.plain(n) for n in frame.noise)
     position = reader.property(instance, "position")
     heading = reader.property(instance, "heading")
-    moved = {"position": reader.wrap(position + (dx, dy)), "heading": reader.wrap(heading + turn)}  # type: ignore[operator]
+    moved = {"position": reader.wrap(Vector(position.x + dx, position.y + dy)), "heading": reader.wrap(heading + turn)}  # type: ignore[operator]
     return mutate_objects(Mutating(frame.index + 1), stack, state.with_properties(instance, moved))
 
 

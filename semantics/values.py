@@ -49,14 +49,14 @@ def plain(value: object) -> object:
 def unwrap(value: object) -> tuple[object, Origin | None]:
     """The value with no `Random` anywhere inside lists, tuples, sets and dicts, and the origin of the first one found."""
     kind = type(value)
-    if kind is Random:
+    if isinstance(value, Random):
         inner, _ = unwrap(value.value)
         return inner, value.origin
-    if kind in (list, tuple, set, frozenset):
+    if isinstance(value, (list, tuple, set, frozenset)) and kind in (list, tuple, set, frozenset):
         pairs = [unwrap(item) for item in value]
         origin = next((o for _, o in pairs if o is not None), None)
         return (value, None) if origin is None else (kind(v for v, _ in pairs), origin)
-    if kind is dict:
+    if isinstance(value, dict) and kind is dict:
         pairs = [(unwrap(key), unwrap(item)) for key, item in value.items()]
         origin = next((o for pair in pairs for _, o in pair if o is not None), None)
         return (value, None) if origin is None else ({k[0]: v[0] for k, v in pairs}, origin)
@@ -141,7 +141,7 @@ class Function:
 
     def __get__(self, instance: object, owner: type | None = None) -> Function | Method:
         """A method, where Python looks this function up on an instance of a class of the program."""
-        return self if instance is None else Method(self, instance)
+        return self if instance is None else Method(self, instance, self.door)
 
     def __repr__(self) -> str:
         return f"<function {self.name}>"
@@ -153,22 +153,24 @@ class Method:
 
     function: Function
     instance: object
+    door: Door
 
     def __call__(self, *arguments: object, **keywords: object) -> object:
         """Called by host code: through the door."""
-        return self.function.door.call(self.function, (self.instance, *arguments), keywords)
+        return self.door.call(self.function, (self.instance, *arguments), keywords)  # pyright: ignore[reportArgumentType]: not a class attribute
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Constructor:
     """A distribution's name as a value: `make(arguments)` checks the parameters θ and gives baseDist(θ).
 
-    `keeps_values`: the arguments are values to choose among, which may be random themselves, not parameters.
+    `takes` names its parameters, for messages. `keeps_values`: the arguments are values to choose among, which may be random themselves, not parameters.
     """
 
     name: str
-    make: Callable[..., object]
+    make: Callable[..., Distribution]
     keeps_values: bool
+    takes: str = ""
 
     def __repr__(self) -> str:
         return f"<distribution {self.name}>"
