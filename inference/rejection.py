@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from ..interpreter.choosers import from_stream
-from ..interpreter.running import DEFAULT_FUEL, Accepted, run
+from ..interpreter.running import DEFAULT_FUEL, Accepted, Witness, run
 from ..interpreter.scenes import Scene, scene_of
 from ..semantics.config import Config
 from ..semantics.errors import AttemptsExhausted
@@ -30,13 +30,17 @@ class Sampled(NamedTuple):
 
 def sample(
     start: Callable[[], Config], seed: int, index: int, *, max_attempts: int = DEFAULT_ATTEMPTS, fuel: int = DEFAULT_FUEL,
-    on_attempt: Callable[[int], None] | None = None,
+    on_attempt: Callable[[int], None] | None = None, witnessed: Callable[[int], Witness] | None = None,
 ) -> Sampled:
-    """Scene number `index` of `seed`. Raises `AttemptsExhausted` with the requirements that failed, and the program's errors."""
+    """Scene number `index` of `seed`. Raises `AttemptsExhausted` with the requirements that failed, and the program's errors.
+
+    `on_attempt` is told how many attempts got stuck so far; `witnessed` gives the witness of each attempt, which makes it slower.
+    """
     stuck: Counter[Requirement] = Counter()
     steps = 0
     for attempt in range(max_attempts):
-        result = run(start(), from_stream(seed, index, attempt), fuel=fuel)
+        witness = None if witnessed is None else witnessed(attempt)
+        result = run(start(), from_stream(seed, index, attempt), fuel=fuel, witness=witness)
         steps += result.steps
         if isinstance(result, Accepted):
             return Sampled(scene_of(result.state, seed, index, attempt + 1), stuck, steps)

@@ -11,6 +11,8 @@ from ..semantics.config import State
 from ..semantics.geometry import normalise_heading
 from ..semantics.kinds import is_scalar
 from ..semantics.programs import ego_of
+from ..semantics.regions import Region, everywhere
+from ..semantics.termination import workspace_of
 from ..semantics.values import Instance, ScenicClass, plain, unwrap
 from ..semantics.vectors import Vector
 
@@ -54,7 +56,7 @@ class Scene:
     index: int
     attempts: int
     weight: float = 1.0
-    workspace: object = None
+    workspace: Region = everywhere
 
     @property
     def ego(self) -> SceneObject:
@@ -106,7 +108,7 @@ def scene_of(state: State, seed: int, index: int, attempts: int, weight: float =
     numbers = {instance.number: i for i, instance in enumerate(state.scene)}
     objects = tuple(_scene_object(i, instance, state) for i, instance in enumerate(state.scene))
     params = {name: unwrap(value)[0] for name, value in state.params.items()}
-    workspace = plain(state.workspace)
+    workspace = workspace_of(state)
     return Scene(objects, numbers[ego_of(state).number], params, seed, index, attempts, weight, workspace)
 
 

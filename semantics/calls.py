@@ -57,8 +57,9 @@ def apply(node: Node, function: object, arguments: tuple[object, ...], keywords:
             return draw(node, function, arguments, keywords, stack, state)
         case Function():
             return Next("E-Call", enter(function, arguments, keywords, state, stack, node), node)
-        case Method(function=code, instance=instance):
-            return Next("E-Call", enter(code, (instance, *arguments), keywords, state, stack, node), node)
+        case Method():
+            code: Function = function.function  # pyright: ignore[reportAssignmentType]: not a class attribute, so no descriptor
+            return Next("E-Call", enter(code, (function.instance, *arguments), keywords, state, stack, node), node)
         case Special():
             return SPECIALS[function.name](node, arguments, keywords, stack, state)
         case ScenicClass():

@@ -33,8 +33,7 @@ def block(statements: s.Block, stack: Stack, state: State, rule: str = "", node:
     if not statements:
         return Next(rule, Config(PASS, stack, state), node)
     rest = (Sequence(statements, 1), stack) if len(statements) > 1 else stack
-    first, *_ = statements
-    return Next(rule, Config(first, rest, state), node)
+    return Next(rule, Config(next(iter(statements)), rest, state), node)
 
 
 def resume_sequence(frame: Sequence, result: object, stack: Stack, state: State) -> Outcome:

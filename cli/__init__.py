@@ -1,0 +1,43 @@
+"""The command line, `scenic-ref`.
+
+Exit codes: 0 ok, 1 program error, 2 wrong usage, 3 attempts exhausted, 4 internal error, 130 interrupted. Everything
+but `main` is imported when it is first needed, so that `scenic-ref --help` answers at once.
+"""
+
+from __future__ import annotations
+
+import sys
+
+INTERRUPTED = 130
+
+
+def main() -> None:
+    """The command `scenic-ref`: answers the command line that the process was given, then exits."""
+    try:
+        code = answer(sys.argv[1:])
+    except KeyboardInterrupt:
+        code = INTERRUPTED
+    sys.exit(code)
+
+
+def answer(arguments: list[str]) -> int:
+    """The exit code of a command line; what it has to say goes to standard output and standard error."""
+    from .session import Session
+
+    session = Session()
+    try:
+        try:
+            from .app import app
+
+            app(arguments, prog_name="scenic-ref", obj=session)
+        finally:
+            sys.stdout.flush()
+    except SystemExit as done:
+        return done.code if isinstance(done.code, int) else 0 if done.code is None else 1
+    except BrokenPipeError:
+        session.hang_up()
+    except Exception as error:  # the outermost place: everything that went wrong is told here
+        from .errors import report
+
+        return report(error, session)
+    return 0

@@ -1,0 +1,44 @@
+"""The commands and the options that belong to none of them."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from .. import __version__
+from .check import check
+from .options import DebugOption
+from .readings import readings
+from .rules import rules
+from .run import run
+from .trace import trace
+
+app = typer.Typer(
+    name="scenic-ref", add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+"""The command line as a Typer application."""
+
+app.command("run")(run)
+app.command("trace")(trace)
+app.command("rules")(rules)
+app.command("readings")(readings)
+app.command("check")(check)
+
+
+def show_version(wanted: bool) -> None:
+    """The version, and no command."""
+    if wanted:
+        print(f"scenic-ref {__version__}")
+        raise typer.Exit
+
+
+@app.callback(
+    epilog="Exit codes: 0 ok, 1 program error, 2 wrong usage, 3 attempts exhausted, 4 internal error, 130 interrupted.",
+)
+def scenic_ref(
+    version: Annotated[bool, typer.Option("--version", callback=show_version, is_eager=True, help="Show the version.")] = False,
+    debug: DebugOption = False,
+) -> None:
+    """The executable reference of the Scenic language: run, trace and question its rules."""

@@ -1,0 +1,149 @@
+"""Drawing scenes one by one: each as a line of JSON, with what happened on the way to it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache, cached_property
+from typing import TYPE_CHECKING, NamedTuple
+
+from ..inference.rejection import sample
+from ..interpreter.choosers import from_stream
+from ..interpreter.running import Accepted, Witness, run
+from ..interpreter.scenes import Scene, scene_of
+from ..semantics.conditions import bool_of
+from ..semantics.config import Config, Value
+from ..semantics.errors import ScenicError
+from ..semantics.host import HostException
+from ..semantics.outcome import Draw, Next, Observe, Outcome, Requirement
+from ..semantics.scopes import descendants
+from ..semantics.step import step
+from ..semantics.syntax import Program
+from ..semantics.syntax.nodes import Node, Span
+from ..semantics.syntax.python_expressions import Name
+from ..semantics.syntax.statements import SoftRequire
+from ..semantics.values import plain
+from .options import Source
+
+if TYPE_CHECKING:
+    from ..scenario import Scenario
+
+MOST_PRINTED = 10_000
+ASIDE_STEPS = 100_000
+
+
+class Softness(NamedTuple):
+    """How often the condition of the soft requirement at `span` held, of how often that is known, and its probability."""
+
+    span: Span
+    probability: float
+    held: int
+    known: int
+
+    def plus(self, other: Softness) -> Softness:
+        """Both together."""
+        return self._replace(held=self.held + other.held, known=self.known + other.known)
+
+
+class Drawn(NamedTuple):
+    """A scene as its line of JSON, the requirements at which attempts got stuck, and what the accepted attempt printed."""
+
+    index: int
+    attempts: int
+    line: str
+    stuck: Counter[Requirement]
+    printed: tuple[str, ...]
+    soft: tuple[Softness, ...]
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A scenario from which scenes are drawn."""
+
+    scenario: Scenario
+
+    @cached_property
+    def prints(self) -> bool:
+        """Whether the program or one of its modules mentions `print`."""
+        return any(isinstance(node, Name) and node.name == "print" for node in self._nodes())
+
+    @cached_property
+    def has_soft_requirements(self) -> bool:
+        """Whether there are soft requirements that may hold less often than they say (reading `soft=run`)."""
+        return self.scenario.readings["soft"] == "run" and any(isinstance(node, SoftRequire) for node in self._nodes())
+
+    def _nodes(self):
+        modules = [m for m in self.scenario.settings.library.values() if isinstance(m, Program)]
+        return (node for program in (self.scenario.program, *modules) for statement in program.statements for node in descendants(statement))
+
+    def draw(
+        self, seed: int, index: int, max_attempts: int, printed: list[str], on_attempt: Callable[[int], None] | None = None
+    ) -> Drawn:
+        """Scene number `index` of `seed`. `printed` gets what the latest attempt printed, also if that ends with an error."""
+
+        def listening(attempt: int) -> Witness:
+            printed.clear()
+            return lambda outcome, drawn: _listen(outcome, printed)
+
+        scenario = self.scenario
+        assert scenario.rehearsed
+        printed.clear()
+        found = sample(
+            scenario.start, seed, index, max_attempts=max_attempts, fuel=scenario.fuel, on_attempt=on_attempt,
+            witnessed=listening if self.prints else None,
+        )
+        attempts = found.scene.attempts
+        soft = self.softness(seed, index, attempts - 1) if self.has_soft_requirements else ()
+        return Drawn(index, attempts, found.scene.to_line(), found.stuck, tuple(printed), soft)
+
+    def again(self, seed: int, index: int, attempts: int) -> Scene | None:
+        """The scene that is known to need so many attempts, by the last of them alone; None if that attempt gets stuck."""
+        result = run(self.scenario.start(), from_stream(seed, index, attempts - 1), fuel=self.scenario.fuel)
+        return scene_of(result.state, seed, index, attempts) if isinstance(result, Accepted) else None
+
+    def softness(self, seed: int, index: int, attempt: int) -> tuple[Softness, ...]:
+        """How often each soft requirement held in an accepted attempt, which is run once more, so that looking disturbs nothing."""
+        found: dict[Span, Softness] = {}
+
+        def look(outcome: Outcome, drawn: object) -> None:
+            if isinstance(outcome, Draw) and outcome.rule == "S-SoftReq" and isinstance(outcome.node, SoftRequire):
+                held = True if drawn else holds_aside(outcome.node.condition, outcome.resume(False))
+                if held is not None:
+                    probability = float(outcome.distribution.parameters["probability"])  # type: ignore[arg-type]
+                    one = Softness(outcome.node.span, probability, int(held), 1)
+                    found[one.span] = found[one.span].plus(one) if one.span in found else one
+
+        try:
+            run(self.scenario.start(), from_stream(seed, index, attempt), fuel=self.scenario.fuel, witness=look)
+        except ScenicError:
+            return ()
+        return tuple(found.values())
+
+
+def _listen(outcome: Outcome, printed: list[str]) -> None:
+    if type(outcome) is Next and outcome.change is not None and outcome.change.where == "print" and len(printed) < MOST_PRINTED:
+        printed.append(str(outcome.change.value))
+
+
+def holds_aside(condition: Node, place: Config) -> bool | None:
+    """Whether `condition` holds in the state of `place`; None if that cannot be said without a draw, or at all."""
+    config = Config(condition, (), place.state)
+    try:
+        for _ in range(ASIDE_STEPS):
+            if isinstance(config.control, Value) and not config.stack:
+                return bool(bool_of(plain(config.control.value), condition, config.state))
+            match step(config):
+                case Next(config=after) | Observe(config=after):
+                    config = after
+                case _:
+                    return None
+    except (ScenicError, HostException):
+        pass
+    return None
+
+
+@cache
+def drawing_of(source: Source) -> Drawing:
+    """The drawing of a program, loaded once per process."""
+    return Drawing(source.load())

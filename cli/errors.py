@@ -1,0 +1,134 @@
+"""Errors as a compiler shows them: what is wrong, where in the source, what was expected, and one repair."""
+
+from __future__ import annotations
+
+import sys
+import traceback
+import unicodedata
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..semantics.errors import AttemptsExhausted, InternalError, ScenicError
+from .session import coloured, tell
+
+if TYPE_CHECKING:
+    from ..semantics.syntax.nodes import Span
+    from .session import Session
+
+RED, BLUE, BOLD, PLAIN = "\x1b[1;31m", "\x1b[1;34m", "\x1b[1m", "\x1b[0m"
+WIDEST = 150
+WORST = 5
+
+
+def report(error: Exception, session: Session) -> int:
+    """Tell what went wrong on standard error; gives the exit code."""
+    if session.debug:
+        tell("".join(traceback.format_exception(error)).rstrip())
+    if isinstance(error, ScenicError) and not isinstance(error, InternalError):
+        tell(render(error, session.texts, colours=coloured(sys.stderr)))
+        return error.exit_code
+    tell(internal(error, session))
+    return InternalError.exit_code
+
+
+def internal(error: Exception, session: Session) -> str:
+    """The message of a fault that is ours."""
+    what = error.message if isinstance(error, InternalError) else f"{type(error).__name__}: {error}".rstrip(": ")
+    about = [f"the program {session.program}"] if session.program else []
+    about += [f"the seed {session.seed}"] if session.seed is not None else []
+    lines = [
+        f"internal error: {what}",
+        "  This is a fault of scenic-ref, not of your program. Please report it" + (f", with {' and '.join(about)}." if about else "."),
+    ]
+    return "\n".join(lines if session.debug else [*lines, "  hint: --debug shows the traceback, which belongs into the report"])
+
+
+def render(error: ScenicError, texts: Mapping[str, str], *, colours: bool = False) -> str:
+    """The whole message. `texts` holds the sources that were read already, by file."""
+    paint = _painter(colours)
+    margin = " " * max(1, len(str(error.span.line)))
+    lines = [f"{paint(RED, error.kind)}{paint(BOLD, ': ' + error.message)}"]
+    if error.span.line > 0:
+        lines += _excerpt(error.span, texts, margin, paint)
+    notes = [("expected", ", ".join(getattr(error, "expected", ()))), ("hint", error.hint), ("rule", _rule(error.rule))]
+    lines += [f"{margin} {paint(BLUE, '=')} {paint(BOLD, name)}: {text}" for name, text in notes if text]
+    if isinstance(error, AttemptsExhausted):
+        lines += _worst(error, texts)
+    return "\n".join(lines)
+
+
+def _painter(colours: bool):
+    return (lambda colour, text: f"{colour}{text}{PLAIN}") if colours else (lambda colour, text: text)
+
+
+def _excerpt(span: Span, texts: Mapping[str, str], margin: str, paint) -> list[str]:
+    """`--> place`, the source line, and carets under the span."""
+    bar = paint(BLUE, "|")
+    found = [f"{margin}{paint(BLUE, '-->')} {span}"]
+    line = source_line(span, texts)
+    if line is None:
+        return found
+    start = min(max(span.column - 1, 0), len(line))
+    stop = min(span.end_column - 1, len(line)) if span.end_line == span.line else len(line.rstrip())
+    line, start, stop = _clipped(line, start, max(stop, start))
+    lead = "".join("\t" if char == "\t" else " " * _columns(char) for char in line[:start])
+    carets = "^" * max(1, sum(_columns(char) for char in line[start:stop]))
+    number = paint(BLUE, str(span.line))
+    return [*found, f"{margin} {bar}", f"{number} {bar} {line}", f"{margin} {bar} {lead}{paint(RED, carets)}"]
+
+
+def _columns(char: str) -> int:
+    if unicodedata.combining(char):
+        return 0
+    return 2 if unicodedata.east_asian_width(char) in ("W", "F") else 1
+
+
+def _clipped(line: str, start: int, stop: int) -> tuple[str, int, int]:
+    """A very long line cut down to the neighbourhood of the place."""
+    if len(line) <= WIDEST:
+        return line, start, stop
+    first = max(0, start - WIDEST // 2)
+    last = min(len(line), first + WIDEST)
+    before, after = "..." if first else "", "..." if last < len(line) else ""
+    shift = len(before) - first
+    return before + line[first:last] + after, start + shift, min(stop, last) + shift
+
+
+def source_line(span: Span, texts: Mapping[str, str]) -> str | None:
+    """The line of the source on which `span` begins, None if the source cannot be found."""
+    text = source_text(span.file, texts)
+    if text is None:
+        return None
+    lines = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    return lines[span.line - 1] if 0 < span.line <= len(lines) else None
+
+
+def source_text(file: str, texts: Mapping[str, str]) -> str | None:
+    """The text of the program, of a module next to it, or of a module that is shipped (whose file is `<its name>`)."""
+    if file in texts:
+        return texts[file]
+    if file.startswith("<") and file.endswith(">"):
+        from ..simulators.worlds import WORLDS
+
+        world = WORLDS.get(file[1:-1])
+        text = world() if world is not None else None
+        return text if isinstance(text, str) else None
+    try:
+        return Path(file).read_text(encoding="utf-8")
+    except (OSError, ValueError):
+        return None
+
+
+def _rule(identifier: str) -> str:
+    if not identifier:
+        return ""
+    from ..semantics.rules import RULES
+
+    return f"{identifier} ({RULES[identifier].name})" if identifier in RULES else identifier
+
+
+def _worst(error: AttemptsExhausted, texts: Mapping[str, str]) -> list[str]:
+    from .reports import requirement_lines
+
+    return ["", *requirement_lines(error.stuck, texts, limit=WORST)]

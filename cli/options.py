@@ -1,0 +1,100 @@
+"""The options that several commands share, and the program that they describe."""
+
+from __future__ import annotations
+
+import ast
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from ..scenario import Scenario
+    from .session import Session
+
+DEFAULT_FUEL = 5_000_000
+DEFAULT_ATTEMPTS = 100_000
+
+
+def set_debug(context: typer.Context, wanted: bool) -> None:
+    """`--debug` may stand before or after the command."""
+    context.obj.debug = context.obj.debug or wanted
+
+
+DebugOption = Annotated[bool, typer.Option("--debug", callback=set_debug, help="Show the traceback of an internal error.")]
+FileArgument = Annotated[str, typer.Argument(metavar="FILE", help="The Scenic program.")]
+SeedOption = Annotated[int, typer.Option("--seed", metavar="S", help="The seed: scene K of seed S is always the same scene.")]
+ProfileOption = Annotated[str, typer.Option("--profile", metavar="P", help="A profile of readings; see `scenic-ref readings`.")]
+ReadingOption = Annotated[list[str] | None, typer.Option("--reading", metavar="ID=ALT", help="One reading of the paper, whatever the profile says.")]
+DialectOption = Annotated[
+    str | None, typer.Option("--dialect", metavar="D", help="The program's syntax: paper, pldi19, scenic-2.1 or scenic-3.")
+]
+ModelOption = Annotated[str | None, typer.Option("--model", metavar="M", help="The world model, in place of the program's.")]
+ParamOption = Annotated[
+    list[str] | None, typer.Option("-p", "--param", metavar="NAME=VALUE", help="A global parameter; wins over the program's.")
+]
+AttemptsOption = Annotated[int, typer.Option("--max-attempts", metavar="M", min=1, help="Give up on a scene after so many attempts.")]
+FuelOption = Annotated[int, typer.Option("--fuel", metavar="F", min=1, help="The most steps that one attempt may take.")]
+TrustOption = Annotated[bool, typer.Option("--trust", help="Let the program import any Python module.")]
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A program text and all that decides what its scenes are, but for the seed; can be sent to another process."""
+
+    file: str
+    text: str
+    profile: str = "paper"
+    readings: tuple[tuple[str, str], ...] = ()
+    dialect: str | None = None
+    model: str | None = None
+    params: tuple[tuple[str, str], ...] = ()
+    fuel: int = DEFAULT_FUEL
+    trust: bool = False
+
+    def load(self) -> Scenario:
+        """The scenario. Raises `ParseError`, `CheckError`, `UsageError`."""
+        from ..scenario import loads
+
+        return loads(
+            self.text, file=self.file, dialect=self.dialect, profile=self.profile, readings=dict(self.readings),
+            params={name: literal(value) for name, value in self.params}, model=self.model, trust=self.trust,
+            directory=Path(self.file).parent, fuel=self.fuel,
+        )
+
+
+def read_source(
+    session: Session, file: str, *, profile: str, reading: list[str] | None, dialect: str | None, model: str | None, param: list[str] | None,
+    fuel: int, trust: bool,
+) -> Source:
+    """The program in `file` under the given options. Raises `UsageError`."""
+    from ..interpreter.modules import read_text
+
+    session.program = file
+    text = read_text(Path(file))
+    session.texts[file] = text
+    return Source(
+        file, text, profile, pairs(reading, "--reading", "ID=ALT"), dialect, model, pairs(param, "-p", "NAME=VALUE"), fuel, trust
+    )
+
+
+def pairs(given: list[str] | None, option: str, form: str) -> tuple[tuple[str, str], ...]:
+    """`NAME=VALUE` arguments as pairs, the last of a name winning. Raises `UsageError`."""
+    from ..semantics.errors import UsageError
+
+    found: dict[str, str] = {}
+    for text in given or ():
+        name, equals, value = text.partition("=")
+        if not equals or not name.strip():
+            raise UsageError(f"{option} expects {form}, not {text!r}")
+        found[name.strip()] = value.strip()
+    return tuple(found.items())
+
+
+def literal(text: str) -> object:
+    """A Python literal as its value; any other text as it stands."""
+    try:
+        return ast.literal_eval(text)
+    except (ValueError, SyntaxError, MemoryError, RecursionError):
+        return text

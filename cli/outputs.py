@@ -1,0 +1,173 @@
+"""Where scenes go: a file of JSON Lines that survives interruption, a pipe, a Parquet table, a terminal."""
+
+from __future__ import annotations
+
+import json
+import os
+import stat
+import sys
+from abc import ABC, abstractmethod
+from pathlib import Path
+from types import TracebackType
+from typing import NamedTuple
+
+from ..interpreter.scenes import SCHEMA
+from ..semantics.errors import UsageError
+from .drawing import Drawn
+from .workers import uninterrupted
+
+
+class Earlier(NamedTuple):
+    """A scene that a resumed file holds already."""
+
+    index: int
+    attempts: int
+    line: str
+
+
+class Output(ABC):
+    """A place for scenes. Used in a `with`: leaving it without `finish` leaves nothing half-written."""
+
+    def __enter__(self) -> Output:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+    def earlier(self, seed: int) -> tuple[Earlier, ...]:
+        """The scenes of `seed` that are there already. Raises `UsageError` for anything else that is there."""
+        raise UsageError("only a file of JSON Lines can be resumed")
+
+    @abstractmethod
+    def write(self, drawn: Drawn) -> None:
+        """Add a scene. Raises `UsageError` if there is no room."""
+
+    def finish(self) -> None:  # noqa: B027 (most outputs have nothing to do)
+        """All scenes were written."""
+
+    def close(self) -> None:  # noqa: B027
+        """No more scenes come, finished or not."""
+
+
+class LinesFile(Output):
+    """A file of JSON Lines, written in place: every line is there as soon as its scene is drawn, and always whole."""
+
+    def __init__(self, path: str, *, resume: bool) -> None:
+        self.path = path
+        self.size = 0
+        try:
+            self.file = os.open(path, os.O_RDWR | os.O_CREAT if resume else os.O_WRONLY | os.O_CREAT, 0o666)
+        except OSError as error:
+            raise UsageError(f"{path} cannot be written: {error.strerror or error}") from None
+        self.is_regular = stat.S_ISREG(os.fstat(self.file).st_mode)
+        if resume and not self.is_regular:
+            os.close(self.file)
+            raise UsageError(f"{path} cannot be resumed: it is not an ordinary file")
+        if not resume:
+            self.cut()
+
+    def earlier(self, seed: int) -> tuple[Earlier, ...]:
+        """The whole lines of the file; a torn last line is cut off."""
+        with open(self.path, "rb") as file:
+            data = file.read()
+        self.size = data.rfind(b"\n") + 1
+        lines = data[: self.size].split(b"\n")[:-1]
+        found = tuple(self._earlier(number, line, seed) for number, line in enumerate(lines))
+        self.cut()
+        return found
+
+    def _earlier(self, number: int, data: bytes, seed: int) -> Earlier:
+        try:
+            line = data.decode("utf-8")
+            scene = json.loads(line)
+            schema, its_seed, index, attempts = (scene[key] for key in ("schema", "seed", "scene", "attempts"))
+        except (ValueError, KeyError, TypeError):
+            raise UsageError(f"{self.path} cannot be resumed: its line {number + 1} is not a scene") from None
+        if schema != SCHEMA or type(attempts) is not int or attempts < 1:
+            raise UsageError(f"{self.path} cannot be resumed: its line {number + 1} is not a scene of {SCHEMA}")
+        if its_seed != seed:
+            raise UsageError(f"{self.path} cannot be resumed: it holds scenes of seed {its_seed}, not {seed}", hint=f"give --seed {its_seed}")
+        if index != number:
+            raise UsageError(f"{self.path} cannot be resumed: its line {number + 1} is scene {index}, not {number}")
+        return Earlier(index, attempts, line)
+
+    def write(self, drawn: Drawn) -> None:
+        """One line, in full or not at all."""
+        data = f"{drawn.line}\n".encode()
+        with uninterrupted():
+            try:
+                write_all(self.file, data)
+            except BrokenPipeError:
+                raise
+            except OSError as error:
+                self.cut()
+                raise UsageError(f"{self.path} cannot be written: {error.strerror or error}", hint=f"{self.path} holds whole lines only") from None
+            self.size += len(data)
+
+    def cut(self) -> None:
+        """Cut off whatever follows the last whole line."""
+        if self.is_regular:
+            os.ftruncate(self.file, self.size)
+            os.lseek(self.file, self.size, os.SEEK_SET)
+
+    def close(self) -> None:
+        """Close the file."""
+        os.close(self.file)
+
+
+class Pipe(Output):
+    """Standard output, as JSON Lines."""
+
+    def write(self, drawn: Drawn) -> None:
+        """One line, at once."""
+        data = f"{drawn.line}\n".encode()
+        with uninterrupted():
+            try:
+                write_all(sys.stdout.fileno(), data)
+            except BrokenPipeError:
+                raise
+            except OSError as error:
+                raise UsageError(f"standard output cannot be written: {error.strerror or error}") from None
+
+
+class Table(Output):
+    """A Parquet file, which is there only when it is complete."""
+
+    def __init__(self, path: str) -> None:
+        from ..interpreter.tables import TableFile
+
+        self.table = TableFile(Path(path))
+
+    def write(self, drawn: Drawn) -> None:
+        """One row per object."""
+        self.table.add(json.loads(drawn.line))
+
+    def finish(self) -> None:
+        """Give the table its name."""
+        self.table.finish()
+
+    def close(self) -> None:
+        """Remove an unfinished table."""
+        self.table.close()
+
+
+def write_all(file: int, data: bytes) -> None:
+    """Write all bytes to a file descriptor."""
+    view = memoryview(data)
+    while view:
+        view = view[os.write(file, view) :]
+
+
+def open_output(path: str | None, *, resume: bool) -> Output:
+    """The output that the command line asks for. Raises `UsageError` if it cannot be written."""
+    if path is None and sys.stdout.isatty():
+        from .tables import Terminal
+
+        return Terminal()
+    if path is None or path == "-":
+        return Pipe()
+    if path.endswith(".parquet"):
+        if resume:
+            raise UsageError("a Parquet table cannot be resumed", hint="write JSON Lines: -o PATH.jsonl")
+        return Table(path)
+    return LinesFile(path, resume=resume)

@@ -1,0 +1,73 @@
+"""How far a run is, on a terminal: scenes, rate, attempts per scene, time left."""
+
+from __future__ import annotations
+
+import sys
+import time
+from types import TracebackType
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rich.progress import Progress as Bar
+    from rich.progress import TaskID
+
+INTERVAL = 0.1
+
+
+class Progress:
+    """The progress bar of a run of `total` scenes, of which `done` are there; silent if standard error is no terminal."""
+
+    def __init__(self, total: int, done: int = 0) -> None:
+        self.total = total
+        self.scenes = self.begun_with = done
+        self.attempts = 0
+        self.pending = 0
+        self.begun = self.shown = time.monotonic()
+        self.bar: Bar | None = None
+        self.task: TaskID | None = None
+
+    def __enter__(self) -> Progress:
+        if sys.stderr.isatty() and self.total > 1:
+            from rich.console import Console
+            from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
+            from rich.progress import Progress as Bar
+
+            columns = (TextColumn("scenes"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"), TimeRemainingColumn(compact=True))
+            self.bar = Bar(*columns, console=Console(stderr=True), transient=True)
+            self.bar.start()
+            self.task = self.bar.add_task("", total=self.total, completed=self.scenes, rate="")
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        if self.bar is not None:
+            self.bar.stop()
+
+    def stuck(self, attempts: int) -> None:
+        """So many attempts at the current scene got stuck."""
+        self.pending = attempts
+        self.show()
+
+    def drawn(self, attempts: int) -> None:
+        """One more scene was drawn, in so many attempts."""
+        self.scenes += 1
+        self.attempts += attempts
+        self.pending = 0
+        self.show()
+
+    def show(self) -> None:
+        """Update the bar, not too often."""
+        now = time.monotonic()
+        if self.bar is None or self.task is None or now - self.shown < INTERVAL:
+            return
+        self.shown = now
+        new = self.scenes - self.begun_with
+        rate = f"{new / (now - self.begun):.3g}/s" if new else ""
+        each = f"{(self.attempts + self.pending) / max(new, 1):.3g} attempts each"
+        self.bar.update(self.task, completed=self.scenes, rate=f"{rate}  {each}")
+
+    def say(self, text: str) -> None:
+        """A line on standard error, above the bar."""
+        if self.bar is not None:
+            self.bar.console.print(text, markup=False, highlight=False)
+        else:
+            print(text, file=sys.stderr, flush=True)

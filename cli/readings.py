@@ -1,0 +1,5 @@
+"""`scenic-ref readings`."""
+
+
+def readings() -> None:
+    """..."""

@@ -1,0 +1,93 @@
+"""What is said after a run: attempts per scene, the requirements that rejected most, soft requirements that held too seldom."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from .errors import WORST, source_line
+
+if TYPE_CHECKING:
+    from ..semantics.outcome import Requirement
+    from ..semantics.syntax.nodes import Span
+    from .drawing import Drawn, Softness
+
+LONGEST = 60
+
+
+@dataclass
+class Tally:
+    """The statistics of the scenes of a run so far; `known` lists each scene with its attempts."""
+
+    scenes: int = 0
+    attempts: int = 0
+    stuck: Counter[Requirement] = field(default_factory=Counter)
+    soft: dict[Span, Softness] = field(default_factory=dict)
+    known: list[tuple[int, int]] = field(default_factory=list)
+
+    def add(self, drawn: Drawn) -> None:
+        """One more scene."""
+        self.scenes += 1
+        self.attempts += drawn.attempts
+        self.known.append((drawn.index, drawn.attempts))
+        self.stuck.update(drawn.stuck)
+        for softness in drawn.soft:
+            before = self.soft.get(softness.span)
+            self.soft[softness.span] = softness if before is None else before.plus(softness)
+    
+
+
+def summary(tally: Tally, seed: int, seconds: float, texts: Mapping[str, str]) -> list[str]:
+    """The lines that follow a run."""
+    if not tally.scenes:
+        return []
+    scenes = "1 scene" if tally.scenes == 1 else f"{tally.scenes:,} scenes"
+    each = f", {tally.attempts / tally.scenes:.3g} attempts per scene" if tally.scenes > 1 else ""
+    attempts = "1 attempt" if tally.attempts == 1 else f"{tally.attempts:,} attempts"
+    lines = [f"{scenes} of seed {seed} in {attempts}{each}, {seconds:.1f} s"]
+    if tally.stuck:
+        lines += requirement_lines(tally.stuck.most_common(), texts, limit=WORST)
+    lines += soft_lines(tally.soft.values(), texts)
+    return lines
+
+
+def requirement_lines(stuck: Iterable[tuple[Requirement, int]], texts: Mapping[str, str], *, limit: int) -> list[str]:
+    """The requirements that rejected most, each with its share of the rejections and its place."""
+    counts = list(stuck)
+    total = sum(count for _, count in counts)
+    shown = counts[:limit]
+    lines = [f"requirements that rejected most, of {total:,} stuck attempts:"]
+    for requirement, count in shown:
+        span = requirement.span
+        text = requirement.text
+        place = f"  {span.file}:{span.line}: {shortened(source_line(span, texts) or '')}".rstrip(": ") if span.line else ""
+        what = "" if text == "require" else text
+        lines.append(f"{count:>9,}  {count / total:>4.0%}  {what}{'  at' if what and place else ''}{place if what else place.strip()}")
+    if len(counts) > limit:
+        rest = sum(count for _, count in counts[limit:])
+        lines.append(f"{rest:>9,}  {rest / total:>4.0%}  {len(counts) - limit} others")
+    return lines
+
+
+def soft_lines(softnesses: Iterable[Softness], texts: Mapping[str, str]) -> list[str]:
+    """A note for every soft requirement that held in a smaller share of the scenes than its probability."""
+    lines: list[str] = []
+    for soft in sorted(softnesses, key=lambda s: s.span):
+        if not soft.known or soft.held >= float(soft.probability) * soft.known:
+            continue
+        source = shortened(source_line(soft.span, texts) or "require")
+        lines += [
+            f"note: {source}  at {soft.span.file}:{soft.span.line}",
+            f"      held in {soft.held:,} of {soft.known:,} scenes ({soft.held / soft.known:.1%}), less often than {float(soft.probability):.4g}: "
+            "under the reading soft=run",
+            "      its coin is thrown in every attempt, stuck ones included; `scenic-ref readings soft` explains this",
+        ]
+    return lines
+
+
+def shortened(line: str) -> str:
+    """A source line, stripped and not too long."""
+    text = line.strip()
+    return text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."

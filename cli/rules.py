@@ -1,0 +1,5 @@
+"""`scenic-ref rules`."""
+
+
+def rules() -> None:
+    """..."""

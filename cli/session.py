@@ -1,0 +1,33 @@
+"""What the commands and the report of a failure share about one command line."""
+
+from __future__ import annotations
+
+import os
+import sys
+from dataclasses import dataclass, field
+
+
+@dataclass
+class Session:
+    """One command line: which program and seed it is about, the texts of its files, and whether to show tracebacks."""
+
+    debug: bool = False
+    program: str = ""
+    seed: int | None = None
+    texts: dict[str, str] = field(default_factory=dict)
+
+    def hang_up(self) -> None:
+        """Nobody reads standard output any more: what is still to be written to it is dropped, quietly."""
+        nothing = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nothing, sys.stdout.fileno())
+
+
+def coloured(stream: object) -> bool:
+    """Whether colours may be written to `stream`: a terminal, with neither NO_COLOR set nor a dumb terminal."""
+    is_terminal = getattr(stream, "isatty", lambda: False)()
+    return bool(is_terminal) and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
+
+
+def tell(text: str = "") -> None:
+    """A line on standard error."""
+    print(text, file=sys.stderr, flush=True)

@@ -1,0 +1,64 @@
+"""Scenes as tables on a terminal."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any
+
+from .drawing import Drawn
+from .outputs import Output
+
+MOST_SHOWN = 5
+
+
+class Terminal(Output):
+    """The objects of the first scenes, shown when all are drawn."""
+
+    def __init__(self) -> None:
+        self.scenes: list[dict[str, Any]] = []
+        self.more = 0
+
+    def write(self, drawn: Drawn) -> None:
+        """Keep the scene if it is to be shown."""
+        if len(self.scenes) < MOST_SHOWN:
+            self.scenes.append(json.loads(drawn.line))
+        else:
+            self.more += 1
+
+    def close(self) -> None:
+        """Show the scenes that were drawn."""
+        from rich.console import Console
+
+        console = Console()
+        for scene in self.scenes:
+            console.print(table_of(scene))
+        if self.more:
+            console.print(f"... and {self.more:,} more; -o PATH writes all of them", style="dim")
+
+
+def table_of(scene: dict[str, Any]):
+    """The objects of a scene (in the format of `Scene.to_json`) as a table for `rich`."""
+    from rich.markup import escape
+    from rich.table import Table
+
+    params = ", ".join(f"{name} = {shown(value)}" for name, value in scene["params"].items())
+    table = Table(title=f"seed {scene['seed']}, scene {scene['scene']}", caption=escape(params) or None, title_justify="left", caption_justify="left")
+    for name in ("", "name", "class"):
+        table.add_column(name)
+    for name in ("x (m)", "y (m)", "heading (deg)", "width (m)", "length (m)"):
+        table.add_column(name, justify="right")
+    for o in scene["objects"]:
+        x, y = o["position"]
+        numbers = (f"{x:.2f}", f"{y:.2f}", f"{math.degrees(o['heading']):.1f}", f"{o['width']:.2f}", f"{o['length']:.2f}")
+        table.add_row(str(o["id"]), escape(o["name"] or ""), escape(o["class"]), *numbers, style="bold" if o["id"] == scene["ego"] else None)
+    return table
+
+
+def shown(value: object) -> str:
+    """A parameter, short."""
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, dict) and set(value) == {"repr"}:
+        return str(value["repr"])
+    return str(value)

@@ -1,0 +1,5 @@
+"""`scenic-ref trace`."""
+
+
+def trace() -> None:
+    """..."""
