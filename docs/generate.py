@@ -1,0 +1,76 @@
+"""Writes docs/reference/: the pages that are generated from the code, so that they cannot be out of date."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+from scenic_ref.semantics.readings import PROFILES, READINGS
+from scenic_ref.semantics.rules import CATALOGUE
+
+HERE = Path(__file__).parent / "reference"
+COMMANDS = ("run", "trace", "rules", "readings", "check")
+
+
+def cell(text: str) -> str:
+    """Text inside a Markdown table."""
+    return text.replace("|", "\\|").replace("\n", " ").replace("<", "&lt;")
+
+
+def rules_page() -> str:
+    """Every rule with its function and its test."""
+    lines = [
+        "# Rules, functions, tests", "",
+        "Every inference rule, equation and algorithm of the paper that concerns static programs, under the paper's own name; then what is inherited from Python. "
+        "The test column names the case in `tests/semantics/rule_cases.py` that fires the rule and compares its value with one worked out by hand.", "",
+        "| rule | the paper's name or left-hand side | place in the paper | function | test |", "| --- | --- | --- | --- | --- |",
+    ]
+    for rule in CATALOGUE:
+        test = "test_resolution" if rule.id == "R-SpecifiedTwiceOptionally" else f"test_rules[{rule.id}]"
+        lines.append(f"| `{rule.id}` | {cell(rule.name)} | {cell(rule.place)} | `{rule.code}` | `{test}` |")
+    return "\n".join(lines) + "\n"
+
+
+def readings_page() -> str:
+    """Every reading with its alternatives and profiles."""
+    lines = ["# Readings", "", "Where the paper contradicts itself or is silent. The `paper` profile is the default; `--reading ID=ALTERNATIVE` selects another.", ""]
+    for reading in READINGS.values():
+        lines += [f"## `{reading.id}`", "", reading.question, ""]
+        lines += [f"- **`{name}`**{' (default)' if name == reading.default else ''}: {meaning}" for name, meaning in reading.alternatives.items()]
+        deviating = {p: reading.under(p) for p in PROFILES if reading.under(p) != reading.default}
+        if deviating:
+            lines += ["", "Other profiles: " + ", ".join(f"`{p}`: `{a}`" for p, a in deviating.items()) + "."]
+        if reading.consequence:
+            lines += ["", reading.consequence]
+        if reading.places:
+            lines += ["", "In the paper: " + "; ".join(reading.places) + "."]
+        if reading.probe is not None:
+            lines += ["", "```scenic", reading.probe.program.strip(), "```", ""]
+            lines += [f"- `{name}`: {shown}" for name, shown in reading.probe.shows.items()]
+        lines.append("")
+    return "\n".join(lines)
+
+
+def commands_page() -> str:
+    """What `--help` says, for every command."""
+    lines = ["# Command line", ""]
+    for command in ("", *COMMANDS):
+        arguments = [sys.executable, "-m", "scenic_ref", *([command] if command else []), "--help"]
+        shown = subprocess.run(
+            arguments, check=True, capture_output=True, text=True, env={"PATH": "", "COLUMNS": "110", "NO_COLOR": "1", "TERM": "dumb"}
+        ).stdout
+        lines += [f"## `scenic-ref {command}`".rstrip(" `") + "`", "", "```text", shown.rstrip(), "```", ""]
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Write all pages."""
+    HERE.mkdir(exist_ok=True)
+    (HERE / "rules.md").write_text(rules_page())
+    (HERE / "readings.md").write_text(readings_page())
+    (HERE / "commands.md").write_text(commands_page())
+
+
+if __name__ == "__main__":
+    main()

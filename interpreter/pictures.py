@@ -1,0 +1,186 @@
+"""Scenes as pictures, seen from above. The only file that imports matplotlib, and only when a picture is drawn."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import shapely
+from shapely.geometry.base import BaseGeometry
+
+from ..semantics.errors import UsageError
+from ..semantics.geometry import corners, direction
+from ..semantics.regions import Region, everywhere
+from .scenes import Scene, SceneObject
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+FORMATS = ("png", "pdf", "svg")
+LAND, EDGE, EGO, OTHER, INK = "#e4e4e1", "#c2c2bd", "#d1495b", "#30638e", "#222222"
+MARGIN = 8.0  # metres around the objects
+SMALLEST = 12.0  # metres across, at least
+SIDE = 3.6  # inches of a small multiple
+ALONE = 6.5  # inches of a picture of one scene
+ARC_STEP = math.radians(2)
+CIRCLE_SIDES = 256
+
+Window = tuple[float, float, float, float]  # west, south, east, north
+
+
+def picture(scenes: Iterable[Scene], *, format: str = "png", roads: Region | None = None) -> bytes:
+    """The scenes side by side; `roads` is drawn below them in place of their workspaces. Raises `UsageError`."""
+    if format not in FORMATS:
+        raise UsageError(f"pictures have the formats {', '.join(FORMATS)}, not {format!r}")
+    figure = figure_of(list(scenes), roads)
+    out = io.BytesIO()
+    metadata = {"png": {"Software": None}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}[format]
+    figure.savefig(out, format=format, dpi=150, metadata=metadata)
+    return out.getvalue()
+
+
+def save_picture(scenes: Iterable[Scene], path: str | Path, *, roads: Region | None = None) -> None:
+    """Write the picture of the scenes, in the format that the path ends in. Raises `UsageError`, `OSError`."""
+    Path(path).write_bytes(picture(scenes, format=Path(path).suffix[1:].lower(), roads=roads))
+
+
+def figure_of(scenes: Sequence[Scene], roads: Region | None) -> Figure:
+    """The scenes as small multiples, one panel each."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    columns = max(1, math.ceil(math.sqrt(len(scenes))))
+    rows = max(1, math.ceil(len(scenes) / columns))
+    side = ALONE if len(scenes) <= 1 else SIDE
+    figure = Figure(figsize=(columns * side, rows * (side + 0.3)), layout="constrained")
+    FigureCanvasAgg(figure)
+    for number, scene in enumerate(scenes):
+        draw(figure.add_subplot(rows, columns, number + 1), scene, roads, small=len(scenes) > 1)
+    return figure
+
+
+def draw(axes: Axes, scene: Scene, roads: Region | None, *, small: bool) -> None:
+    """One scene: its workspace, ego's view, the objects with their headings and names, and a scale."""
+    west, south, east, north = window = window_of(scene)
+    axes.set_aspect("equal")
+    axes.set_xlim(west, east)
+    axes.set_ylim(south, north)
+    size = 7 if small else 9
+    axes.set_title(f"seed {scene.seed}, scene {scene.index}", fontsize=size + 1, color=INK)
+    axes.tick_params(labelsize=size - 1, colors="#777777", length=2)
+    axes.locator_params(nbins=4)
+    axes.ticklabel_format(useOffset=False, style="plain")
+    axes.set_facecolor("#fbfbfa")
+    for spine in axes.spines.values():
+        spine.set_edgecolor("#bbbbbb")
+    draw_land(axes, scene.workspace if roads is None else roads, window)
+    draw_view(axes, scene.ego)
+    for o in scene.objects:
+        draw_object(axes, o, EGO if o.id == scene.ego_id else OTHER, east - west)
+    draw_names(axes, scene, size, east - west)
+    draw_scale(axes, window, size)
+
+
+def window_of(scene: Scene) -> Window:
+    """A square around all objects, as a little of what surrounds them shows."""
+    points = [c for o in scene.objects for c in corners(o.position, o.heading, o.width, o.length)]
+    west, east = min(p.x for p in points), max(p.x for p in points)
+    south, north = min(p.y for p in points), max(p.y for p in points)
+    extent = max(east - west, north - south)
+    half = max(extent / 2 + min(MARGIN, max(extent, 2.0)), SMALLEST / 2 if extent > 2 else 2.0)
+    x, y = (west + east) / 2, (south + north) / 2
+    return x - half, y - half, x + half, y + half
+
+
+def draw_land(axes: Axes, region: object, window: Window) -> None:
+    """The part of a region inside the window; nothing if there is no region, or if it is the whole plane."""
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path as Outline
+
+    if not isinstance(region, Region) or region is everywhere or getattr(region, "region", None) is everywhere:
+        return
+    box = shapely.box(*window)
+    shape = shapely.intersection(region.approximate(CIRCLE_SIDES, box).cover, box)
+    for polygon in polygons_in(shape):
+        rings = [polygon.exterior, *polygon.interiors]
+        outline = Outline.make_compound_path(*(Outline(np.asarray(ring.coords)[:, :2], closed=True) for ring in rings))
+        axes.add_patch(PathPatch(outline, facecolor=LAND, edgecolor=EDGE, linewidth=0.8, zorder=0))
+
+
+def polygons_in(shape: BaseGeometry) -> list[shapely.Polygon]:
+    """The polygons that a shape consists of."""
+    return [part for part in shapely.get_parts(shape) if isinstance(part, shapely.Polygon) and not part.is_empty]
+
+
+def draw_view(axes: Axes, ego: SceneObject) -> None:
+    """Ego's visible region: the sector of its view angle and view distance."""
+    from matplotlib.patches import Polygon
+
+    distance, angle = number(ego.properties.get("viewDistance")), number(ego.properties.get("viewAngle"))
+    if distance is None or angle is None:
+        return
+    x, y = ego.position
+    turns = np.linspace(-angle / 2, angle / 2, max(2, math.ceil(angle / ARC_STEP) + 1)) + ego.heading
+    arc = [(x - distance * math.sin(t), y + distance * math.cos(t)) for t in turns]
+    points = arc if angle >= math.tau - 1e-9 else [(x, y), *arc]
+    axes.add_patch(Polygon(points, closed=True, facecolor=EGO, alpha=0.10, linewidth=0, zorder=1))
+    axes.add_patch(Polygon(points, closed=True, fill=False, edgecolor=EGO, alpha=0.45, linewidth=0.7, zorder=1))
+
+
+def number(value: object) -> float | None:
+    """A property as a finite number of at least 0, None if it is something else."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+        return None
+    return float(value) if value >= 0 else None
+
+
+def draw_object(axes: Axes, o: SceneObject, colour: str, across: float) -> None:
+    """The box of an object, with a tick from its middle to its front; a point where the box has no size."""
+    from matplotlib.patches import Polygon
+
+    x, y = o.position
+    box = [(c.x, c.y) for c in corners(o.position, o.heading, o.width, o.length)]
+    axes.add_patch(Polygon(box, closed=True, facecolor=colour, alpha=0.55, linewidth=0, zorder=3))
+    axes.add_patch(Polygon(box, closed=True, fill=False, edgecolor=colour, linewidth=1.1, joinstyle="miter", zorder=4))
+    ahead = direction(o.heading)
+    reach = o.length / 2 if o.length > 0 else across / 30
+    axes.plot([x, x + ahead.x * reach], [y, y + ahead.y * reach], color=INK, linewidth=1.1, solid_capstyle="butt", zorder=5)
+    if max(o.width, o.length) < across / 60:
+        axes.plot([x], [y], marker="o", markersize=3, color=colour, zorder=5)
+
+
+def draw_names(axes: Axes, scene: Scene, size: int, across: float) -> None:
+    """The name of each object that has one, else its class, just outside its box."""
+    from matplotlib.patheffects import withStroke
+
+    taken: list[tuple[float, float]] = []
+    for o in scene.objects:
+        text = o.name or o.class_name
+        x, y = o.position
+        half = max(abs(c.y - y) for c in corners(o.position, o.heading, o.width, o.length))
+        line = across / 22
+        spots = [(y - half - across / 80 - k * line, "top") for k in range(2)] + [(y + half + across / 80 + k * line, "bottom") for k in range(3)]
+        spot, side = next(((s, v) for s, v in spots if all(abs(s - b) > line * 0.9 or abs(x - a) > across / 6 for a, b in taken)), spots[0])
+        taken.append((x, spot))
+        label = axes.text(x, spot, text, ha="center", va=side, fontsize=size - 1, color=INK, zorder=6, clip_on=True)
+        label.set_path_effects([withStroke(linewidth=2, foreground="white", alpha=0.85)])
+
+
+def draw_scale(axes: Axes, window: Window, size: int) -> None:
+    """A bar of a round number of metres in the lower left corner."""
+    west, south, east, north = window
+    metres = round_below((east - west) / 4)
+    x, y = west + (east - west) * 0.04, south + (north - south) * 0.045
+    axes.plot([x, x + metres], [y, y], color=INK, linewidth=2, solid_capstyle="butt", zorder=7)
+    axes.text(x + metres / 2, y + (north - south) * 0.012, f"{metres:g} m", ha="center", va="bottom", fontsize=size - 1, color=INK, zorder=7)
+
+
+def round_below(length: float) -> float:
+    """The largest of 1, 2, 5, 10, 20, ... that is not above `length`."""
+    power = 10.0 ** math.floor(math.log10(length))
+    return max(step * power for step in (1, 2, 5) if step * power <= length * (1 + 1e-9))
