@@ -11,7 +11,17 @@ from ..semantics.syntax import Block, Node, Program, Span, Statement
 from ..semantics.syntax import dynamics as d
 from ..semantics.syntax import statements as s
 from ..semantics.syntax.expressions import InInitialScenario, ObjectOrOperator
-from ..semantics.syntax.python_expressions import Call, Constant, Lambda, Parameter, Starred, UnaryOperation
+from ..semantics.syntax.python_expressions import (
+    Call,
+    Constant,
+    Lambda,
+    ListDisplay,
+    Parameter,
+    SetDisplay,
+    Starred,
+    TupleDisplay,
+    UnaryOperation,
+)
 from .nesting import children
 
 Home = Literal["the top level", "a setup block", "a compose block", "a behavior", "a monitor", "a function", "a class body"]
@@ -137,9 +147,6 @@ def _malformed(statement: Statement) -> Iterator[CheckError]:
             for handler in statement.handlers[:-1]:
                 if handler.type is None:
                     yield CheckError("an `except` that catches everything must come last", handler.span)
-        case s.ExpressionStatement() | s.Assignment() | s.AugmentedAssignment() | s.Return():
-            if isinstance(statement.value, Starred):
-                yield CheckError("`*` needs a list, a tuple or a call around it", statement.value.span)
         case _:
             pass
 
@@ -159,9 +166,9 @@ def _probability_faults(statement: s.SoftRequire) -> Iterator[CheckError]:
 
 def _expression_faults(root: Node, place: Place) -> Iterator[CheckError]:
     """Faults in an expression, specifier or clause; blocks below it are not entered."""
-    pending = [root]
+    pending = [(root, False)]
     while pending:
-        node = pending.pop()
+        node, is_spread = pending.pop()
         match node:
             case Call():
                 yield from _duplicates("keyword argument", [(k.name, k.span) for k in node.keywords if k.name is not None])
@@ -172,8 +179,11 @@ def _expression_faults(root: Node, place: Place) -> Iterator[CheckError]:
                 yield CheckError(f"`in initial scenario` cannot stand in {place.home}", node.span, hint=hint)
             case _:
                 pass
+        if isinstance(node, Starred) and not is_spread:
+            yield CheckError("`*` needs a list, a tuple or a call around it", node.span)
         below = children(node) if not isinstance(node, ObjectOrOperator) else iter((node.as_operator,))
-        pending.extend(child for child in below if not isinstance(child, Statement))
+        spreads = isinstance(node, TupleDisplay | ListDisplay | SetDisplay | Call)
+        pending.extend((child, spreads) for child in below if not isinstance(child, Statement))
 
 
 def _parameter_faults(parameters: tuple[Parameter, ...]) -> Iterator[CheckError]:
