@@ -2,7 +2,8 @@
 
     python benchmarks/interpreter.py [-n SCENES] [-o RESULT.json]
 
-One core, the interpreter alone, CPU seconds. Absolute figures depend on the machine; they are recorded for comparison with other backends measured in the same run.
+One core, the interpreter alone, CPU seconds. Absolute figures depend on the machine; they are recorded for comparison with other
+backends measured in the same run.
 """
 
 from __future__ import annotations
@@ -46,7 +47,8 @@ def main() -> None:
     for path in sorted(EXAMPLES.glob("*.scenic")):
         row = measure(path, options.n)
         rows.append(row)
-        print(f"{row['program']:28}{row['seconds']:9}{row['attempts per scene']:11.2f}{row['attempts per second']:9}{row['steps per second']:10}{row['scenes per second']:10}")
+        speeds = f"{row['attempts per second']:9}{row['steps per second']:10}{row['scenes per second']:10}"
+        print(f"{row['program']:28}{row['seconds']:9}{row['attempts per scene']:11.2f}{speeds}")
     if options.o is not None:
         machine = {"python": platform.python_version(), "processor": platform.machine(), "version": scenic_ref.__version__}
         options.o.write_text(json.dumps({"machine": machine, "rows": rows}, indent=1) + "\n")

@@ -22,8 +22,9 @@ def rules_page() -> str:
     """Every rule with its function and its test."""
     lines = [
         "# Rules, functions, tests", "",
-        "Every inference rule, equation and algorithm of the paper that concerns static programs, under the paper's own name; then what is inherited from Python. "
-        "The test column names the case in `tests/semantics/rule_cases.py` that fires the rule and compares its value with one worked out by hand.", "",
+        "Every inference rule, equation and algorithm of the paper that concerns static programs, under the paper's own name; then what is "
+        "inherited from Python. The test column names the case in `tests/semantics/rule_cases.py` that fires the rule and compares its value "
+        "with one worked out by hand.", "",
         "| rule | the paper's name or left-hand side | place in the paper | function | test |", "| --- | --- | --- | --- | --- |",
     ]
     for rule in CATALOGUE:
@@ -34,7 +35,8 @@ def rules_page() -> str:
 
 def readings_page() -> str:
     """Every reading with its alternatives and profiles."""
-    lines = ["# Readings", "", "Where the paper contradicts itself or is silent. The `paper` profile is the default; `--reading ID=ALTERNATIVE` selects another.", ""]
+    lines = ["# Readings", "", "Where the paper contradicts itself or is silent. The `paper` profile is the default."]
+    lines += ["`--reading ID=ALTERNATIVE` selects another alternative.", ""]
     for reading in READINGS.values():
         lines += [f"## `{reading.id}`", "", reading.question, ""]
         lines += [f"- **`{name}`**{' (default)' if name == reading.default else ''}: {meaning}" for name, meaning in reading.alternatives.items()]

@@ -105,7 +105,7 @@ def test_the_wheel_holds_every_module_and_resource(tmp_path):
     resources = [p for layer in LAYERS for pattern in ("*.py", "*.lark", "*.scenic", "*.html") for p in (ROOT / layer).rglob(pattern)]
     missing = {f"scenic_ref/{p.relative_to(ROOT)}" for p in resources} - names
     assert not missing
-    assert not {n for n in names if n.startswith("scenic_ref/tests") or n.startswith("tests")}
+    assert not {n for n in names if n.startswith(("scenic_ref/tests", "tests"))}
 
 
 def test_help_answers_in_under_half_a_second():

@@ -1,0 +1,190 @@
+"""`scenic-ref run`: the scenes it draws, and where they go."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+
+def test_a_pipe_gets_one_scene_per_line_and_nothing_else(ask):
+    found = ask("run", "random.scenic", "-n", 3, "--seed", 4)
+    scenes = [json.loads(line) for line in found.out.splitlines()]
+    assert found.code == 0
+    assert [(s["schema"], s["seed"], s["scene"]) for s in scenes] == [("scenic-ref/scene/1", 4, k) for k in range(3)]
+    assert [o["name"] for o in scenes[0]["objects"]] == ["ego", "other"]
+    assert "3 scenes of seed 4" in found.err
+
+
+def test_a_file_gets_what_a_pipe_gets(ask):
+    piped = ask("run", "random.scenic", "-n", 3)
+    filed = ask("run", "random.scenic", "-n", 3, "-o", "scenes.jsonl")
+    assert filed.out == ""
+    assert Path("scenes.jsonl").read_text() == piped.out == ask("run", "random.scenic", "-n", 3, "-o", "-").out
+
+
+def test_scene_k_alone_is_line_k_of_many(ask):
+    many = ask("run", "random.scenic", "-n", 4).out.splitlines(keepends=True)
+    assert ask("run", "random.scenic", "--scene", 3).out == many[3]
+
+
+def test_the_number_of_workers_does_not_change_a_byte(ask):
+    ask("run", "random.scenic", "-n", 40, "-o", "one.jsonl")
+    found = ask("run", "random.scenic", "-n", 40, "-o", "three.jsonl", "--workers", 3)
+    assert found.code == 0
+    assert Path("one.jsonl").read_bytes() == Path("three.jsonl").read_bytes()
+
+
+def test_an_error_in_a_worker_arrives_as_that_error(ask):
+    Path("sometimes.scenic").write_text("x = Range(0, 1)\nego = Object at (0, 0), with width (1 / int(x < 0.9))\n")
+    alone = ask("run", "sometimes.scenic", "-n", 60)
+    several = ask("run", "sometimes.scenic", "-n", 60, "--workers", 2)
+    assert alone.code == several.code == 1
+    assert "ZeroDivisionError" in alone.err
+    assert alone.err == several.err
+    assert alone.out == several.out != ""
+
+
+def test_resuming_gives_the_bytes_of_an_uninterrupted_run(ask):
+    ask("run", "random.scenic", "-n", 9, "-o", "whole.jsonl")
+    whole = Path("whole.jsonl").read_bytes()
+    Path("torn.jsonl").write_bytes(whole[: len(whole) // 2])
+    assert ask("run", "random.scenic", "-n", 9, "-o", "torn.jsonl", "--resume").code == 0
+    assert Path("torn.jsonl").read_bytes() == whole
+    assert ask("run", "random.scenic", "-n", 9, "-o", "new.jsonl", "--resume").code == 0
+    assert Path("new.jsonl").read_bytes() == whole
+
+
+@pytest.mark.parametrize(
+    ("content", "options", "message"),
+    [
+        (b"hello\n", (), "line 1 is not a scene"),
+        (b'{"schema": "x", "seed": 0, "scene": 0, "attempts": 1}\n', (), "not a scene of"),
+        (None, ("--seed", 1), "holds scenes of seed 0, not 1"),
+        ("second half", (), "line 1 is scene 1, not 0"),
+        ("other program", (), "is not the one that this program"),
+    ],
+)
+def test_only_a_file_of_the_same_run_is_resumed(ask, content, options, message):
+    program = "ok.scenic" if content == "other program" else "random.scenic"
+    ask("run", program, "-n", 2, "-o", "scenes.jsonl")
+    if isinstance(content, bytes):
+        Path("scenes.jsonl").write_bytes(content)
+    elif content == "second half":
+        Path("scenes.jsonl").write_bytes(Path("scenes.jsonl").read_bytes().splitlines(keepends=True)[1])
+    before = Path("scenes.jsonl").read_bytes()
+    found = ask("run", "random.scenic", "-n", 4, "-o", "scenes.jsonl", "--resume", *options)
+    assert found.code == 2
+    assert message in found.err
+    assert Path("scenes.jsonl").read_bytes() == before
+
+
+def test_a_program_error_leaves_an_older_output_alone(ask):
+    Path("scenes.jsonl").write_text("precious\n")
+    assert ask("run", "wrong.scenic", "-o", "scenes.jsonl").code == 1
+    assert Path("scenes.jsonl").read_text() == "precious\n"
+
+
+def test_a_parquet_table_has_one_row_per_object(ask):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    lines = ask("run", "random.scenic", "-n", 3).out.splitlines()
+    assert ask("run", "random.scenic", "-n", 3, "-o", "scenes.parquet").code == 0
+    rows = parquet.read_table("scenes.parquet").to_pylist()
+    objects = [(s, o) for s in map(json.loads, lines) for o in s["objects"]]
+    assert [(r["scene"], r["object"], r["name"], r["x"], r["y"], r["heading"]) for r in rows] == [
+        (s["scene"], o["id"], o["name"], *o["position"], o["heading"]) for s, o in objects
+    ]
+    assert [json.loads(r["properties"]) for r in rows] == [o["properties"] for _, o in objects]
+    assert not list(Path().glob(".*unfinished"))
+
+
+def test_an_unfinished_parquet_table_leaves_nothing(ask):
+    pytest.importorskip("pyarrow")
+    found = ask("run", "never.scenic", "-o", "scenes.parquet", "--max-attempts", 5)
+    assert found.code == 3
+    assert not list(Path().glob("*.parquet")) + list(Path().glob(".*unfinished"))
+
+
+def test_parquet_without_pyarrow_says_what_to_install(ask, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    found = ask("run", "ok.scenic", "-o", "scenes.parquet")
+    assert found.code == 2
+    assert "scenic-ref[parquet]" in found.err
+
+
+@pytest.mark.parametrize(("suffix", "magic"), [("png", b"\x89PNG"), ("pdf", b"%PDF"), ("svg", b"<?xml")])
+def test_plot_makes_a_picture(ask, suffix, magic):
+    assert ask("run", "random.scenic", "-n", 2, "--plot", f"picture.{suffix}").code == 0
+    assert Path(f"picture.{suffix}").read_bytes().startswith(magic)
+
+
+def test_what_the_accepted_attempt_prints_goes_to_standard_error(ask):
+    found = ask("run", "prints.scenic", "-n", 2)
+    printed = re.findall(r"^x is (.*)$", found.err, re.MULTILINE)
+    assert len(printed) == 2
+    assert all(float(x) > 0.5 for x in printed)
+    assert all(line.startswith("{") for line in found.out.splitlines())
+
+
+def test_what_is_printed_before_an_error_is_shown_first(ask):
+    found = ask("run", "prints_then_fails.scenic")
+    assert found.err.startswith("before\nprogram error: nosuch is not defined")
+
+
+def test_the_report_names_the_requirement_that_rejected_most_with_its_place(ask):
+    found = ask("run", "random.scenic", "-n", 20)
+    assert "attempts per scene" in found.err
+    assert "100%  require" in found.err
+    assert "random.scenic:4: require x > 0.3" in found.err
+
+
+def test_a_soft_requirement_that_held_too_seldom_is_noted_under_soft_run_only(ask):
+    noted = ask("run", "soft.scenic", "-n", 100)
+    scenes = [json.loads(line) for line in noted.out.splitlines()]
+    held = sum(s["objects"][0]["properties"]["v"] < 0.1 for s in scenes)
+    assert f"held in {held} of 100 scenes" in noted.err
+    assert "soft.scenic:3" in noted.err
+    assert "held in" not in ask("run", "soft.scenic", "-n", 100, "--reading", "soft=scene").err
+
+
+def test_looking_at_a_soft_requirement_does_not_change_the_scenes(ask):
+    text = "log = []\ndef count(x):\n    log.append(x)\n    return x < 0.1\nx = Range(0, 1)\nrequire[0.5] count(x)\nego = Object at (len(log), 0)\n"
+    Path("counting.scenic").write_text(text)
+    scenes = [json.loads(line) for line in ask("run", "counting.scenic", "-n", 30).out.splitlines()]
+    assert {s["objects"][0]["position"][0] for s in scenes} == {0, 1}
+
+
+def test_parameters_are_python_literals_or_text(ask):
+    found = ask("run", "random.scenic", "-p", "time=12", "-p", "weather=RAIN", "-p", "list=[1, 2]")
+    assert json.loads(found.out)["params"] == {"time": 12, "weather": "RAIN", "list": [1, 2]}
+
+
+def test_an_interrupt_leaves_whole_lines_and_is_quiet(ask, tmp_path):
+    command = [sys.executable, "-m", "scenic_ref", "run", "random.scenic", "-n", "1000000", "-o", "scenes.jsonl"]
+    process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    deadline = time.monotonic() + 60
+    while (not (tmp_path / "scenes.jsonl").exists() or os.path.getsize("scenes.jsonl") == 0) and time.monotonic() < deadline:
+        time.sleep(0.01)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=30)
+    data = Path("scenes.jsonl").read_bytes()
+    assert (process.returncode, out, err) == (130, b"", b"")
+    assert data.endswith(b"\n")
+    assert all(json.loads(line)["scene"] == k for k, line in enumerate(data.splitlines()))
+
+
+def test_a_reader_that_goes_away_is_no_error(ask, tmp_path):
+    command = [sys.executable, "-m", "scenic_ref", "run", "ok.scenic", "-n", "100000"]
+    process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert process.stdout is not None and process.stderr is not None
+    process.stdout.readline()
+    process.stdout.close()
+    assert process.stderr.read() == b""
+    assert process.wait(timeout=30) == 0

@@ -1,0 +1,73 @@
+"""`scenic-ref trace`: the rules of a run, as text and as a page."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from pathlib import Path
+
+import pytest
+
+
+def test_a_trace_names_the_rules_that_fired_and_their_places(ask):
+    out = ask("trace", "random.scenic").out
+    for rule in ("E-Distributions (Distributions)", "S-Assignment (Variable Assignments)", "S-Require (Hard Requirements)", "T-Check"):
+        assert rule in out
+    assert "random.scenic:1: x = Range(0, 1)" in out
+    assert "σ[x / " in out
+    assert "O ∪ {<Object 0>}" in out
+
+
+def test_the_log_density_is_that_of_the_draws(ask):
+    out = ask("trace", "random.scenic").out
+    expected = math.log(1 / 1) + math.log(1 / 3) + math.log(1 / 180)
+    found = re.search(r"accepted: .*log density (\S+)", out)
+    assert found is not None
+    assert float(found.group(1)) == pytest.approx(expected, rel=1e-5)
+
+
+def test_the_accepted_attempt_is_traced_unless_another_is_asked_for(ask):
+    scene = json.loads(ask("run", "random.scenic", "--seed", 1, "--scene", 0).out)
+    assert f"attempt {scene['attempts']}\n" in ask("trace", "random.scenic", "--seed", 1).out
+    stuck = ask("trace", "never.scenic", "--attempt", 2)
+    assert stuck.code == 0
+    assert "attempt 2" in stuck.out
+    assert "does not hold, so no rule applies" in stuck.out
+    assert "stuck: the run is discarded" in stuck.out
+
+
+def test_an_error_is_shown_after_the_rules_that_fired_before_it(ask):
+    found = ask("trace", "prints_then_fails.scenic", "--all")
+    assert found.code == 1
+    assert "prints before" in found.out
+    assert "nosuch is not defined" in found.err
+
+
+def test_python_s_rules_and_default_values_are_shown_on_request(ask):
+    short, long = ask("trace", "random.scenic").out, ask("trace", "random.scenic", "--all").out
+    assert "P-Default" not in short
+    assert "P-Default" in long
+    assert "E-Compare" in long
+    assert "not shown: --all shows them" in short
+
+
+def test_the_same_run_has_the_same_trace(ask):
+    assert ask("trace", "random.scenic", "--all").out == ask("trace", "random.scenic", "--all").out
+
+
+def test_the_page_is_self_contained_and_holds_the_whole_trace(ask):
+    Path("tag.scenic").write_text('ego = Object at (0, 0), with note "</script>"\n')
+    assert ask("trace", "tag.scenic", "--html", "trace.html").code == 0
+    page = Path("trace.html").read_text()
+    assert "http" not in page
+    assert not re.search(r"<(?:link|img|iframe)|\bsrc=|@import|url\(", page)
+    assert page.count("</script>") == 1
+    data = json.loads(re.search(r"const trace = (.*);\n", page).group(1))  # type: ignore[union-attr]
+    assert data["sources"]["tag.scenic"] == Path("tag.scenic").read_text()
+    assert [e["number"] for e in data["events"]] == list(range(1, len(data["events"]) + 1))
+    assert all(e["rule"] in data["rules"] for e in data["events"])
+
+
+def test_a_page_that_cannot_be_written_is_wrong_usage(ask):
+    assert ask("trace", "ok.scenic", "--html", "missing/trace.html").code == 2
