@@ -6,6 +6,7 @@ but `main` is imported when it is first needed, so that `scenic-ref --help` answ
 
 from __future__ import annotations
 
+import os
 import sys
 
 INTERRUPTED = 130
@@ -13,6 +14,8 @@ INTERRUPTED = 130
 
 def main() -> None:
     """The command `scenic-ref`: answers the command line that the process was given, then exits."""
+    if sys.stdout is None:  # the caller closed it
+        sys.stdout = open(os.devnull, "w")  # noqa: SIM115 (for as long as the process lives)
     try:
         code = answer(sys.argv[1:])
     except KeyboardInterrupt:
@@ -33,6 +36,9 @@ def answer(arguments: list[str]) -> int:
         finally:
             sys.stdout.flush()
     except SystemExit as done:
+        if isinstance(done.__context__, BrokenPipeError):
+            session.hang_up()
+            return 0
         return done.code if isinstance(done.code, int) else 0 if done.code is None else 1
     except BrokenPipeError:
         session.hang_up()

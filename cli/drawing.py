@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import TYPE_CHECKING, NamedTuple
@@ -73,9 +74,20 @@ class Drawing:
         """Whether there are soft requirements that may hold less often than they say (reading `soft=run`)."""
         return self.scenario.readings["soft"] == "run" and any(isinstance(node, SoftRequire) for node in self._nodes())
 
-    def _nodes(self):
+    def _nodes(self) -> Iterator[Node]:
         modules = [m for m in self.scenario.settings.library.values() if isinstance(m, Program)]
         return (node for program in (self.scenario.program, *modules) for statement in program.statements for node in descendants(statement))
+
+    def rehearse(self, printed: list[str]) -> None:
+        """Find the program's errors before the first scene; `printed` gets what it printed before one."""
+        try:
+            assert self.scenario.rehearsed
+        except ScenicError:
+            if self.prints:
+                printed.clear()
+                with suppress(ScenicError):
+                    run(self.scenario.start(), from_stream(0, 0, 0), fuel=self.scenario.fuel, witness=lambda outcome, _: _listen(outcome, printed))
+            raise
 
     def draw(
         self, seed: int, index: int, max_attempts: int, printed: list[str], on_attempt: Callable[[int], None] | None = None
@@ -86,8 +98,8 @@ class Drawing:
             printed.clear()
             return lambda outcome, drawn: _listen(outcome, printed)
 
+        self.rehearse(printed)
         scenario = self.scenario
-        assert scenario.rehearsed
         printed.clear()
         found = sample(
             scenario.start, seed, index, max_attempts=max_attempts, fuel=scenario.fuel, on_attempt=on_attempt,

@@ -2,29 +2,35 @@
 
 from __future__ import annotations
 
+import errno
 import sys
 import traceback
 import unicodedata
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..semantics.errors import AttemptsExhausted, InternalError, ScenicError
+from ..semantics.errors import AttemptsExhausted, InternalError, ScenicError, UsageError
 from .session import coloured, tell
 
 if TYPE_CHECKING:
     from ..semantics.syntax.nodes import Span
     from .session import Session
 
+Paint = Callable[[str, str], str]
 RED, BLUE, BOLD, PLAIN = "\x1b[1;31m", "\x1b[1;34m", "\x1b[1m", "\x1b[0m"
 WIDEST = 150
 WORST = 5
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 
 
 def report(error: Exception, session: Session) -> int:
     """Tell what went wrong on standard error; gives the exit code."""
     if session.debug:
         tell("".join(traceback.format_exception(error)).rstrip())
+    if isinstance(error, OSError) and error.errno in NO_ROOM:
+        session.hang_up()
+        error = UsageError(f"standard output cannot be written: {error.strerror}")
     if isinstance(error, ScenicError) and not isinstance(error, InternalError):
         tell(render(error, session.texts, colours=coloured(sys.stderr)))
         return error.exit_code
@@ -41,6 +47,8 @@ def internal(error: Exception, session: Session) -> str:
         f"internal error: {what}",
         "  This is a fault of scenic-ref, not of your program. Please report it" + (f", with {' and '.join(about)}." if about else "."),
     ]
+    if isinstance(error, InternalError) and error.hint:
+        lines.append(f"  hint: {error.hint}")
     return "\n".join(lines if session.debug else [*lines, "  hint: --debug shows the traceback, which belongs into the report"])
 
 
@@ -58,11 +66,11 @@ def render(error: ScenicError, texts: Mapping[str, str], *, colours: bool = Fals
     return "\n".join(lines)
 
 
-def _painter(colours: bool):
+def _painter(colours: bool) -> Paint:
     return (lambda colour, text: f"{colour}{text}{PLAIN}") if colours else (lambda colour, text: text)
 
 
-def _excerpt(span: Span, texts: Mapping[str, str], margin: str, paint) -> list[str]:
+def _excerpt(span: Span, texts: Mapping[str, str], margin: str, paint: Paint) -> list[str]:
     """`--> place`, the source line, and carets under the span."""
     bar = paint(BLUE, "|")
     found = [f"{margin}{paint(BLUE, '-->')} {span}"]
@@ -129,6 +137,7 @@ def _rule(identifier: str) -> str:
 
 
 def _worst(error: AttemptsExhausted, texts: Mapping[str, str]) -> list[str]:
+    from ..semantics.outcome import Requirement
     from .reports import requirement_lines
 
-    return ["", *requirement_lines(error.stuck, texts, limit=WORST)]
+    return ["", *requirement_lines([(r, count) for r, count in error.stuck if isinstance(r, Requirement)], texts, limit=WORST)]

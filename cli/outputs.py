@@ -16,6 +16,8 @@ from ..semantics.errors import UsageError
 from .drawing import Drawn
 from .workers import uninterrupted
 
+BINARY = getattr(os, "O_BINARY", 0)
+
 
 class Earlier(NamedTuple):
     """A scene that a resumed file holds already."""
@@ -56,7 +58,7 @@ class LinesFile(Output):
         self.path = path
         self.size = 0
         try:
-            self.file = os.open(path, os.O_RDWR | os.O_CREAT if resume else os.O_WRONLY | os.O_CREAT, 0o666)
+            self.file = os.open(path, (os.O_RDWR if resume else os.O_WRONLY) | os.O_CREAT | BINARY, 0o666)
         except OSError as error:
             raise UsageError(f"{path} cannot be written: {error.strerror or error}") from None
         self.is_regular = stat.S_ISREG(os.fstat(self.file).st_mode)

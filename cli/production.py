@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from contextlib import ExitStack
 from pathlib import Path
 from typing import NamedTuple
 
-from ..semantics.errors import UsageError
+from ..semantics.errors import ScenicError, UsageError
 from .drawing import Drawing, Drawn, drawing_of
 from .options import Source
-from .outputs import Earlier, Output, open_output
+from .outputs import Earlier, open_output
 from .progress import Progress
 from .reports import Tally, summary
 from .session import Session, tell
@@ -38,7 +38,7 @@ def produce(source: Source, request: Request, session: Session) -> None:
     """Draw the scenes, write them, show how it went. Raises the program's errors, `AttemptsExhausted` and `UsageError`."""
     check_paths(source, request)
     drawing = drawing_of(source)
-    assert drawing.scenario.rehearsed
+    rehearse(drawing)
     begun = time.perf_counter()
     tally = Tally()
     with ExitStack() as stack:
@@ -49,9 +49,16 @@ def produce(source: Source, request: Request, session: Session) -> None:
         start = max(request.start, len(earlier))
         job = Job(source, request.seed, start, max(start, request.stop), request.max_attempts)
         progress = stack.enter_context(Progress(request.stop - request.start, start - request.start))
-        fill(output, tally, progress, scenes_of(drawing, job, request.workers, progress), stack)
+        scenes = scenes_of(drawing, job, request.workers, progress)
+        stack.callback(scenes.close)
+        known = [(e.index, e.attempts) for e in earlier]
+        for drawn in accepted(scenes, progress):
+            output.write(drawn)
+            tally.add(drawn)
+            progress.drawn(drawn.attempts)
+            if len(known) <= MOST_PLOTTED:
+                known.append((drawn.index, drawn.attempts))
         output.finish()
-    known = [(e.index, e.attempts) for e in earlier] + tally.known
     if earlier:
         tell(f"{len(earlier):,} scenes were there already")
     for line in summary(tally, request.seed, time.perf_counter() - begun, session.texts):
@@ -60,24 +67,32 @@ def produce(source: Source, request: Request, session: Session) -> None:
         plot(drawing, request, known[: request.stop])
 
 
-def scenes_of(drawing: Drawing, job: Job, workers: int, progress: Progress) -> Iterator[Drawn | Failed]:
+def rehearse(drawing: Drawing) -> None:
+    """Raise the program's error, if it has one, before anything is written; what it printed before comes first."""
+    printed: list[str] = []
+    try:
+        drawing.rehearse(printed)
+    except ScenicError:
+        for text in printed:
+            tell(text)
+        raise
+
+
+def scenes_of(drawing: Drawing, job: Job, workers: int, progress: Progress) -> Generator[Drawn | Failed]:
     """The scenes, from this process or from several."""
     if workers == 1 or job.stop - job.start <= 1:
         return draw_here(drawing, job, progress.stuck)
     return draw_in_processes(job, min(workers, job.stop - job.start))
 
 
-def fill(output: Output, tally: Tally, progress: Progress, scenes: Iterator[Drawn | Failed], stack: ExitStack) -> None:
-    """Write every scene as it comes. Raises the error that ends them."""
-    stack.callback(getattr(scenes, "close", lambda: None))
+def accepted(scenes: Iterator[Drawn | Failed], progress: Progress) -> Iterator[Drawn]:
+    """The scenes, what each printed being told. Raises the error that ends them."""
     for drawn in scenes:
         for text in drawn.printed:
             progress.say(text)
         if isinstance(drawn, Failed):
             raise drawn.error
-        output.write(drawn)
-        tally.add(drawn)
-        progress.drawn(drawn.attempts)
+        yield drawn
 
 
 def check_paths(source: Source, request: Request) -> None:

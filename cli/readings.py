@@ -1,5 +1,82 @@
-"""`scenic-ref readings`."""
+"""`scenic-ref readings`: where the paper leaves a choice."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from .options import DebugOption, ProfileOption, ReadingOption, pairs
+
+if TYPE_CHECKING:
+    from ..semantics.readings import Reading
 
 
-def readings() -> None:
-    """..."""
+def readings(
+    name: Annotated[str | None, typer.Argument(metavar="[ID]", help="The reading to explain.")] = None,
+    profile: ProfileOption = "paper",
+    reading: ReadingOption = None,
+    as_json: Annotated[bool, typer.Option("--json", help="As JSON.")] = False,
+    debug: DebugOption = False,
+) -> None:
+    """List the places where the paper leaves a choice, with the alternatives; the one that is followed is marked *."""
+    from ..semantics.readings import READINGS, select
+    from .columns import columns
+
+    selected = select(profile, dict(pairs(reading, "--reading", "ID=ALT")))
+    found = list(READINGS.values()) if name is None else [READINGS[name]] if name in READINGS else []
+    if not found:
+        raise unknown(str(name), tuple(READINGS))
+    if as_json:
+        print(json.dumps([record(r, selected) for r in found], ensure_ascii=False, indent=2))
+    elif name is not None:
+        print("\n".join(explained(found[0], selected[name])))
+    else:
+        rows = [(r.id, " | ".join(f"{a}*" if a == selected[r.id] else a for a in r.alternatives), r.question) for r in found]
+        print("\n".join(columns(("id", "alternatives", "question"), rows)))
+
+
+def unknown(name: str, known: tuple[str, ...]) -> Exception:
+    """The error for an id that is none."""
+    from difflib import get_close_matches
+
+    from ..semantics.errors import UsageError
+
+    near = get_close_matches(name, known, n=1, cutoff=0.4)
+    return UsageError(f"there is no reading {name}", hint=f"did you mean {near[0]}?" if near else "`scenic-ref readings` lists them")
+
+
+def record(reading: Reading, selected: Mapping[str, str]) -> dict[str, object]:
+    """A reading in JSON."""
+    probe = None if reading.probe is None else {"program": reading.probe.program, "shows": dict(reading.probe.shows)}
+    return {
+        "id": reading.id, "kind": reading.kind, "question": reading.question, "places": list(reading.places),
+        "alternatives": dict(reading.alternatives), "selected": selected[reading.id], "profiles": dict(reading.profiles),
+        "consequence": reading.consequence, "code": list(reading.code), "probe": probe,
+    }
+
+
+def explained(reading: Reading, selected: str) -> list[str]:
+    """A reading in full: question, places, alternatives, profiles, consequence, code, probe."""
+    from .columns import paragraph
+
+    kinds = {"conflict": "the paper contradicts itself", "silence": "the formal rules are silent"}
+    lines = [f"{reading.id} ({kinds.get(reading.kind, reading.kind)})", "", *paragraph("question", reading.question)]
+    for number, place in enumerate(reading.places):
+        lines += paragraph("" if number else "places", place)
+    lines.append("")
+    for alternative, meaning in reading.alternatives.items():
+        lines += paragraph(f"{'*' if alternative == selected else ' '} {alternative}", meaning or alternative)
+    if reading.profiles:
+        others = ", ".join(f"{profile}: {alternative}" for profile, alternative in reading.profiles.items())
+        lines += ["", *paragraph("profiles", f"{others}; all others: {reading.default}")]
+    if reading.consequence:
+        lines += ["", *paragraph("consequence", reading.consequence)]
+    lines += paragraph("code", ", ".join(reading.code))
+    if reading.probe is not None:
+        lines += ["", "A program that tells the alternatives apart:", ""]
+        lines += [f"    {line}" for line in reading.probe.program.strip().splitlines()]
+        lines += ["", *(line for a, shows in reading.probe.shows.items() for line in paragraph(f"  {a}", shows))]
+    return lines

@@ -19,24 +19,21 @@ LONGEST = 60
 
 @dataclass
 class Tally:
-    """The statistics of the scenes of a run so far; `known` lists each scene with its attempts."""
+    """The statistics of the scenes of a run so far."""
 
     scenes: int = 0
     attempts: int = 0
     stuck: Counter[Requirement] = field(default_factory=Counter)
     soft: dict[Span, Softness] = field(default_factory=dict)
-    known: list[tuple[int, int]] = field(default_factory=list)
 
     def add(self, drawn: Drawn) -> None:
         """One more scene."""
         self.scenes += 1
         self.attempts += drawn.attempts
-        self.known.append((drawn.index, drawn.attempts))
         self.stuck.update(drawn.stuck)
         for softness in drawn.soft:
             before = self.soft.get(softness.span)
             self.soft[softness.span] = softness if before is None else before.plus(softness)
-    
 
 
 def summary(tally: Tally, seed: int, seconds: float, texts: Mapping[str, str]) -> list[str]:
@@ -54,20 +51,21 @@ def summary(tally: Tally, seed: int, seconds: float, texts: Mapping[str, str]) -
 
 
 def requirement_lines(stuck: Iterable[tuple[Requirement, int]], texts: Mapping[str, str], *, limit: int) -> list[str]:
-    """The requirements that rejected most, each with its share of the rejections and its place."""
-    counts = list(stuck)
-    total = sum(count for _, count in counts)
-    shown = counts[:limit]
-    lines = [f"requirements that rejected most, of {total:,} stuck attempts:"]
-    for requirement, count in shown:
-        span = requirement.span
-        text = requirement.text
-        place = f"  {span.file}:{span.line}: {shortened(source_line(span, texts) or '')}".rstrip(": ") if span.line else ""
-        what = "" if text == "require" else text
-        lines.append(f"{count:>9,}  {count / total:>4.0%}  {what}{'  at' if what and place else ''}{place if what else place.strip()}")
-    if len(counts) > limit:
-        rest = sum(count for _, count in counts[limit:])
-        lines.append(f"{rest:>9,}  {rest / total:>4.0%}  {len(counts) - limit} others")
+    """The requirements that rejected most, each with its share of the rejections and its place; those of one place together."""
+    groups: dict[tuple[str, Span], Counter[str]] = {}
+    for requirement, count in stuck:
+        groups.setdefault((requirement.kind, requirement.span), Counter())[requirement.text] += count
+    ordered = sorted(groups.items(), key=lambda item: -item[1].total())
+    total = sum(group.total() for _, group in ordered)
+    lines = [f"requirements that rejected most, of {total:,} stuck attempts:" if total > 1 else "the requirement that rejected the stuck attempt:"]
+    for (_, span), group in ordered[:limit]:
+        others = f" (and {len(group) - 1:,} like it)" if len(group) > 1 else ""
+        lines.append(f"{group.total():>9,}  {group.total() / total:>4.0%}  {group.most_common(1)[0][0]}{others}")
+        if span.line:
+            lines.append(f"{'':17}{span.file}:{span.line}: {shortened(source_line(span, texts) or '')}".rstrip(": "))
+    if len(ordered) > limit:
+        rest = sum(group.total() for _, group in ordered[limit:])
+        lines.append(f"{rest:>9,}  {rest / total:>4.0%}  {len(ordered) - limit} others")
     return lines
 
 

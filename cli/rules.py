@@ -1,5 +1,61 @@
-"""`scenic-ref rules`."""
+"""`scenic-ref rules`: the catalogue of rules."""
+
+from __future__ import annotations
+
+import inspect
+import json
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from .options import DebugOption
+
+if TYPE_CHECKING:
+    from ..semantics.rules import Rule
 
 
-def rules() -> None:
-    """..."""
+def rules(
+    prefix: Annotated[str, typer.Argument(metavar="[PREFIX]", help="Only the rules whose id begins so; a whole id shows that rule.")] = "",
+    as_json: Annotated[bool, typer.Option("--json", help="As JSON.")] = False,
+    debug: DebugOption = False,
+) -> None:
+    """List the rules of the paper: id, the paper's name, place in the paper, function."""
+    from ..semantics.rules import CATALOGUE, RULES
+    from .columns import columns
+
+    known = {name.lower(): rule for name, rule in RULES.items()}
+    found = [known[prefix.lower()]] if prefix.lower() in known else [r for r in CATALOGUE if r.id.lower().startswith(prefix.lower())]
+    if not found:
+        raise unknown(prefix, tuple(RULES))
+    if as_json:
+        print(json.dumps([record(rule) for rule in found], ensure_ascii=False, indent=2))
+    elif prefix.lower() in known:
+        print("\n".join(explained(found[0])))
+    else:
+        print("\n".join(columns(("id", "name in the paper", "function", "place"), [(r.id, r.name, r.code, r.place) for r in found])))
+
+
+def unknown(name: str, known: tuple[str, ...]) -> Exception:
+    """The error for an id that is none."""
+    from difflib import get_close_matches
+
+    from ..semantics.errors import UsageError
+
+    near = get_close_matches(name.lower(), [k.lower() for k in known], n=1, cutoff=0.4)
+    meant = next((k for k in known if near and k.lower() == near[0]), "")
+    return UsageError(f"there is no rule {name}", hint=f"did you mean {meant}?" if meant else "`scenic-ref rules` lists them")
+
+
+def record(rule: Rule) -> dict[str, object]:
+    """A rule in JSON."""
+    return {
+        "id": rule.id, "name": rule.name, "place": rule.place, "code": rule.code, "statement": rule.statement, "inherited": rule.inherited,
+    }
+
+
+def explained(rule: Rule) -> list[str]:
+    """A rule with the docstring of its function."""
+    return [
+        f"{rule.id}: {rule.name}", "", *(inspect.getdoc(rule.function) or "").splitlines(), "",
+        f"place   {rule.place}", f"code    {rule.code}",
+    ]

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import json
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .drawing import Drawn
 from .outputs import Output
+
+if TYPE_CHECKING:
+    from rich.table import Table
 
 MOST_SHOWN = 5
 
@@ -37,17 +40,22 @@ class Terminal(Output):
             console.print(f"... and {self.more:,} more; -o PATH writes all of them", style="dim")
 
 
-def table_of(scene: dict[str, Any]):
-    """The objects of a scene (in the format of `Scene.to_json`) as a table for `rich`."""
+def table_of(scene: dict[str, Any]) -> Table:
+    """The objects of a scene in the scene format."""
+    from rich.box import SIMPLE_HEAD
     from rich.markup import escape
     from rich.table import Table
 
     params = ", ".join(f"{name} = {shown(value)}" for name, value in scene["params"].items())
-    table = Table(title=f"seed {scene['seed']}, scene {scene['scene']}", caption=escape(params) or None, title_justify="left", caption_justify="left")
+    title = f"seed {scene['seed']}, scene {scene['scene']} (metres, degrees)"
+    table = Table(
+        title=title, title_justify="left", title_style="bold", caption=escape(params) or None, caption_justify="left", caption_style="dim",
+        box=SIMPLE_HEAD,
+    )
     for name in ("", "name", "class"):
         table.add_column(name)
-    for name in ("x (m)", "y (m)", "heading (deg)", "width (m)", "length (m)"):
-        table.add_column(name, justify="right")
+    for name in ("x", "y", "heading", "width", "length"):
+        table.add_column(name, justify="right", no_wrap=True)
     for o in scene["objects"]:
         x, y = o["position"]
         numbers = (f"{x:.2f}", f"{y:.2f}", f"{math.degrees(o['heading']):.1f}", f"{o['width']:.2f}", f"{o['length']:.2f}")

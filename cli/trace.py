@@ -1,5 +1,61 @@
-"""`scenic-ref trace`."""
+"""`scenic-ref trace`: the rules that fire in one run of a program."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from .options import (
+    DEFAULT_ATTEMPTS,
+    DEFAULT_FUEL,
+    AttemptsOption,
+    DebugOption,
+    DialectOption,
+    FileArgument,
+    FuelOption,
+    ModelOption,
+    ParamOption,
+    ProfileOption,
+    ReadingOption,
+    SeedOption,
+    TrustOption,
+    read_source,
+)
 
 
-def trace() -> None:
-    """..."""
+def trace(
+    context: typer.Context,
+    file: FileArgument,
+    seed: SeedOption = 0,
+    scene: Annotated[int, typer.Option("--scene", metavar="K", min=0, help="Trace a run for scene K of the seed.")] = 0,
+    attempt: Annotated[
+        int | None, typer.Option("--attempt", metavar="A", min=1, help="Trace attempt A, counting from 1, rather than the accepted one.")
+    ] = None,
+    everything: Annotated[bool, typer.Option("--all", help="Also the rules inherited from Python, and default values.")] = False,
+    html: Annotated[str | None, typer.Option("--html", metavar="PATH", help="Write a page to step through the run instead.")] = None,
+    profile: ProfileOption = "paper",
+    reading: ReadingOption = None,
+    dialect: DialectOption = None,
+    model: ModelOption = None,
+    param: ParamOption = None,
+    max_attempts: AttemptsOption = DEFAULT_ATTEMPTS,
+    fuel: FuelOption = DEFAULT_FUEL,
+    trust: TrustOption = False,
+    debug: DebugOption = False,
+) -> None:
+    """Show every rule that fires in a run: its name, its probability, what it changes, and where it stands."""
+    from .tracing import Asked, traced, write_page, write_text
+
+    session = context.obj
+    session.seed = seed
+    source = read_source(
+        session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, fuel=fuel, trust=trust
+    )
+    found = traced(source, Asked(seed, scene, attempt, max_attempts))
+    if html is None:
+        write_text(found, session.texts, everything=everything)
+    else:
+        write_page(found, session.texts, html)
+    if found.error is not None:
+        raise found.error

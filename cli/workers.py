@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import pickle
 import signal
+import threading
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from multiprocessing import connection
 from typing import NamedTuple
 
 from ..semantics.errors import InternalError, ScenicError
@@ -47,7 +50,7 @@ class Failed(NamedTuple):
 
 def failed(error: ScenicError, printed: list[str]) -> Failed:
     """The error as a record; attributes that cannot be sent are described in words."""
-    attributes = {name: value if _can_be_sent(value) else RuntimeError(repr(value)) for name, value in vars(error).items()}
+    attributes: dict[str, object] = {name: value if _can_be_sent(value) else RuntimeError(repr(value)) for name, value in vars(error).items()}
     return Failed(type(error), attributes, tuple(printed))
 
 
@@ -64,7 +67,7 @@ def work(job: Job) -> list[Drawn | Failed]:
     return list(draw_here(drawing_of(job.source), job))
 
 
-def draw_here(drawing: Drawing, job: Job, on_attempt: Listener | None = None) -> Iterator[Drawn | Failed]:
+def draw_here(drawing: Drawing, job: Job, on_attempt: Listener | None = None) -> Generator[Drawn | Failed]:
     """The scenes of a job, in this process; a program's error is the last."""
     printed: list[str] = []
     for index in range(job.start, job.stop):
@@ -75,11 +78,23 @@ def draw_here(drawing: Drawing, job: Job, on_attempt: Listener | None = None) ->
             return
 
 
-def draw_in_processes(job: Job, count: int) -> Iterator[Drawn | Failed]:
+def end_with_parent() -> None:
+    """Let this process end when the one that started it does, however that ends."""
+    parent = multiprocessing.parent_process()
+
+    def watch() -> None:
+        if parent is not None:
+            connection.wait([parent.sentinel])
+            os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
+def draw_in_processes(job: Job, count: int) -> Generator[Drawn | Failed]:
     """The scenes of a job, drawn by `count` processes."""
     chunk = max(1, min(LARGEST_CHUNK, (job.stop - job.start) // (4 * count)))
     jobs = (job._replace(start=start, stop=min(start + chunk, job.stop)) for start in range(job.start, job.stop, chunk))
-    pool = ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"))
+    pool = ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"), initializer=end_with_parent)
     waiting: deque[Future[list[Drawn | Failed]]] = deque()
     finished = False
     try:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import io
+import itertools
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,9 +23,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 FORMATS = ("png", "pdf", "svg")
-LAND, EDGE, EGO, OTHER, INK = "#e4e4e1", "#c2c2bd", "#d1495b", "#30638e", "#222222"
-MARGIN = 8.0  # metres around the objects
-SMALLEST = 12.0  # metres across, at least
+LAND, EDGE, EGO, INK = "#e4e4e1", "#c2c2bd", "#d1495b", "#222222"
+CLASSES = ("#30638e", "#4f8a5b", "#b8860b", "#7b5ea7", "#3f8f8f", "#8c564b")  # of the objects other than ego, by class
+MARGIN = 8.0  # metres around the objects, at most
+FARTHEST = 1e9  # metres from the origin that can still be told apart in a picture
+CROWD = 8  # with more objects than this, only those with a name are labelled, and colours are explained
 SIDE = 3.6  # inches of a small multiple
 ALONE = 6.5  # inches of a picture of one scene
 ARC_STEP = math.radians(2)
@@ -53,18 +56,29 @@ def figure_of(scenes: Sequence[Scene], roads: Region | None) -> Figure:
     """The scenes as small multiples, one panel each."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+    from matplotlib.patches import Patch
 
     columns = max(1, math.ceil(math.sqrt(len(scenes))))
     rows = max(1, math.ceil(len(scenes) / columns))
     side = ALONE if len(scenes) <= 1 else SIDE
     figure = Figure(figsize=(columns * side, rows * (side + 0.3)), layout="constrained")
     FigureCanvasAgg(figure)
+    colours = colours_of(scenes)
     for number, scene in enumerate(scenes):
-        draw(figure.add_subplot(rows, columns, number + 1), scene, roads, small=len(scenes) > 1)
+        draw(figure.add_subplot(rows, columns, number + 1), scene, roads, colours, small=len(scenes) > 1)
+    if len(colours) > 1 and any(len(scene.objects) > CROWD for scene in scenes):
+        patches = [Patch(facecolor=colour, alpha=0.7, label=name) for name, colour in {"ego": EGO, **colours}.items()]
+        figure.legend(handles=patches, loc="outside lower center", ncols=min(len(patches), 4 * columns), frameon=False, fontsize=8)
     return figure
 
 
-def draw(axes: Axes, scene: Scene, roads: Region | None, *, small: bool) -> None:
+def colours_of(scenes: Sequence[Scene]) -> dict[str, str]:
+    """The colour of each class of objects other than ego, in order of appearance."""
+    names = dict.fromkeys(o.class_name for scene in scenes for o in scene.objects if o.id != scene.ego_id)
+    return dict(zip(names, itertools.cycle(CLASSES), strict=False))
+
+
+def draw(axes: Axes, scene: Scene, roads: Region | None, colours: Mapping[str, str], *, small: bool) -> None:
     """One scene: its workspace, ego's view, the objects with their headings and names, and a scale."""
     west, south, east, north = window = window_of(scene)
     axes.set_aspect("equal")
@@ -79,20 +93,22 @@ def draw(axes: Axes, scene: Scene, roads: Region | None, *, small: bool) -> None
     for spine in axes.spines.values():
         spine.set_edgecolor("#bbbbbb")
     draw_land(axes, scene.workspace if roads is None else roads, window)
-    draw_view(axes, scene.ego)
+    draw_view(axes, scene.ego, window)
     for o in scene.objects:
-        draw_object(axes, o, EGO if o.id == scene.ego_id else OTHER, east - west)
+        draw_object(axes, o, EGO if o.id == scene.ego_id else colours[o.class_name], east - west)
     draw_names(axes, scene, size, east - west)
     draw_scale(axes, window, size)
 
 
 def window_of(scene: Scene) -> Window:
-    """A square around all objects, as a little of what surrounds them shows."""
+    """A square around all objects and a little of what surrounds them. Raises `UsageError` where no picture can be drawn."""
     points = [c for o in scene.objects for c in corners(o.position, o.heading, o.width, o.length)]
+    if not all(abs(p.x) < FARTHEST and abs(p.y) < FARTHEST for p in points):
+        raise UsageError(f"scene {scene.index} cannot be drawn: it has coordinates of {FARTHEST:g} m or more")
     west, east = min(p.x for p in points), max(p.x for p in points)
     south, north = min(p.y for p in points), max(p.y for p in points)
     extent = max(east - west, north - south)
-    half = max(extent / 2 + min(MARGIN, max(extent, 2.0)), SMALLEST / 2 if extent > 2 else 2.0)
+    half = 1e-6 + extent / 2 + min(MARGIN, extent * (2.0 if len(scene.objects) == 1 else 0.25)) if extent else MARGIN / 2
     x, y = (west + east) / 2, (south + north) / 2
     return x - half, y - half, x + half, y + half
 
@@ -117,8 +133,8 @@ def polygons_in(shape: BaseGeometry) -> list[shapely.Polygon]:
     return [part for part in shapely.get_parts(shape) if isinstance(part, shapely.Polygon) and not part.is_empty]
 
 
-def draw_view(axes: Axes, ego: SceneObject) -> None:
-    """Ego's visible region: the sector of its view angle and view distance."""
+def draw_view(axes: Axes, ego: SceneObject, window: Window) -> None:
+    """Ego's visible region, the sector of its view angle and view distance, unless it is all that one sees."""
     from matplotlib.patches import Polygon
 
     distance, angle = number(ego.properties.get("viewDistance")), number(ego.properties.get("viewAngle"))
@@ -128,6 +144,8 @@ def draw_view(axes: Axes, ego: SceneObject) -> None:
     turns = np.linspace(-angle / 2, angle / 2, max(2, math.ceil(angle / ARC_STEP) + 1)) + ego.heading
     arc = [(x - distance * math.sin(t), y + distance * math.cos(t)) for t in turns]
     points = arc if angle >= math.tau - 1e-9 else [(x, y), *arc]
+    if distance == 0 or angle == 0 or shapely.Polygon(points).buffer(0).covers(shapely.box(*window)):
+        return
     axes.add_patch(Polygon(points, closed=True, facecolor=EGO, alpha=0.10, linewidth=0, zorder=1))
     axes.add_patch(Polygon(points, closed=True, fill=False, edgecolor=EGO, alpha=0.45, linewidth=0.7, zorder=1))
 
@@ -155,11 +173,14 @@ def draw_object(axes: Axes, o: SceneObject, colour: str, across: float) -> None:
 
 
 def draw_names(axes: Axes, scene: Scene, size: int, across: float) -> None:
-    """The name of each object that has one, else its class, just outside its box."""
+    """The name of each object that has one, else its class unless there are many, just outside its box."""
     from matplotlib.patheffects import withStroke
 
     taken: list[tuple[float, float]] = []
+    crowded = len(scene.objects) > CROWD
     for o in scene.objects:
+        if crowded and not o.name:
+            continue
         text = o.name or o.class_name
         x, y = o.position
         half = max(abs(c.y - y) for c in corners(o.position, o.heading, o.width, o.length))
@@ -167,7 +188,7 @@ def draw_names(axes: Axes, scene: Scene, size: int, across: float) -> None:
         spots = [(y - half - across / 80 - k * line, "top") for k in range(2)] + [(y + half + across / 80 + k * line, "bottom") for k in range(3)]
         spot, side = next(((s, v) for s, v in spots if all(abs(s - b) > line * 0.9 or abs(x - a) > across / 6 for a, b in taken)), spots[0])
         taken.append((x, spot))
-        label = axes.text(x, spot, text, ha="center", va=side, fontsize=size - 1, color=INK, zorder=6, clip_on=True)
+        label = axes.text(x, spot, text, ha="center", va=side, fontsize=size - 1, color=INK if o.name else "#666666", zorder=6, clip_on=True)
         label.set_path_effects([withStroke(linewidth=2, foreground="white", alpha=0.85)])
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +13,9 @@ from ..semantics.errors import UsageError
 
 ROWS_AT_ONCE = 10_000
 COLUMNS = {
-    "seed": "string", "scene": "int64", "attempts": "int64", "weight": "float64", "object": "int64", "ego": "bool", "name": "string", "class": "string",
-    "x": "float64", "y": "float64", "heading": "float64", "width": "float64", "length": "float64", "properties": "string", "params": "string",
+    "seed": "string", "scene": "int64", "attempts": "int64", "weight": "float64", "object": "int64", "ego": "bool", "name": "string",
+    "class": "string", "x": "float64", "y": "float64", "heading": "float64", "width": "float64", "length": "float64",
+    "properties": "string", "params": "string",
 }
 """The columns: metres and radians; `properties` and `params` are JSON; `seed` is text, since seeds have no bounds."""
 
@@ -60,10 +62,8 @@ class TableFile:
     def close(self) -> None:
         """Remove the file unless it was finished."""
         if self.unfinished.exists():
-            try:
+            with suppress(OSError):  # it is removed anyway
                 self.writer.close()
-            except OSError:
-                pass  # it is removed anyway
             self.unfinished.unlink()
 
     def _flush(self) -> None:

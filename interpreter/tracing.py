@@ -5,21 +5,36 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
-from ..semantics.config import Config
+from ..semantics.config import Config, State
+from ..semantics.object_definitions import Defaulting
 from ..semantics.outcome import Change, Done, Draw, Next, Observe, Outcome, Stuck
 from ..semantics.rules import RULES
 from ..semantics.syntax.nodes import NOWHERE, Span
 from ..semantics.values import Instance, unwrap
+from ..semantics.vectors import Vector
 from .running import Accepted, Chooser, Run, run
+
+MISSING = object()
+LONGEST = 80
+
+
+class Assigned(NamedTuple):
+    """A variable (σ), global parameter (π) or property (O) that got a value, both as texts."""
+
+    where: str
+    name: str
+    value: str
 
 
 @dataclass(frozen=True, slots=True)
 class Event:
     """One rule that fired.
 
-    `log_density` is the logarithm of its probability (density), 0 for rules without; `change` says what became what;
-    `kind` is "rule", "draw", "requirement", "done" or "stuck".
+    `log_density` is the logarithm of its probability, 0 for rules without, and of a density if `is_density`; `change` says
+    what became what, `assigned` the same piece by piece; `kind` is "rule", "draw", "requirement", "done" or "stuck";
+    `in_default`: it belongs to the evaluation of a default value.
     """
 
     number: int
@@ -28,18 +43,26 @@ class Event:
     span: Span
     log_density: float = 0.0
     change: str = ""
+    is_density: bool = False
+    in_default: bool = False
+    assigned: tuple[Assigned, ...] = ()
 
     @property
     def name(self) -> str:
         """The paper's name of the rule."""
         return RULES[self.rule].name if self.rule in RULES else ""
 
+    @property
+    def inherited(self) -> bool:
+        """Whether the rule is one of Python's."""
+        return self.rule in RULES and RULES[self.rule].inherited
+
     def to_json(self) -> dict[str, object]:
         """The event for the page that steps through a trace."""
         return {
             "number": self.number, "rule": self.rule, "name": self.name, "kind": self.kind, "file": self.span.file, "line": self.span.line,
             "column": self.span.column, "endLine": self.span.end_line, "endColumn": self.span.end_column, "logDensity": finite(self.log_density),
-            "change": self.change,
+            "change": self.change, "isDensity": self.is_density, "inDefault": self.in_default, "assigned": [list(a) for a in self.assigned],
         }
 
 
@@ -50,25 +73,36 @@ def finite(number: float) -> float | str:
 
 @dataclass
 class Trace:
-    """The events of one run, the draws by address, and how the run ended."""
+    """The events of one run, the draws by address, and how the run ended; `state` is the latest one."""
 
     events: list[Event] = field(default_factory=list)
     draws: dict[tuple[int, ...], object] = field(default_factory=dict)
     run: Run | None = None
+    state: State | None = None
 
     @property
     def log_density(self) -> float:
         """The logarithm of the product of the probabilities of all rules that fired: the density of the execution trace."""
-        return math.fsum(e.log_density for e in self.events)
+        return math.fsum(e.log_density for e in self.events if e.kind != "stuck")
 
     @property
     def accepted(self) -> bool:
         """Whether the run ended with a scene."""
         return isinstance(self.run, Accepted)
 
+    def follow(self, config: Config, choose: Chooser, *, fuel: int) -> None:
+        """Run once and keep every rule that fires. Raises the program's error, the events before it being kept."""
+        self.state = config.state
+        self.run = run(config, choose, fuel=fuel, witness=self.witness)
+
     def witness(self, outcome: Outcome, drawn: object) -> None:
         """Add an outcome of the run."""
-        event = event_of(len(self.events) + 1, outcome, drawn)
+        after = following(outcome, drawn)
+        assigned = ()
+        if after is not None and not (isinstance(outcome, Next) and outcome.rule == ""):
+            assigned = assignments(outcome, self.state, after.state)
+            self.state = after.state
+        event = event_of(len(self.events) + 1, outcome, drawn, after, assigned)
         if event is not None:
             self.events.append(event)
         if isinstance(outcome, Draw):
@@ -78,24 +112,38 @@ class Trace:
 def trace(config: Config, choose: Chooser, *, fuel: int) -> Trace:
     """Run once and keep every rule that fired. Raises the program's errors."""
     found = Trace()
-    found.run = run(config, choose, fuel=fuel, witness=found.witness)
+    found.follow(config, choose, fuel=fuel)
     return found
 
 
-def event_of(number: int, outcome: Outcome, drawn: object) -> Event | None:
+def following(outcome: Outcome, drawn: object) -> Config | None:
+    """The configuration after an outcome, None where the run ends."""
+    match outcome:
+        case Next(config=config) | Observe(config=config):
+            return config
+        case Draw(resume=resume):
+            return resume(drawn)
+        case _:
+            return None
+
+
+def event_of(number: int, outcome: Outcome, drawn: object, after: Config | None = None, assigned: tuple[Assigned, ...] = ()) -> Event | None:
     """The event of an outcome; bookkeeping between rules has none."""
+    in_default = after is not None and is_in_default(after)
     match outcome:
         case Next(rule=""):
             return None
         case Next(rule=rule, node=node, change=change, config=config):
             span = node.span if node is not None else getattr(config.control, "span", NOWHERE)
-            return Event(number, rule, "rule", span, change=describe(change))
+            return Event(number, rule, "rule", span, change=describe(change, assigned), in_default=in_default, assigned=assigned)
         case Draw(rule=rule, node=node, distribution=distribution):
             parameters = ", ".join(f"{k}={show(v)}" for k, v in distribution.parameters.items())
             change = f"{show(drawn)} ~ {distribution.name}({parameters})"
-            return Event(number, fired(rule, drawn), "draw", node.span, distribution.log_density(drawn), change)
+            log_density = distribution.log_density(drawn)
+            is_density = distribution.support() is None
+            return Event(number, fired(rule, drawn), "draw", node.span, log_density, change, is_density, in_default, assigned)
         case Observe(rule=rule, requirement=requirement):
-            return Event(number, rule, "requirement", requirement.span, change=f"{requirement.text}: holds")
+            return Event(number, rule, "requirement", requirement.span, change=f"{requirement.text}: holds", in_default=in_default)
         case Done(rule=rule):
             return Event(number, rule, "done", NOWHERE, change="all default requirements hold: (π, O)")
         case Stuck(rule=rule, requirement=requirement):
@@ -104,29 +152,79 @@ def event_of(number: int, outcome: Outcome, drawn: object) -> Event | None:
             return None
 
 
+def is_in_default(config: Config) -> bool:
+    """Whether a default value is being evaluated."""
+    stack = config.stack
+    while stack:
+        frame, stack = stack
+        if type(frame) is Defaulting:
+            return True
+    return False
+
+
+def assignments(outcome: Outcome, before: State | None, after: State) -> tuple[Assigned, ...]:
+    """What got a value between two states; of σ, which is updated in place, what the outcome says."""
+    found: list[Assigned] = []
+    if isinstance(outcome, Next) and outcome.change is not None and outcome.change.where == "σ":
+        found.append(Assigned("σ", outcome.change.name, show(outcome.change.value)))
+    if before is None:
+        return tuple(found)
+    if before.params is not after.params:
+        found += [Assigned("π", n, show(v)) for n, v in after.params.items() if before.params.get(n, MISSING) is not v]
+    if before.objects is not after.objects:
+        for number, properties in after.objects.items():
+            known = before.objects.get(number, {})
+            if known is not properties:
+                owner = after.names.get(number) or instance_in(outcome, number) or f"<{number}>"
+                found += [Assigned("O", f"{owner}.{n}", show(v)) for n, v in properties.items() if known.get(n, MISSING) is not v]
+    return tuple(found)
+
+
+def instance_in(outcome: Outcome, number: int) -> str:
+    """An instance that is being made, as the outcome calls it: <Car 3>."""
+    change = outcome.change if isinstance(outcome, Next) else None
+    name = change.name.partition(">")[0] + ">" if change is not None else ""
+    return name if name.endswith(f" {number}>") else ""
+
+
 def fired(rule: str, drawn: object) -> str:
     """Which of the two soft requirement rules the coin chose; any other draw has one rule."""
     return rule if rule != "S-SoftReq" else "S-SoftReq-Check" if drawn else "S-SoftReq-Skip"
 
 
-def describe(change: Change | None) -> str:
-    """What a step changed, in the paper's notation."""
-    if change is None or (change.where == "" and change.name != "order"):
-        return ""
-    if change.where == "print":
+def describe(change: Change | None, assigned: tuple[Assigned, ...] = ()) -> str:
+    """What a step changed, in the paper's notation: O[self.width / 2] and so on."""
+    if change is not None and change.where == "print":
         return f"prints {change.value}"
-    if change.name == "order" and isinstance(change.value, tuple):
+    if change is not None and change.name == "order" and isinstance(change.value, tuple):
         return "order: " + ", ".join(f"{s.name} → {{{', '.join(names)}}}" for s, names in change.value)
-    if isinstance(change.value, Instance) and change.where == "O":
+    if change is not None and isinstance(change.value, Instance) and change.where == "O":
         return f"O ∪ {{{change.name}}}"
-    return f"{change.where}[{change.name} / {show(change.value)}]"
+    wheres = dict.fromkeys(a.where for a in assigned)
+    return ", ".join(f"{w}[{', '.join(f'{a.name} / {a.value}' for a in assigned if a.where == w)}]" for w in wheres)
 
 
 def show(value: object) -> str:
     """A value in a line of a trace: short, and the same in every run of the same seed."""
-    inner = unwrap(value)[0]
-    text = f"{inner:.6g}" if isinstance(inner, float) else repr(inner)
-    return text if len(text) <= 80 else text[:77] + "..."
+    text = written(unwrap(value)[0])
+    return text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
+
+
+def written(value: object) -> str:
+    """A value with its numbers rounded to six digits."""
+    match value:
+        case float():
+            return f"{value:.6g}"
+        case Vector(x=x, y=y):
+            return f"({written(x)}, {written(y)})"
+        case tuple() if type(value) is tuple and len(value) <= LONGEST:
+            return f"({', '.join(map(written, value))}{',' if len(value) == 1 else ''})"
+        case type():
+            return f"<class {value.__name__}>"
+        case list() if len(value) <= LONGEST:
+            return f"[{', '.join(map(written, value))}]"
+        case _:
+            return repr(value)
 
 
 def lines_of(programs: Mapping[str, str], span: Span) -> str:

@@ -36,8 +36,8 @@ class State(NamedTuple):
     `sigma` is σ, `params` is π, `objects` maps the number of every instance to its properties, `scene` lists the
     Objects among them in the order of creation (O proper). `ego` and `workspace` are the two variables that all modules
     share. `prefix` and `draws` address the next draw; `modules` holds what was imported in this run; `late` the
-    requirements that wait for the end (reading `require-time=end`); `dynamic` those for the policy; `handling` the
-    exceptions being handled, innermost last; `depth` counts open calls.
+    requirements that wait for the end, each with the state at its statement (reading `require-time=end`); `dynamic`
+    those for the policy; `handling` the exceptions being handled, innermost last; `depth` counts open calls.
     """
 
     sigma: Scope
@@ -51,7 +51,7 @@ class State(NamedTuple):
     prefix: tuple[int, ...] = ()
     draws: int = 0
     modules: Mapping[str, object] = {}
-    late: tuple[tuple[Node, Scope], ...] = ()
+    late: tuple[tuple[Node, State], ...] = ()
     dynamic: tuple[Node, ...] = ()
     handling: tuple[BaseException, ...] = ()
     depth: int = 0

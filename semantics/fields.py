@@ -25,6 +25,7 @@ class OutsideField(Exception):
         super().__init__(f"the vector field {field.name} has no value at {point}")
         self.field = field
         self.point = point
+        self.premise = f"the vector field {field.name} has a value there"  # names no point, so that a report can count it
 
 
 class VectorField:

@@ -13,6 +13,7 @@ are exact up to the rounding of those products (a relative error of some 1e-16).
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Callable
 
 import numpy as np
@@ -126,18 +127,19 @@ def distance_to_box(position: Vector, heading: float, width: float, length: floa
 
 def boxes_intersect(
     position1: Vector, heading1: float, width1: float, length1: float,
-    position2: Vector, heading2: float, width2: float, length2: float,
+    position2: Vector, heading2: float, width2: float, length2: float, *, closed: bool = True,
 ) -> bool:  # fmt: skip
-    """Whether two boxes share a point (closed sets: touching is sharing), by the four separating axes."""
+    """Whether two boxes share a point, by the four separating axes: as closed sets, so that touching is sharing, or as open ones."""
+    meets = operator.le if closed else operator.lt
     hw1, hl1, hw2, hl2 = width1 / 2, length1 / 2, width2 / 2, length2 / 2
     c1, s1, c2, s2 = cosine(heading1), sine(heading1), cosine(heading2), sine(heading2)
     x, y = position2.x - position1.x, position2.y - position1.y
     c, s = abs(c1 * c2 + s1 * s2), abs(s2 * c1 - c2 * s1)  # of the difference of headings
     return (
-        (abs(x * c1 + y * s1) <= hw1 + (hw2 * c + hl2 * s))
-        & (abs(y * c1 - x * s1) <= hl1 + (hw2 * s + hl2 * c))
-        & (abs(x * c2 + y * s2) <= hw2 + (hw1 * c + hl1 * s))
-        & (abs(y * c2 - x * s2) <= hl2 + (hw1 * s + hl1 * c))
+        meets(abs(x * c1 + y * s1), hw1 + (hw2 * c + hl2 * s))
+        & meets(abs(y * c1 - x * s1), hl1 + (hw2 * s + hl2 * c))
+        & meets(abs(x * c2 + y * s2), hw2 + (hw1 * c + hl1 * s))
+        & meets(abs(y * c2 - x * s2), hl2 + (hw1 * s + hl1 * c))
     )
 
 

@@ -367,7 +367,7 @@ def outside_field(
     names = frame.order[frame.index][1]
     anything = {n: (Random(v, origin) if origin else v) for n, v in properties.items() if n in names}
     beyond = assign_property(frame, rule, anything, stack, state)
-    return Stuck(rule, Requirement("field", node.span, str(outside)), beyond.config if isinstance(beyond, Next) else None)
+    return Stuck(rule, Requirement("field", node.span, outside.premise), beyond.config if isinstance(beyond, Next) else None)
 
 
 def assign_property(frame: Construction, rule: str, properties: Mapping[str, object], stack: Stack, state: State) -> Outcome:

@@ -61,7 +61,7 @@ def apply_equation(node: Node, equations: Sequence[o.Equation], values: list[obj
     try:
         result = equation.function(*arguments)
     except OutsideField as outside:
-        requirement = Requirement("field", node.span, str(outside))
+        requirement = Requirement("field", node.span, outside.premise)
         return Stuck(equation.rule, requirement, Config(Value(reader.wrap(_any_result(equation, arguments))), stack, state))
     except Exception as exception:
         if door.called and not isinstance(exception, (RunError, HostException)):

@@ -79,12 +79,36 @@ class Scope:
         """σ[name / value]."""
         self.home(name).bindings[name] = value
 
-    def snapshot(self) -> Scope:
-        """A copy that later assignments do not reach (reading `requirement-capture` under `require-time=end`)."""
+    def snapshot(self, seen: dict[int, object] | None = None) -> Scope:
+        """A copy that later assignments do not reach, not even those to elements (reading `requirement-capture`)."""
         if self.kind == "builtins":
             return self
-        parent = None if self.parent is None else self.parent.snapshot()
-        return Scope(self.kind, parent, self.names, dict(self.bindings))
+        seen = {} if seen is None else seen
+        parent = None if self.parent is None else self.parent.snapshot(seen)
+        return Scope(self.kind, parent, self.names, {name: copied(value, seen) for name, value in self.bindings.items()})
+
+
+def copied(value: object, seen: dict[int, object]) -> object:
+    """The value with its lists, dictionaries and sets copied; `seen` keeps what is shared shared."""
+    if type(value) not in (list, dict, set, tuple):
+        return value
+    if id(value) in seen:
+        return seen[id(value)]
+    match value:
+        case list():
+            items: list[object] = []
+            seen[id(value)] = items
+            items.extend(copied(v, seen) for v in value)
+            return items
+        case dict():
+            entries: dict[object, object] = {}
+            seen[id(value)] = entries
+            entries.update((k, copied(v, seen)) for k, v in value.items())
+            return entries
+        case set():
+            return seen.setdefault(id(value), set(value))
+        case _:
+            return tuple(copied(v, seen) for v in value)  # type: ignore[union-attr]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

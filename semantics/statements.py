@@ -43,13 +43,13 @@ class Requiring(NamedTuple):
 def hard_requirement(node: s.Require, stack: Stack, state: State) -> Outcome:
     """Hard Requirements: if ⟨B, σ, π, O⟩ → ⟨True, σ, π, O'⟩ then ⟨require B, σ, π, O⟩ → ⟨pass, σ, π, O'⟩."""
     if state.reading("require-time") == "end":
-        late = (*state.late, (node, state.sigma.snapshot()))
-        return Next("S-Require-Capture", Config(PASS, stack, state._replace(late=late)), node)
+        captured = state._replace(sigma=state.sigma.snapshot(), late=())
+        return Next("S-Require-Capture", Config(PASS, stack, state._replace(late=(*state.late, (node, captured)))), node)
     return enforce(node, stack, state)
 
 
 def enforce(node: s.Require, stack: Stack, state: State) -> Outcome:
-    """Reduce the condition: now, or at the end of the program with the variables of the statement (reading `require-time`)."""
+    """Reduce the condition: now, or at the end of the program in the state of the statement (reading `require-time`)."""
     return reduce(node.condition, Requiring(Requirement("require", node.span, "require"), "S-Require"), stack, state)
 
 

@@ -187,7 +187,7 @@ def step(config: Config) -> Outcome:
     except HostException as problem:
         return raised(problem.exception, config)
     except OutsideField as outside:
-        return Stuck("O-At", Requirement("field", place(config), str(outside)))
+        return Stuck("O-At", Requirement("field", place(config), outside.premise))
     except DoorStuck as inner:
         return inner.outcome._replace(beyond=None)
     except (BadRegion, BadParameters, UnboundedRegion) as bad:

@@ -11,7 +11,7 @@ from . import geometry
 from .config import PASS, Config, Stack, State, Value
 from .distributions import BadParameters, Normal
 from .errors import RunError
-from .kinds import Reader, View, kind_name
+from .kinds import Reader, View, is_scalar, kind_name
 from .operators import can_see_object, object_is_in
 from .outcome import Done, Draw, Next, Observe, Outcome, Requirement, Stuck
 from .regions import Region, everywhere
@@ -21,7 +21,9 @@ from .syntax.python_expressions import Constant
 from .values import Instance, Origin, Random, plain
 from .vectors import Vector
 
-COMPONENTS = ("x", "y", "heading")
+POSE = 3  # x, y and heading
+NOISY_PROPERTIES = ("position", "heading", "color")
+COLOR_DEVIATION = 0.05  # where an object has no property colorStdDev, as in the world model of the released implementations
 
 
 class Finishing(NamedTuple):
@@ -29,7 +31,10 @@ class Finishing(NamedTuple):
 
 
 class Mutating(NamedTuple):
-    """Frame of Step 1: the noise for `component` of object number `index` is next; `noise` holds what was drawn for it."""
+    """Frame of Step 1: the noise for `component` of object number `index` is next; `noise` holds what was drawn for it.
+
+    The components are x, y, the heading and, under the reading `mutate-color=yes`, those of the color.
+    """
 
     index: int
     component: int = 0
@@ -44,9 +49,13 @@ class Checking(NamedTuple):
 
 
 class Late(NamedTuple):
-    """Frame: requirement number `index` of those that waited for the end is next (reading `require-time=end`)."""
+    """Frame: requirement number `index` of those that waited for the end is next (reading `require-time=end`).
+
+    `end` is the state to go back to, after the one before was checked in the state of its statement.
+    """
 
     index: int
+    end: State | None = None
 
 
 def resume_finishing(frame: Finishing, result: object, stack: Stack, state: State) -> Outcome:
@@ -66,13 +75,13 @@ def mutate_objects(frame: Mutating, stack: Stack, state: State) -> Outcome:
     if frame.index == len(state.scene):
         return Next("T-Mutate", Config(PASS, (Late(0), stack), state))
     instance = state.scene[frame.index]
-    if frame.component == 3:
-        return apply_noise(frame, instance, stack, state)
     reader = Reader(state)
     scale = reader.property(instance, "mutationScale")
     if not scale:
         return mutate_objects(Mutating(frame.index + 1), stack, state)
-    deviation = reader.property(instance, "headingStdDev" if frame.component == 2 else "positionStdDev")
+    if frame.component == POSE + len(color_of(instance, reader)):
+        return apply_noise(frame, instance, stack, state)
+    deviation = deviation_of(instance, frame.component, reader)
     try:
         distribution = Normal(0.0, float(scale) * float(deviation))  # type: ignore[arg-type]
     except (BadParameters, TypeError):
@@ -88,27 +97,62 @@ def mutate_objects(frame: Mutating, stack: Stack, state: State) -> Outcome:
     return Draw("T-Mutate", state.address, distribution, Constant(value=None, span=instance.span), resume)
 
 
+def deviation_of(instance: Instance, component: int, reader: Reader) -> object:
+    """ps_i, hs_i or the deviation of the color, before it is multiplied by the scale."""
+    if component < POSE:
+        return reader.property(instance, "headingStdDev" if component == 2 else "positionStdDev")
+    return reader.plain(reader.state.objects[instance.number].get("colorStdDev", COLOR_DEVIATION))
+
+
+def color_of(instance: Instance, reader: Reader) -> tuple[float, ...]:
+    """The components of the color to which noise is added: none under `mutate-color=no`, or if the color is no tuple of reals."""
+    if reader.state.reading("mutate-color") == "no":
+        return ()
+    color = reader.plain(reader.state.objects[instance.number].get("color"))
+    return color if isinstance(color, tuple) and all(is_scalar(c) for c in color) else ()
+
+
 def resume_mutating(frame: Mutating, drawn: object, stack: Stack, state: State) -> Outcome:
     """n_{i,x}, n_{i,y} or n_{i,h} was drawn."""
     return mutate_objects(frame._replace(component=frame.component + 1, noise=(*frame.noise, drawn)), stack, state)
 
 
 def apply_noise(frame: Mutating, instance: Instance, stack: Stack, state: State) -> Outcome:
-    """pos_i = O(o_i.position) + (n_{i,x}, n_{i,y}) and head_i = O(o_i.heading) + n_{i,h}."""
+    """pos_i = O(o_i.position) + (n_{i,x}, n_{i,y}) and head_i = O(o_i.heading) + n_{i,h}.
+
+    Under `mutate-color=yes` the color gets noise as well, and its components are kept within [0, 1].
+    """
     reader = Reader(state)
-    dx, dy, turn = (reader.plain(n) for n in frame.noise)
+    dx, dy, turn, *tints = (reader.plain(n) for n in frame.noise)
     position = reader.property(instance, "position")
     heading = reader.property(instance, "heading")
     moved = {"position": reader.wrap(Vector(position.x + dx, position.y + dy)), "heading": reader.wrap(heading + turn)}  # type: ignore[operator]
+    if tints:
+        color = color_of(instance, reader)
+        moved["color"] = reader.wrap(tuple(min(1.0, max(0.0, c + t)) for c, t in zip(color, tints, strict=True)))  # type: ignore[operator]
     return mutate_objects(Mutating(frame.index + 1), stack, state.with_properties(instance, moved))
 
 
 def resume_late(frame: Late, result: object, stack: Stack, state: State) -> Outcome:
-    """Reading `require-time=end`: each captured requirement, with σ as it was at the statement; then Step 2."""
+    """Reading `require-time=end`: each captured requirement, in the state of its statement with the noise; then Step 2."""
+    if frame.end is not None:
+        end = frame.end
+        state = state._replace(sigma=end.sigma, ego=end.ego, workspace=end.workspace, objects={**state.objects, **end.objects})
     if frame.index < len(state.late):
-        node, sigma = state.late[frame.index]
-        return enforce(node, (Late(frame.index + 1), stack), state._replace(sigma=sigma))  # type: ignore[arg-type]
+        node, captured = state.late[frame.index]
+        return enforce(node, (Late(frame.index + 1, state), stack), as_captured(captured, state))  # type: ignore[arg-type]
     return check_default_requirements(Checking(0, premises_of_step_two(state)), stack, state)
+
+
+def as_captured(captured: State, state: State) -> State:
+    """`state` with the variables and properties of `captured`, except what mutation changed since (reading `requirement-capture`)."""
+    reader = Reader(state)
+    objects = {**state.objects, **captured.objects}
+    for instance in state.scene:
+        if instance.number in captured.objects and reader.property(instance, "mutationScale"):
+            noisy = {name: v for name, v in state.objects[instance.number].items() if name in NOISY_PROPERTIES}
+            objects[instance.number] = {**objects[instance.number], **noisy}
+    return state._replace(sigma=captured.sigma, ego=captured.ego, workspace=captured.workspace, objects=objects)
 
 
 def resume_checking(frame: Checking, result: object, stack: Stack, state: State) -> Outcome:
@@ -135,7 +179,8 @@ def check_default_requirements(frame: Checking, stack: Stack, state: State) -> O
         other = View(second, reader)
         requirement = Requirement("collision", first.span, f"{name} and {name_of(second, state)} do not intersect")
         holds = not geometry.boxes_intersect(
-            one.position, one.heading, one.width, one.length, other.position, other.heading, other.width, other.length
+            one.position, one.heading, one.width, one.length, other.position, other.heading, other.width, other.length,
+            closed=state.reading("touching") == "collide",
         )
     else:
         requirement = Requirement("visibility", first.span, f"{name} is visible from ego")

@@ -12,10 +12,20 @@ from difflib import get_close_matches
 
 from ..errors import UsageError
 from .conflicts import CONFLICTS
+from .conflicts_of_examples import CONFLICTS_OF_EXAMPLES
+from .conflicts_of_policy import CONFLICTS_OF_POLICY
 from .reading import PROFILES, Probe, Reading
 from .silences import SILENCES
+from .silences_of_language import SILENCES_OF_LANGUAGE
+from .silences_of_policy import SILENCES_OF_POLICY
 
-READINGS: Mapping[str, Reading] = {r.id: r for r in (*CONFLICTS, *SILENCES)}
+READINGS: Mapping[str, Reading] = {
+    r.id: r
+    for r in (
+        *CONFLICTS, *CONFLICTS_OF_EXAMPLES, *CONFLICTS_OF_POLICY,
+        *SILENCES, *SILENCES_OF_LANGUAGE, *SILENCES_OF_POLICY,
+    )
+}
 
 
 def select(profile: str = "paper", chosen: Mapping[str, str] | None = None) -> dict[str, str]:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Literal
 
 PROFILES = ("paper", "formal", "prose", "scenic-2.1", "scenic-3")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Probe:
     """A program that tells the alternatives of a reading apart; `shows` says, per alternative, exactly what it must show."""
 
@@ -22,15 +23,18 @@ class Reading:
 
     `alternatives` maps each alternative to what it means, the `paper` profile's first; `places` are those of the paper;
     `code` names the functions in which the choice is made; `profiles` lists the profiles that deviate from `paper`.
+    `about` says what the reading decides: the scene, the policy (behaviors, monitors, scenarios while they run) or the
+    pruning of the sample space. `code` is empty where the part that decides is not built yet.
     """
 
     id: str
-    kind: str
+    kind: Literal["conflict", "silence"]
     question: str
     places: tuple[str, ...]
     alternatives: Mapping[str, str]
     code: tuple[str, ...]
     consequence: str = ""
+    about: Literal["scene", "policy", "pruning"] = "scene"
     profiles: Mapping[str, str] = field(default_factory=dict)
     probe: Probe | None = None
 

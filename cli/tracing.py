@@ -1,0 +1,149 @@
+"""What `scenic-ref trace` does: it finds the attempt to trace, and writes the trace as text or as a page."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Iterator, Mapping
+from importlib.resources import files
+from pathlib import Path
+from typing import NamedTuple
+
+from ..inference.rejection import sample
+from ..interpreter.choosers import from_stream
+from ..interpreter.tracing import Event, Trace, finite
+from ..semantics.errors import AttemptsExhausted, ScenicError, UsageError
+from ..semantics.rules import RULES
+from .drawing import drawing_of
+from .errors import source_line, source_text
+from .options import Source
+from .session import tell
+
+
+class Asked(NamedTuple):
+    """Which run to trace; `attempt` counts from 1, None for the accepted one."""
+
+    seed: int
+    scene: int
+    attempt: int | None
+    max_attempts: int
+
+
+class Traced(NamedTuple):
+    """The trace of an attempt of a program, and the error that it ended with, if any."""
+
+    source: Source
+    asked: Asked
+    attempt: int
+    trace: Trace
+    error: ScenicError | None
+
+    @property
+    def title(self) -> str:
+        """Which run this is."""
+        return f"{self.source.file}, seed {self.asked.seed}, scene {self.asked.scene}, attempt {self.attempt}"
+
+    @property
+    def ending(self) -> str:
+        """How the run ended."""
+        log_density = self.trace.log_density
+        product = f"log density {log_density:.6g} (density {math.exp(log_density):.4g})" if log_density < 700 else f"log density {log_density:.6g}"
+        if self.error is not None:
+            return f"the program is wrong: {self.error.message}"
+        if self.trace.accepted:
+            return f"accepted: the scene (π, O); {product}"
+        return f"stuck: the run is discarded; up to there {product}"
+
+
+def traced(source: Source, asked: Asked) -> Traced:
+    """Run the attempt that is asked for once more, keeping every rule that fires. Raises `AttemptsExhausted`, `UsageError`."""
+    scenario = drawing_of(source).scenario
+    attempt, known = (asked.attempt, None) if asked.attempt is not None else accepted_attempt(source, asked)
+    found = Trace()
+    try:
+        found.follow(scenario.start(), from_stream(asked.seed, asked.scene, attempt - 1), fuel=scenario.fuel)
+    except ScenicError as error:
+        return Traced(source, asked, attempt, found, error)
+    return Traced(source, asked, attempt, found, known)
+
+
+def accepted_attempt(source: Source, asked: Asked) -> tuple[int, ScenicError | None]:
+    """The number of the first attempt that is accepted or fails, counting from 1; and the error if it is the rehearsal's."""
+    scenario = drawing_of(source).scenario
+    stuck = 0
+
+    def count(attempts: int) -> None:
+        nonlocal stuck
+        stuck = attempts
+
+    try:
+        assert scenario.rehearsed
+    except UsageError:
+        raise
+    except ScenicError as error:
+        return 1, error
+    try:
+        found = sample(scenario.start, asked.seed, asked.scene, max_attempts=asked.max_attempts, fuel=scenario.fuel, on_attempt=count)
+        return found.scene.attempts, None
+    except AttemptsExhausted:
+        raise
+    except ScenicError as error:
+        return stuck + 1, error
+
+
+def write_text(found: Traced, texts: Mapping[str, str], *, everything: bool) -> None:
+    """Print the trace: source lines, and below each the rules that fired there."""
+    print(found.title)
+    place = None
+    for event in shown_events(found.trace, everything=everything):
+        here = (event.span.file, event.span.line)
+        if here != place:
+            place = here
+            line = (source_line(event.span, texts) or "").strip()
+            print(f"\n{event.span.file}:{event.span.line}: {line}" if event.span.line else "\n(no place in the source)")
+        print(event_line(event))
+    hidden = len(found.trace.events) - sum(1 for _ in shown_events(found.trace, everything=everything))
+    print(f"\n{found.ending}")
+    if hidden:
+        print(f"{hidden:,} rules of Python and for default values are not shown: --all shows them")
+    sys.stdout.flush()
+
+
+def event_line(event: Event) -> str:
+    """One rule that fired: its number, id and name; its probability; what it changed."""
+    name = f" ({event.name})" if event.name and event.name != event.rule else ""
+    weight = ""
+    if event.kind == "draw":
+        weight = f"  {'density' if event.is_density else 'probability'} {math.exp(event.log_density):.4g}"
+    return f"{event.number:>6}  {event.rule}{name}{weight}" + (f"\n{'':8}{event.change}" if event.change else "")
+
+
+def shown_events(trace: Trace, *, everything: bool) -> Iterator[Event]:
+    """All events, or those of the paper's rules outside default values; draws always."""
+    for event in trace.events:
+        is_default = event.in_default or event.rule == "P-Default"
+        if everything or event.kind in ("draw", "stuck", "done") or not (event.inherited or is_default):
+            yield event
+
+
+def write_page(found: Traced, texts: Mapping[str, str], path: str) -> None:
+    """Write a self-contained page to step through the run. Raises `UsageError`."""
+    sources = {file: text for file in dict.fromkeys(e.span.file for e in found.trace.events) if (text := source_text(file, texts)) is not None}
+    rules = {
+        name: {"name": rule.name, "place": rule.place, "statement": rule.statement, "inherited": rule.inherited, "code": rule.code}
+        for name in dict.fromkeys(e.rule for e in found.trace.events)
+        if (rule := RULES.get(name)) is not None
+    }
+    data = {
+        "title": found.title, "ending": found.ending, "main": found.source.file, "sources": sources, "rules": rules,
+        "events": [e.to_json() for e in found.trace.events], "logDensity": finite(found.trace.log_density),
+    }
+    text = json.dumps(data, ensure_ascii=False).replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
+    template = files("scenic_ref.cli").joinpath("trace.html").read_text(encoding="utf-8")
+    page = template.replace("/*TRACE*/null", text)
+    try:
+        Path(path).write_text(page, encoding="utf-8")
+    except OSError as error:
+        raise UsageError(f"{path} cannot be written: {error.strerror or error}") from None
+    tell(f"{len(found.trace.events):,} rules: {path}")

@@ -1,0 +1,211 @@
+"""Readings where the formal rules are silent about behaviors, monitors, scenarios and simulations."""
+
+from __future__ import annotations
+
+from .reading import Probe, Reading
+
+PROCEDURE = 'Section "Semantics of Scenic", "Dynamic Constructs" (the procedure of the policy)'
+DYNAMIC = 'Section "Dynamic Scenarios"'
+COMPOSITIONAL = 'Section "Compositional Scenarios"'
+SECTION_4_4 = 'Section "Statements"'
+
+SILENCES_OF_POLICY: tuple[Reading, ...] = (
+    Reading(
+        id="choose-weights",
+        kind="silence",
+        about="policy",
+        question="What are the weights of `do choose` and `do shuffle` when some scenarios are disabled?",
+        places=(COMPOSITIONAL + ', "Random Selection of Scenarios"',),
+        alternatives={
+            "renormalised": "renormalised among the enabled ones; none enabled rejects the simulation; `do shuffle` draws again among the enabled "
+            "rest",
+        },
+        consequence="Concerns scenarios.",
+        code=(),
+        probe=Probe(
+            "scenario A():\n    compose:\n        wait\nscenario B():\n    precondition: False\n"
+            "scenario C():\n    compose:\n        do A() for 2 steps\n"
+            "scenario Main():\n    setup: ego = Object at (0, 0)\n    compose:\n        do choose {A: 2, B: 5, C: 1}",
+            {"renormalised": "A with probability 2/3, C with probability 1/3"},
+        ),
+    ),
+    Reading(
+        id="eventually-window",
+        kind="silence",
+        about="policy",
+        question="Which time steps count for `require always` and `require eventually`?",
+        places=(PROCEDURE, SECTION_4_4 + ', "Requirements"'),
+        alternatives={"whole": "every step in which the scenario that declares them is running, its first and its last included"},
+        consequence="Concerns requirements on simulations.",
+        code=(),
+        probe=Probe(
+            "ego = Object at (0, 0)\nrequire eventually ego.position.x == 0\nterminate when True",
+            {"whole": "accepted: the first step, which is also the last, counts"},
+        ),
+    ),
+    Reading(
+        id="terminate-who",
+        kind="silence",
+        about="policy",
+        question="Which scenario does `terminate` end?",
+        places=(PROCEDURE + ', steps 1 and 3: "the flag"', SECTION_4_4 + ', "Termination Conditions"; ' + DYNAMIC + ', "Terminating the Scenario"'),
+        alternatives={
+            "declaring": "in a behavior, or a monitor of the top level: the top-level scenario; in the compose block or a monitor of a "
+            "sub-scenario: that one",
+        },
+        consequence="Concerns behaviors, monitors and scenarios.",
+        code=(),
+        probe=Probe(
+            "scenario Sub():\n    compose:\n        wait\n        terminate\nscenario Main():\n    setup:\n        ego = Object at (0, 0)\n"
+            "    compose:\n"
+            "        do Sub()\n        wait",
+            {"declaring": "Main goes on after Sub has ended: the simulation has three time steps"},
+        ),
+    ),
+    Reading(
+        id="behaviors-after-terminate",
+        kind="silence",
+        about="policy",
+        question="Do the other agents still act in the step in which one executes `terminate`?",
+        places=(PROCEDURE + ", steps 5 and 6: all behaviors run, then the flag is checked",),
+        alternatives={"all": "all agents run, then the flag is looked at", "stop": "the agents after the one that terminates do not run"},
+        profiles={"scenic-2.1": "stop"},
+        consequence="Concerns behaviors: a `require` in a later agent's behavior may still reject the simulation under `all` only.",
+        code=(),
+        probe=Probe(
+            "ego = Object at (0, 0), with behavior End\nother = Object at (5, 0), with behavior Fail\nbehavior End():\n    terminate\n"
+            "behavior Fail():\n    require False\n    wait",
+            {"all": "rejected always", "stop": "accepted, with one time step"},
+        ),
+    ),
+    Reading(
+        id="interrupt-recheck",
+        kind="silence",
+        about="policy",
+        question="Are interrupt conditions checked again when a handler completes within a time step?",
+        places=(DYNAMIC + ', "Interrupts"', SECTION_4_4 + ', "Interrupts"'),
+        alternatives={"next-step": "no, at the start of each time step only; the interrupted block goes on in the same step if no time has passed "
+            "since"},
+        consequence="Concerns behaviors: a handler that takes no action cannot loop within one step.",
+        code=(),
+        probe=Probe(
+            "ego = Object at (0, 0), with behavior Drive\nbehavior Drive():\n    try:\n        while True:\n            take 1\n"
+            "    interrupt when True:\n        pass",
+            {"next-step": "action 1 in every time step"},
+        ),
+    ),
+    Reading(
+        id="do-until-zero",
+        kind="silence",
+        about="policy",
+        question="Does `do B for 0 steps` or `do B until True` run anything?",
+        places=(SECTION_4_4 + ', "Invoking Other Behaviors and Scenarios"', DYNAMIC + ': `until` is a shorthand for an interrupt that aborts'),
+        alternatives={"nothing": "no: the condition is checked before the first step"},
+        consequence="Concerns behaviors and scenarios.",
+        code=(),
+        probe=Probe(
+            "ego = Object at (0, 0), with behavior Outer\nbehavior Inner():\n    take 1\nbehavior Outer():\n    do Inner() until True\n    take 2",
+            {"nothing": "action 2 in the first time step"},
+        ),
+    ),
+    Reading(
+        id="invariant-while-interrupted",
+        kind="silence",
+        about="policy",
+        question="Is an invariant checked while its behavior is suspended by an interrupt?",
+        places=(DYNAMIC + ', "Preconditions and Invariants"', SECTION_4_4 + ', "Interrupts": "checked as usual" when the handler completes'),
+        alternatives={"on-resume": "no; it is checked when the behavior resumes"},
+        consequence="Concerns behaviors: collision avoidance may leave the lane that lane following insists on.",
+        code=(),
+        probe=Probe(
+            "ego = Object at (0, 0), with x 0, with behavior Outer\nbehavior Inner():\n    invariant: self.x != 1\n    while True:\n        wait\n"
+            "behavior Outer():\n    try:\n        do Inner()\n    interrupt when self.x == 0:\n        self.x = 1\n        wait\n        self.x = 2",
+            {"on-resume": "no violation"},
+        ),
+    ),
+    Reading(
+        id="rejected-simulation",
+        kind="silence",
+        about="policy",
+        question="When a simulation is discarded, is the same scene tried again?",
+        places=(
+            PROCEDURE + ': "discard the simulation"',
+            'Section "Semantics of a Scenic Program": traces that do not terminate are discarded, the others renormalised',
+            DYNAMIC + ': "reject that simulation and sample a new one"',
+        ),
+        alternatives={
+            "discard": "no: the run is discarded whole, scene and policy, and the distribution renormalised",
+            "retry": "yes, up to a limit: simulations are repeated on one scene, which gives scenes the wrong weights",
+        },
+        profiles={"scenic-2.1": "retry", "scenic-3": "retry"},
+        consequence="Concerns simulations: under `retry` a scene is as frequent as if no dynamic requirement existed.",
+        code=(),
+        probe=Probe(
+            "p = Uniform(0.25, 0.75)\nego = Object at (0, 0), with p p, with behavior Toss\nbehavior Toss():\n    require Range(0, 1) < self.p\n"
+            "    wait\n"
+            "terminate when False",
+            {"discard": "P(p = 0.75) = 3/4", "retry": "P(p = 0.75) = 1/2"},
+        ),
+    ),
+    Reading(
+        id="dynamic-objects",
+        kind="silence",
+        about="policy",
+        question="Do objects that a sub-scenario creates during a simulation obey the default requirements and mutation?",
+        places=(COMPOSITIONAL + ', "Modular Scenarios": "as usual"', 'Figure "Semantics of statements", rules "Termination"'),
+        alternatives={"setup-end": "yes, when its `setup` block ends"},
+        consequence="Concerns scenarios: a parked car that would stand in another one rejects the simulation.",
+        code=(),
+        probe=Probe(
+            "scenario Sub():\n    setup:\n        Object at (0, 0)\nscenario Main():\n    setup:\n        ego = Object at (0, 0)\n    compose:\n"
+            "        do Sub()",
+            {"setup-end": "rejected always: the two objects intersect"},
+        ),
+    ),
+    Reading(
+        id="override-stack",
+        kind="silence",
+        about="policy",
+        question="What do two overrides of one property in one scenario revert to?",
+        places=(SECTION_4_4 + ', "Overrides"',),
+        alternatives={"reverse": "both are reverted when that scenario ends, in reverse order: to the value before the first"},
+        consequence="Concerns scenarios.",
+        code=(),
+        probe=Probe(
+            "scenario Sub():\n    setup:\n        override ego with x 1\n        override ego with x 2\nscenario Main():\n    setup:\n"
+            "        ego = Object at (0, 0), with x 0\n    compose:\n        do Sub() for 1 steps\n        require ego.x == 0\n        wait",
+            {"reverse": "accepted always"},
+        ),
+    ),
+    Reading(
+        id="terminate-when-start",
+        kind="silence",
+        about="policy",
+        question="Are termination conditions checked before the first step?",
+        places=(PROCEDURE + ", step 1",),
+        alternatives={"first": "yes: the procedure begins with step 1 on the initial scene"},
+        consequence="Concerns simulations: a condition that holds at once ends the simulation before any action.",
+        code=(),
+        probe=Probe(
+            "ego = Object at (0, 0), with behavior Go\nbehavior Go():\n    while True:\n        take 1\nterminate when True",
+            {"first": "a simulation without actions"},
+        ),
+    ),
+    Reading(
+        id="bare-behavior",
+        kind="silence",
+        about="policy",
+        question="What is `with behavior B`, or `do choose A, B`, without parentheses?",
+        places=(
+            DYNAMIC + ": `Car with behavior FollowLaneBehavior`, and `WaitUntilClose` next to `WaitUntilClose(20)`",
+            COMPOSITIONAL + ", \"Random Selection of Scenarios\": `do choose RedLightRunner, Jaywalker, ParkedCar`",
+        ),
+        alternatives={"no-arguments": "B(): an instance of its own for every object, or every `do`, with the default arguments"},
+        consequence="Concerns behaviors and scenarios: two agents given the same name do not share its state.",
+        code=(),
+        probe=Probe(
+            "behavior Go(speed=3):\n    take speed\nego = Object at (0, 0), with behavior Go\nother = Object at (5, 0), with behavior Go(4)",
+            {"no-arguments": "actions 3 and 4 in the first time step"},
+        ),
+    ),
+)
