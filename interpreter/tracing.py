@@ -183,8 +183,8 @@ def assignments(outcome: Outcome, before: State | None, after: State) -> tuple[A
 def instance_in(outcome: Outcome, number: int) -> str:
     """An instance that is being made, as the outcome calls it: <Car 3>."""
     change = outcome.change if isinstance(outcome, Next) else None
-    name = change.name.partition(">")[0] + ">" if change is not None else ""
-    return name if name.endswith(f" {number}>") else ""
+    instance = change.instance if change is not None else None
+    return repr(instance) if instance is not None and instance.number == number else ""
 
 
 def fired(rule: str, drawn: object) -> str:

@@ -376,7 +376,7 @@ def assign_property(frame: Construction, rule: str, properties: Mapping[str, obj
     place = frame.node.span if specification.is_default else specification.node.span
     chosen = {n: checked_property(n, properties[n], place, specification.name, state) for n in names if n in properties}
     after = state.with_properties(frame.instance, chosen)
-    change = Change("O", f"{frame.instance!r}.{', '.join(chosen)}", next(iter(chosen.values()), None))
+    change = Change("O", ", ".join(chosen), next(iter(chosen.values()), None), frame.instance)
     following = frame._replace(index=frame.index + 1)
     return Next(rule, Config(Value(None), (following, stack), after), specification.node, change)
 

@@ -11,6 +11,7 @@ from .syntax.nodes import Node, Span
 if TYPE_CHECKING:
     from .config import Config, State
     from .distributions import Distribution
+    from .values import Instance
 
 
 class Requirement(NamedTuple):
@@ -22,11 +23,15 @@ class Requirement(NamedTuple):
 
 
 class Change(NamedTuple):
-    """What a step changed, for people: `where` is σ, π, O or "print"; `name` and `value` say what became what."""
+    """What a step changed, for people: `where` is σ, π, O or "print"; `name` and `value` say what became what.
+
+    `instance` is the object whose properties `name` were assigned, if there is one.
+    """
 
     where: Literal["σ", "π", "O", "print", ""]
     name: str
     value: object
+    instance: Instance | None = None
 
 
 class Next(NamedTuple):

@@ -7,7 +7,7 @@ class EmptyRegion(Exception):
     """uniformPointIn of a region without points, or without any length or area (reading `region-sampling`): a stuck run."""
 
     def __init__(self, region: object, reason: str) -> None:
-        super().__init__(f"there is no uniformly random point in {region!r}: {reason}")
+        super().__init__(f"there is no uniformly random point in this {type(region).__name__}: {reason}")
         self.region = region
         self.reason = reason
 
@@ -16,7 +16,7 @@ class UnboundedRegion(Exception):
     """uniformPointIn of a region that is not bounded: no uniform distribution exists, whatever is drawn."""
 
     def __init__(self, region: object) -> None:
-        super().__init__(f"there is no uniformly random point in {region!r}: it is unbounded")
+        super().__init__(f"there is no uniformly random point in this {type(region).__name__}: it is unbounded")
         self.region = region
 
 
