@@ -60,7 +60,7 @@ def library_of(
         name, is_needed = waiting.pop()
         if name in library:
             continue
-        found = find(name, worlds=worlds, trust=trust, directory=directory, dialect=dialect)
+        found = find(name, worlds=worlds, trust=trust, directory=directory, dialect=dialect, importer=program.file)
         if found is None and is_needed:
             near = get_close_matches(name, [*worlds, *HARMLESS], n=1)
             found = ImportRefused(f"there is no module {name}", hint=f"did you mean {near[0]}?" if near else "")
@@ -100,11 +100,11 @@ def with_old_imports(program: Program, library: Library) -> Program:
 
 
 def find(
-    name: str, *, worlds: Mapping[str, World], trust: bool, directory: Path | None, dialect: str | None
+    name: str, *, worlds: Mapping[str, World], trust: bool, directory: Path | None, dialect: str | None, importer: str = ""
 ) -> Program | Mapping[str, object] | Exception | None:
     """The module of that name; an error to raise at the import; None if there is none."""
     local = scenic_file(name, directory)
-    if local is not None:
+    if local is not None and not (importer and local.resolve() == Path(importer).resolve()):
         return read_program(local, dialect)
     if name in worlds:
         found = worlds[name]()

@@ -8,7 +8,7 @@ from lark import Token
 from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 from lark.parsers.lalr_parser_state import ParserState
 
-from ..semantics.errors import ParseError, ScenicError
+from ..semantics.errors import ParseError
 from . import repairs
 from .tree_builder import Origin
 
@@ -140,24 +140,3 @@ def bracket_fault(source: str, line: int, column: int, word: str, *, ended: bool
             closing = next(key for key, value in PAIRS.items() if value == opening)
             return (opened, start - source.rfind("\n", 0, start)), message, f"add `{closing}`"
     return None
-
-
-def render(error: ScenicError, text: str) -> str:
-    """The whole message: place and kind, the source line with carets under the place, what was expected, the hint."""
-    span = error.span
-    out = [f"{span}: {error.kind}: {error.message}"]
-    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    if 1 <= span.line <= len(lines):
-        line = lines[span.line - 1].removeprefix("\ufeff")
-        start = min(max(span.column - 1, 0), len(line))
-        stop = span.end_column - 1 if span.end_line == span.line else len(line)
-        lead = "".join("\t" if char == "\t" else " " for char in line[:start])
-        width = max(1, min(stop, len(line)) - start)
-        number = str(span.line)
-        out += [f"{number} | {line}", f"{' ' * len(number)} | {lead}{'^' * width}"]
-    expected: tuple[str, ...] = getattr(error, "expected", ())
-    if expected:
-        out.append(f"expected: {', '.join(expected)}")
-    if error.hint:
-        out.append(f"hint: {error.hint}")
-    return "\n".join(out)

@@ -50,7 +50,8 @@ def hard_requirement(node: s.Require, stack: Stack, state: State) -> Outcome:
 
 def enforce(node: s.Require, stack: Stack, state: State) -> Outcome:
     """Reduce the condition: now, or at the end of the program in the state of the statement (reading `require-time`)."""
-    return reduce(node.condition, Requiring(Requirement("require", node.span, "require"), "S-Require"), stack, state)
+    requirement = Requirement("require", node.span, f"the requirement on line {node.span.line}")
+    return reduce(node.condition, Requiring(requirement, "S-Require"), stack, state)
 
 
 def resume_requiring(frame: Requiring, result: object, stack: Stack, state: State) -> Outcome:

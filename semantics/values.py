@@ -157,14 +157,14 @@ class Method:
 
     def __call__(self, *arguments: object, **keywords: object) -> object:
         """Called by host code: through the door."""
-        return self.door.call(self.function, (self.instance, *arguments), keywords)  # pyright: ignore[reportArgumentType]: not a class attribute
+        return self.door.call(self.function, (self.instance, *arguments), keywords)  # pyright: ignore[reportArgumentType]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Constructor:
     """A distribution's name as a value: `make(arguments)` checks the parameters θ and gives baseDist(θ).
 
-    `takes` names its parameters, for messages. `keeps_values`: the arguments are values to choose among, which may be random themselves, not parameters.
+    `takes` names its parameters, for messages. `keeps_values`: the arguments are values to choose among, not parameters; they may be random.
     """
 
     name: str

@@ -28,6 +28,7 @@ CURB_INSET = 0.25  # how far inside the edge of the road a curb runs, so that it
 SHORTEST_CURB = 4.0
 STEP = 14.0  # length of a cell along a road that is not a ramp
 RAMP_RADIUS = 38.0
+SLIT = 0.2  # a gap between roads that is narrower than this is road
 
 # Centre lines: (coordinate, amplitude of the winding, its wave length, where it starts), across the whole city.
 NORTH_SOUTH_AVENUES = ((-770.0, 7.0, 410.0, 0.45), (-635.1, 5.0, 820.0, 0.9711), (-480.0, 8.0, 390.0, 0.80))
@@ -51,7 +52,7 @@ class Road:
 
 @dataclass(frozen=True, eq=False)
 class City:
-    """The map. In `cells`, (polygon, heading of traffic), earlier ones take precedence; `road` is their union."""
+    """The map. In `cells`, (polygon, heading of traffic), earlier ones take precedence; `road` is their union, slits closed."""
 
     cells: tuple[Cell, ...]
     road: Polygon | MultiPolygon
@@ -88,8 +89,9 @@ def city() -> City:
     roads = tuple(_roads())
     cells = tuple(cell for road in roads for cell in road.cells)
     union = shapely.union_all([polygon for polygon, _ in cells])
-    assert isinstance(union, (Polygon, MultiPolygon))
-    return City(cells, union, tuple(_cut_curbs(roads)))
+    closed = union.buffer(SLIT / 2, join_style="mitre").buffer(-SLIT / 2, join_style="mitre")  # no slits between roads that cross
+    assert isinstance(closed, (Polygon, MultiPolygon))
+    return City(cells, closed, tuple(_cut_curbs(roads)))
 
 
 def _roads() -> Iterator[Road]:

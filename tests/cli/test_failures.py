@@ -130,7 +130,7 @@ def test_an_error_in_a_shipped_world_shows_the_line_of_the_world(ask):
 def test_exhausted_attempts_list_the_requirements_that_failed(ask):
     found = ask("run", "never.scenic", "--max-attempts", 9)
     assert "never.scenic:3: require x > 2" in found.err
-    assert "        9  100%  require" in found.err
+    assert "        9  100%  the requirement on line 3" in found.err
 
 
 def test_the_version_is_the_package_s(ask):

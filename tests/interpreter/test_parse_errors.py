@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 from scenic_ref.interpreter.parser import parse
-from scenic_ref.interpreter.syntax_errors import render
 from scenic_ref.semantics.errors import ParseError, UsageError
 
 # text: (line, column, message, hint)
@@ -84,19 +83,6 @@ def test_mistake_is_explained_with_its_place_and_one_repair(text: str) -> None:
     assert len(error.expected) <= 8
 
 
-def test_render_shows_the_line_and_carets_under_the_word() -> None:
-    text = "x = 1\n\tCar wiht x 3\n"
-    with pytest.raises(ParseError) as caught:
-        parse("if a:\n\tCar wiht x 3\n", "f")
-    assert render(caught.value, text) == (
-        "f:2:6: syntax error: `wiht` is no specifier or operator\n"
-        "2 | \tCar wiht x 3\n"
-        "  | \t    ^^^^\n"
-        "expected: `=`, `,`, a specifier, an operator, the end of the line\n"
-        "hint: did you mean `with`?"
-    )
-
-
 ODD = ["\x01", "x = \u2028", "\ud800", "x = \U0001f600", "é = 1\nx = ﬁ + ?", "\\", "x \\ y", "(", "'", "f'{'", "#", "@", "param '\\x' = 3"]
 
 
@@ -105,7 +91,8 @@ def test_odd_text_gives_a_tree_or_a_parse_error(text: str) -> None:
     try:
         parse(text)
     except ParseError as error:
-        assert render(error, text)
+        assert error.message
+        assert error.span.line >= 1
 
 
 def test_unknown_dialect_is_a_usage_error() -> None:

@@ -77,8 +77,8 @@ CASES = {
         lambda t: clip(t / 2) if t < 1 else clip(0.5 + (t - 1) / 6), (0, 4),
     ),
     "overlapping polygons count once": (
-        "r = RectangularRegion((1, 0), 0, 2, 1).union(RectangularRegion((2, 0), 0, 2, 1))\nego = Object in r\n", lambda s: s.ego.position.x,
-        lambda t: clip(t / 3), lambda t: clip(t / 4) if t < 1 else clip(0.25 + (t - 1) / 2) if t < 2 else clip(0.75 + (t - 2) / 4), (0, 3),
+        "r = RectangularRegion((1, 0), 0, 2, 1).union(RectangularRegion((2, 0), 0, 4, 1))\nego = Object in r\n", lambda s: s.ego.position.x,
+        lambda t: clip(t / 4), lambda t: clip(t / 3) if t < 2 else clip(2 / 3 + (t - 2) / 6), (0, 4),
     ),
     "a truncated normal keeps to its window": (
         "ego = Object with v TruncatedNormal(0, 1, 1, 3)\n", lambda s: s.ego["v"],
