@@ -141,7 +141,7 @@ def test_what_is_printed_before_an_error_is_shown_first(ask):
 def test_the_report_names_the_requirement_that_rejected_most_with_its_place(ask):
     found = ask("run", "random.scenic", "-n", 20)
     assert "attempts per scene" in found.err
-    assert "100%  require" in found.err
+    assert "100%  the requirement on line 4" in found.err
     assert "random.scenic:4: require x > 0.3" in found.err
 
 
