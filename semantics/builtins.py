@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from . import regions
 from .classes import BUILT_IN_CLASSES
 from .distributions import BadParameters, Discrete, Normal, Range, TruncatedNormal, Uniform
+from .expressions import BINARY
 from .fields import PolygonalVectorField, VectorField
 from .scopes import Scope
 from .specials import SPECIAL_VALUES
@@ -54,8 +55,6 @@ _HOST_NAMES = (
 
 def _power(base: object, exponent: object, modulus: object = None) -> object:
     if modulus is None:
-        from .expressions import BINARY
-
         return BINARY["**"](base, exponent)
     return pow(base, exponent, modulus)  # type: ignore[call-overload]
 

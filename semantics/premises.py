@@ -7,6 +7,7 @@ left to right and hands their values to the rule. Constants and variables are ax
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from difflib import get_close_matches
 from typing import NamedTuple
 
 from .config import Config, Stack, State
@@ -81,8 +82,6 @@ def variable(node: Name, state: State) -> object:
 
 def unknown_variable(node: Name, state: State) -> RunError:
     """The error for a name that σ does not bind, with the nearest one that it does."""
-    from difflib import get_close_matches
-
     known: list[str] = []
     scope = state.sigma
     while scope is not None:

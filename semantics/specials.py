@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from .assignment import set_attribute
 from .config import Config, Stack, State, value
+from .draws import ask
 from .errors import RunError
+from .expressions import elements, get_attribute
+from .functions import InScope
 from .host import HostException, host
 from .kinds import kind_name
 from .outcome import Change, Next, Outcome
@@ -35,8 +39,6 @@ def resample(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack,
             f"resample needs one of the built-in distributions, not an operation on one (this value depends on {describe_origin(subject.origin)})",
             node.span, rule="E-Resample", hint="resample the operands instead: resample(x) + resample(y)",
         )
-    from .draws import ask
-
     return ask(node, distribution, "E-Resample", stack, state, subject.origin.text)
 
 
@@ -104,8 +106,6 @@ def type_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack
 
 def getattr_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
     """`getattr(v, name[, default])`, under the same rules as `v.name`."""
-    from .expressions import get_attribute
-
     if len(arguments) not in (2, 3) or not isinstance(plain(arguments[1]), str):
         raise HostException(TypeError("getattr() takes a value, a name and perhaps a default"))
     access = p.Attribute(value=p.Constant(value=None), name=str(plain(arguments[1])), span=node.span)
@@ -122,8 +122,6 @@ def getattr_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: St
 
 def hasattr_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
     """`hasattr(v, name)`."""
-    from .expressions import get_attribute
-
     if len(arguments) != 2 or not isinstance(plain(arguments[1]), str):
         raise HostException(TypeError("hasattr() takes a value and a name"))
     access = p.Attribute(value=p.Constant(value=None), name=str(plain(arguments[1])), span=node.span)
@@ -138,8 +136,6 @@ def hasattr_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: St
 
 def setattr_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
     """`setattr(v, name, w)`, under the same rules as `v.name = w`."""
-    from .assignment import set_attribute
-
     if len(arguments) != 3 or not isinstance(plain(arguments[1]), str):
         raise HostException(TypeError("setattr() takes a value, a name and a value"))
     return value("S-Assignment", None, stack, set_attribute(arguments[0], str(plain(arguments[1])), arguments[2], node, state), node)
@@ -163,8 +159,6 @@ def map_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack,
     function, *iterables = arguments
     if len(iterables) == 1:
         return _comprehend(node, function, iterables[0], p.Call(function=_F, arguments=(_X,), span=node.span), (), stack, state)
-    from .expressions import elements
-
     rows = list(zip(*(elements(i, node, state) for i in iterables), strict=False))
     element = p.Call(function=_F, arguments=(p.Starred(value=_X),), span=node.span)
     return _comprehend(node, function, rows, element, (), stack, state)
@@ -181,8 +175,6 @@ def filter_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Sta
 def _comprehend(
     node: Node, function: object, iterable: object, element: p.Expression, tests: tuple[p.Expression, ...], stack: Stack, state: State
 ) -> Outcome:
-    from .functions import InScope
-
     scope = Scope("comprehension", state.sigma, bindings={"<function>": function, "<elements>": iterable})
     clause = p.ComprehensionClause(target=_X, iterable=_XS, conditions=tests)
     body = p.Comprehension(kind="list", element=element, clauses=(clause,), span=node.span)
