@@ -72,7 +72,14 @@ class State(NamedTuple):
     def with_properties(self, instance: Instance, properties: Properties) -> State:
         """O[instance.p / v] for every p in `properties`."""
         updated = {**self.objects.get(instance.number, {}), **properties}
-        return self._replace(objects={**self.objects, instance.number: updated})
+        return self.with_objects({**self.objects, instance.number: updated})
+
+    def with_objects(self, objects: Mapping[int, Properties]) -> State:
+        """The same with another O; what `_replace` does, for the step that is taken most."""
+        return tuple.__new__(State, (*self[:OBJECTS], objects, *self[OBJECTS + 1 :]))
+
+
+OBJECTS = State._fields.index("objects")
 
 
 class Value(NamedTuple):

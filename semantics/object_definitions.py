@@ -200,18 +200,19 @@ def choose_form(node: Node, forms: tuple[sp.Form, ...], arguments: list[object],
 
 def default_specification(name: str, expression: Node, owner: ScenicClass, state: State) -> Specification:
     """A default value expression as a specifier: its dependencies are the properties it mentions as `self.property`."""
-    specification = _default_specification(name, _Identity(expression), owner.name)
-    if _has_relative_to(_Identity(expression)) and waits_for_position(expression, state._replace(sigma=owner.scope)):
+    specification, has_relative_to = _default_specification(name, _Identity(expression), owner.name)
+    if has_relative_to and waits_for_position(expression, state._replace(sigma=owner.scope)):
         return specification._replace(dependencies=tuple(dict.fromkeys((*specification.dependencies, "position"))))
     return specification
 
 
 @lru_cache(maxsize=65536)
-def _default_specification(name: str, key: _Identity, owner: str) -> Specification:
+def _default_specification(name: str, key: _Identity, owner: str) -> tuple[Specification, bool]:
     mentioned = dict.fromkeys(
         canonical(n.name) for n in descendants(key.node) if isinstance(n, p.Attribute) and isinstance(n.value, p.Name) and n.value.name == "self"
     )
-    return Specification(key.node, f"default {name} of {owner}", (name,), (), tuple(mentioned), None, None, is_default=True)
+    specification = Specification(key.node, f"default {name} of {owner}", (name,), (), tuple(mentioned), None, None, is_default=True)
+    return specification, _has_relative_to(key)
 
 
 # Evaluation in order
@@ -376,8 +377,8 @@ def assign_property(frame: Construction, rule: str, properties: Mapping[str, obj
     place = frame.node.span if specification.is_default else specification.node.span
     chosen = {n: checked_property(n, properties[n], place, specification.name, state) for n in names if n in properties}
     after = state.with_properties(frame.instance, chosen)
-    change = Change("O", ", ".join(chosen), next(iter(chosen.values()), None), frame.instance)
-    following = frame._replace(index=frame.index + 1)
+    change = Change("O", "", None, frame.instance)
+    following = Construction(frame.node, frame.instance, frame.order, frame.index + 1, frame.outer)
     return Next(rule, Config(Value(None), (following, stack), after), specification.node, change)
 
 

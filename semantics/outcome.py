@@ -25,7 +25,7 @@ class Requirement(NamedTuple):
 class Change(NamedTuple):
     """What a step changed, for people: `where` is σ, π, O or "print"; `name` and `value` say what became what.
 
-    `instance` is the object whose properties `name` were assigned, if there is one.
+    `instance` is the object some of whose properties were assigned: which, the states before and after tell.
     """
 
     where: Literal["σ", "π", "O", "print", ""]

@@ -81,6 +81,9 @@ def resolve_specifiers(
 
     # 4. build dependency graph
     used = tuple({id(s): s for s in spec_for_property.values()}.values())
+    determined: dict[int, list[str]] = {id(s): [] for s in used}
+    for name, specifier in spec_for_property.items():
+        determined[id(specifier)].append(name)
     predecessors: dict[int, list[tuple[str, Specification]]] = {id(s): [] for s in used}
     for specifier in used:
         for dependency in specifier.dependencies:
@@ -95,7 +98,7 @@ def resolve_specifiers(
 
     # 5. construct specifier and property evaluation order
     order = _topological_order(used, predecessors, span)
-    return tuple((s, tuple(name for name, chosen in spec_for_property.items() if chosen is s)) for s in order)
+    return tuple((s, tuple(determined[id(s)])) for s in order)
 
 
 def _place(specifier: Specification, span: Span) -> Span:
@@ -112,7 +115,7 @@ def _topological_order(
     order: list[Specification] = []
     waiting = list(used)
     while waiting:
-        ready = [s for s in waiting if all(id(p) in placed for _, p in predecessors[id(s)])]
+        ready = [s for s in waiting if not predecessors[id(s)] or all(id(p) in placed for _, p in predecessors[id(s)])]
         if not ready:
             raise _cycle_error(waiting, predecessors, span)
         order.extend(ready)
