@@ -52,7 +52,7 @@ def record(reading: Reading, selected: Mapping[str, str]) -> dict[str, object]:
     """A reading in JSON."""
     probe = None if reading.probe is None else {"program": reading.probe.program, "shows": dict(reading.probe.shows)}
     return {
-        "id": reading.id, "kind": reading.kind, "question": reading.question, "places": list(reading.places),
+        "id": reading.id, "kind": reading.kind, "about": reading.about, "question": reading.question, "places": list(reading.places),
         "alternatives": dict(reading.alternatives), "selected": selected[reading.id], "profiles": dict(reading.profiles),
         "consequence": reading.consequence, "code": list(reading.code), "probe": probe,
     }
@@ -63,7 +63,8 @@ def explained(reading: Reading, selected: str) -> list[str]:
     from .columns import paragraph
 
     kinds = {"conflict": "the paper contradicts itself", "silence": "the formal rules are silent"}
-    lines = [f"{reading.id} ({kinds.get(reading.kind, reading.kind)})", "", *paragraph("question", reading.question)]
+    about = {"policy": "; it concerns behaviors and the policy, which do not run yet", "pruning": "; it concerns pruning"}
+    lines = [f"{reading.id} ({kinds.get(reading.kind, reading.kind)}{about.get(reading.about, '')})", "", *paragraph("question", reading.question)]
     for number, place in enumerate(reading.places):
         lines += paragraph("" if number else "places", place)
     lines.append("")

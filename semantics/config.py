@@ -79,9 +79,6 @@ class State(NamedTuple):
         return tuple.__new__(State, (*self[:OBJECTS], objects, *self[OBJECTS + 1 :]))
 
 
-OBJECTS = State._fields.index("objects")
-
-
 class Value(NamedTuple):
     """An expression has been reduced to `value`; a statement to `pass`, whose value is PASS."""
 
@@ -99,6 +96,7 @@ class Abrupt(NamedTuple):
     span: Span = NOWHERE
 
 
+OBJECTS = State._fields.index("objects")
 Stack = tuple  # () or (frame, Stack): the context in which the control stands, innermost first
 
 
