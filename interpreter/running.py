@@ -93,7 +93,7 @@ def rehearse(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL) -> No
                 config = after
             case Draw() as draw:
                 try:
-                    drawn = choose(draw)
+                    drawn = True if draw.rule == "S-SoftReq" else choose(draw)  # so that the condition is run through as well
                 except EmptyRegion:
                     drawn, stuck = Vector(0.0, 0.0), True
                 except UnboundedRegion as unbounded:

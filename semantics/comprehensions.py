@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import NamedTuple
 
 from .assignment import bind_target
@@ -16,11 +15,13 @@ from .syntax import python_expressions as p
 
 
 class Comprehending(NamedTuple):
-    """Frame of a comprehension: `iterators` of the open clauses, the elements found so far, what is being reduced."""
+    """Frame of a comprehension: the elements and position of each open clause, what was found (a chain, last
+    first), what is being reduced.
+    """
 
     node: p.Comprehension
-    iterators: tuple[Iterator[object], ...]
-    found: list[object]
+    iterators: tuple[tuple[tuple[object, ...], int], ...]
+    found: tuple
     phase: tuple[str, int, int]
     key: object = None
 
@@ -28,10 +29,14 @@ class Comprehending(NamedTuple):
 def comprehension(node: p.Comprehension, stack: Stack, state: State) -> Outcome:
     """`[E for x in I if B]`: the first iterable in the scope around it, the rest in a scope of its own."""
     outer = InScope(state.sigma)
+    frame = Comprehending(node, (), (), ("iterable", 0, 0))
+    return Next("", Config(node.clauses[0].iterable, (frame, (outer, stack)), state))
+
+
+def inner_scope(node: p.Comprehension, outer: Scope) -> Scope:
+    """The comprehension's own scope."""
     names = frozenset(n for clause in node.clauses for n in target_names(clause.target))
-    inner = Scope("comprehension", state.sigma, function_names(node)._replace(local=names))
-    frame = Comprehending(node, (), [], ("iterable", 0, 0))
-    return Next("", Config(node.clauses[0].iterable, (frame, (outer, stack)), state._replace(sigma=inner)))
+    return Scope("comprehension", outer, function_names(node)._replace(local=names))
 
 
 def resume_comprehension(frame: Comprehending, result: object, stack: Stack, state: State) -> Outcome:
@@ -39,8 +44,9 @@ def resume_comprehension(frame: Comprehending, result: object, stack: Stack, sta
     phase, clause, condition = frame.phase
     node = frame.node
     if phase == "iterable":
-        source = elements(result, node.clauses[clause].iterable, state)
-        return advance(frame._replace(iterators=(*frame.iterators, iter(source))), stack, state)
+        source = tuple(elements(result, node.clauses[clause].iterable, state))
+        inner = state if clause else state._replace(sigma=inner_scope(node, state.sigma))
+        return advance(frame._replace(iterators=(*frame.iterators, (source, 0))), stack, inner)
     if phase == "condition":
         test = node.clauses[clause].conditions[condition]
         if not truth(result, test, state, "the condition of this comprehension"):
@@ -48,24 +54,32 @@ def resume_comprehension(frame: Comprehending, result: object, stack: Stack, sta
         return check_conditions(frame, clause, condition + 1, stack, state)
     if phase == "key":
         return reduce(node.element, frame._replace(phase=("element", 0, 0), key=result), stack, state)
-    frame.found.append((frame.key, result) if node.kind == "dict" else result)
-    return advance(frame, stack, state)
+    found = (frame.key, result) if node.kind == "dict" else result
+    return advance(frame._replace(found=(found, frame.found)), stack, state)
 
 
 def advance(frame: Comprehending, stack: Stack, state: State) -> Outcome:
     """Take the next element of the innermost iterator; an exhausted one gives way to the one around it."""
     iterators = frame.iterators
     while iterators:
-        index = len(iterators) - 1
-        try:
-            item = next(iterators[-1])
-        except StopIteration:
-            iterators = iterators[:-1]
+        *outer, (source, position) = iterators
+        if position == len(source):
+            iterators = tuple(outer)
             continue
-        bind_target(frame.node.clauses[index].target, item, state)
-        return check_conditions(frame._replace(iterators=iterators), index, 0, stack, state)
+        index = len(outer)
+        bind_target(frame.node.clauses[index].target, source[position], state)
+        return check_conditions(frame._replace(iterators=(*outer, (source, position + 1))), index, 0, stack, state)
     kinds = {"list": list, "generator": list, "set": set, "dict": dict}
-    return value("E-Comprehension", host_container(kinds[frame.node.kind], frame.found), stack, state, frame.node)
+    return value("E-Comprehension", host_container(kinds[frame.node.kind], in_order(frame.found)), stack, state, frame.node)
+
+
+def in_order(found: tuple) -> list[object]:
+    """The elements of a chain (last, (..., (first, ()))), first to last."""
+    items: list[object] = []
+    while found:
+        item, found = found
+        items.append(item)
+    return items[::-1]
 
 
 def check_conditions(frame: Comprehending, clause: int, condition: int, stack: Stack, state: State) -> Outcome:

@@ -57,7 +57,10 @@ def bool_of(result: object, node: Node, state: State) -> bool:
     """The truth of a value that is not random."""
     if result is True or result is False:
         return result
-    return bool(host(state.settings.door, state, bool, result))
+    answer = host(state.settings.door, state, bool, result)
+    if type(answer) is Random:  # a class of the program whose truth depends on something random
+        raise random_branch(answer, node, "the truth of this value")
+    return bool(answer)
 
 
 def truth(result: object, node: Node, state: State, what: str) -> bool:

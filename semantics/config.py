@@ -37,7 +37,7 @@ class State(NamedTuple):
     Objects among them in the order of creation (O proper). `ego` and `workspace` are the two variables that all modules
     share. `prefix` and `draws` address the next draw; `modules` holds what was imported in this run; `late` the
     requirements that wait for the end, each with the state at its statement (reading `require-time=end`); `dynamic`
-    those for the policy; `handling` the exceptions being handled, innermost last; `depth` counts open calls.
+    those for the policy; `handling` the exceptions being handled, innermost last; `depth` counts open calls, `made` the instances.
     """
 
     sigma: Scope
@@ -55,6 +55,7 @@ class State(NamedTuple):
     dynamic: tuple[Node, ...] = ()
     handling: tuple[BaseException, ...] = ()
     depth: int = 0
+    made: int = 0
 
     @property
     def address(self) -> tuple[int, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from .assignment import bind_target, done
@@ -21,7 +21,7 @@ from .syntax.nodes import Node
 from .values import plain
 
 
-class Sequence(NamedTuple):
+class Rest(NamedTuple):
     """Frame: the rest of a block, from `index` on."""
 
     block: s.Block
@@ -32,14 +32,14 @@ def block(statements: s.Block, stack: Stack, state: State, rule: str = "", node:
     """⟨s1; s2⟩: run the statements one after the other."""
     if not statements:
         return Next(rule, Config(PASS, stack, state), node)
-    rest = (Sequence(statements, 1), stack) if len(statements) > 1 else stack
+    rest = (Rest(statements, 1), stack) if len(statements) > 1 else stack
     return Next(rule, Config(next(iter(statements)), rest, state), node)
 
 
-def resume_sequence(frame: Sequence, result: object, stack: Stack, state: State) -> Outcome:
+def resume_rest(frame: Rest, result: object, stack: Stack, state: State) -> Outcome:
     """The statement before was reduced to `pass`."""
     following = frame.index + 1
-    rest = (Sequence(frame.block, following), stack) if following < len(frame.block) else stack
+    rest = (Rest(frame.block, following), stack) if following < len(frame.block) else stack
     return Next("", Config(frame.block[frame.index], rest, state))
 
 
@@ -86,10 +86,11 @@ def resume_branching(frame: Branching, result: object, stack: Stack, state: Stat
 
 
 class Looping(NamedTuple):
-    """Frame of a loop's body: afterwards the loop goes on; `break` and `continue` stop here. None for `while`."""
+    """Frame of a loop's body: afterwards the loop goes on, a `for` with the element at `position`; `break` and `continue` stop here."""
 
     node: s.While | s.For
-    iterator: Iterator[object] | None
+    elements: Sequence[object] | None
+    position: int = 0
 
 
 class Testing(NamedTuple):
@@ -125,27 +126,24 @@ def for_statement(node: s.For, stack: Stack, state: State) -> Outcome:
 def resume_iterating(frame: Iterating, result: object, stack: Stack, state: State) -> Outcome:
     """The elements are known: the first turn."""
     iterable = plain(result)
-    if isinstance(iterable, range) and iterable is result:
-        return next_turn(frame.node, iter(iterable), stack, state)
-    source = iter(elements(result, frame.node.iterable, state))
-    return next_turn(frame.node, source, stack, state)
+    if isinstance(iterable, (range, list, tuple)) and iterable is result:  # as they are: a list may grow during the loop
+        return next_turn(frame.node, iterable, 0, stack, state)
+    return next_turn(frame.node, tuple(elements(result, frame.node.iterable, state)), 0, stack, state)
 
 
-def next_turn(node: s.For, iterator: Iterator[object], stack: Stack, state: State) -> Outcome:
+def next_turn(node: s.For, source: Sequence[object], position: int, stack: Stack, state: State) -> Outcome:
     """Bind the next element and run the body, or end."""
-    try:
-        element = next(iterator)
-    except StopIteration:
+    if position == len(source):
         return block(node.otherwise, stack, state, "S-For", node)
-    bind_target(node.target, element, state)
-    return block(node.body, (Looping(node, iterator), stack), state, "S-For", node)
+    bind_target(node.target, source[position], state)
+    return block(node.body, (Looping(node, source, position + 1), stack), state, "S-For", node)
 
 
 def resume_looping(frame: Looping, result: object, stack: Stack, state: State) -> Outcome:
     """The body ended: go on."""
-    if frame.iterator is None:
+    if frame.elements is None:
         return Next("", Config(frame.node, stack, state))
-    return next_turn(frame.node, frame.iterator, stack, state)  # type: ignore[arg-type]
+    return next_turn(frame.node, frame.elements, frame.position, stack, state)  # type: ignore[arg-type]
 
 
 def unwind_looping(frame: Looping, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:

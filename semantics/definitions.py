@@ -151,6 +151,8 @@ def import_from(node: s.ImportFrom, stack: Stack, state: State) -> Outcome:
             if submodule not in state.modules:
                 return load(submodule, node, stack, state)
             found = state.modules[submodule]
+        if found is MISSING and member == "ego" and state.ego is not None:
+            continue  # all modules share it
         if found is MISSING:
             raise RunError(f"the module {name} has no {member}", node.span, rule="S-Import")
         state.sigma.bind(alias, found)
@@ -158,9 +160,8 @@ def import_from(node: s.ImportFrom, stack: Stack, state: State) -> Outcome:
 
 
 def model(node: s.Model, stack: Stack, state: State) -> Outcome:
-    """⟨model m⟩ → ⟨from m import *⟩, where the command line may name another m (paper, "Selecting a World Model")."""
-    name = state.settings.model or node.name
-    return Next("S-Model", Config(s.ImportFrom(module=name, names=(), span=node.span), stack, state), node)
+    """⟨model m⟩ → ⟨from m import *⟩; the command line may name another m for the program (`programs.initial`)."""
+    return Next("S-Model", Config(s.ImportFrom(module=node.name, names=(), span=node.span), stack, state), node)
 
 
 def public_names(module: object) -> list[str]:

@@ -7,7 +7,7 @@ draw is refused, never lost.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from .config import Abrupt, Config, State, Value
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from .syntax.nodes import Node
 
 DOOR_FUEL = 1_000_000
+NUMBERS_PER_CALL = 1_000_000
+"""Instances made behind the door have numbers of their own, so that none is ever taken for another."""
 LARGEST_INTEGER_BITS = 100_000
 LARGEST_SEQUENCE = 10_000_000
 
@@ -42,20 +44,23 @@ class DoorStuck(Exception):
 class Door:
     """The one way in: `call` runs a function of the program to its value in the state of the surrounding host call."""
 
-    __slots__ = ("called", "enter", "origin", "state")
+    __slots__ = ("called", "calls", "enter", "origin", "state")
 
     def __init__(self, enter: Callable[[Function, tuple[object, ...], Mapping[str, object], State], Config]) -> None:
         self.enter = enter
         self.state: State | None = None
         self.origin: Origin | None = None
         self.called = False
+        self.calls = 0
 
     def call(self, function: Function, arguments: tuple[object, ...], keywords: Mapping[str, object]) -> object:
         """The value of `function(*arguments, **keywords)`, with nothing random left in it (its origin is kept)."""
         if self.state is None:
             raise RunError(f"{function.name} is called outside any run", function.span)
         state, self.called = self.state, True
-        config = self.enter(function, arguments, keywords, state)
+        self.calls += 1
+        begun = state._replace(made=state.made + self.calls * NUMBERS_PER_CALL)
+        config = self.enter(function, arguments, keywords, begun)
         for _ in range(DOOR_FUEL):
             if not config.stack:
                 break
@@ -79,11 +84,37 @@ class Door:
             case Abrupt(kind="raise", value=BaseException() as exception):
                 raise exception
             case Value(value=value):
+                check_unchanged(function, begun, config.state)
                 result, origin = unwrap(value)
+                if any(i.number >= begun.made for i in instances_in(result)):
+                    raise RunError(
+                        f"{function.name} returns a new object or point to library code that calls it", function.span, rule="E-Call-Host",
+                        hint="return its position instead",
+                    )
                 self.origin = self.origin or origin
                 return result
             case _:
                 return None
+
+
+def check_unchanged(function: Function, before: State, after: State) -> None:
+    """Refuse changes of the state by a function that library code called: they would be lost."""
+    kept = ("scene", "params", "ego", "workspace", "late", "dynamic")
+    changed = any(getattr(before, name) is not getattr(after, name) for name in kept)
+    if changed or any(after.objects[number] is not properties for number, properties in before.objects.items()):
+        raise RunError(
+            f"{function.name} changes the scene while library code calls it", function.span, rule="E-Call-Host",
+            hint="make objects, parameters and requirements outside of the function",
+        )
+
+
+def instances_in(value: object) -> Iterator[Instance]:
+    """The instances in a value and in its lists and tuples."""
+    if isinstance(value, Instance):
+        yield value
+    elif isinstance(value, (list, tuple)):
+        for item in value:
+            yield from instances_in(item)
 
 
 def host(door: Door, state: State, operation: Callable[..., object], *arguments: object, **keywords: object) -> object:
@@ -119,12 +150,13 @@ def is_host_object(value: object) -> bool:
 
 def check_private(name: str, value: object, node: Node) -> None:
     """Refuse `value._name` on host objects: through such names a program could reach anything (DESIGN, section 4)."""
-    if name.startswith("_") and name not in getattr(type(value), "scenic_names", ()) and not _is_user_made(value):
+    if name.startswith("_") and name not in getattr(type(value), "scenic_names", ()) and not is_user_made(value):
         raise RunError(
             f"names with a leading underscore, such as {name}, are private to Python objects", node.span, rule="E-Attribute"
         )
 
 
-def _is_user_made(value: object) -> bool:
+def is_user_made(value: object) -> bool:
+    """Whether `value` is an instance of a Python class of the program, or that class."""
     owner = value if isinstance(value, type) else type(value)
     return "__scenic_user_class__" in owner.__dict__

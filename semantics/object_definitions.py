@@ -7,7 +7,7 @@ for the object's position (reading `field-dependency`).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache, partial
 from typing import NamedTuple
@@ -19,15 +19,14 @@ from .distributions import BadParameters, PointIn
 from .errors import RunError
 from .expressions import axiom
 from .fields import OutsideField, VectorField
-from .host import HostException
 from .kinds import OrientedPointAt, Reader, has_kind, is_object, kind_name
-from .operations import SPECIFIED
+from .operations import SPECIFIED, compute
 from .outcome import Change, Draw, Next, Outcome, Requirement, Stuck
 from .premises import NOT_AN_AXIOM, premises
 from .properties import checked_property
 from .regions import Region
 from .resolution import Ordered, Specification, resolve_specifiers
-from .scopes import MISSING, Scope, descendants
+from .scopes import MISSING, Scope, children, descendants
 from .syntax import expressions as e
 from .syntax import python_expressions as p
 from .syntax import specifiers as q
@@ -104,8 +103,22 @@ def waits_for_position(specifier: Node, state: State) -> bool:
         return False
     return any(
         isinstance(n, e.RelativeTo) and any(isinstance(peek(side, state), VectorField) for side in (n.left, n.right))
-        for n in descendants(specifier)
+        for n in own_descendants(specifier, state)
     )
+
+
+def own_descendants(node: Node, state: State) -> Iterator[Node]:
+    """The nodes below a specifier that are evaluated for its object: not the specifiers of another object, nor a lambda's body."""
+    pending = [node]
+    while pending:
+        current = pending.pop()
+        yield current
+        if isinstance(current, p.Lambda | e.ObjectDefinition):
+            continue
+        if isinstance(current, e.ObjectOrOperator):
+            pending.extend([] if isinstance(peek(current.head, state), ScenicClass) else [current.as_operator])
+        else:
+            pending.extend(children(current))
 
 
 class _Identity:
@@ -162,8 +175,8 @@ def conclude_arguments(
     known = frozenset(defaults) if state.reading("optional-unknown") == "ignore" else None
     absent = frozenset({"width", "length"}) if state.reading("point-size") == "zero" else frozenset()
     order = resolve_specifiers(node.span, specifications, defaults, known, absent)
-    instance = Instance(len(state.objects), class_, node.span)
-    begun = state._replace(objects={**state.objects, instance.number: {}})
+    instance = Instance(state.made, class_, node.span)
+    begun = state._replace(objects={**state.objects, instance.number: {}}, made=state.made + 1)
     frame = Construction(node, instance, order, 0, state.sigma)
     return Next("R-ResolveSpecifiers", Config(Value(None), (frame, stack), begun), node, Change("", "order", order))
 
@@ -288,16 +301,12 @@ def apply_form(frame: Construction, form: sp.Form, arguments: tuple[object, ...]
         operands.append(reader.read(frame.instance, "Point"))
     if form.rule == "P-Following":
         operands.append(state.settings.euler_steps)
-    door = state.settings.door
-    door.state, door.called = state, False
+    if form.rule in ("P-At", "P-Facing-Heading"):  # ⟦at V⟧ = ⟦V⟧: the value itself, which `resample` may draw again
+        return assign_property(frame, form.rule, {form.specifies[0]: arguments[0]}, stack, state)
     try:
-        result = form.function(*operands)
+        result = compute(form.function, operands, reader)
     except OutsideField as outside:
         return outside_field(frame, form.rule, outside, {"position": Vector(0.0, 0.0), "heading": 0.0}, reader.origin, stack, state)
-    except Exception as exception:
-        if door.called and not isinstance(exception, (RunError, HostException)):
-            raise HostException(exception) from exception
-        raise
     if isinstance(result, Region):
         return draw_point(frame, form.rule, result, node, stack, state)
     return assign_property(frame, form.rule, properties_of(result, form, reader.origin), stack, state)
@@ -350,9 +359,9 @@ class Placing(NamedTuple):
 
 def resume_placing(frame: Placing, placed: Placed, stack: Stack, state: State) -> Outcome:
     """OrientedPoint(x, ⟦orientation(R)⟧(x)), or (x, ⊥)."""
-    state.settings.door.state = state
+    reader = Reader(state)
     try:
-        at = sp.oriented(placed.region, placed.point) if placed.rule == "P-In" else OrientedPointAt(placed.point, None)
+        at = compute(sp.oriented, (placed.region, placed.point), reader) if placed.rule == "P-In" else OrientedPointAt(placed.point, None)
     except OutsideField as outside:
         properties: dict[str, object] = {"position": placed.point, "heading": 0.0}
         return outside_field(frame.construction, placed.rule, outside, properties, placed.origin, stack, state)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from . import operators as o
 from .classes import ORIENTED_POINT_CLASS, built_in_defaults
 from .config import Config, Stack, State, Value, value
-from .errors import RunError
+from .errors import RunError, ScenicError
 from .fields import OutsideField
-from .host import HostException
+from .host import DoorStuck, HostException
 from .kinds import OrientedPointAt, Reader, has_kind, is_oriented, kind_name
 from .outcome import Next, Outcome, Requirement, Stuck
 from .premises import premises
@@ -56,21 +56,31 @@ def apply_equation(node: Node, equations: Sequence[o.Equation], values: list[obj
         arguments.append(reader.property(specified_object(node, state), "position"))
     if equation.rule == "O-Follow":
         arguments.append(state.settings.euler_steps)
-    door = state.settings.door
-    door.state, door.called = state, False
     try:
-        result = equation.function(*arguments)
+        result = compute(equation.function, arguments, reader)
     except OutsideField as outside:
         requirement = Requirement("field", node.span, outside.premise)
         return Stuck(equation.rule, requirement, Config(Value(reader.wrap(_any_result(equation, arguments))), stack, state))
-    except Exception as exception:
-        if door.called and not isinstance(exception, (RunError, HostException)):
-            raise HostException(exception) from exception
-        raise
     if isinstance(result, OrientedPointAt):
         point, state = new_oriented_point(result, reader, state)
         return value(equation.rule, point, stack, state, node)
     return value(equation.rule, reader.wrap(result), stack, state, node)
+
+
+def compute(equation: Callable[..., object], arguments: Sequence[object], reader: Reader) -> object:
+    """The right-hand side of an equation; a vector field of the program is called through the door, and what it reads counts."""
+    door = reader.state.settings.door
+    door.state, door.called, door.origin = reader.state, False, None
+    try:
+        result = equation(*arguments)
+    except (OutsideField, ScenicError, HostException, DoorStuck):
+        raise
+    except Exception as exception:
+        if door.called:
+            raise HostException(exception) from exception
+        raise
+    reader.origin = reader.origin or door.origin
+    return result
 
 
 def _any_result(equation: o.Equation, arguments: list[object]) -> object:
@@ -127,13 +137,13 @@ def specified_object(node: Node, state: State) -> Instance:
 
 def new_oriented_point(at: OrientedPointAt, reader: Reader, state: State) -> tuple[Instance, State]:
     """OrientedPoint(position, heading) as an instance with the class's other default values; it is no part of the scene."""
-    number = len(state.objects)
+    number = state.made
     point = Instance(number, ORIENTED_POINT_CLASS)
     properties = dict(built_in_defaults(ORIENTED_POINT_CLASS))
     properties["position"] = reader.wrap(at.position)
     if at.heading is not None:
         properties["heading"] = reader.wrap(at.heading)
-    return point, state._replace(objects={**state.objects, number: properties})
+    return point, state._replace(objects={**state.objects, number: properties}, made=number + 1)
 
 
 def membership(node: Node, left: object, right: object, stack: Stack, state: State) -> Outcome:

@@ -13,13 +13,12 @@ from typing import NamedTuple
 from .config import Config, Stack, State
 from .errors import RunError
 from .outcome import Next, Outcome
-from .scopes import MISSING
+from .scopes import MISSING, Scope
 from .syntax.nodes import Node
 from .syntax.python_expressions import Constant, Name
-from .values import Origin, Random
+from .values import Origin
 
 Conclusion = Callable[..., Outcome]
-
 """Gets the node, the values of its premises, the stack and the state: `conclude(node, values, stack, state)`."""
 
 NOT_AN_AXIOM = object()
@@ -68,6 +67,10 @@ def axiom(expression: Node, state: State) -> object:
 def variable(node: Name, state: State) -> object:
     """σ(x); `ego` and `workspace` are shared by all modules."""
     name = node.name
+    if name in SHARED:
+        own = parameter(name, state.sigma)
+        if own is not MISSING:
+            return own
     if name == "ego":
         if state.ego is None:
             raise RunError("ego is used before it is assigned", node.span, rule="E-Variable", hint="create it first: ego = Object ...")
@@ -78,6 +81,19 @@ def variable(node: Name, state: State) -> object:
     if result is MISSING:
         raise unknown_variable(node, state)
     return result
+
+
+SHARED = frozenset({"ego", "workspace"})
+
+
+def parameter(name: str, sigma: Scope) -> object:
+    """What a parameter or loop variable that is called `ego` or `workspace` is bound to in a function or comprehension, or MISSING."""
+    scope: Scope | None = sigma
+    while scope is not None and scope.kind != "module":
+        if scope.kind in ("function", "comprehension") and name in scope.bindings:
+            return scope.bindings[name]
+        scope = scope.parent
+    return MISSING
 
 
 def unknown_variable(node: Name, state: State) -> RunError:
@@ -98,8 +114,3 @@ def describe_origin(origin: Origin) -> str:
     """Where a random value comes from, in words."""
     place = f" (line {origin.span.line})" if origin.span.line else ""
     return f"{origin.text}{place}"
-
-
-def is_random(value: object) -> bool:
-    """Whether some run may find another value here."""
-    return type(value) is Random

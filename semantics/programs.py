@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from .builtins import builtin_scope
 from .config import Config, Settings, State
 from .functions import enter
@@ -22,11 +24,14 @@ def make_settings(readings: dict[str, str], library: dict[str, object], params: 
 
 
 def initial(program: Program, settings: Settings) -> Config:
-    """⟨program, ∅, ∅, ∅⟩; a world model named from outside comes first if the program names none itself."""
+    """⟨program, ∅, ∅, ∅⟩; a world model named from outside replaces the program's (paper, "Selecting a World Model"), or comes first."""
     scope = Scope("module", builtin_scope())
     statements: Block = program.statements
-    if settings.model is not None and not any(isinstance(s, Model) for s in statements):
-        statements = (Model(name=settings.model), *statements)
+    if settings.model is not None:
+        chosen = settings.model
+        statements = tuple(replace(s, name=chosen) if isinstance(s, Model) else s for s in statements)
+        if not any(isinstance(s, Model) for s in statements):
+            statements = (Model(name=chosen), *statements)
     whole = If(test=Constant(value=True), then=statements)
     return Config(whole, (Finishing(), ()), State(scope, settings, params=dict(settings.params)))
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from .assignment import done
-from .conditions import bool_of
 from .config import PASS, Abrupt, Config, Stack, State, reduce
 from .distributions import BadParameters, Coin
 from .errors import RunError
+from .host import host, is_user_made
 from .kinds import is_object, kind_name
 from .outcome import Change, Draw, Next, Observe, Outcome, Requirement, Stuck
 from .premises import premises
@@ -57,8 +57,18 @@ def enforce(node: s.Require, stack: Stack, state: State) -> Outcome:
 def resume_requiring(frame: Requiring, result: object, stack: Stack, state: State) -> Outcome:
     """The rule fires only if the condition is True; otherwise no rule applies and the run is stuck."""
     after = Config(PASS, stack, state)
-    holds = bool_of(plain(result), s.Pass(span=frame.requirement.span), state)
+    holds = plain(truth_value(result, state))
+    if not isinstance(holds, bool):
+        raise RunError(
+            f"a requirement is a boolean, and this is {kind_name(result)}", frame.requirement.span, rule=frame.rule, hint="compare it with something"
+        )
     return Observe(frame.rule, frame.requirement, after) if holds else Stuck(frame.rule, frame.requirement, after)
+
+
+def truth_value(result: object, state: State) -> object:
+    """The truth of an instance of a Python class of the program that defines one; any other value as it is."""
+    inner = plain(result)
+    return host(state.settings.door, state, bool, result) if is_user_made(inner) else inner
 
 
 def soft_requirement(node: s.SoftRequire, stack: Stack, state: State) -> Outcome:
@@ -109,12 +119,12 @@ def unwind_coined(frame: Coined, abrupt: Abrupt, stack: Stack, state: State) -> 
 
 def mutate(node: s.Mutate, stack: Stack, state: State) -> Outcome:
     """⟨mutate obj_i by s, σ, π, O⟩ → ⟨pass, σ, π, O[σ(obj_i).mutationScale / s]⟩; the scale is 1 by default."""
-    return premises(node, [node.scale, *node.objects], conclude_mutate, stack, state)
+    return premises(node, [*node.objects, node.scale], conclude_mutate, stack, state)
 
 
 def conclude_mutate(node: s.Mutate, values: list[object], stack: Stack, state: State) -> Outcome:
     """Set the scale of the listed objects, or of every Object that exists now (reading `mutate-all`)."""
-    scale, *listed = values
+    *listed, scale = values
     scale = 1 if node.scale is None else scale
     inner = plain(scale)
     if isinstance(inner, bool) or not isinstance(inner, (int, float)) or not 0 <= inner < float("inf"):

@@ -137,7 +137,7 @@ RESUME: Mapping[type, Callable[..., Outcome]] = {
     object_definitions.Construction: object_definitions.resume_construction,
     object_definitions.Defaulting: object_definitions.resume_defaulting,
     object_definitions.Placing: object_definitions.resume_placing,
-    control.Sequence: control.resume_sequence,
+    control.Rest: control.resume_rest,
     control.Discard: control.resume_discard,
     control.Branching: control.resume_branching,
     control.Looping: control.resume_looping,

@@ -41,11 +41,20 @@ class Mutating(NamedTuple):
     noise: tuple[object, ...] = ()
 
 
+class Premise(NamedTuple):
+    """One premise of Step 2, about an object and perhaps another."""
+
+    kind: str
+    object: Instance
+    other: Instance
+    requirement: Requirement
+
+
 class Checking(NamedTuple):
-    """Frame of Step 2: premise number `index` of `premises` (kind, object, other object) is next."""
+    """Frame of Step 2: premise number `index` of `premises` is next."""
 
     index: int
-    premises: tuple[tuple[str, Instance, Instance], ...]
+    premises: tuple[Premise, ...]
 
 
 class Late(NamedTuple):
@@ -70,15 +79,16 @@ def resume_finishing(frame: Finishing, result: object, stack: Stack, state: Stat
 def mutate_objects(frame: Mutating, stack: Stack, state: State) -> Outcome:
     """Termination, Step 1: n ~ Normal(0, S_i · ps_i) for x and y, Normal(0, S_i · hs_i) for the heading of every o_i.
 
-    A standard deviation of 0 is a point mass: no draw, probability 1 (reading `zero-stddev`).
+    A standard deviation of 0 is a point mass: no draw, probability 1 (reading `zero-stddev`). The address of a draw names
+    its object and component, since which objects are mutated may itself be random.
     """
-    if frame.index == len(state.scene):
-        return Next("T-Mutate", Config(PASS, (Late(0), stack), state))
-    instance = state.scene[frame.index]
     reader = Reader(state)
+    while frame.index < len(state.scene) and not reader.property(state.scene[frame.index], "mutationScale"):
+        frame = Mutating(frame.index + 1)
+    if frame.index == len(state.scene):
+        return Next("T-Mutate", Config(PASS, (Late(0), stack), state._replace(draws=state.draws + 1)))
+    instance = state.scene[frame.index]
     scale = reader.property(instance, "mutationScale")
-    if not scale:
-        return mutate_objects(Mutating(frame.index + 1), stack, state)
     if frame.component == POSE + len(color_of(instance, reader)):
         return apply_noise(frame, instance, stack, state)
     deviation = deviation_of(instance, frame.component, reader)
@@ -89,12 +99,11 @@ def mutate_objects(frame: Mutating, stack: Stack, state: State) -> Outcome:
     if distribution.std == 0:
         return mutate_objects(frame._replace(component=frame.component + 1, noise=(*frame.noise, 0.0)), stack, state)
     origin = Origin(instance.span, f"mutation of {instance!r}", None)
-    after = state._replace(draws=state.draws + 1)
 
     def resume(drawn: object) -> Config:
-        return Config(Value(Random(drawn, origin)), (frame, stack), after)
+        return Config(Value(Random(drawn, origin)), (frame, stack), state)
 
-    return Draw("T-Mutate", state.address, distribution, Constant(value=None, span=instance.span), resume)
+    return Draw("T-Mutate", (*state.address, frame.index, frame.component), distribution, Constant(value=None, span=instance.span), resume)
 
 
 def deviation_of(instance: Instance, component: int, reader: Reader) -> object:
@@ -164,50 +173,57 @@ def check_default_requirements(frame: Checking, stack: Stack, state: State) -> O
     """Termination, Step 2: boundingBox(o_i) ⊆ workspace; no collisions; visible from ego. One premise per step."""
     if frame.index == len(frame.premises):
         return Done("T-Check", state)
-    kind, first, second = frame.premises[frame.index]
+    premise = frame.premises[frame.index]
     after = Config(PASS, (Checking(frame.index + 1, frame.premises), stack), state)
+    return Observe("T-Check", premise.requirement, after) if holds(premise, state) else Stuck("T-Check", premise.requirement, after)
+
+
+def holds(premise: Premise, state: State) -> bool:
+    """Whether a premise of Step 2 is true."""
     reader = Reader(state)
-    one = View(first, reader)
-    name = name_of(first, state)
-    if kind == "containment":
-        requirement = Requirement("containment", first.span, f"{name} is contained in the workspace")
-        holds = object_is_in(one, workspace_of(state))
-    elif kind == "regionContainedIn":
-        requirement = Requirement("containment", first.span, f"{name} is contained in its regionContainedIn")
-        holds = object_is_in(one, contained_in(first, reader))
-    elif kind == "collision":
-        other = View(second, reader)
-        requirement = Requirement("collision", first.span, f"{name} and {name_of(second, state)} do not intersect")
-        holds = not geometry.boxes_intersect(
-            one.position, one.heading, one.width, one.length, other.position, other.heading, other.width, other.length,
-            closed=state.reading("touching") == "collide",
-        )
-    else:
-        requirement = Requirement("visibility", first.span, f"{name} is visible from ego")
-        holds = can_see_object(View(second, reader), one)
-    return Observe("T-Check", requirement, after) if holds else Stuck("T-Check", requirement, after)
+    one, other = View(premise.object, reader), View(premise.other, reader)
+    match premise.kind:
+        case "containment":
+            return object_is_in(one, workspace_of(state))
+        case "regionContainedIn":
+            return object_is_in(one, contained_in(premise.object, reader))
+        case "visibility":
+            return can_see_object(other, one)
+        case _:
+            return not geometry.boxes_intersect(
+                one.position, one.heading, one.width, one.length, other.position, other.heading, other.width, other.length,
+                closed=state.reading("touching") == "collide",
+            )
 
 
-def premises_of_step_two(state: State) -> tuple[tuple[str, Instance, Instance], ...]:
+def premises_of_step_two(state: State) -> tuple[Premise, ...]:
     """The premises of the rule, in its order: containment of all, collisions of all pairs, visibility of all.
 
     Which ones there are depends on properties that are constants of the program in all but odd cases.
     """
     reader = Reader(state)
-    objects = state.scene
     ego = reader.plain(state.ego)
     assert isinstance(ego, Instance)
-    unbounded = workspace_of(state) is everywhere
-    checks: list[tuple[str, Instance, Instance]] = []
-    for o in objects:
-        if not unbounded:
-            checks.append(("containment", o, o))
+    names = {o.number: state.names.get(o.number) or f"{o.class_.name} (object {i})" for i, o in enumerate(state.scene)}
+    bounded = workspace_of(state) is not everywhere
+    found: list[Premise] = []
+    for o in state.scene:
+        if bounded:
+            found.append(premise("containment", o, o, f"{names[o.number]} is contained in the workspace"))
         if reader.property(o, "regionContainedIn") is not None:
-            checks.append(("regionContainedIn", o, o))
-    solid = [o for o in objects if not reader.property(o, "allowCollisions")]
-    checks.extend(("collision", solid[i], solid[j]) for j in range(len(solid)) for i in range(j))
-    checks.extend(("visibility", o, ego) for o in objects if reader.property(o, "requireVisible"))
-    return tuple(checks)
+            found.append(premise("regionContainedIn", o, o, f"{names[o.number]} is contained in its regionContainedIn"))
+    solid = [o for o in state.scene if not reader.property(o, "allowCollisions")]
+    for j, second in enumerate(solid):
+        found += [premise("collision", o, second, f"{names[o.number]} and {names[second.number]} do not intersect") for o in solid[:j]]
+    found += [
+        premise("visibility", o, ego, f"{names[o.number]} is visible from ego") for o in state.scene if reader.property(o, "requireVisible")
+    ]
+    return tuple(found)
+
+
+def premise(kind: str, one: Instance, other: Instance, text: str) -> Premise:
+    """A premise about `one`, reported at its place in the source."""
+    return Premise(kind, one, other, Requirement("containment" if kind == "regionContainedIn" else kind, one.span, text))
 
 
 def workspace_of(state: State) -> Region:
@@ -226,9 +242,3 @@ def contained_in(instance: Instance, reader: Reader) -> Region:
     if isinstance(found, Region):
         return found
     raise RunError(f"regionContainedIn must be a region, not {kind_name(found)}", instance.span, rule="T-Check")
-
-
-def name_of(instance: Instance, state: State) -> str:
-    """The object as the report names it: by its variable, or by its class and place in the scene."""
-    name = state.names.get(instance.number)
-    return name or f"{instance.class_.name} (object {state.scene.index(instance)})"
