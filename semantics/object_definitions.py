@@ -1,4 +1,16 @@
-"""The rule "Object Definitions" (Figure "expression-semantics"): resolve the specifiers, evaluate them in order, newInstance.
+"""The rule "Object Definitions" (Figure "Semantics of expressions"): resolve the specifiers, evaluate them in order, newInstance.
+
+    resolveSpecifiers(class, specifiers) = ((s_1, p_1), ..., (s_n, p_n))
+    ⟨s_1, σ[self / ⊥], π, O⟩ →^{r_1} ⟨v_1, σ_1, π, O_1⟩
+    ⟨s_2, σ_1[self.p_1 / v_1(p_1)], π, O_1⟩ →^{r_2} ⟨v_2, σ_2, π, O_2⟩
+    ...
+    ⟨s_n, σ_{n-1}[self.p_{n-1} / v_{n-1}(p_{n-1})], π, O_{n-1}⟩ →^{r_n} ⟨v_n, σ_n, π, O_n⟩
+    inst = newInstance(class, σ_n[self.p_n / v_n(p_n)](self))
+    ----------------------------------------------------------------------------------------
+    ⟨class specifiers, σ, π, O⟩ →^{r_1 ... r_n} ⟨inst, σ, π, O_n ∪ {inst}⟩
+
+`resume_class` finds the class, `conclude_arguments` is the first premise, `construct` goes through the others one by one
+(`assign_property` is σ[self.p / v(p)]), `new_instance` is the conclusion. The properties of `self` stand in O from the start.
 
 The arguments of specifiers are evaluated first, from left to right, since which properties a specifier specifies depends
 on their kinds (reading `specifier-arguments`); except those that mention a vector field relative to something, which wait
@@ -7,9 +19,9 @@ for the object's position (reading `field-dependency`).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
-from functools import lru_cache, partial
+from functools import partial
 from typing import NamedTuple
 
 from . import specifiers as sp
@@ -18,20 +30,21 @@ from .config import Abrupt, Config, Stack, State, Value, reduce, value
 from .distributions import BadParameters, PointIn
 from .errors import RunError
 from .expressions import axiom
-from .fields import OutsideField, VectorField
-from .kinds import OrientedPointAt, Reader, has_kind, is_object, kind_name
+from .fields import OutsideField
+from .kinds import OrientedPointAt, Reader, is_object, kind_name
 from .operations import SPECIFIED, compute
 from .outcome import Change, Draw, Next, Outcome, Requirement, Stuck
 from .premises import NOT_AN_AXIOM, premises
 from .properties import checked_property
 from .regions import Region
 from .resolution import Ordered, Specification, resolve_specifiers
-from .scopes import MISSING, Scope, children, descendants
+from .scopes import Scope
+from .specifier_arguments import arguments_of, choose_form, default_specification, describe, waits_for_position
 from .syntax import expressions as e
 from .syntax import python_expressions as p
 from .syntax import specifiers as q
 from .syntax.nodes import Node
-from .values import Instance, Origin, Random, ScenicClass, plain, unwrap
+from .values import Instance, Origin, Random, ScenicClass
 from .vectors import Vector
 
 
@@ -90,79 +103,6 @@ def evaluate_arguments(node: e.ObjectDefinition, class_: ScenicClass, stack: Sta
     return premises(node, expressions, partial(conclude_arguments, class_, deferred), stack, state)
 
 
-def arguments_of(node: Node) -> list[Node]:
-    """The argument expressions of a specifier, in the order of its form's kinds."""
-    if isinstance(node, q.WithSpecifier):
-        return [node.value]
-    return [getattr(node, name) for name in sp.FORMS[type(node)][0]]
-
-
-def waits_for_position(specifier: Node, state: State) -> bool:
-    """Whether an argument mentions a vector field relative to a heading or field (reading `field-dependency`)."""
-    if not _has_relative_to(_Identity(specifier)):
-        return False
-    return any(
-        isinstance(n, e.RelativeTo) and any(isinstance(peek(side, state), VectorField) for side in (n.left, n.right))
-        for n in own_descendants(specifier, state)
-    )
-
-
-def own_descendants(node: Node, state: State) -> Iterator[Node]:
-    """The nodes below a specifier that are evaluated for its object: not the specifiers of another object, nor a lambda's body."""
-    pending = [node]
-    while pending:
-        current = pending.pop()
-        yield current
-        if isinstance(current, p.Lambda | e.ObjectDefinition):
-            continue
-        if isinstance(current, e.ObjectOrOperator):
-            pending.extend([] if isinstance(peek(current.head, state), ScenicClass) else [current.as_operator])
-        else:
-            pending.extend(children(current))
-
-
-class _Identity:
-    __slots__ = ("node",)
-
-    def __init__(self, node: Node) -> None:
-        self.node = node
-
-    def __hash__(self) -> int:
-        return id(self.node)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Identity) and other.node is self.node
-
-
-@lru_cache(maxsize=65536)
-def _has_relative_to(key: _Identity) -> bool:
-    return any(isinstance(n, e.RelativeTo) for n in descendants(key.node))
-
-
-def peek(node: Node, state: State) -> object:
-    """The value of a path (names, attributes, constant subscripts) if it has one already, else None; nothing is reduced."""
-    match node:
-        case p.Name(name=name):
-            found = state.sigma.lookup(name)
-            return None if found is MISSING else plain(found)
-        case p.Attribute(value=inner, name=name):
-            owner = peek(inner, state)
-            if isinstance(owner, Instance):
-                return plain(state.objects[owner.number].get(canonical(name)))
-            scope = getattr(owner, "scope", None)
-            if isinstance(scope, Scope):
-                return plain(scope.bindings.get(name))
-            return None if name.startswith("_") else getattr(owner, name, None)
-        case p.Subscript(value=inner, index=p.Constant(value=index)):
-            owner = peek(inner, state)
-            try:
-                return plain(owner[index]) if isinstance(owner, (list, tuple, dict)) else None  # type: ignore[index]
-            except (LookupError, TypeError):
-                return None
-        case _:
-            return None
-
-
 def conclude_arguments(
     class_: ScenicClass, deferred: tuple[bool, ...], node: e.ObjectDefinition, values: list[object], stack: Stack, state: State
 ) -> Outcome:
@@ -179,53 +119,6 @@ def conclude_arguments(
     begun = state._replace(objects={**state.objects, instance.number: {}}, made=state.made + 1)
     frame = Construction(node, instance, order, 0, state.sigma)
     return Next("R-ResolveSpecifiers", Config(Value(None), (frame, stack), begun), node, Change("", "order", order))
-
-
-def describe(node: Node, arguments: list[object] | None, state: State) -> Specification:
-    """What a specifier specifies, optionally or not, and its dependencies, from the kinds of its arguments."""
-    name = sp.specifier_name(node)
-    if isinstance(node, q.WithSpecifier):
-        dependencies = ("position",) if arguments is None else ()
-        return Specification(node, name, (canonical(node.property),), (), dependencies, None, None if arguments is None else tuple(arguments))
-    forms = sp.forms_of(node, state.reading("offset-by"))
-    if arguments is None:
-        form = forms[0]
-        return Specification(node, name, form.specifies, (), tuple(dict.fromkeys((*form.dependencies, "position"))), None, None)
-    form, complete = choose_form(node, forms, arguments, state)
-    optional = form.optional
-    if form.rule == "P-In" and unwrap(arguments[0])[0].orientation is not None:  # type: ignore[attr-defined]
-        optional = sp.HEADING_ONLY
-    return Specification(node, name, form.specifies, optional, form.dependencies, form, complete)
-
-
-def choose_form(node: Node, forms: tuple[sp.Form, ...], arguments: list[object], state: State) -> tuple[sp.Form, tuple[object, ...]]:
-    """The form whose kinds fit, and its arguments (ego joins those that speak of it)."""
-    if forms[0].rule in sp.USES_EGO:
-        arguments = [*arguments, axiom(p.Name(name="ego", span=node.span), state)]
-    operands = [unwrap(a)[0] for a in arguments]
-    for form in forms:
-        if all(has_kind(v, kind) for v, kind in zip(operands, form.kinds, strict=True)):
-            return form, tuple(arguments)
-    expected = " or ".join(dict.fromkeys("(" + ", ".join(f.kinds) + ")" for f in forms))
-    found = ", ".join(kind_name(v) for v in operands)
-    raise RunError(f"`{sp.specifier_name(node)}` expects {expected}, not ({found})", node.span, rule=forms[0].rule)
-
-
-def default_specification(name: str, expression: Node, owner: ScenicClass, state: State) -> Specification:
-    """A default value expression as a specifier: its dependencies are the properties it mentions as `self.property`."""
-    specification, has_relative_to = _default_specification(name, _Identity(expression), owner.name)
-    if has_relative_to and waits_for_position(expression, state._replace(sigma=owner.scope)):
-        return specification._replace(dependencies=tuple(dict.fromkeys((*specification.dependencies, "position"))))
-    return specification
-
-
-@lru_cache(maxsize=65536)
-def _default_specification(name: str, key: _Identity, owner: str) -> tuple[Specification, bool]:
-    mentioned = dict.fromkeys(
-        canonical(n.name) for n in descendants(key.node) if isinstance(n, p.Attribute) and isinstance(n.value, p.Name) and n.value.name == "self"
-    )
-    specification = Specification(key.node, f"default {name} of {owner}", (name,), (), tuple(mentioned), None, None, is_default=True)
-    return specification, _has_relative_to(key)
 
 
 # Evaluation in order
@@ -299,7 +192,7 @@ def apply_form(frame: Construction, form: sp.Form, arguments: tuple[object, ...]
     operands = [reader.read(reader.plain(a), kind) for a, kind in zip(arguments, form.kinds, strict=True)]
     if form.needs_self:
         operands.append(reader.read(frame.instance, "Point"))
-    if form.rule == "P-Following":
+    if form.needs_euler_steps:
         operands.append(state.settings.euler_steps)
     if form.rule in ("P-At", "P-Facing-Heading"):  # ⟦at V⟧ = ⟦V⟧: the value itself, which `resample` may draw again
         return assign_property(frame, form.rule, {form.specifies[0]: arguments[0]}, stack, state)

@@ -52,9 +52,9 @@ def apply_equation(node: Node, equations: Sequence[o.Equation], values: list[obj
     operands = [reader.plain(v) for v in values]
     equation = select(node, equations, operands, state)
     arguments = [reader.read(operand, kind) for operand, kind in zip(operands, equation.kinds, strict=True)]
-    if equation.rule in o.NEEDS_SELF:
+    if equation.needs_self:
         arguments.append(reader.property(specified_object(node, state), "position"))
-    if equation.rule == "O-Follow":
+    if equation.needs_euler_steps:
         arguments.append(state.settings.euler_steps)
     try:
         result = compute(equation.function, arguments, reader)

@@ -23,15 +23,20 @@ from .vectors import Vector
 
 
 class Equation(NamedTuple):
-    """An equation of the appendix: its id, the kinds of its operands, and its right-hand side."""
+    """An equation of the appendix: its id, the kinds of its operands, and its right-hand side.
+
+    The function gets self.position as a further argument if `needs_self`, N of forwardEuler if `needs_euler_steps`.
+    """
 
     rule: str
     kinds: tuple[str, ...]
     function: Callable[..., object]
+    needs_self: bool = False
+    needs_euler_steps: bool = False
 
 
 class Rewriting(NamedTuple):
-    """An equation ⟦E⟧ = ⟦E'⟧: `applies(E)` and `rewrite(E)` = E'."""
+    """An equation ⟦E⟧ = ⟦E'⟧ between expressions or specifiers: `applies(E)` and `rewrite(E)` = E'."""
 
     rule: str
     applies: Callable[..., bool]
@@ -317,9 +322,9 @@ EQUATIONS: Mapping[type[Node], tuple[tuple[str, ...], tuple[Equation, ...]]] = {
     e.RelativeTo: (
         ("left", "right"),
         (
-            Equation("O-RelativeTo-Fields", (FIELD, FIELD), fields_relative),
-            Equation("O-RelativeTo-HeadingField", (HEADING, FIELD), heading_relative_to_field),
-            Equation("O-RelativeTo-FieldHeading", (FIELD, HEADING), field_relative_to_heading),
+            Equation("O-RelativeTo-Fields", (FIELD, FIELD), fields_relative, needs_self=True),
+            Equation("O-RelativeTo-HeadingField", (HEADING, FIELD), heading_relative_to_field, needs_self=True),
+            Equation("O-RelativeTo-FieldHeading", (FIELD, HEADING), field_relative_to_heading, needs_self=True),
             Equation("O-RelativeTo-VectorOrientedPoint", (VECTOR, ORIENTED_POINT), vector_relative_to_oriented_point),
             Equation("O-RelativeTo-Headings", (HEADING, HEADING), headings_relative),
             Equation("O-RelativeTo-Vectors", (VECTOR, VECTOR), vectors_relative),
@@ -341,12 +346,10 @@ EQUATIONS: Mapping[type[Node], tuple[tuple[str, ...], tuple[Equation, ...]]] = {
         ),
     ),
     e.VisibleFrom: (("region", "viewer"), (Equation("O-VisibleFrom", (REGION, POINT), region_visible_from),)),
-    e.Follow: (("field", "origin", "distance"), (Equation("O-Follow", (FIELD, VECTOR, SCALAR), follow),)),
+    e.Follow: (("field", "origin", "distance"), (Equation("O-Follow", (FIELD, VECTOR, SCALAR), follow, needs_euler_steps=True),)),
 }
 
 IN_EQUATIONS = (
     Equation("O-In-Object", (OBJECT, REGION), object_is_in),
     Equation("O-In-Vector", (VECTOR, REGION), vector_is_in),
 )
-
-NEEDS_SELF = frozenset({"O-RelativeTo-Fields", "O-RelativeTo-HeadingField", "O-RelativeTo-FieldHeading"})

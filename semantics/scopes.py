@@ -112,23 +112,25 @@ def copied(value: object, seen: dict[int, object]) -> object:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _ByIdentity:
+class ByIdentity:
+    """A node as a key of a cache: two keys are equal if they hold the same node, not one that says the same."""
+
     node: Node
 
     def __hash__(self) -> int:
         return id(self.node)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, _ByIdentity) and other.node is self.node
+        return isinstance(other, ByIdentity) and other.node is self.node
 
 
 def function_names(node: Node) -> Names:
     """What the body of a function, lambda, behavior, monitor or scenario binds, its parameters included."""
-    return _function_names(_ByIdentity(node))
+    return _function_names(ByIdentity(node))
 
 
 @lru_cache(maxsize=65536)
-def _function_names(key: _ByIdentity) -> Names:
+def _function_names(key: ByIdentity) -> Names:
     node = key.node
     parameters: tuple[python_expressions.Parameter, ...] = getattr(node, "parameters", ())
     bound = {p.name for p in parameters}

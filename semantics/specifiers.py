@@ -1,7 +1,7 @@
 """Appendix "Detailed Semantics of Specifiers and Operators": the specifiers, one equation, one function.
 
 A specifier is a function taking in values for its dependencies and returning values for the properties it specifies,
-some of them optionally (paper, Section "Specifiers"). `describe` says which, from the kinds of its arguments; the
+some of them optionally (paper, Section "Specifiers"). Its `Form` says which, chosen by the kinds of its arguments; the
 functions below are the equations. `self` is the object being specified, as far as it is known.
 """
 
@@ -12,10 +12,9 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from . import geometry
-from .distributions import PointIn
 from .fields import VectorField
 from .kinds import FIELD, HEADING, OBJECT, ORIENTED_POINT, POINT, REGION, SCALAR, VECTOR, OrientedPointAt, View
-from .operators import EGO, EGO_POSITION, back_of, follow, front_of, left_of, right_of, visible_region
+from .operators import EGO, EGO_POSITION, Rewriting, back_of, follow, front_of, left_of, right_of, visible_region
 from .regions import Region
 from .syntax import specifiers as q
 from .syntax.nodes import Node
@@ -27,7 +26,8 @@ class Form(NamedTuple):
     """One row of Table "Specifiers for position" or "Specifiers for heading", and its equation.
 
     `kinds` are those of the arguments, in the order of the node's `premises`; `function(*arguments)` gets `self` as a
-    last argument if `needs_self`, and gives a vector, a heading, an OrientedPoint or the region to draw a point from.
+    last argument if `needs_self` (ego if `needs_ego`, N of forwardEuler if `needs_euler_steps`), and gives a vector, a heading,
+    an OrientedPoint or the region to draw a point from.
     """
 
     rule: str
@@ -37,14 +37,8 @@ class Form(NamedTuple):
     optional: tuple[str, ...] = ()
     dependencies: tuple[str, ...] = ()
     needs_self: bool = False
-
-
-class Rewriting(NamedTuple):
-    """An equation ⟦S⟧ = ⟦S'⟧ between specifiers."""
-
-    rule: str
-    applies: Callable[..., bool]
-    rewrite: Callable[..., Node]
+    needs_ego: bool = False
+    needs_euler_steps: bool = False
 
 
 ZERO = Constant(value=0)
@@ -270,8 +264,8 @@ BESIDE: Mapping[str, tuple[Form, ...]] = {
 }
 
 OFFSET_BY: Mapping[str, tuple[Form, ...]] = {
-    "local": (Form("P-OffsetBy-Local", (VECTOR, OBJECT), offset_by_local),),
-    "global": (Form("P-OffsetBy-Global", (VECTOR, OBJECT), offset_by_global),),
+    "local": (Form("P-OffsetBy-Local", (VECTOR, OBJECT), offset_by_local, needs_ego=True),),
+    "global": (Form("P-OffsetBy-Global", (VECTOR, OBJECT), offset_by_global, needs_ego=True),),
 }
 
 FORMS: Mapping[type[Node], tuple[tuple[str, ...], tuple[Form, ...]]] = {
@@ -280,8 +274,8 @@ FORMS: Mapping[type[Node], tuple[tuple[str, ...], tuple[Form, ...]]] = {
     q.OffsetAlongSpecifier: (
         ("direction", "offset"),
         (
-            Form("P-OffsetAlong-Heading", (HEADING, VECTOR, OBJECT), offset_along_heading),
-            Form("P-OffsetAlong-Field", (FIELD, VECTOR, OBJECT), offset_along_field),
+            Form("P-OffsetAlong-Heading", (HEADING, VECTOR, OBJECT), offset_along_heading, needs_ego=True),
+            Form("P-OffsetAlong-Field", (FIELD, VECTOR, OBJECT), offset_along_field, needs_ego=True),
         ),
     ),
     q.BesideSpecifier: (("reference", "gap"), ()),
@@ -290,7 +284,7 @@ FORMS: Mapping[type[Node], tuple[tuple[str, ...], tuple[Form, ...]]] = {
     q.InSpecifier: (("region",), (Form("P-In", (REGION,), in_region),)),
     q.FollowingSpecifier: (
         ("field", "origin", "distance"),
-        (Form("P-Following", (FIELD, VECTOR, SCALAR), following, optional=HEADING_ONLY),),
+        (Form("P-Following", (FIELD, VECTOR, SCALAR), following, optional=HEADING_ONLY, needs_euler_steps=True),),
     ),
     q.FacingSpecifier: (
         ("direction",),
@@ -317,9 +311,6 @@ FORMS: Mapping[type[Node], tuple[tuple[str, ...], tuple[Form, ...]]] = {
     ),
 }
 
-USES_EGO = frozenset({"P-OffsetBy-Local", "P-OffsetBy-Global", "P-OffsetAlong-Heading", "P-OffsetAlong-Field"})
-
-
 def forms_of(node: Node, offset_by: str) -> tuple[Form, ...]:
     """The forms among which the kinds of the arguments choose; `offset_by` is the alternative of that reading."""
     if isinstance(node, q.BesideSpecifier):
@@ -345,8 +336,3 @@ def specifier_name(node: Node) -> str:
             return keyword
         case _:
             return names.get(type(node), type(node).__name__)
-
-
-def point_in(region: Region) -> PointIn:
-    """uniformPointIn(R) as a distribution."""
-    return PointIn(region)
