@@ -88,24 +88,36 @@ _SPECIFIER_PLACES: Mapping[type, str] = {
 
 
 def _operator_rules() -> list[Rule]:
-    found = [_equation(r.rule, r.rewrite, _OPERATOR_PLACES[kind]) for kind, r in operators.REWRITINGS.items()]
+    """In the order of the figures; each rewriting before the equation that it leads to."""
+    found: list[Rule] = []
     for kind, (_, equations) in operators.EQUATIONS.items():
+        for rewritten in (kind, e.Visible) if kind is e.VisibleFrom else (kind,):
+            if rewritten in operators.REWRITINGS:
+                rewriting = operators.REWRITINGS[rewritten]
+                found.append(_equation(rewriting.rule, rewriting.rewrite, _OPERATOR_PLACES[rewritten]))
         found += [_equation(q.rule, q.function, _OTHER_PLACES.get(q.rule, _OPERATOR_PLACES[kind])) for q in equations]
-    found += [_equation(q.rule, q.function, BOOLEAN) for q in operators.IN_EQUATIONS]
-    found += [_equation(q.rule, q.function, ORIENTED) for q in operators.SIDES.values()]
-    return found
+        if kind is e.CanSee:
+            found += [_equation(q.rule, q.function, BOOLEAN) for q in operators.IN_EQUATIONS]
+    return found + [_equation(q.rule, q.function, ORIENTED) for q in operators.SIDES.values()]
 
 
 def _specifier_rules() -> list[Rule]:
+    """In the order of the tables; each rewriting before the equations that it leads to."""
     found = [Rule("P-With", "`with' specifier", EXPRESSIONS, object_definitions.assign_property)]
-    found += [_equation(r.rule, r.rewrite, _SPECIFIER_PLACES.get(kind, POSITION)) for kind, r in specifiers.REWRITINGS.items()]
-    found += [_equation(f.rule, f.function, POSITION) for forms in specifiers.OFFSET_BY.values() for f in forms]
-    for forms in specifiers.BESIDE.values():
-        found += [_equation(f.rule, f.function, POSITION if f.rule.endswith("Vector") else POSITION_HEADING) for f in forms]
     for kind, (_, forms) in specifiers.FORMS.items():
-        found += [_equation(f.rule, f.function, _SPECIFIER_PLACES.get(kind, POSITION)) for f in forms]
-    found.append(Rule("P-Default", "default value specifier", 'Section "Data Types"; Algorithm 1', object_definitions.evaluate_late))
-    return found
+        place = _SPECIFIER_PLACES.get(kind, POSITION)
+        if kind in specifiers.REWRITINGS:
+            rewriting = specifiers.REWRITINGS[kind]
+            found.append(_equation(rewriting.rule, rewriting.rewrite, f"{POSITION}; {POSITION_HEADING}" if kind is q.BesideSpecifier else place))
+        if kind is q.OffsetBySpecifier:
+            forms = tuple(f for alternatives in specifiers.OFFSET_BY.values() for f in alternatives)
+        if kind is q.BesideSpecifier:
+            forms = tuple(f for side in specifiers.BESIDE.values() for f in side)
+        for form in forms:
+            of_point = kind is q.BesideSpecifier and not form.rule.endswith("Vector")
+            also = f"{EXPRESSIONS} (example); " if form.rule == "P-Facing-Field" else ""
+            found.append(_equation(form.rule, form.function, also + (POSITION_HEADING if of_point else place)))
+    return [*found, Rule("P-Default", "default value specifier", 'Section "Data Types"; Algorithm 1', object_definitions.evaluate_late)]
 
 
 _PAPER = [
