@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 from .outcome import Change, Next
 from .scopes import Scope
 from .syntax.nodes import NOWHERE, Node, Span
-from .values import Instance
+from .values import Instance, Origin
 
 if TYPE_CHECKING:
     from .host import Door
@@ -90,11 +90,12 @@ PASS = Value(None)
 
 
 class Abrupt(NamedTuple):
-    """A statement left its block: by `break`, `continue`, `return` (with a value) or an exception."""
+    """A statement left its block: by `break`, `continue`, `return` (with a value) or an exception (with the draw it depends on)."""
 
     kind: Literal["break", "continue", "return", "raise"]
     value: object = None
     span: Span = NOWHERE
+    origin: Origin | None = None
 
 
 OBJECTS = State._fields.index("objects")

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from .assignment import bind_target, done
-from .conditions import truth
+from .conditions import random_branch, truth
 from .config import PASS, Abrupt, Config, Stack, State, Value, reduce
 from .errors import Gap, RunError
 from .expressions import elements
@@ -18,7 +18,7 @@ from .premises import premises
 from .syntax import python_expressions as p
 from .syntax import statements as s
 from .syntax.nodes import Node
-from .values import plain
+from .values import Random, plain
 
 
 class Rest(NamedTuple):
@@ -272,6 +272,8 @@ def handle(handler: s.Handler, abrupt: Abrupt, stack: Stack, state: State) -> Ou
     """Run the handler with the exception bound to its name."""
     exception = abrupt.value
     assert isinstance(exception, BaseException)
+    if abrupt.origin is not None:
+        raise random_branch(Random(exception, abrupt.origin), handler, f"whether this {type(exception).__name__} is raised")
     if handler.name is not None:
         state.sigma.bind(handler.name, exception)
     inner = state._replace(handling=(*state.handling, exception))

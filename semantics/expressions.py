@@ -8,17 +8,15 @@ from __future__ import annotations
 
 import operator as python
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
 
 from .classes import canonical
-from .conditions import random_branch
-from .config import Stack, State, value
+from .conditions import bool_of, combine, random_branch
+from .config import Stack, State, Value, value
 from .errors import RunError
-from .host import LARGEST_INTEGER_BITS, LARGEST_SEQUENCE, HostException, check_private, host
-from .kinds import Reader, has_kind, is_object, kind_name
+from .host import LARGEST_INTEGER_BITS, LARGEST_SEQUENCE, HostException, check_private, host, raw
+from .kinds import has_kind, kind_name
 from .operations import membership
-from .operators import object_is_in, vector_is_in
-from .outcome import Outcome
+from .outcome import Next, Outcome
 from .premises import axiom, premises
 from .regions import Region
 from .scopes import MISSING
@@ -53,12 +51,26 @@ def conclude_display(node: p.TupleDisplay | p.ListDisplay | p.SetDisplay, values
     return value("E-Display", host_container(kind, items), stack, state, node)
 
 
-def host_container(kind: Callable[[list[object]], object], items: list[object]) -> object:
-    """A container of the items; an unhashable one is the program's mistake."""
+class Entries(dict):
+    """A dictionary with random keys, as it is in this run; `pairs` are its entries before equal keys became one."""
+
+    pairs: list[tuple[object, object]]
+
+
+def host_container(kind: Callable[[list], object], items: list) -> object:
+    """A container of the items, random as a whole if members of a set or keys of a dictionary are; an unhashable one is the program's mistake."""
+    keys = items if kind is set else [key for key, _ in items] if kind is dict else []
+    _, origin = unwrap(keys)
     try:
-        return kind(items)
+        if origin is None:
+            return kind(items)
+        plain_items = unwrap(items)[0]
+        result = (Entries if kind is dict else kind)(plain_items)  # type: ignore[operator]
     except TypeError as exception:
         raise HostException(exception) from exception
+    if isinstance(result, Entries):
+        result.pairs = plain_items  # type: ignore[assignment]
+    return wrap(result, origin)
 
 
 def elements(iterable: object, node: Node, state: State) -> list[object]:
@@ -67,17 +79,10 @@ def elements(iterable: object, node: Node, state: State) -> list[object]:
         raise random_branch(iterable, node, "the number of its elements")
     if isinstance(iterable, range) and len(iterable) > LARGEST_SEQUENCE:
         raise RunError(f"{len(iterable)} elements are too many", node.span)
-    return host(state.settings.door, state, _listed, _Opaque(iterable))  # type: ignore[return-value]
-
-
-class _Opaque(NamedTuple):
-    """A container passed to `host` whose random elements stay as they are."""
-
-    content: object
-
-
-def _listed(box: _Opaque) -> list[object]:
-    return list(box.content)  # type: ignore[call-overload]
+    result = raw(state.settings.door, state, list, iterable)
+    if type(result) is Random:  # an iterator of the program gave something random
+        raise random_branch(result, node, "what its iterator gives")
+    return result  # type: ignore[return-value]
 
 
 def dict_display(node: p.DictDisplay, stack: Stack, state: State) -> Outcome:
@@ -88,19 +93,18 @@ def dict_display(node: p.DictDisplay, stack: Stack, state: State) -> Outcome:
 
 def conclude_dict(node: p.DictDisplay, values: list[object], stack: Stack, state: State) -> Outcome:
     """Put the entries together, later ones winning."""
-    result: dict[object, object] = {}
+    entries: list[tuple[object, object]] = []
     for index, (key_expression, _) in enumerate(node.items):
         key, item = values[2 * index], values[2 * index + 1]
-        if key_expression is None:
-            if not isinstance(plain(item), Mapping):
-                raise HostException(TypeError(f"{kind_name(item)} is not a mapping"))
-            result.update(plain(item))  # type: ignore[call-overload]
-        else:
-            try:
-                result[key] = item
-            except TypeError as exception:
-                raise HostException(exception) from exception
-    return value("E-Display", result, stack, state, node)
+        if key_expression is not None:
+            entries.append((key, item))
+            continue
+        mapping = plain(item)
+        if not isinstance(mapping, Mapping):
+            raise HostException(TypeError(f"{kind_name(item)} is not a mapping"))
+        origin = item.origin if type(item) is Random else None
+        entries += [(wrap(k, origin), wrap(v, origin)) for k, v in mapping.items()]
+    return value("E-Display", host_container(dict, entries), stack, state, node)
 
 
 def formatted(node: p.FString, stack: Stack, state: State) -> Outcome:
@@ -169,11 +173,7 @@ def get_attribute(subject: object, node: p.Attribute, state: State) -> object:
 
 def get_host_attribute(subject: object, name: str, state: State) -> object:
     """Python's attribute; a container's methods stay those of the container itself, random elements and all."""
-    state.settings.door.state = state
-    try:
-        return getattr(subject, name)
-    except Exception as exception:
-        raise HostException(exception) from exception
+    return raw(state.settings.door, state, getattr, subject, name)
 
 
 def instance_attribute(instance: Instance, name: str, state: State) -> object:
@@ -185,6 +185,8 @@ def instance_attribute(instance: Instance, name: str, state: State) -> object:
     found = instance.class_.method(name)
     if found is None:
         raise HostException(AttributeError(f"{instance.class_.name} has no property {name}"))
+    if isinstance(found, (property, staticmethod)):
+        return raw(state.settings.door, state, found.__get__, instance, Instance)
     return Method(found, instance, found.door) if isinstance(found, Function) else found
 
 
@@ -197,17 +199,18 @@ def subscript(node: p.Subscript, stack: Stack, state: State) -> Outcome:
 
 def conclude_subscript(node: p.Subscript, values: list[object], stack: Stack, state: State) -> Outcome:
     """The element keeps its own randomness; a random index or container makes it random."""
+    return value("E-Subscript", get_item(node, values, state), stack, state, node)
+
+
+def get_item(node: p.Subscript, values: list[object], state: State) -> object:
+    """The element of a container, whose value comes first, at an index, or from, to and step of a slice."""
     container, *parts = values
-    index_value = slice(*(plain(v) for v in parts)) if isinstance(node.index, p.Slice) else plain(parts[0])
-    origin = next((v.origin for v in values if type(v) is Random), None)
-    inner = plain(container)
-    try:
-        result = inner[index_value]  # type: ignore[index]
-    except Exception as exception:
-        raise HostException(exception) from exception
-    if origin is not None:
-        result = wrap(unwrap(result)[0], origin)
-    return value("E-Subscript", result, stack, state, node)
+    places, origin = unwrap(parts)
+    if type(container) is Random:
+        container, origin = container.value, container.origin
+    index = slice(*places) if isinstance(node.index, p.Slice) else places[0]  # type: ignore[misc, index]
+    result = raw(state.settings.door, state, python.getitem, container, index)
+    return result if origin is None else wrap(unwrap(result)[0], origin)
 
 
 # Arithmetic and comparisons
@@ -285,29 +288,54 @@ def conclude_unary(node: p.UnaryOperation, values: list[object], stack: Stack, s
 
 
 def comparison(node: p.Comparison, stack: Stack, state: State) -> Outcome:
-    """`E1 < E2 <= E3`: all operands are premises; `in` with a region is an operator of the paper."""
-    return premises(node, [node.left, *node.operands], conclude_comparison, stack, state)
+    """`E1 < E2 <= E3`: from left to right, until a link does not hold; after a random link all the others are reduced as well."""
+    return premises(node, [None, node.left, node.operands[0]], conclude_comparison, stack, state, [()])
 
 
 def conclude_comparison(node: p.Comparison, values: list[object], stack: Stack, state: State) -> Outcome:
-    """Every link of the chain must hold."""
-    if node.operators == ("in",) and isinstance(plain(values[1]), Region) and has_kind(unwrap(values[0])[0], "vector"):
-        return membership(node, values[0], values[1], stack, state)
+    """The next link is reduced; `values` are the links before it and its operands. `in` with a region is an operator of the paper."""
+    held: tuple[object, ...] = values[0]  # type: ignore[assignment]
+    left, right = values[1:]
+    name = node.operators[len(held)]
+    if node.operators == ("in",) and lies_in_region(left, right):
+        return membership(node, left, right, stack, state)
+    held = (*held, link(node, name, left, right, state))
+    last = len(held) == len(node.operators)
+    if not any(type(v) is Random for v in held):
+        if last or not bool_of(held[-1], node, state):
+            return value("E-Compare", held[-1], stack, state, node)
+    elif last:
+        return value("E-Compare", combine("and", held, state), stack, state, node)
+    return premises(node, [None, None, node.operands[len(held)]], conclude_comparison, stack, state, [held, right])
 
-    if node.operators in (("is",), ("is not",)) and values[1] is None and never_none(values[0]):
-        return value("E-Compare", node.operators == ("is not",), stack, state, node)
 
-    def chain(*operands: object) -> object:
-        result: object = True
-        for left, name, right in zip(operands, node.operators, operands[1:], strict=False):
-            result = COMPARE[name](left, _containing(right, left, name, state))
-            if not result:
-                return result
-        return result
+def lies_in_region(left: object, right: object) -> bool:
+    """Whether `left in right` is the operator of the paper."""
+    if not isinstance(plain(right), Region):
+        return False
+    if not has_kind(unwrap(left)[0], "vector"):
+        raise HostException(TypeError(f"{kind_name(left)} cannot lie in a region"))
+    return True
 
-    if len(node.operators) == 1 and node.operators[0] in ("<", ">", "<=", ">="):
-        return apply_host("E-Compare", node, COMPARE[node.operators[0]], values, stack, state)
-    return value("E-Compare", host(state.settings.door, state, chain, *values), stack, state, node)
+
+def link(node: p.Comparison, name: str, left: object, right: object, state: State) -> object:
+    """`left name right`, for one link of a comparison."""
+    if type(left) is float and type(right) is float and name in ORDER:
+        return COMPARE[name](left, right)
+    if name in ("in", "not in") and lies_in_region(left, right):
+        outcome = membership(node, left, right, (), state)
+        assert isinstance(outcome, Next) and isinstance(outcome.config.control, Value)
+        result = outcome.config.control.value
+        return result if name == "in" else host(state.settings.door, state, python.not_, result)
+    if name in ("is", "is not"):
+        if right is None and never_none(left):
+            return name == "is not"
+        if type(left) is not Random and type(right) is not Random:
+            return COMPARE[name](left, right)
+    return host(state.settings.door, state, COMPARE[name], left, right)
+
+
+ORDER = frozenset({"<", ">", "<=", ">="})
 
 
 def never_none(subject: object) -> bool:
@@ -316,26 +344,6 @@ def never_none(subject: object) -> bool:
         return False
     support = subject.origin.distribution.support()
     return support is None or all(plain(v) is not None for v, _ in support)
-
-
-def _containing(right: object, left: object, name: str, state: State) -> object:
-    """`not in` a region, and regions inside longer chains: by the vector or the box of the left operand."""
-    if name in ("in", "not in") and isinstance(right, Region):
-        return _Membership(right, state)
-    return right
-
-
-class _Membership(NamedTuple):
-    region: Region
-    state: State
-
-    def __contains__(self, item: object) -> bool:
-        reader = Reader(self.state)
-        if isinstance(item, Instance) and is_object(item):
-            return object_is_in(reader.read(item, "Object"), self.region)  # type: ignore[arg-type]
-        if not has_kind(item, "vector"):
-            raise TypeError(f"{kind_name(item)} cannot lie in a region")
-        return vector_is_in(reader.vector(item), self.region)
 
 
 def seconds(node: e.Seconds, stack: Stack, state: State) -> Outcome:

@@ -26,11 +26,12 @@ LARGEST_SEQUENCE = 10_000_000
 
 
 class HostException(Exception):
-    """An exception that belongs to the program: host code raised it on the program's behalf."""
+    """An exception that belongs to the program: host code raised it on the program's behalf; whether it did may be random."""
 
-    def __init__(self, exception: Exception) -> None:
+    def __init__(self, exception: Exception, origin: Origin | None = None) -> None:
         super().__init__(str(exception))
         self.exception = exception
+        self.origin = origin
 
 
 class DoorStuck(Exception):
@@ -139,7 +140,7 @@ def host(door: Door, state: State, operation: Callable[..., object], *arguments:
     except MemoryError:
         raise RunError("this operation needs more memory than there is") from None
     except Exception as exception:  # whatever library code raises is the program's to catch
-        raise HostException(exception) from exception
+        raise HostException(exception, origin or door.origin) from exception
     return wrap(result, origin or door.origin)
 
 
@@ -160,3 +161,25 @@ def is_user_made(value: object) -> bool:
     """Whether `value` is an instance of a Python class of the program, or that class."""
     owner = value if isinstance(value, type) else type(value)
     return "__scenic_user_class__" in owner.__dict__
+
+
+def raw(door: Door, state: State, operation: Callable[..., object], *arguments: object, **keywords: object) -> object:
+    """`operation(*arguments, **keywords)` in Python on the values as they are, containers with random elements and all.
+
+    The result is random if functions of the program that it called met something random.
+    """
+    outer, door.state, door.origin = door.origin, state, None
+    try:
+        result = operation(*arguments, **keywords)
+        met = door.origin
+    except (ScenicError, DoorStuck, HostException):
+        raise
+    except RecursionError:
+        raise RunError("this operation nests too deeply") from None
+    except MemoryError:
+        raise RunError("this operation needs more memory than there is") from None
+    except Exception as exception:  # whatever library code raises is the program's to catch
+        raise HostException(exception) from exception
+    finally:
+        door.origin = outer
+    return result if met is None else wrap(unwrap(result)[0], met)

@@ -185,7 +185,7 @@ def step(config: Config) -> Outcome:
             return unwind(control_, stack, state)  # type: ignore[arg-type]
         return REDUCE[kind](control_, stack, state)
     except HostException as problem:
-        return raised(problem.exception, config)
+        return raised(problem, config)
     except OutsideField as outside:
         return Stuck("O-At", Requirement("field", place(config), outside.premise))
     except DoorStuck as inner:
@@ -212,9 +212,9 @@ def unwind(abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
     return Fault(UncaughtException(f"{type(exception).__name__}: {exception}".rstrip(": "), abrupt.span, exception=exception))
 
 
-def raised(exception: Exception, config: Config) -> Next:
+def raised(problem: HostException, config: Config) -> Next:
     """A Python operation raised an exception: the program may catch it."""
-    return Next("E-Raise", Config(Abrupt("raise", exception, place(config)), config.stack, config.state))
+    return Next("E-Raise", Config(Abrupt("raise", problem.exception, place(config), problem.origin), config.stack, config.state))
 
 
 def place(config: Config) -> Span:

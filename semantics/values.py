@@ -6,11 +6,14 @@ Booleans, scalars, strings, tuples, lists, ... are Python's own; vectors, fields
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Mapping
+from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
+from .errors import RunError
 from .scopes import Names, Scope
 from .syntax.nodes import NOWHERE, Node, Span
 from .syntax.python_expressions import Parameter
@@ -48,19 +51,38 @@ def plain(value: object) -> object:
 
 def unwrap(value: object) -> tuple[object, Origin | None]:
     """The value with no `Random` anywhere inside lists, tuples, sets and dicts, and the origin of the first one found."""
-    kind = type(value)
     if isinstance(value, Random):
         inner, _ = unwrap(value.value)
         return inner, value.origin
-    if isinstance(value, (list, tuple, set, frozenset)) and kind in (list, tuple, set, frozenset):
-        pairs = [unwrap(item) for item in value]
-        origin = next((o for _, o in pairs if o is not None), None)
-        return (value, None) if origin is None else (kind(v for v, _ in pairs), origin)
-    if isinstance(value, dict) and kind is dict:
+    if not isinstance(value, CONTAINERS):
+        return value, None
+    kind = type(value)
+    if isinstance(value, dict):
         pairs = [(unwrap(key), unwrap(item)) for key, item in value.items()]
         origin = next((o for pair in pairs for _, o in pair if o is not None), None)
-        return (value, None) if origin is None else ({k[0]: v[0] for k, v in pairs}, origin)
-    return value, None
+        return (value, None) if origin is None else (_refilled(value, {k[0]: v[0] for k, v in pairs}), origin)
+    if isinstance(value, tuple) and kind is not tuple:
+        return value, None
+    found = [unwrap(item) for item in value]
+    origin = next((o for _, o in found if o is not None), None)
+    if origin is None:
+        return value, None
+    items = [v for v, _ in found]
+    return _refilled(value, items) if isinstance(value, (list, deque)) else kind(items) if kind in PLAIN else items, origin
+
+
+PLAIN = (tuple, set, frozenset)
+CONTAINERS = (list, tuple, set, frozenset, dict, deque, type({}.values()), type({}.items()))
+
+
+def _refilled(container: object, content: object) -> object:
+    """The content in a container of the same type; a copy, where that is a subclass of list or dict, or a deque."""
+    if type(container) in (list, dict):
+        return content
+    result = copy(container)
+    result.clear()  # type: ignore[attr-defined]
+    (dict.update if isinstance(result, dict) else type(result).extend)(result, content)  # type: ignore[attr-defined, call-arg]
+    return result
 
 
 def wrap(value: object, origin: Origin | None) -> object:
@@ -181,6 +203,12 @@ class Special:
     """A builtin that is a rule of the machine rather than a host function: `resample`, `print`, ..."""
 
     name: str
+
+    def __call__(self, *arguments: object, **keywords: object) -> object:
+        """Called by host code, which the machine's rules cannot follow."""
+        raise RunError(
+            f"library code cannot call {self.name} by itself", rule="E-Call-Host", hint=f"give it a function: lambda x: {self.name}(x)"
+        )
 
     def __repr__(self) -> str:
         return f"<built-in {self.name}>"
