@@ -2,7 +2,7 @@
 
 It is a pure function of the constants below: a grid of gently winding avenues (three lanes a side) and streets (one lane a
 side), a boulevard across it, and one-way ramps round the corners of some junctions. Traffic keeps to the right. It covers
-about 420 m by 420 m around the coordinates of the gallery's scenes: (-628.8, -540.6) is on the left northbound lane of an avenue. Metres; headings
+about 300 m by 300 m around the coordinates of the gallery's scenes: (-628.8, -540.6) is on the left northbound lane of an avenue. Metres; headings
 in radians anticlockwise from North.
 """
 
@@ -21,22 +21,22 @@ from shapely.geometry import LineString, MultiPolygon, Polygon
 from ...semantics.fields import PolygonalVectorField
 from ...semantics.regions import PolygonalRegion, PolylineRegion
 
-WEST, SOUTH, EAST, NORTH = -840.0, -750.0, -420.0, -330.0
+WEST, SOUTH, EAST, NORTH = -785.0, -690.0, -485.0, -390.0
 LANE = 3.5  # width of a lane
 SHOULDER = 0.6  # width of the strip between the outermost lane and the edge of the road
 CURB_INSET = 0.25  # how far inside the edge of the road a curb runs, so that its points have a traffic direction
 SHORTEST_CURB = 4.0
-STEP = 14.0  # length of a cell along a road that is not a ramp
+STEP = 10.0  # length of a cell along a road that is not a ramp
 RAMP_RADIUS = 38.0
 SLIT = 0.2  # a gap between roads that is narrower than this is road
 
 # Centre lines: (coordinate, amplitude of the winding, its wave length, where it starts), across the whole city.
-NORTH_SOUTH_AVENUES = ((-770.0, 7.0, 410.0, 0.45), (-635.1, 5.0, 820.0, 0.9711), (-480.0, 8.0, 390.0, 0.80))
-EAST_WEST_AVENUES = ((-680.0, 6.0, 420.0, 0.65), (-440.0, 8.0, 400.0, 0.05))
-NORTH_SOUTH_STREETS = ((-560.0, 5.0, 280.0, 0.75),)
-EAST_WEST_STREETS = ((-600.0, 5.0, 320.0, 0.90), (-370.0, 6.0, 300.0, 0.35))
-BOULEVARD = ((-825.0, -350.0), (-790.0, -520.0), (-700.0, -650.0), (-520.0, -735.0))  # a cubic Bézier curve
-RAMP_JUNCTIONS = ((0, 1), (1, 0), (1, 1), (2, 1))  # of which avenues: (north-south, east-west)
+NORTH_SOUTH_AVENUES = ((-635.1, 5.0, 820.0, 0.9711), (-520.0, 7.0, 330.0, 0.80))
+EAST_WEST_AVENUES = ((-645.0, 6.0, 420.0, 0.65), (-440.0, 7.0, 400.0, 0.05))
+NORTH_SOUTH_STREETS = ((-725.0, 5.0, 280.0, 0.75),)
+EAST_WEST_STREETS = ((-580.0, 4.0, 320.0, 0.90),)
+BOULEVARD = ((-775.0, -405.0), (-750.0, -520.0), (-690.0, -610.0), (-560.0, -682.0))  # a cubic Bézier curve
+RAMP_JUNCTIONS = ((0, 0), (0, 1))  # of which avenues: (north-south, east-west)
 
 Cell = tuple[Polygon, float]
 

@@ -36,8 +36,8 @@ def test_the_city_is_large_and_its_cells_are_polygons(world: City) -> None:
     assert len(world.cells) >= 400
     assert all(cell.is_valid and cell.area > 1 for cell, _ in world.cells)
     west, south, east, north = world.road.bounds
-    assert 300 < east - west < 2000
-    assert 300 < north - south < 2000
+    assert 250 < east - west < 2000
+    assert 250 < north - south < 2000
 
 
 def test_every_point_of_the_road_has_a_traffic_direction(world: City) -> None:
