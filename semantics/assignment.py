@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import operator as python
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping
 
 from .classes import canonical
 from .config import PASS, Config, Stack, State
 from .errors import RunError
-from .expressions import BINARY, as_vectors, elements
-from .host import HostException, check_private, host
-from .kinds import is_object
+from .expressions import BINARY, as_vectors, elements, get_attribute, get_item
+from .host import LARGEST_SEQUENCE, HostException, check_private, host, is_user_made, raw
+from .kinds import is_object, kind_name
 from .outcome import Change, Next, Outcome
-from .premises import premises
+from .premises import axiom, describe_origin, premises
 from .properties import checked_property
 from .scopes import MISSING
 from .syntax import python_expressions as p
 from .syntax import statements as s
 from .syntax.nodes import Node
-from .values import Function, Instance, Method, Module, Random, ScenicClass, plain
+from .values import Function, Instance, Method, Module, Random, ScenicClass, plain, unwrap
 
 
 def done(rule: str, node: Node, stack: Stack, state: State, change: Change | None = None) -> Next:
@@ -27,8 +29,7 @@ def done(rule: str, node: Node, stack: Stack, state: State, change: Change | Non
 
 def assignment(node: s.Assignment, stack: Stack, state: State) -> Outcome:
     """If ⟨E, σ, π, O⟩ → ⟨v, σ, π, O'⟩ then ⟨x = E, σ, π, O⟩ → ⟨pass, σ[x/v], π, O'⟩."""
-    parts = [part for target in node.targets for part in target_premises(target)]
-    return premises(node, [node.value, *parts], conclude_assignment, stack, state)
+    return premises(node, [node.value], conclude_assignment, stack, state)
 
 
 def target_premises(target: Node) -> Iterable[Node]:
@@ -52,36 +53,62 @@ def target_premises(target: Node) -> Iterable[Node]:
 
 
 def conclude_assignment(node: s.Assignment, values: list[object], stack: Stack, state: State) -> Outcome:
-    """Bind every target, from left to right."""
-    assigned, *parts = values
-    rest = iter(parts)
-    for target in node.targets:
-        state = assign(target, assigned, rest, state)
+    """Bind every target, from left to right; the expressions inside each are reduced when the ones before it are bound."""
+    return bind_targets(node, [(target, values[0]) for target in node.targets], values[0], stack, state)
+
+
+def bind_targets(node: s.Assignment, pending: list[tuple[Node, object]], assigned: object, stack: Stack, state: State) -> Outcome:
+    """Bind the pending targets to their values."""
+    while pending:
+        (target, part), *pending = pending
+        if isinstance(target, p.Name):
+            state = assign_name(target.name, part, target, state)
+        elif isinstance(target, (p.TupleDisplay, p.ListDisplay)):
+            items = [item.value if isinstance(item, p.Starred) else item for item in target.items]
+            pending = [*zip(items, unpack(target.items, part, target, state), strict=True), *pending]
+        else:
+            rest = ((target, part), pending, assigned)
+            return premises(node, [None, *target_premises(target)], conclude_target, stack, state, [rest])
     first = node.targets[0]
     name = first.name if isinstance(first, p.Name) else type(first).__name__.lower()
     return done("S-Assignment", node, stack, state, Change("σ", name, assigned))
 
 
-def assign(target: Node, assigned: object, parts: Iterable[object], state: State) -> State:
-    """The state after binding `target`; `parts` are the values of its inner expressions, in order."""
-    rest = iter(parts)
+def conclude_target(node: s.Assignment, values: list[object], stack: Stack, state: State) -> Outcome:
+    """The object of `a.b` or the container and index of `a[i]` are reduced."""
+    rest, *parts = values
+    (target, part), pending, assigned = rest  # type: ignore[misc]
+    return bind_targets(node, pending, assigned, stack, assign(target, part, parts, state))
+
+
+def assign(target: Node, assigned: object, parts: list[object], state: State) -> State:
+    """The state after binding a target that is no display; `parts` are the values of its inner expressions, in order."""
     match target:
         case p.Name(name=name):
             return assign_name(name, assigned, target, state)
         case p.Attribute(name=name):
-            return set_attribute(next(rest), name, assigned, target, state)
-        case p.Subscript(index=p.Slice()):
-            container, lower, upper, step = (next(rest) for _ in range(4))
-            return set_item(container, slice(plain(lower), plain(upper), plain(step)), assigned, target, state)
+            return set_attribute(parts[0], name, assigned, target, state)
         case p.Subscript():
-            container, index = next(rest), next(rest)
-            return set_item(container, index, assigned, target, state)
-        case p.TupleDisplay(items=items) | p.ListDisplay(items=items):
-            for item, element in zip(items, unpack(items, assigned, target, state), strict=True):
-                state = assign(item.value if isinstance(item, p.Starred) else item, element, rest, state)
+            set_item(parts[0], place_of(target, parts[1:]), assigned, target, state)
             return state
         case _:
             raise AssertionError(type(target))
+
+
+def place_of(target: p.Subscript, parts: list[object]) -> object:
+    """The index or slice of an assignment: it may not be random."""
+    places, origin = unwrap(parts)
+    if origin is not None:
+        raise RunError("the index of an assignment may not be random", target.span, rule="S-Assignment")
+    return slice(*places) if isinstance(target.index, p.Slice) else places[0]  # type: ignore[misc, index]
+
+
+def random_write(subject: Random, node: Node) -> RunError:
+    """The error where what is changed is itself a random choice."""
+    return RunError(
+        f"which {kind_name(subject).removeprefix('an ').removeprefix('a ')} this changes is random: it depends on {describe_origin(subject.origin)}",
+        node.span, rule="S-Assignment", hint="change each of them before the choice is made",
+    )
 
 
 def unpack(items: tuple[Node, ...], assigned: object, node: Node, state: State) -> list[object]:
@@ -132,7 +159,9 @@ def bind_target(target: Node, assigned: object, state: State) -> None:
 
 def set_attribute(subject: object, name: str, assigned: object, node: Node, state: State) -> State:
     """O[instance.p / v], or Python's attribute assignment on an instance of a Python class of the program."""
-    inner = plain(subject)
+    if type(subject) is Random:
+        raise random_write(subject, node)
+    inner = subject
     match inner:
         case Instance():
             checked = checked_property(canonical(name), assigned, node.span, f".{name} =", state)
@@ -144,43 +173,73 @@ def set_attribute(subject: object, name: str, assigned: object, node: Node, stat
             raise RunError(f"attributes of {inner!r} cannot be assigned", node.span, rule="S-Assignment")
         case _ if "__scenic_user_class__" in (inner if isinstance(inner, type) else type(inner)).__dict__:
             check_private(name, inner, node)
-            state.settings.door.state = state
-            try:
-                setattr(inner, name, assigned)
-            except Exception as exception:
-                raise HostException(exception) from exception
+            raw(state.settings.door, state, setattr, inner, name, assigned)
             return state
         case _:
             raise HostException(AttributeError(f"attribute {name} of a {type(inner).__name__} cannot be assigned"))
 
 
-def set_item(container: object, index: object, assigned: object, node: Node, state: State) -> State:
+def set_item(container: object, index: object, assigned: object, node: Node, state: State) -> None:
     """`container[index] = v`; the element keeps its randomness."""
-    state.settings.door.state = state
-    if type(index) is Random:
-        raise RunError("the index of an assignment may not be random", node.span, rule="S-Assignment")
-    try:
-        plain(container)[index] = assigned  # type: ignore[index]
-    except Exception as exception:
-        raise HostException(exception) from exception
-    return state
+    if type(container) is Random:
+        raise random_write(container, node)
+    if isinstance(index, slice) and isinstance(container, list):
+        assigned = elements(assigned, node, state)
+    raw(state.settings.door, state, python.setitem, container, index, assigned)
 
 
 def augmented(node: s.AugmentedAssignment, stack: Stack, state: State) -> Outcome:
     """`x += E`: in place for lists, sets and dicts, as in Python."""
-    return premises(node, [node.target, *target_premises(node.target), node.value], conclude_augmented, stack, state)
+    return premises(node, [*target_premises(node.target)], conclude_augmented_target, stack, state)
+
+
+def conclude_augmented_target(node: s.AugmentedAssignment, parts: list[object], stack: Stack, state: State) -> Outcome:
+    """What stands inside the target is reduced, once: read its value, then reduce the operand."""
+    match node.target:
+        case p.Attribute() as target:
+            current = get_attribute(parts[0], target, state)
+        case p.Subscript() as target:
+            current = get_item(target, parts, state)
+        case target:
+            current = axiom(target, state)
+    read = [*parts, current]
+    return premises(node, [*[None] * len(read), node.value], conclude_augmented, stack, state, read)
 
 
 def conclude_augmented(node: s.AugmentedAssignment, values: list[object], stack: Stack, state: State) -> Outcome:
     """Compute and bind."""
-    current, *parts, operand = values
-    if node.operator == "+" and type(plain(current)) is list:
-        plain(current).extend(elements(operand, node, state))  # type: ignore[attr-defined]
-        result = current
+    *parts, current, operand = values
+    operation = IN_PLACE[node.operator]
+    if hasattr(type(plain(current)), f"__{operation.__name__}__"):
+        result = change_in_place(node, operation, current, operand, state)
     else:
         result = host(state.settings.door, state, BINARY[node.operator], *as_vectors([current, operand], state))
-    state = assign(node.target, result, iter(parts), state)
+    state = assign(node.target, result, parts, state)
     return done("S-Assignment", node, stack, state, Change("σ", getattr(node.target, "name", ""), result))
+
+
+def change_in_place(node: s.AugmentedAssignment, operation: Callable[..., object], current: object, operand: object, state: State) -> object:
+    """`x += E` on a value that can be changed: elements keep their randomness, but how many there are and which may not be random."""
+    door = state.settings.door
+    if type(current) is Random:
+        raise random_write(current, node)
+    if isinstance(current, list) and node.operator == "+" and not is_user_made(current):
+        current.extend(elements(operand, node, state))
+        return current
+    if not is_user_made(current) and (type(operand) is Random or (not isinstance(current, dict) and unwrap(operand)[1] is not None)):
+        raise RunError(
+            f"`{node.operator}=` with a random operand would change {kind_name(current)} at random", node.span, rule="S-Assignment",
+            hint=f"make a new one: x = x {node.operator} ...",
+        )
+    if isinstance(current, (list, deque)) and node.operator == "*" and isinstance(operand, int) and len(current) * operand > LARGEST_SEQUENCE:
+        raise RunError("this operation needs more memory than there is", node.span, rule="S-Assignment")
+    return raw(door, state, operation, current, operand)
+
+
+IN_PLACE: Mapping[str, Callable[..., object]] = {
+    "+": python.iadd, "-": python.isub, "*": python.imul, "/": python.itruediv, "//": python.ifloordiv, "%": python.imod, "**": python.ipow,
+    "<<": python.ilshift, ">>": python.irshift, "&": python.iand, "|": python.ior, "^": python.ixor,
+}
 
 
 def delete(node: s.Delete, stack: Stack, state: State) -> Outcome:
@@ -199,17 +258,11 @@ def conclude_delete(node: s.Delete, values: list[object], stack: Stack, state: S
             case p.Attribute(name=name):
                 check_private(name, plain(next(rest)), target)
                 raise RunError("attributes cannot be deleted", target.span, rule="S-Delete")
-            case p.Subscript(index=p.Slice()):
-                container, lower, upper, step = (plain(next(rest)) for _ in range(4))
-                _delete_item(container, slice(lower, upper, step))
+            case p.Subscript():
+                container, *parts = (next(rest) for _ in target_premises(target))
+                if type(container) is Random:
+                    raise random_write(container, target)
+                raw(state.settings.door, state, python.delitem, container, place_of(target, parts))
             case _:
-                container, index = plain(next(rest)), plain(next(rest))
-                _delete_item(container, index)
+                raise AssertionError(type(target))
     return done("S-Delete", node, stack, state)
-
-
-def _delete_item(container: object, index: object) -> None:
-    try:
-        del container[index]  # type: ignore[attr-defined]
-    except Exception as exception:
-        raise HostException(exception) from exception

@@ -9,11 +9,11 @@ from collections.abc import Mapping
 from . import regions
 from .classes import BUILT_IN_CLASSES
 from .distributions import BadParameters, Discrete, Normal, Range, TruncatedNormal, Uniform
-from .expressions import BINARY
+from .expressions import BINARY, Entries
 from .fields import PolygonalVectorField, VectorField
 from .scopes import Scope
-from .specials import SPECIAL_VALUES
-from .values import Constructor, unwrap
+from .specials import HOST_RULES, SPECIAL_VALUES
+from .values import Constructor, plain, unwrap
 from .vectors import Vector
 
 
@@ -22,9 +22,11 @@ def _uniform(*values: object) -> Uniform:
 
 
 def _discrete(weights: object) -> Discrete:
+    weights = plain(weights)
     if not isinstance(weights, Mapping):
         raise BadParameters("Discrete", "weights", "must be given as {value: weight, ...}")
-    return Discrete(tuple((value, unwrap(weight)[0]) for value, weight in weights.items()))  # pyright: ignore[reportArgumentType]: Discrete checks
+    pairs = weights.pairs if isinstance(weights, Entries) else weights.items()
+    return Discrete(tuple((value, unwrap(weight)[0]) for value, weight in pairs))  # pyright: ignore[reportArgumentType]: Discrete checks
 
 
 CONSTRUCTORS: Mapping[str, Constructor] = {
@@ -48,8 +50,8 @@ GEOMETRY: Mapping[str, object] = {
 }
 
 _HOST_NAMES = (
-    "abs all any bin bool bytes chr complex divmod float format frozenset hash hex int iter max min next object oct ord pow range repr round "
-    "set slice sorted str sum"
+    "abs all any bin bool bytes chr classmethod complex divmod float format frozenset hash hex int iter max min next object oct ord pow property "
+    "range repr round set slice sorted staticmethod str sum"
 )
 
 
@@ -66,6 +68,7 @@ HOST: Mapping[str, object] = {
     "cos": math.cos,
     "hypot": math.hypot,
     "NotImplemented": NotImplemented,
+    **{function.__name__: function for function in HOST_RULES},
 }
 
 EXCEPTIONS: Mapping[str, object] = {

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Mapping
+from types import BuiltinFunctionType, MethodType
 
+from .assignment import random_write
 from .conditions import random_branch
 from .config import Stack, State, value
 from .distributions import BadParameters
@@ -12,15 +15,15 @@ from .errors import RunError
 from .expressions import elements
 from .fields import VectorField
 from .functions import bind, enter
-from .host import LARGEST_SEQUENCE, HostException, host
+from .host import LARGEST_SEQUENCE, HostException, host, raw
 from .kinds import kind_name
 from .outcome import Next, Outcome
 from .premises import premises
 from .regions import BadRegion, Region
-from .specials import SPECIALS, STRUCTURAL_METHODS, call_raw
+from .specials import HOST_RULES, SPECIALS, STORED, call_container_method, container_method
 from .syntax import python_expressions as p
 from .syntax.nodes import Node
-from .values import Constructor, Dynamic, Function, Instance, Method, Random, ScenicClass, Special, plain, unwrap
+from .values import Constructor, Dynamic, Function, Instance, Method, Random, ScenicClass, Special, plain, unwrap, wrap
 from .vectors import Vector
 
 
@@ -43,8 +46,10 @@ def conclude_call(node: p.Call, values: list[object], stack: Stack, state: State
     for keyword, argument in zip(node.keywords, rest[len(node.arguments) :], strict=True):
         if keyword.name is not None:
             keywords[keyword.name] = argument
-        elif isinstance(plain(argument), Mapping):
-            keywords.update({str(k): v for k, v in plain(argument).items()})  # type: ignore[attr-defined]
+        elif type(argument) is Random:
+            raise random_branch(argument, node, "which arguments are given")
+        elif isinstance(argument, Mapping):
+            keywords.update({str(k): v for k, v in argument.items()})
         else:
             raise HostException(TypeError(f"{kind_name(argument)} after ** is not a mapping"))
     return apply(node, function, tuple(arguments), keywords, stack, state)
@@ -75,6 +80,10 @@ def apply(node: Node, function: object, arguments: tuple[object, ...], keywords:
             raise random_branch(function, node, "which function is called")
         case type() if "__scenic_user_class__" in function.__dict__:
             return instantiate(node, function, arguments, keywords, stack, state)
+        case MethodType(__func__=Function() as code):
+            return Next("E-Call", enter(code, (function.__self__, *arguments), keywords, state, stack, node), node)
+        case type() | BuiltinFunctionType() if function in HOST_RULES:
+            return HOST_RULES[function](node, arguments, keywords, stack, state)
         case _:
             return call_host(node, function, arguments, keywords, stack, state)
 
@@ -92,9 +101,12 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
     if any(isinstance(a, range) and len(a) > LARGEST_SEQUENCE for a in arguments):
         raise RunError("a range with so many elements cannot be turned into a collection", node.span, rule="E-Call-Host")
     guard_format(plain(function), arguments, node)
-    if callable(function) and is_structural(function):
-        return value("E-Call-Host", call_raw(function, arguments, keywords, state), stack, state, node)
-    function = on_plain_elements(function, node)
+    if container_method(plain(function)):
+        if type(function) is Random and function.value.__name__ in STORED:  # type: ignore[attr-defined]
+            raise random_write(Random(function.value.__self__, function.origin), node)  # type: ignore[attr-defined]
+        if type(function) is not Random:
+            return value("E-Call-Host", call_container_method(node, function, arguments, keywords, state), stack, state, node)  # type: ignore[arg-type]
+    function = on_plain_elements(function)
     if is_geometric(plain(function)):
         arguments = tuple(as_positions(a, state) for a in arguments)
         keywords = {k: as_positions(v, state) for k, v in keywords.items()}
@@ -111,26 +123,13 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
     return value("E-Call-Host", result, stack, state, node)
 
 
-def is_structural(function: object) -> bool:
-    """Whether this is a method of a Python container that does not look at the elements, such as `list.append`."""
-    owner = getattr(function, "__self__", None)
-    return type(owner) in (list, dict, set) and getattr(function, "__name__", "") in STRUCTURAL_METHODS
-
-
-def on_plain_elements(function: object, node: Node) -> object:
+def on_plain_elements(function: object) -> object:
     """A method of a container with random elements, as a method of the container of their values in this run."""
     owner = getattr(function, "__self__", None)
-    if type(owner) not in (list, dict, set, tuple):
+    if not isinstance(owner, (list, dict, set, tuple, deque)) or not isinstance(function, BuiltinFunctionType):
         return function
     values, origin = unwrap(owner)
-    if origin is None:
-        return function
-    name = getattr(function, "__name__", "")
-    if name in ("sort", "remove", "discard"):
-        raise RunError(
-            f"{name}() would make which element stands where random", node.span, rule="E-Call-Host", hint="make a new list, with sorted(...)"
-        )
-    return Random(getattr(values, name), origin._replace(distribution=None))
+    return function if origin is None else wrap(getattr(values, function.__name__), origin)
 
 
 def is_geometric(function: object) -> bool:
@@ -173,7 +172,7 @@ def instantiate(
     if not isinstance(initializer, Function):
         return call_host(node, class_, arguments, keywords, stack, state)
     rest = arguments if issubclass(class_, BaseException) else ()
-    instance = call_raw(class_.__new__, (class_, *rest), {}, state)
+    instance = raw(state.settings.door, state, class_.__new__, class_, *rest)
     config = enter(initializer, (instance, *arguments), keywords, state, stack, node)
     frame, below = config.stack
     return Next("E-Call", config._replace(stack=(frame._replace(constructed=instance), below)), node)

@@ -126,7 +126,17 @@ def conclude_formatted(node: p.FString, values: list[object], stack: Stack, stat
             part if isinstance(part, str) else format(conversions[part.conversion](next(rest)), str(next(rest) or "")) for part in node.parts
         )
 
-    return value("E-FString", host(state.settings.door, state, join, *values), stack, state, node)
+    texts = [instance_text(v, state) for v in values]
+    return value("E-FString", host(state.settings.door, state, join, *texts), stack, state, node)
+
+
+def instance_text(argument: object, state: State) -> object:
+    """An instance as `print`, `str` and f-strings show it, with its class and position; other values as they are."""
+    inner = plain(argument)
+    if not isinstance(inner, Instance):
+        return argument
+    position, origin = unwrap(state.objects[inner.number].get("position"))
+    return wrap(f"{inner.class_.name} at {position}", argument.origin if type(argument) is Random else origin)
 
 
 # Attributes and subscripts

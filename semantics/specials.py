@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections import Counter, deque
+from collections.abc import Callable, Collection, Mapping
+from types import BuiltinFunctionType, MethodType
 
 from .assignment import set_attribute
 from .config import Config, Stack, State, value
 from .draws import ask
 from .errors import RunError
-from .expressions import elements, get_attribute
+from .expressions import elements, get_attribute, host_container, instance_text
 from .functions import InScope
-from .host import HostException, host
+from .host import LARGEST_SEQUENCE, HostException, host, raw
 from .kinds import kind_name
 from .outcome import Change, Next, Outcome
 from .premises import describe_origin
-from .scopes import Scope
+from .scopes import MISSING, Scope
 from .syntax import python_expressions as p
 from .syntax.nodes import Node
-from .values import Dynamic, Function, Instance, Method, Random, ScenicClass, Special, plain, unwrap, wrap
+from .values import Dynamic, Function, Instance, Method, Origin, Random, ScenicClass, Special, plain, unwrap, wrap
 
 Arguments = tuple[object, ...]
 Keywords = Mapping[str, object]
@@ -44,29 +46,20 @@ def resample(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack,
 
 def print_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
     """`print(...)`: the driving loop shows the text; the semantics itself has no output."""
-    texts = [describe(argument, state) for argument in arguments]
+    texts = [str(unwrap(instance_text(argument, state))[0]) for argument in arguments]
     separator = keywords.get("sep", " ")
     text = (separator if isinstance(separator, str) else " ").join(texts)
     return value("E-Print", None, stack, state, node, Change("print", "", text))
-
-
-def describe(argument: object, state: State) -> str:
-    """A value as `print` and `str` show it: instances with their class and position."""
-    inner = plain(argument)
-    if isinstance(inner, Instance):
-        position = unwrap(state.objects[inner.number].get("position"))[0]
-        return f"{inner.class_.name} at {position}"
-    return str(unwrap(inner)[0])
 
 
 def isinstance_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
     """`isinstance(v, C)` for Scenic and Python classes, or a tuple of them."""
     if len(arguments) != 2:
         raise HostException(TypeError("isinstance() takes two arguments"))
-    subject, classes = arguments
+    subject, (classes, of_classes) = arguments[0], unwrap(arguments[1])
     inner = plain(subject)
-    result = any(_is_instance(inner, c) for c in _flat(plain(classes)))
-    origin = subject.origin if type(subject) is Random else None
+    result = any(_is_instance(inner, c) for c in _flat(classes))
+    origin = subject.origin if type(subject) is Random else of_classes
     return value("E-Call-Host", wrap(result, origin), stack, state, node)
 
 
@@ -86,12 +79,13 @@ def issubclass_rule(node: Node, arguments: Arguments, keywords: Keywords, stack:
     """`issubclass(C, D)`."""
     if len(arguments) != 2:
         raise HostException(TypeError("issubclass() takes two arguments"))
-    subject, classes = arguments
+    (subject, classes), origin = unwrap(arguments)  # type: ignore[misc]
     others = _flat(classes)
     if isinstance(subject, ScenicClass):
-        return value("E-Call-Host", any(isinstance(c, ScenicClass) and subject.is_subclass_of(c) for c in others), stack, state, node)
-    python = tuple(c for c in others if isinstance(c, type))
-    return value("E-Call-Host", host(state.settings.door, state, issubclass, subject, python), stack, state, node)
+        result: object = any(isinstance(c, ScenicClass) and subject.is_subclass_of(c) for c in others)
+    else:
+        result = raw(state.settings.door, state, issubclass, subject, tuple(c for c in others if isinstance(c, type)))
+    return value("E-Call-Host", wrap(result, origin), stack, state, node)
 
 
 def type_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
@@ -108,36 +102,39 @@ def getattr_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: St
     """`getattr(v, name[, default])`, under the same rules as `v.name`."""
     if len(arguments) not in (2, 3) or not isinstance(plain(arguments[1]), str):
         raise HostException(TypeError("getattr() takes a value, a name and perhaps a default"))
-    access = p.Attribute(value=p.Constant(value=None), name=str(plain(arguments[1])), span=node.span)
-    subject = arguments[0]
-    try:
-        result = get_attribute(plain(subject), access, state)
-    except HostException as problem:
-        if len(arguments) == 3 and isinstance(problem.exception, AttributeError):
-            return value("E-Attribute", arguments[2], stack, state, node)
-        raise
-    origin = subject.origin if type(subject) is Random else None
-    return value("E-Attribute", wrap(result, origin), stack, state, node)
+    result, origin = _named(node, arguments, state)
+    if result is MISSING:
+        result = arguments[2]
+    return value("E-Attribute", result if origin is None else wrap(unwrap(result)[0], origin), stack, state, node)
 
 
 def hasattr_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
     """`hasattr(v, name)`."""
     if len(arguments) != 2 or not isinstance(plain(arguments[1]), str):
         raise HostException(TypeError("hasattr() takes a value and a name"))
-    access = p.Attribute(value=p.Constant(value=None), name=str(plain(arguments[1])), span=node.span)
+    result, origin = _named(node, (*arguments, None), state)
+    return value("E-Attribute", wrap(result is not MISSING, origin), stack, state, node)
+
+
+def _named(node: Node, arguments: Arguments, state: State) -> tuple[object, Origin | None]:
+    """The attribute of the first argument that the second names, MISSING if there is none and a third argument; what made the choice random."""
+    subject, name = arguments[:2]
+    origin = next((v.origin for v in (subject, name) if type(v) is Random), None)
+    access = p.Attribute(value=p.Constant(value=None), name=str(plain(name)), span=node.span)
     try:
-        get_attribute(plain(arguments[0]), access, state)
+        return get_attribute(plain(subject), access, state), origin
     except HostException as problem:
-        if isinstance(problem.exception, AttributeError):
-            return value("E-Attribute", False, stack, state, node)
+        if len(arguments) == 3 and isinstance(problem.exception, AttributeError):
+            return MISSING, origin
         raise
-    return value("E-Attribute", True, stack, state, node)
 
 
 def setattr_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
     """`setattr(v, name, w)`, under the same rules as `v.name = w`."""
     if len(arguments) != 3 or not isinstance(plain(arguments[1]), str):
         raise HostException(TypeError("setattr() takes a value, a name and a value"))
+    if type(arguments[1]) is Random:
+        raise RunError("the name of the attribute that is assigned may not be random", node.span, rule="S-Assignment")
     return value("S-Assignment", None, stack, set_attribute(arguments[0], str(plain(arguments[1])), arguments[2], node, state), node)
 
 
@@ -146,7 +143,9 @@ def callable_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: S
     if len(arguments) != 1:
         raise HostException(TypeError("callable() takes one argument"))
     inner = plain(arguments[0])
-    return value("E-Call-Host", not isinstance(inner, (Instance, ScenicClass)) and callable(inner), stack, state, node)
+    result = not isinstance(inner, (Instance, ScenicClass)) and callable(inner)
+    origin = arguments[0].origin if type(arguments[0]) is Random else None
+    return value("E-Call-Host", wrap(result, origin), stack, state, node)
 
 
 _F, _X, _XS = p.Name(name="<function>"), p.Name(name="<element>"), p.Name(name="<elements>")
@@ -181,40 +180,102 @@ def _comprehend(
     return Next("E-Call-Host", Config(body, (InScope(state.sigma), stack), state._replace(sigma=scope)), node)
 
 
-STRUCTURAL: Mapping[str, Callable[..., object]] = {
-    "len": len, "list": list, "tuple": tuple, "zip": lambda *xs, **k: list(zip(*xs, **k)),
-    "enumerate": lambda xs, start=0: list(enumerate(xs, start)),
-    "reversed": lambda xs: list(reversed(xs)), "dict": dict,
+def super_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
+    """`super()` has no rule."""
+    raise RunError("super() is not part of this language", node.span, rule="E-Call-Host", hint="name the class: Base.method(self, ...)")
+
+
+def str_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
+    """`str(v)` of an instance is what `print` shows."""
+    if len(arguments) == 1 and not keywords and isinstance(plain(arguments[0]), Instance):
+        return value("E-Call-Host", instance_text(arguments[0], state), stack, state, node)
+    return value("E-Call-Host", host(state.settings.door, state, str, *arguments, **keywords), stack, state, node)
+
+
+STRUCTURAL: Mapping[Callable[..., object], Callable[..., object]] = {
+    len: len,
+    list: list,
+    tuple: tuple,
+    dict: lambda *xs, **named: _settled(dict(*xs, **named)),
+    zip: lambda *xs, **named: list(zip(*xs, **named)),
+    enumerate: lambda iterable, start=0: list(enumerate(iterable, start)),
+    reversed: lambda xs: list(reversed(xs)),
 }
 """Builtins that look at a container, not at its elements: these keep their randomness. Lazy ones give lists."""
 
-STRUCTURAL_METHODS = frozenset(
-    {"append", "extend", "insert", "clear", "copy", "reverse", "items", "keys", "values", "get", "setdefault", "update", "pop", "popitem", "add"}
-)
+
+def _settled(entries: dict) -> object:
+    """A dictionary whose keys are all known, or a random one."""
+    return host_container(dict, list(entries.items()))
 
 
-def structural(name: str) -> Rule:
+def structural(builtin: Callable[..., object]) -> Rule:
     """The rule of a builtin that looks at a container only."""
-    function = STRUCTURAL[name]
+    function = STRUCTURAL[builtin]
 
     def rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
-        if any(type(a) is Random for a in arguments):
+        options = () if builtin is dict else keywords.values()
+        if any(type(a) is Random for a in (*arguments, *options)):
             return value("E-Call-Host", host(state.settings.door, state, function, *arguments, **keywords), stack, state, node)
-        sized = [a for a in arguments if isinstance(a, range)]
-        if name != "len" and any(len(a) > 10_000_000 for a in sized):
+        if builtin is not len and any(isinstance(a, range) and len(a) > LARGEST_SEQUENCE for a in arguments):
             raise RunError("a range with so many elements cannot be turned into a collection", node.span, rule="E-Call-Host")
-        return value("E-Call-Host", call_raw(function, arguments, keywords, state), stack, state, node)
+        return value("E-Call-Host", raw(state.settings.door, state, function, *arguments, **keywords), stack, state, node)
 
     return rule
 
 
-def call_raw(function: Callable[..., object], arguments: Arguments, keywords: Keywords, state: State) -> object:
-    """Call host code that does not look at the elements of containers."""
-    state.settings.door.state = state
-    try:
-        return function(*arguments, **keywords)
-    except Exception as exception:
-        raise HostException(exception) from exception
+STORED: Mapping[str, Collection[int]] = {
+    "append": {0}, "appendleft": {0}, "extend": {0}, "extendleft": {0}, "insert": {1}, "setdefault": {1}, "update": {0},
+    "add": (), "clear": (), "difference_update": (), "discard": (), "intersection_update": (), "move_to_end": (), "pop": (), "popitem": (),
+    "popleft": (), "remove": (), "reverse": (), "rotate": (), "sort": (), "subtract": (), "symmetric_difference_update": (),
+}
+"""Methods that change a container: which arguments become elements, which keep their randomness. All others are keys, indices, counts."""
+
+KEEPING = frozenset({"copy", "items", "keys", "values", "get"})
+"""Methods that do not change a container and do not look at its elements."""
+
+GIVING = frozenset({"pop", "popitem", "popleft", "setdefault"})
+
+
+def container_method(function: object) -> str:
+    """The name of the method, if this is a method of a Python container that changes it or does not look at the elements."""
+    name = getattr(function, "__name__", "") if isinstance(function, (BuiltinFunctionType, MethodType)) else ""
+    known = (name in STORED or name in KEEPING) and isinstance(getattr(function, "__self__", None), (list, dict, set, deque))
+    return name if known else ""
+
+
+def call_container_method(
+    node: Node, function: BuiltinFunctionType | MethodType, arguments: Arguments, keywords: Keywords, state: State
+) -> object:
+    """Call a method of `container_method`: stored elements keep their randomness, but where they stand may not be random."""
+    name, owner = function.__name__, function.__self__
+    stored: Collection[int] = STORED.get(name, ())
+    counting = isinstance(owner, (set, Counter))
+    places = [a for i, a in enumerate(arguments) if counting or i not in stored]
+    if name == "update" and isinstance(owner, dict) and not counting and arguments:
+        if type(arguments[0]) is Random:
+            raise random_place(name, node)
+        entries = raw(state.settings.door, state, dict, arguments[0])
+        arguments, places = (entries, *arguments[1:]), [*entries]  # type: ignore[misc]
+    elif name in ("extend", "extendleft"):
+        arguments = tuple(elements(a, node, state) for a in arguments)
+    met = unwrap([*places, *(keywords.values() if counting or name in ("sort", "pop") else ())])[1] is not None
+    if met and name in KEEPING:
+        return host(state.settings.door, state, getattr(unwrap(owner)[0], name), *arguments, **keywords)
+    if met or (name in ("sort", "remove") and unwrap(owner)[1] is not None):
+        raise random_place(name, node)
+    result = raw(state.settings.door, state, function, *arguments, **keywords)
+    if name in STORED and name not in GIVING and type(result) is Random:  # a key function or comparison of the program met something random
+        raise random_place(name, node)
+    return result
+
+
+def random_place(name: str, node: Node) -> RunError:
+    """The error where a change of a container would make its shape random."""
+    return RunError(
+        f"{name}() would make which element stands where random", node.span, rule="E-Call-Host",
+        hint="make a new container, with sorted(...), a comprehension or an operator",
+    )
 
 
 SPECIALS: Mapping[str, Rule] = {
@@ -227,9 +288,12 @@ SPECIALS: Mapping[str, Rule] = {
     "hasattr": hasattr_rule,
     "setattr": setattr_rule,
     "callable": callable_rule,
-    "map": map_rule,
-    "filter": filter_rule,
-    **{name: structural(name) for name in STRUCTURAL},
+    "super": super_rule,
 }
 
 SPECIAL_VALUES: Mapping[str, Special] = {name: Special(name) for name in SPECIALS}
+
+HOST_RULES: Mapping[Callable[..., object], Rule] = {
+    **{builtin: structural(builtin) for builtin in STRUCTURAL}, map: map_rule, filter: filter_rule, str: str_rule,
+}
+"""Python's own builtins with a rule of their own where the program calls them; elsewhere they are ordinary values."""

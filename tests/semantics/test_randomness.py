@@ -1,0 +1,153 @@
+"""What is random stays random: through containers, changes in place, comparisons and Python's protocols; what would lose it is refused."""
+
+from __future__ import annotations
+
+import pytest
+import scenic_ref
+from scenic_ref.semantics import errors
+
+EGO = "ego = Object\n"
+CHOICE = "a = Object at 5 @ 5\nb = Object at 9 @ 9\nu = Uniform(a, b)\n"
+BOX = "class Box(object):\n    def __init__(self, x): self.x = x\n"
+
+
+def result_of(program):
+    return scenic_ref.loads(EGO + program).sample().params["r"]
+
+
+VALUES = {
+    "a non-random chain stops at the first link that fails": ("n = 3\nxs = [1]\nparam r = 0 < n < 2 < xs[5]\n", False),
+    "a random chain is a random truth value": ("x = Range(0, 1)\nparam r = 0 <= x < 2 < 3\n", True),
+    "not in a region": ("param r = 0 @ 0 not in CircularRegion(0 @ 0, 3)\n", False),
+    "in a region within a chain": ("c = CircularRegion(0 @ 0, 3)\nparam r = 1 < 2 == (0 @ 0 in c) + 1\n", True),
+    "equal random members of a set are one": ("param r = len({Uniform(1, 1), Uniform(1, 1), 1})\n", 1),
+    "a random key is found": ("d = {Uniform(1, 1): 5}\nparam r = d[1]\n", 5),
+    "dict() with a random key": ("param r = dict([(Uniform(1, 1), 2)])[1]\n", 2),
+    "Discrete chooses among random values": ("param r = Discrete({Range(3, 3): 1, Range(3, 3): 2})\n", 3),
+    "a random part of a tuple as key": ("d = {(0, 1): 4}\ni = Uniform(1, 1)\nparam r = d[(0, i)]\n", 4),
+    "get with a random key": ("param r = {1: 'a', 2: 'b'}.get(Uniform(2, 2))\n", "b"),
+    "enumerate from a random start": ("param r = enumerate([5], start=Uniform(2, 2))\n", [(2, 5)]),
+    "stored elements stay where they are put": (
+        "xs = [1, 2]\nxs.append(Uniform(3, 3))\nxs.extend([Uniform(4, 4)])\nxs.insert(0, Uniform(0, 0))\nparam r = (len(xs), xs)\n",
+        (5, [0, 1, 2, 3, 4]),
+    ),
+    "augmented assignment reduces the index once": (
+        "c = [0]\ndef f():\n    c[0] += 1\n    return 0\na = [1]\na[f()] += 1\nparam r = (a, c)\n", ([2], [1]),
+    ),
+    "augmented assignment takes the index once": ("it = [0, 1]\na = [5, 6]\na[it.pop()] += 10\nparam r = a\n", [5, 16]),
+    "augmented assignment reads before it reduces the operand": (
+        "x = 1\ndef f():\n    global x\n    x = 10\n    return 1\nx += f()\nparam r = x\n", 2,
+    ),
+    "augmented assignment in place": (
+        "a = [1]\nb = a\na += [Uniform(2, 2)]\na *= 2\ns = {1}\nt = s\ns |= {2}\nd = {}\ne = d\nd |= {1: Uniform(3, 3)}\nparam r = (b, t, e)\n",
+        ([1, 2, 1, 2], {1, 2}, {1: 3}),
+    ),
+    "__iadd__ of the program": (
+        BOX + "    def __iadd__(self, o):\n        self.x = self.x + o\n        return self\n"
+        "p = Box(1)\nq = p\np += Uniform(1, 1)\nparam r = q.x\n",
+        2,
+    ),
+    "builtins are ordinary values": (
+        "param r = (isinstance([], list), type([]) is list, sorted(['aaa', 'b'], key=len), map(len, ['ab']), filter(None, [0, 1]))\n",
+        (True, True, ["b", "aaa"], [2], [1]),
+    ),
+    "a class below list": (
+        "class L(list):\n    def double(self): return 2 * len(self)\nl = L([1])\nl.append(Uniform(3, 3))\nparam r = (l.double(), sum(l))\n", (4, 4),
+    ),
+    "defaultdict(list)": ("from collections import defaultdict\nd = defaultdict(list)\nd[1].append(Uniform(2, 2))\nparam r = d[1]\n", [2]),
+    "a value view with random values": ("d = {1: Uniform(2, 2)}\nparam r = sum(d.values())\n", 2),
+    "unpacking binds from left to right": ("i = 0\na = [0, 0]\ni, a[i] = 1, 5\nparam r = (i, a)\n", (1, [0, 5])),
+    "properties and static and class methods": (
+        "class A(object):\n    @property\n    def f(self): return 3\n    @staticmethod\n    def g(x): return x\n"
+        "    @classmethod\n    def h(cls, x): return (cls is A, x)\na = A()\nparam r = (a.f, a.g(2), a.h(5))\n",
+        (3, 2, (True, 5)),
+    ),
+    "properties of Scenic classes": (
+        "class Foo:\n    @property\n    def area(self): return self.width * self.length\n"
+        "f = Foo at 9 @ 9, with width Uniform(2, 2)\nparam r = f.area\n",
+        2,
+    ),
+    "an instance as text": ("param r = (str(ego), f'{ego}')\n", ("Object at (0.0, 0.0)", "Object at (0.0, 0.0)")),
+    "an identity is not random": ("xs = [Uniform(1, 2)]\nif xs is xs:\n    param r = 1\n", 1),
+}
+
+
+@pytest.mark.parametrize("claim", VALUES)
+def test_value(claim):
+    program, expected = VALUES[claim]
+    assert result_of(program) == expected
+
+
+BRANCHES = {
+    "chain": ("x = Range(0, 1)\n", "0 < x < 2 < 3"),
+    "not in a region": ("x = Range(0, 1) @ 0\n", "x not in CircularRegion(0 @ 0, 3)"),
+    "a chain with not in": ("x = Range(0, 1) @ 0\n", "1 < 2 not in [x] == 3"),
+    "__getitem__": (BOX + "    def __getitem__(self, i): return self.x\n", "Box(Uniform(1, 2))[0] == 1"),
+    "__getattr__": ("u = Uniform(1, 2)\nclass A(object):\n    def __getattr__(self, n): return u\n", "A().foo == 1"),
+    "__len__": (BOX + "    def __len__(self): return self.x\n", "len(Box(Uniform(1, 2))) == 1"),
+    "__setitem__": (BOX + "    def __setitem__(self, i, v): self.x = v\nb = Box(0)\nb[1] = Uniform(1, 2)\n", "b.x == 1"),
+    "get": ("d = {1: 'a', 2: 'b'}\n", "d.get(Uniform(1, 2)) == 'a'"),
+    "a set": ("", "len({Uniform(1, 2), 1}) == 1"),
+    "a set comprehension": ("", "len({Uniform(1, 2) for x in range(3)}) == 1"),
+    "the keys of a dict comprehension": ("", "len({Uniform(1, 2): x for x in range(3)}) == 1"),
+    "a dict display of a random one": ("", "1 in {**Uniform({1: 2}, {3: 4})}"),
+    "a deque": ("from collections import deque\nq = deque([1])\nq.append(Uniform(1, 2))\n", "2 in q"),
+    "a value view": ("d = {1: Uniform(1, 2)}\n", "1 in d.values()"),
+    "hasattr": ("", "hasattr(ego, Uniform('width', 'foo'))"),
+    "hasattr of a random subject": ("", "hasattr(Uniform(ego, 1), 'width')"),
+    "getattr": ("", "getattr(ego, Uniform('width', 'length')) == 1"),
+    "getattr's default": ("", "getattr(ego, Uniform('foo', 'length'), 3) == 3"),
+    "callable": ("", "callable(Uniform(1, ego))"),
+    "type": ("", "type(Uniform(1, 'a')) is int"),
+    "isinstance with a random class": ("", "isinstance(1, Uniform(int, str))"),
+    "issubclass with a random class": ("", "issubclass(bool, Uniform(int, str))"),
+    "str of an object at a random place": ("a = Object at Range(3, 4) @ 5\n", "str(a) == ''"),
+}
+
+
+@pytest.mark.parametrize("claim", BRANCHES)
+def test_random_result_decides_no_branch(claim):
+    before, condition = BRANCHES[claim]
+    with pytest.raises(errors.RandomBranch):
+        scenic_ref.loads(f"{EGO}{before}if {condition}:\n    pass\n").sample()
+
+
+REFUSALS = {
+    "pop from a dict": ("d = {1: 2, 3: 4}\nd.pop(Uniform(1, 3))\n", "pop() would make"),
+    "pop from a list": ("xs = [1, 2]\nxs.pop(Uniform(0, 1))\n", "pop() would make"),
+    "insert": ("xs = [1]\nxs.insert(Uniform(0, 1), 3)\n", "insert() would make"),
+    "sort by a random key": ("u = Uniform(1, 2)\nxs = [1, 2]\nxs.sort(key=lambda x: u * x)\n", "sort() would make"),
+    "sort random elements": ("xs = [Uniform(1, 2), 1]\nxs.sort()\n", "sort() would make"),
+    "discard": ("s = {1}\ns.discard(Uniform(1, 2))\n", "discard() would make"),
+    "add": ("s = {1}\ns.add(Uniform(1, 2))\n", "add() would make"),
+    "update with random keys": ("d = {1: 2}\nd.update([(Uniform(1, 2), 3)])\n", "update() would make"),
+    "del": ("xs = [1, 2]\ndel xs[Uniform(0, 1)]\n", "index of an assignment"),
+    "a random slice": ("xs = [1, 2]\nxs[Uniform(0, 1):] = [3]\n", "index of an assignment"),
+    "|= on a set": ("s = {1}\ns |= {Uniform(1, 2)}\n", "with a random operand"),
+    "a property": (CHOICE + "u.width = 2\n", "which instance of Object"),
+    "a new property": (CHOICE + "u.foo = 1\n", "which instance of Object"),
+    "setattr": (CHOICE + "setattr(u, 'foo', 1)\n", "which instance of Object"),
+    "an attribute of an instance of a Python class": (BOX + "u = Uniform(Box(1), Box(2))\nu.x = 3\n", "which Box"),
+    "append to a random list": ("u = Uniform([1], [2])\nu.append(3)\n", "which list"),
+    "an element of a random list": ("u = Uniform([1], [2])\nu[0] = 3\n", "which list"),
+    "del in a random list": ("u = Uniform([1], [2])\ndel u[0]\n", "which list"),
+    "+= on a random list": ("u = Uniform([1], [2])\nu += [9]\n", "which list"),
+    "extend by a random number of elements": ("xs = [1]\nxs.extend(Uniform([1], [2, 3]))\n", "the number of its elements"),
+    "** with random names": ("def f(x): return x\nparam r = f(**Uniform({'x': 1}, {'x': 2}))\n", "which arguments"),
+    "iteration over what is random": (
+        "u = Uniform(1, 2)\nclass A(object):\n    def __iter__(self): return iter([u])\nfor v in A():\n    pass\n", "what its iterator gives",
+    ),
+    "a draw in __iter__": (
+        "class A(object):\n    def __iter__(self): return iter([Uniform(1, 2)])\nparam r = [*A()]\n", "draws a random value while library code",
+    ),
+    "print as a key": ("param r = sorted([1, 2], key=print)\n", "library code cannot call print"),
+    "super": ("param r = super()\n", "super() is not part"),
+}
+
+
+@pytest.mark.parametrize("claim", REFUSALS)
+def test_change_that_would_be_random_is_refused(claim):
+    program, message = REFUSALS[claim]
+    with pytest.raises(errors.ScenicError) as caught:
+        scenic_ref.loads(EGO + program).sample()
+    assert message in caught.value.message
