@@ -19,6 +19,7 @@ def main() -> None:
     try:
         code = answer(sys.argv[1:])
     except KeyboardInterrupt:
+        print("interrupted; a file of JSON Lines holds whole lines, and --resume goes on with it", file=sys.stderr)
         code = INTERRUPTED
     sys.exit(code)
 

@@ -21,6 +21,7 @@ from ..semantics.outcome import Draw, Next, Observe, Outcome, Requirement
 from ..semantics.scopes import descendants
 from ..semantics.step import step
 from ..semantics.syntax import Program
+from ..semantics.syntax.dynamics import MonitorDefinition, RequireAlways, RequireEventually, RequireMonitor, TerminateWhen
 from ..semantics.syntax.nodes import Node, Span
 from ..semantics.syntax.python_expressions import Name
 from ..semantics.syntax.statements import SoftRequire
@@ -73,6 +74,15 @@ class Drawing:
     def has_soft_requirements(self) -> bool:
         """Whether there are soft requirements that may hold less often than they say (reading `soft=run`)."""
         return self.scenario.readings["soft"] == "run" and any(isinstance(node, SoftRequire) for node in self._nodes())
+
+    @cached_property
+    def about_time(self) -> tuple[str, ...]:
+        """The statements of the program that concern time, each with its line: they have no effect on a scene."""
+        kinds = {
+            RequireAlways: "require always", RequireEventually: "require eventually", RequireMonitor: "require monitor",
+            TerminateWhen: "terminate when", MonitorDefinition: "monitor",
+        }  # fmt: skip
+        return tuple(f"`{kinds[type(s)]}` on line {s.span.line}" for s in self.scenario.program.statements if type(s) in kinds)
 
     def _nodes(self) -> Iterator[Node]:
         modules = [m for m in self.scenario.settings.library.values() if isinstance(m, Program)]

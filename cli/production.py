@@ -63,6 +63,8 @@ def produce(source: Source, request: Request, session: Session) -> None:
         tell(f"{len(earlier):,} scenes were there already")
     for line in summary(tally, request.seed, time.perf_counter() - begun, session.texts):
         tell(line)
+    if drawing.about_time:
+        tell(f"note: conditions over time are not checked, since dynamics do not run yet: {', '.join(drawing.about_time)}")
     if request.plot is not None:
         plot(drawing, request, known[: request.stop])
 

@@ -11,11 +11,11 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from ..interpreter.choosers import from_stream
-from ..interpreter.running import DEFAULT_FUEL, Accepted, Witness, run
+from ..interpreter.running import DEFAULT_FUEL, Accepted, Chooser, Witness, run
 from ..interpreter.scenes import Scene, scene_of
 from ..semantics.config import Config
 from ..semantics.errors import AttemptsExhausted
-from ..semantics.outcome import Requirement
+from ..semantics.outcome import Draw, Requirement
 
 DEFAULT_ATTEMPTS = 100_000
 
@@ -40,15 +40,36 @@ def sample(
     steps = 0
     for attempt in range(max_attempts):
         witness = None if witnessed is None else witnessed(attempt)
-        result = run(start(), from_stream(seed, index, attempt), fuel=fuel, witness=witness)
+        choose, drawn = counting(from_stream(seed, index, attempt))
+        result = run(start(), choose, fuel=fuel, witness=witness)
         steps += result.steps
         if isinstance(result, Accepted):
             return Sampled(scene_of(result.state, seed, index, attempt + 1), stuck, steps)
         stuck[result.requirement] += 1
         if on_attempt is not None:
             on_attempt(attempt + 1)
+        if not drawn:
+            raise exhausted(f"no scene is possible, since nothing is drawn before this fails: {result.requirement.text}", attempt + 1, stuck)
     worst, count = stuck.most_common(1)[0]
-    raise AttemptsExhausted(
-        f"no scene in {max_attempts:,} attempts: most often ({count:,} times) this failed: {worst.text}", worst.span,
-        attempts=max_attempts, stuck=tuple(stuck.most_common()),
-    )
+    raise exhausted(f"no scene in {max_attempts:,} attempts: most often ({count:,} times) this failed: {worst.text}", max_attempts, stuck)
+
+
+def counting(choose: Chooser) -> tuple[Chooser, list[tuple[int, ...]]]:
+    """The chooser, and a list that holds the first draw that it answered, if any."""
+    seen: list[tuple[int, ...]] = []
+
+    def answer(draw: Draw) -> object:
+        if not seen:
+            seen.append(draw.address)
+        return choose(draw)
+
+    return answer, seen
+
+
+def exhausted(message: str, attempts: int, stuck: Counter[Requirement]) -> AttemptsExhausted:
+    """The error when no scene was found, with a hint where one is known."""
+    worst, _ = stuck.most_common(1)[0]
+    error = AttemptsExhausted(message, worst.span, attempts=attempts, stuck=tuple(stuck.most_common()))
+    if worst.kind == "collision":
+        error.hint = "boxes that only touch intersect as well (reading touching); leave a gap, or give one of them allowCollisions True"
+    return error

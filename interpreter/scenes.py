@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -17,6 +18,8 @@ from ..semantics.values import Instance, ScenicClass, plain, unwrap
 from ..semantics.vectors import Vector
 
 SCHEMA = "scenic-ref/scene/1"
+LARGEST_NUMBER_BITS = 10_000
+ADDRESS = re.compile(r" at 0x[0-9a-fA-F]+")
 OWN_FIELDS = ("position", "heading", "width", "length")
 
 
@@ -85,6 +88,8 @@ def json_value(value: object) -> object:
     """A property or parameter in JSON; what has no JSON form is written as {"repr": "..."}."""
     inner = plain(value)
     match inner:
+        case int() if inner.bit_length() > LARGEST_NUMBER_BITS:
+            return {"repr": hex(inner)}
         case None | bool() | str() | int():
             return inner
         case float():
@@ -100,7 +105,12 @@ def json_value(value: object) -> object:
         case ScenicClass(name=name):
             return {"repr": name}
         case _:
-            return {"repr": repr(unwrap(inner)[0])[:1000]}
+            return {"repr": stable_repr(unwrap(inner)[0])}
+
+
+def stable_repr(value: object) -> str:
+    """`repr(value)`, but never with an address in memory, which would differ from run to run."""
+    return ADDRESS.sub("", repr(value))[:1000]
 
 
 def scene_of(state: State, seed: int, index: int, attempts: int, weight: float = 1.0) -> Scene:

@@ -14,6 +14,7 @@ from ..interpreter.parser import parse
 from ..interpreter.running import DEFAULT_FUEL, rehearse
 from ..interpreter.scenes import Scene
 from ..semantics.config import Config, Settings
+from ..semantics.errors import UsageError
 from ..semantics.programs import initial, make_settings
 from ..semantics.readings import select
 from ..semantics.syntax import Program
@@ -48,6 +49,8 @@ class Scenario:
             self.program, worlds=WORLDS, model=self.model, trust=self.trust, directory=self.directory,
             dialect=self.program.dialect if self.program.dialect != "paper" else None,
         )
+        if self.model is not None and isinstance(library.get(self.model), Exception):
+            raise UsageError(f"the world model: {library[self.model]}", hint=getattr(library[self.model], "hint", ""))
         return make_settings(self.readings, library, self.params, self.model)  # type: ignore[arg-type]
 
     def start(self) -> Config:

@@ -88,6 +88,7 @@ VECTOR_PROPERTIES = frozenset({"position", "velocity"})
 SCALAR_PROPERTIES = frozenset(
     {"heading", "width", "length", "viewDistance", "viewAngle", "speed", "angularSpeed", "mutationScale", "positionStdDev", "headingStdDev"}
 )
+BOOLEAN_PROPERTIES = frozenset({"allowCollisions", "requireVisible"})
 NON_NEGATIVE_PROPERTIES = frozenset({"width", "length", "viewDistance", "viewAngle", "mutationScale", "positionStdDev", "headingStdDev"})
 
 

@@ -80,6 +80,11 @@ def make_scenic_class(node: s.ClassDefinition, superclass: ScenicClass, members:
         if name in defaults:
             raise CheckError(f"the property {name} has two defaults in class {node.name}", default.span)
         defaults[name] = default.value
+    for name in members:
+        if canonical(name) in superclass.defaults:
+            raise RunError(
+                f"{name} is a property of {superclass.name}, and `=` does not give it a default", node.span, rule="S-Class", hint=f"write {name}: ..."
+            )
     if "__init__" in members:
         raise RunError(
             f"the Scenic class {node.name} has no __init__: its objects are made from specifiers", node.span, rule="S-Class",

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from .config import Abrupt, Config, State, Value
 from .errors import FuelExhausted, RunError, ScenicError
 from .outcome import Draw, Fault, Next, Observe, Stuck
-from .values import Function, Instance, Method, Origin, Random, ScenicClass, unwrap, wrap
+from .values import Function, Instance, Origin, unwrap, wrap
 
 if TYPE_CHECKING:
     from .syntax.nodes import Node
@@ -58,7 +58,7 @@ class Door:
         """The value of `function(*arguments, **keywords)`, with nothing random left in it (its origin is kept)."""
         if self.state is None:
             raise RunError(f"{function.name} is called outside any run", function.span)
-        state, self.called = self.state, True
+        state, outer, self.called = self.state, self.origin, True
         self.calls += 1
         begun = state._replace(made=state.made + self.calls * NUMBERS_PER_CALL)
         config = self.enter(function, arguments, keywords, begun)
@@ -92,7 +92,7 @@ class Door:
                         f"{function.name} returns a new object or point to library code that calls it", function.span, rule="E-Call-Host",
                         hint="return its position instead",
                     )
-                self.origin = self.origin or origin
+                self.state, self.origin = state, outer or self.origin or origin
                 return result
             case _:
                 return None
@@ -142,11 +142,6 @@ def host(door: Door, state: State, operation: Callable[..., object], *arguments:
     except Exception as exception:  # whatever library code raises is the program's to catch
         raise HostException(exception, origin or door.origin) from exception
     return wrap(result, origin or door.origin)
-
-
-def is_host_object(value: object) -> bool:
-    """Whether `value` is a Python object that the machine does not know."""
-    return not isinstance(value, (Instance, ScenicClass, Function, Method, Random))
 
 
 def check_private(name: str, value: object, node: Node) -> None:

@@ -31,6 +31,7 @@ from .distributions import BadParameters, PointIn
 from .errors import RunError
 from .expressions import axiom
 from .fields import OutsideField
+from .functions import LARGEST_DEPTH
 from .kinds import OrientedPointAt, Reader, is_object, kind_name
 from .operations import SPECIFIED, compute
 from .outcome import Change, Draw, Next, Outcome, Requirement, Stuck
@@ -146,7 +147,12 @@ def evaluate_late(frame: Construction, specification: Specification, stack: Stac
         owner = frame.instance.class_.defaults[specification.specifies[0]][1]
         bindings: Mapping[str, object] = {"self": frame.instance, SPECIFIED: frame.instance}
         scope = Scope("specifier", owner.scope, bindings=dict(bindings))
-        return reduce(node, Defaulting(frame), stack, state._replace(sigma=scope))
+        if state.depth >= LARGEST_DEPTH:
+            raise RunError(
+                f"the class {owner.name} creates objects of its own kind in its default of {specification.specifies[0]}, without end", node.span,
+                rule="E-ObjectDefinition",
+            )
+        return reduce(node, Defaulting(frame), stack, state._replace(sigma=scope, depth=state.depth + 1))
     scope = Scope("specifier", frame.outer, bindings={SPECIFIED: frame.instance})
     arguments = arguments_of(node)
     return premises(node, arguments, partial(conclude_late, frame), (frame, stack), state._replace(sigma=scope))
@@ -176,13 +182,15 @@ def resume_defaulting(frame: Defaulting, result: object, stack: Stack, state: St
     """The default value was reduced to `result`."""
     construction = frame.construction
     name = construction.order[construction.index][1][0]
-    return assign_property(construction, "P-Default", {name: result}, stack, state._replace(sigma=construction.outer))
+    restored = state._replace(sigma=construction.outer, depth=state.depth - 1)
+    return assign_property(construction, "P-Default", {name: result}, stack, restored)
 
 
 def unwind_construction(frame: Construction | Defaulting, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
     """An exception leaves the object unfinished; σ is restored."""
-    outer = frame.construction.outer if isinstance(frame, Defaulting) else frame.outer
-    return Next("", Config(abrupt, stack, state._replace(sigma=outer)))
+    if isinstance(frame, Defaulting):
+        return Next("", Config(abrupt, stack, state._replace(sigma=frame.construction.outer, depth=state.depth - 1)))
+    return Next("", Config(abrupt, stack, state._replace(sigma=frame.outer)))
 
 
 def apply_form(frame: Construction, form: sp.Form, arguments: tuple[object, ...], stack: Stack, state: State) -> Outcome:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from .classes import NON_NEGATIVE_PROPERTIES, SCALAR_PROPERTIES, VECTOR_PROPERTIES
+from .classes import BOOLEAN_PROPERTIES, NON_NEGATIVE_PROPERTIES, SCALAR_PROPERTIES, VECTOR_PROPERTIES
 from .config import State
 from .errors import RunError
 from .kinds import Reader, has_kind, is_finite, kind_name
 from .syntax.nodes import Span
-from .values import Instance, Random
+from .values import Instance, Random, unwrap
 from .vectors import Vector
 
 
@@ -19,6 +19,10 @@ def checked_property(name: str, assigned: object, place: Span, source: str, stat
         kind, expected = "vector", "a vector"
     elif name in SCALAR_PROPERTIES:
         kind, expected = "heading" if name == "heading" else "scalar", "a scalar"
+    elif name in BOOLEAN_PROPERTIES:
+        if not isinstance(unwrap(assigned)[0], bool):
+            raise _bad(name, "True or False", unwrap(assigned)[0], place, source)
+        return assigned
     else:
         return assigned
     reader = Reader(state)

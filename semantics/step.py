@@ -194,6 +194,8 @@ def step(config: Config) -> Outcome:
         return Fault(RunError(str(bad), place(config), rule="E-Call-Host"))
     except EmptyRegion as empty:
         return Stuck("E-Call-Host", Requirement("region", place(config), str(empty)))
+    except OverflowError:
+        return Fault(RunError("a number is too large", place(config)))
     except ScenicError as error:
         if error.span is NOWHERE or error.span.line == 0:
             error.span = place(config)

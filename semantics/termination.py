@@ -16,9 +16,10 @@ from .operators import can_see_object, object_is_in
 from .outcome import Done, Draw, Next, Observe, Outcome, Requirement, Stuck
 from .regions import Region, everywhere
 from .statements import enforce
+from .syntax.dynamics import ScenarioDefinition
 from .syntax.nodes import NOWHERE
 from .syntax.python_expressions import Constant
-from .values import Instance, Origin, Random, plain
+from .values import Dynamic, Instance, Origin, Random, plain
 from .vectors import Vector
 
 POSE = 3  # x, y and heading
@@ -70,6 +71,11 @@ class Late(NamedTuple):
 def resume_finishing(frame: Finishing, result: object, stack: Stack, state: State) -> Outcome:
     """⟨pass, σ, π, O⟩: the program has been reduced; a program without ego is ill-formed."""
     if state.ego is None:
+        scenarios = [v for v in state.sigma.bindings.values() if isinstance(v, Dynamic) and isinstance(v.definition, ScenarioDefinition)]
+        if scenarios:
+            raise RunError(
+                "this program is made of scenarios, and modular scenarios do not run yet", scenarios[0].definition.span, rule="S-Definition"
+            )
         raise RunError(
             "the program never assigns ego, the object from whose point of view the scene is", NOWHERE, rule="T-Mutate", hint="write ego = Object ..."
         )
@@ -222,8 +228,9 @@ def premises_of_step_two(state: State) -> tuple[Premise, ...]:
 
 
 def premise(kind: str, one: Instance, other: Instance, text: str) -> Premise:
-    """A premise about `one`, reported at its place in the source."""
-    return Premise(kind, one, other, Requirement("containment" if kind == "regionContainedIn" else kind, one.span, text))
+    """A premise about `one`, reported at its place in the source; a collision at that of the later object."""
+    place = other.span if kind == "collision" else one.span
+    return Premise(kind, one, other, Requirement("containment" if kind == "regionContainedIn" else kind, place, text))
 
 
 def workspace_of(state: State) -> Region:

@@ -177,6 +177,9 @@ class Method:
     instance: object
     door: Door
 
+    def __repr__(self) -> str:
+        return f"<method {self.function.name}>"  # pyright: ignore[reportAttributeAccessIssue]
+
     def __call__(self, *arguments: object, **keywords: object) -> object:
         """Called by host code: through the door."""
         return self.door.call(self.function, (self.instance, *arguments), keywords)  # pyright: ignore[reportArgumentType]
@@ -222,6 +225,14 @@ class Dynamic:
     scope: Scope
     defaults: Mapping[str, object]
     arguments: tuple[tuple[object, ...], Mapping[str, object]] | None = None
+
+    def __repr__(self) -> str:
+        name = getattr(self.definition, "name", "")
+        if self.arguments is None:
+            return name
+        positional, keywords = (unwrap(part)[0] for part in self.arguments)
+        shown = [repr(v) for v in positional] + [f"{k}={v!r}" for k, v in keywords.items()]  # type: ignore[attr-defined]
+        return f"{name}({', '.join(shown)})"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

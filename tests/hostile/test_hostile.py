@@ -55,7 +55,7 @@ def test_endless_recursion_is_stopped():
 
 def test_recursive_classes():
     refused("class A(A):\n    pass\nego = A\n", errors.RunError, "A is not defined")
-    refused("class A:\n    b: A\nego = A\n", errors.ScenicError, "", fuel=50_000)
+    refused("class A:\n    b: A\nego = A\n", errors.RunError, "without end")
 
 
 def test_region_of_zero_area_is_named_in_the_report():
@@ -157,10 +157,34 @@ def test_a_draw_inside_a_key_function_is_refused():
 
 
 def test_an_impossible_requirement_names_itself():
-    error = refused("ego = Object\nrequire False\n", errors.AttemptsExhausted, "50 attempts")
-    assert error.span.line == 2
+    error = refused("ego = Object\nx = Range(0, 1)\nrequire x > 2\n", errors.AttemptsExhausted, "50 attempts")
+    assert error.span.line == 3
     assert isinstance(error, errors.AttemptsExhausted)
     assert error.stuck[0][1] == 50
+
+
+def test_a_program_that_draws_nothing_before_it_fails_is_not_tried_again():
+    error = refused("ego = Object\nrequire False\n", errors.AttemptsExhausted, "no scene is possible")
+    assert isinstance(error, errors.AttemptsExhausted)
+    assert error.attempts == 1
+    assert "touching" in refused("ego = Object\nObject behind ego\n", errors.AttemptsExhausted, "do not intersect").hint
+
+
+@pytest.mark.parametrize("program", [
+    "ego = Object at (10**400, 0)", "ego = Object with width 10**400", "ego = Object facing 10**400", "ego = Object at (Range(0, 10**400), 0)",
+    "ego = Object facing (10**400) deg",
+])  # fmt: skip
+def test_numbers_that_are_too_large_for_a_float(program):
+    refused(program + "\n", errors.ProgramError, "")
+
+
+def test_properties_are_not_set_with_an_equals_sign():
+    assert refused("class Foo:\n    width = 7\nego = Foo\n", errors.RunError, "width").hint == "write width: ..."
+
+
+def test_flags_are_booleans():
+    refused("ego = Object with allowCollisions 'no'\n", errors.RunError, "must be True or False")
+    refused("ego = Object\nrequire 3\n", errors.RunError, "boolean")
 
 
 def test_random_and_mutated_programs_never_end_in_an_internal_error():
