@@ -151,9 +151,22 @@ def conclude_attribute(node: p.Attribute, values: list[object], stack: Stack, st
     """O(instance.property) for instances, the attribute for everything else."""
     subject = values[0]
     if type(subject) is Random:
+        shared = shared_method(subject, node.name, state)
+        if shared is not None:
+            return value("E-Attribute", shared, stack, state, node)
         inner, origin = unwrap(get_attribute(subject.value, node, state))
         return value("E-Attribute", wrap(inner, subject.origin or origin), stack, state, node)
     return value("E-Attribute", get_attribute(subject, node, state), stack, state, node)
+
+
+def shared_method(subject: Random, name: str, state: State) -> Method | None:
+    """A method of the program that all instances have among which a draw chose: which one runs is then not random."""
+    support = subject.origin.distribution.support() if subject.origin.distribution is not None else None
+    if support is None or not isinstance(subject.value, Instance) or canonical(name) in state.objects[subject.value.number]:
+        return None
+    found = {plain(v).class_.method(name) if isinstance(plain(v), Instance) else None for v, _ in support}  # type: ignore[attr-defined]
+    method = found.pop() if len(found) == 1 else None
+    return Method(method, subject, method.door) if isinstance(method, Function) else None
 
 
 def get_attribute(subject: object, node: p.Attribute, state: State) -> object:

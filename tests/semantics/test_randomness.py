@@ -151,3 +151,17 @@ def test_change_that_would_be_random_is_refused(claim):
     with pytest.raises(errors.ScenicError) as caught:
         scenic_ref.loads(EGO + program).sample()
     assert message in caught.value.message
+
+
+def test_a_method_that_all_chosen_instances_share_is_called_on_the_random_instance():
+    program = "class C:\n    def area(self):\n        return self.width * 2\nego = C\nb = C at (5, 5), with width 3\n"
+    program += "param r = Uniform(ego, b).area()\n"
+    found = {scenic_ref.loads(program).sample(0, index).params["r"] for index in range(20)}
+    assert found == {2, 6}
+
+
+def test_an_exception_that_depends_on_a_draw_may_not_be_caught():
+    program = "ego = Object\nx = Uniform(0, 1)\ntry:\n    y = 1 / x\nexcept ZeroDivisionError:\n    pass\n"
+    with pytest.raises(errors.RandomBranch, match="ZeroDivisionError"):
+        for index in range(20):
+            scenic_ref.loads(program).sample(0, index)
