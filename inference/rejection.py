@@ -59,9 +59,10 @@ def counting(choose: Chooser) -> tuple[Chooser, list[tuple[int, ...]]]:
     seen: list[tuple[int, ...]] = []
 
     def answer(draw: Draw) -> object:
+        drawn = choose(draw)  # an empty region raises here: nothing was drawn
         if not seen:
             seen.append(draw.address)
-        return choose(draw)
+        return drawn
 
     return answer, seen
 
