@@ -129,12 +129,15 @@ def unpack(items: tuple[Node, ...], assigned: object, node: Node, state: State) 
     return [*found[:star], found[star : len(found) - after], *found[len(found) - after :]]
 
 
+EGO_HINTS = {False: "write ego = Object ..., or a class below Object", True: "a comma at the end makes a tuple: leave it out"}
+
+
 def assign_name(name: str, assigned: object, node: Node, state: State) -> State:
     """σ[x/v]; `ego` and `workspace` are shared by all modules; an Object keeps the name it is first assigned to."""
     inner = plain(assigned)
     if name == "ego":
         if not (isinstance(inner, Instance) and is_object(inner)):
-            raise RunError("ego must be an Object", node.span, rule="S-Assignment", hint="write ego = Object ..., or a class below Object")
+            raise RunError("ego must be an Object", node.span, rule="S-Assignment", hint=EGO_HINTS[isinstance(inner, tuple)])
         return state._replace(ego=assigned, names={**state.names, inner.number: "ego"})
     if name == "workspace":
         state.sigma.bind(name, assigned)

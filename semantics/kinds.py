@@ -175,6 +175,10 @@ def kind_name(value: object) -> str:
         return "a vector"
     if isinstance(value, Instance):
         return f"an instance of {value.class_.name}"
+    if isinstance(value, str):
+        return "a string"
+    if isinstance(value, (tuple, list)):
+        return f"a {type(value).__name__} of {len(value)}"
     return f"a {type(value).__name__}"
 
 
