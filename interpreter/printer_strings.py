@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 
 from ..semantics.syntax import Expression
 from ..semantics.syntax.python_expressions import Constant, FormattedValue, FString
@@ -28,16 +29,16 @@ def constant(value: object) -> str:
     return repr(value)
 
 
-class StringPrinter:
+class StringPrinter(ABC):
     """The part of the printer for strings; `outer` are the quotes of the f-strings around, which cannot occur inside them."""
 
     def __init__(self, dialect: Dialect, outer: tuple[str, ...] = ()) -> None:
         self.dialect = dialect
         self.outer = outer
 
+    @abstractmethod
     def test(self, node: Expression) -> str:
         """The text of an expression."""
-        raise NotImplementedError
 
     def print_Constant(self, node: Constant) -> str:
         value = node.value

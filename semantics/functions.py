@@ -94,11 +94,11 @@ def enter(
     scope = Scope("function", function.scope, function.names, bindings)
     frame = Called(state.sigma, node if node is not None else p.Constant(value=None, span=function.span))
     inner = state._replace(sigma=scope, depth=state.depth + 1)
-    control = s_block(function.body) if isinstance(function.body, tuple) else function.body
+    control = body_as_statement(function.body) if isinstance(function.body, tuple) else function.body
     return Config(control, (frame, stack), inner)
 
 
-def s_block(body: s.Block) -> Node:
+def body_as_statement(body: s.Block) -> Node:
     """A function's body as one statement."""
     return s.If(test=p.Constant(value=True), then=body, span=body[0].span if body else NOWHERE)
 
