@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
 
+from ..inference.enumeration import DEFAULT_RUNS, Enumeration, enumerate_runs
 from ..inference.rejection import DEFAULT_ATTEMPTS, Sampled, sample
 from ..interpreter.checks import check
 from ..interpreter.choosers import from_stream
@@ -71,6 +73,13 @@ class Scenario:
         """The scene with the statistics of its attempts."""
         assert self.rehearsed
         return sample(self.start, seed, index, max_attempts=max_attempts, fuel=self.fuel)
+
+    def enumerate(
+        self, *, max_runs: int = DEFAULT_RUNS, discretize: int | None = None, on_run: Callable[[int, Fraction], None] | None = None
+    ) -> Enumeration:
+        """The exact distribution of the scenes; see `enumerate_runs`."""
+        assert self.rehearsed
+        return enumerate_runs(self.start, max_runs=max_runs, discretize=discretize, fuel=self.fuel, on_run=on_run)
 
     def sample_many(self, n: int, seed: int = 0, *, start: int = 0, max_attempts: int = DEFAULT_ATTEMPTS) -> Iterator[Scene]:
         """Scenes `start` to `start + n - 1` of `seed`, one after the other."""

@@ -6,6 +6,8 @@ Kinds are told apart by class, never by message text.
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 from .syntax.nodes import NOWHERE, Span
 
 
@@ -130,6 +132,18 @@ class AttemptsExhausted(ScenicError):
         super().__init__(message, span)
         self.attempts = attempts
         self.stuck = stuck
+
+
+class RunsExhausted(ScenicError):
+    """An enumeration has more than the allowed number of runs; those made cover the part `covered` of the probability."""
+
+    exit_code = 3
+    kind = "runs exhausted"
+
+    def __init__(self, message: str, span: Span = NOWHERE, *, runs: int, covered: Fraction, hint: str = "") -> None:
+        super().__init__(message, span, hint=hint)
+        self.runs = runs
+        self.covered = covered
 
 
 class InternalError(ScenicError):

@@ -24,6 +24,11 @@ class BadParameters(ValueError):
         self.reason = reason
 
 
+def exact(number: float | Fraction) -> Fraction:
+    """The number as a fraction; a float counts as the shortest decimal that is written for it, so that 0.1 is 1/10."""
+    return Fraction(repr(float(number))) if isinstance(number, float) else Fraction(number)
+
+
 class Distribution(Protocol):
     """A probability distribution over values."""
 

@@ -9,7 +9,7 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import accumulate
 
-from .distribution import BadParameters, Named, Numbers, Support
+from .distribution import BadParameters, Named, Numbers, Support, exact
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class Discrete(Named):
         return math.log(probability) if probability else -math.inf
 
     def support(self) -> Support:
-        weights = [Fraction(weight) for _, weight in self.weighted]
+        weights = [exact(weight) for _, weight in self.weighted]
         total = sum(weights)
         return tuple((value, weight / total) for (value, _), weight in zip(self.weighted, weights, strict=True) if weight)
 
@@ -90,7 +90,7 @@ class Coin(Named):
         return math.log(share) if share else -math.inf
 
     def support(self) -> Support:
-        true = Fraction(self.probability)
+        true = exact(self.probability)
         return tuple((value, share) for value, share in ((True, true), (False, 1 - true)) if share)
 
 

@@ -1,0 +1,253 @@
+"""Enumeration: the exact distribution of a program whose draws are finite (DESIGN, section 1).
+
+Every draw is answered with each of its values in turn, and a run weighs the product of the values' exact probabilities.
+Runs that get stuck are dropped, and the rest is divided by what remains: the distribution of the paper's rejection sampling,
+as Fractions. Configurations are never forked: each run begins anew, with the choices of the one before as its prefix.
+"""
+
+from __future__ import annotations
+
+import json
+from collections import Counter, defaultdict
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import NamedTuple
+
+from ..interpreter.running import DEFAULT_FUEL, Accepted, run
+from ..interpreter.scenes import Scene, scene_of
+from ..semantics.config import Config
+from ..semantics.errors import AttemptsExhausted, RunsExhausted, UsageError
+from ..semantics.outcome import Draw, Requirement
+from .quantiles import quantiles
+
+DEFAULT_RUNS = 100_000
+
+Address = tuple[int, ...]
+
+
+class Outcome(NamedTuple):
+    """A scene that the program gives, and the exact probability of just this scene."""
+
+    probability: Fraction
+    scene: Scene
+
+
+class Coins(NamedTuple):
+    """What is thrown once per scene came up in one way: how likely that is, and how likely a run is then accepted."""
+
+    probability: Fraction
+    acceptance: Fraction
+
+
+@dataclass(frozen=True)
+class Enumeration:
+    """The exact distribution of a program.
+
+    `outcomes` are different scenes, the most likely first; their probabilities add up to 1. `acceptance` is the probability that
+    a run is accepted, `stuck` that it fails at each requirement. `discretized` is None, or the N of an approximation: then
+    continuous draws were replaced by N equally likely values each, and nothing here is exact.
+    `coins` has one entry, of probability 1, unless there are coins thrown once per scene (reading `soft=scene`).
+    """
+
+    outcomes: tuple[Outcome, ...]
+    acceptance: Fraction
+    stuck: Mapping[Requirement, Fraction]
+    coins: tuple[Coins, ...]
+    runs: int
+    discretized: int | None = None
+
+    def law(self, read: Callable[[Scene], Hashable]) -> dict[Hashable, Fraction]:
+        """The distribution of `read(scene)`."""
+        found: dict[Hashable, Fraction] = defaultdict(Fraction)
+        for probability, scene in self.outcomes:
+            found[read(scene)] += probability
+        return dict(found)
+
+    def attempts_probability(self, attempts: int) -> Fraction:
+        """The probability that a scene needs exactly `attempts` runs."""
+        feasible = sum((c.probability for c in self.coins if c.acceptance), Fraction(0))
+        return sum((c.probability / feasible * c.acceptance * (1 - c.acceptance) ** (attempts - 1) for c in self.coins if c.acceptance), Fraction(0))
+
+    @cached_property
+    def scenes(self) -> tuple[Scene, ...]:
+        """The scenes alone."""
+        return tuple(outcome.scene for outcome in self.outcomes)
+
+    def to_json(self) -> dict[str, object]:
+        """The enumeration as a JSON object; fractions are written as "p/q"."""
+        return {
+            "schema": "scenic-ref/enumeration/1", "runs": self.runs, "exact": self.discretized is None, "discretized": self.discretized,
+            "acceptance": str(self.acceptance),
+            "outcomes": [{"probability": str(p), "approximately": float(p), "scene": scene.to_json()} for p, scene in self.outcomes],
+        }
+
+
+class Leaf(NamedTuple):
+    """A finished run: the probability of its draws, what its coins thrown once per scene showed, and how it ended."""
+
+    probability: Fraction
+    coins: Mapping[Address, tuple[bool, Fraction]]
+    scene: Scene | None
+    requirement: Requirement | None
+
+
+class Choice(NamedTuple):
+    """Which of how many values a draw was answered with."""
+
+    taken: int
+    among: int
+
+
+def enumerate_runs(
+    start: Callable[[], Config], *, max_runs: int = DEFAULT_RUNS, discretize: int | None = None, fuel: int = DEFAULT_FUEL,
+    on_run: Callable[[int, Fraction], None] | None = None,
+) -> Enumeration:
+    """The exact distribution of the scenes of the runs that begin with `start()`.
+
+    Raises `UsageError` at a draw that is not finite unless `discretize` says by how many values to replace it, `RunsExhausted`
+    when there are more than `max_runs` runs, `AttemptsExhausted` if no run is accepted, and the program's errors. `on_run` is told
+    how many runs were made and which part of the probability they cover.
+    """
+    if discretize is not None and discretize < 1:
+        raise UsageError("--discretize needs at least 1 value per draw")
+    leaves: list[Leaf] = []
+    covered = Fraction(0)
+    prefix: list[Choice] | None = []
+    approximated = False
+    while prefix is not None:
+        if len(leaves) == max_runs:
+            raise RunsExhausted(
+                f"the program has more than {max_runs:,} runs: those made cover {float(covered):.3g} of the probability", runs=max_runs, covered=covered,
+                hint="--max-runs allows more; each value of each draw multiplies their number",
+            )
+        runner = Runner(prefix, discretize)
+        leaf = runner.run(start(), fuel)
+        approximated = approximated or runner.approximated
+        leaves.append(leaf)
+        covered += leaf.probability * product(share for _, share in leaf.coins.values())
+        if on_run is not None:
+            on_run(len(leaves), covered)
+        prefix = following(runner.choices)
+    return summed(leaves, discretize if approximated else None)
+
+
+def product(shares: Iterable[Fraction]) -> Fraction:
+    """The product of probabilities."""
+    result = Fraction(1)
+    for share in shares:
+        result *= share
+    return result
+
+
+def following(choices: list[Choice]) -> list[Choice] | None:
+    """The prefix of the next run: the last draw with a value left takes it; None when all are done."""
+    for depth in range(len(choices) - 1, -1, -1):
+        taken, among = choices[depth]
+        if taken + 1 < among:
+            return [*choices[:depth], Choice(taken + 1, among)]
+    return None
+
+
+class Runner:
+    """One run whose first draws are answered as `prefix` says and the others with their first values; `choices` are all of them."""
+
+    def __init__(self, prefix: list[Choice], discretize: int | None) -> None:
+        self.prefix = prefix
+        self.discretize = discretize
+        self.choices: list[Choice] = []
+        self.probability = Fraction(1)
+        self.coins: dict[Address, tuple[bool, Fraction]] = {}
+        self.approximated = False
+
+    def run(self, config: Config, fuel: int) -> Leaf:
+        """The run to its end. Raises the program's errors, and `UsageError` at a draw that is not finite."""
+        result = run(config, self.choose, fuel=fuel)
+        if isinstance(result, Accepted):
+            return Leaf(self.probability, self.coins, scene_of(result.state, 0, 0, 1), None)
+        return Leaf(self.probability, self.coins, None, result.requirement)
+
+    def choose(self, draw: Draw) -> object:
+        """The value that this run takes; the values themselves belong to the run, so that only their numbers are kept."""
+        support = self.support(draw)
+        depth = len(self.choices)
+        taken = self.prefix[depth].taken if depth < len(self.prefix) else 0
+        self.choices.append(Choice(taken, len(support)))
+        value, share = support[taken]
+        if draw.per_scene:
+            self.coins[draw.address] = (bool(value), share)
+        else:
+            self.probability *= share
+        return value
+
+    def support(self, draw: Draw) -> tuple[tuple[object, Fraction], ...]:
+        """The values of a draw with their probabilities. Raises `UsageError` if there are not finitely many."""
+        exact = draw.distribution.support()
+        if exact is not None:
+            return exact
+        if self.discretize is None:
+            raise UsageError(
+                f"{draw.distribution.name} has infinitely many values, and only programs with finite draws can be enumerated", draw.node.span,
+                hint="--discretize N replaces each such draw by N equally likely values, which is an approximation",
+            )
+        self.approximated = True
+        return tuple((value, Fraction(1, self.discretize)) for value in quantiles(draw.distribution, self.discretize))
+
+
+def summed(leaves: list[Leaf], discretized: int | None) -> Enumeration:
+    """The distribution that the runs make up. Raises `AttemptsExhausted` if none was accepted."""
+    masses: dict[str, Fraction] = defaultdict(Fraction)
+    scenes: dict[str, Scene] = {}
+    coins: list[Coins] = []
+    stuck: dict[Requirement, Fraction] = defaultdict(Fraction)
+    for probability, group in by_coins(leaves):
+        acceptance = sum((leaf.probability for leaf in group if leaf.scene is not None), Fraction(0))
+        coins.append(Coins(probability, acceptance))
+        for leaf in group:
+            if leaf.scene is not None:
+                key = content_of(leaf.scene)
+                scenes.setdefault(key, leaf.scene)
+                masses[key] += probability * leaf.probability / acceptance
+            elif leaf.requirement is not None:
+                stuck[leaf.requirement] += probability * leaf.probability
+    if not scenes:
+        counts = Counter(leaf.requirement for leaf in leaves)
+        worst, _ = counts.most_common(1)[0]
+        assert worst is not None
+        raise AttemptsExhausted(
+            f"no scene is possible: all {len(leaves):,} runs fail, most of them here: {worst.text}", worst.span, attempts=len(leaves),
+            stuck=tuple(counts.most_common()),
+        )
+    feasible = sum(masses.values())
+    ranked = sorted(masses, key=lambda key: -masses[key])
+    outcomes = tuple(Outcome(masses[key] / feasible, numbered(scenes[key], i, masses[key] / feasible)) for i, key in enumerate(ranked))
+    total = sum((c.probability * c.acceptance for c in coins), Fraction(0))
+    return Enumeration(outcomes, total, dict(stuck), tuple(coins), len(leaves), discretized)
+
+
+def by_coins(leaves: list[Leaf], known: frozenset[Address] = frozenset()) -> Iterator[tuple[Fraction, list[Leaf]]]:
+    """The runs that are possible together, for each way in which the coins thrown once per scene can come up, with its probability.
+
+    All attempts at a scene see the same coins, so each way has a rejection loop, and a normalisation, of its own.
+    """
+    coin = next((address for leaf in leaves for address in leaf.coins if address not in known), None)
+    if coin is None:
+        yield Fraction(1), leaves
+        return
+    sides = {leaf.coins[coin] for leaf in leaves if coin in leaf.coins}
+    for shown, share in sorted(sides, reverse=True):
+        agreeing = [leaf for leaf in leaves if coin not in leaf.coins or leaf.coins[coin][0] == shown]
+        for probability, group in by_coins(agreeing, known | {coin}):
+            yield share * probability, group
+
+
+def content_of(scene: Scene) -> str:
+    """What a scene says, whatever its number: scenes with the same content are one outcome."""
+    found = scene.to_json()
+    return json.dumps([found["params"], found["ego"], found["objects"]], allow_nan=False)
+
+
+def numbered(scene: Scene, index: int, probability: Fraction) -> Scene:
+    """The scene as outcome number `index`, weighing its probability."""
+    return Scene(scene.objects, scene.ego_id, scene.params, scene.seed, index, 1, float(probability), scene.workspace)
