@@ -1,6 +1,8 @@
-"""`scenic-ref check`: whether a program is one."""
+"""`scenic-ref check`: whether a program is one, and whether samples have its distribution."""
 
 from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -14,16 +16,35 @@ from .options import (
     ParamOption,
     ProfileOption,
     ReadingOption,
-    SeedOption,
+    Source,
     TrustOption,
     read_source,
 )
+
+if TYPE_CHECKING:
+    from ..inference.statistics import Verdict
+
+DEFAULT_SEED = 20_190_625
+EXIT_CODES = {"equivalent": 0, "different": 1, "inconclusive": 5}
 
 
 def check(
     context: typer.Context,
     file: FileArgument,
-    seed: SeedOption = 0,
+    samples: Annotated[
+        str | None, typer.Option("--samples", metavar="PATH", help="Scenes of any implementation: JSON Lines in the scene format, or .csv.")
+    ] = None,
+    alpha: Annotated[float, typer.Option("--alpha", metavar="A", help="The risk of a false alarm.")] = 1e-9,
+    detect_tv: Annotated[
+        float, typer.Option("--detect-tv", metavar="E", help="The difference, in total variation of a feature, that must not be missed.")
+    ] = 0.01,
+    reference: Annotated[
+        str | None, typer.Option("--reference", metavar="PATH", help="Scenes of the program, drawn earlier; else they are drawn now.")
+    ] = None,
+    report: Annotated[str | None, typer.Option("--report", metavar="PATH", help="Write the comparison as a page, .html.")] = None,
+    junit: Annotated[str | None, typer.Option("--junit", metavar="PATH", help="Write the verdict as JUnit XML.")] = None,
+    seed: Annotated[int, typer.Option("--seed", metavar="S", help="The seed of the scenes that the samples are compared with.")] = DEFAULT_SEED,
+    workers: Annotated[int, typer.Option("--workers", metavar="K", min=1, help="Draw with K processes.")] = 1,
     profile: ProfileOption = "paper",
     reading: ReadingOption = None,
     dialect: DialectOption = None,
@@ -33,12 +54,52 @@ def check(
     trust: TrustOption = False,
     debug: DebugOption = False,
 ) -> None:
-    """Parse a program, check it, and run it through once; prints "ok" or the error."""
+    """Parse a program, check it, and run it through once; prints "ok" or the error.
+
+    With --samples: were these scenes drawn from the program's distribution? Exit codes: 0 equivalent, 1 different, 2 wrong
+    usage, 5 inconclusive (too few samples for --detect-tv).
+    """
+    from ..semantics.errors import UsageError
+
     session = context.obj
     session.seed = seed
     source = read_source(
         session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, fuel=fuel, trust=trust
     )
+    if samples is None:
+        given = [name for name, value in (("--reference", reference), ("--report", report), ("--junit", junit)) if value is not None]
+        if given:
+            raise UsageError(f"{given[0]} belongs to --samples", hint="scenic-ref check FILE --samples PATH")
+        assert source.load().rehearsed
+        print("ok")
+        return
+    verdict = compared(source, samples, reference, alpha, detect_tv, seed, workers, report, junit)
+    print(verdict)
+    raise typer.Exit(EXIT_CODES[verdict.kind])
+
+
+def compared(
+    source: Source, samples: str, reference: str | None, alpha: float, detect_tv: float, seed: int, workers: int, report: str | None,
+    junit: str | None,
+) -> Verdict:
+    """The verdict on the samples, with its reports written. Raises `UsageError` and the program's errors."""
+    from ..inference.statistics.reading import read_samples
+    from ..testing import same_distribution
+    from .check_reports import check_report_paths, write_junit, write_page
+    from .references import References, replay_of
+
+    check_report_paths(report, junit, source.file, samples)
+    scenes = read_samples(samples)
     scenario = source.load()
     assert scenario.rehearsed
-    print("ok")
+    known = read_samples(reference) if reference is not None else None
+    replay = replay_of(source, samples, reference, alpha, detect_tv, seed)
+    with References(source, workers, len(scenes)) as drawing:
+        verdict = same_distribution(
+            scenes, scenario, alpha=alpha, detect_tv=detect_tv, seed=seed, reference=known, draw=drawing, replay=replay,
+        )
+    if report is not None:
+        write_page(report, verdict, source, samples)
+    if junit is not None:
+        write_junit(junit, verdict, source, samples)
+    return verdict

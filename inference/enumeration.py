@@ -119,7 +119,8 @@ def enumerate_runs(
     while prefix is not None:
         if len(leaves) == max_runs:
             raise RunsExhausted(
-                f"the program has more than {max_runs:,} runs: those made cover {float(covered):.3g} of the probability", runs=max_runs, covered=covered,
+                f"the program has more than {max_runs:,} runs: those made cover {float(covered):.3g} of the probability",
+                runs=max_runs, covered=covered,
                 hint="--max-runs allows more; each value of each draw multiplies their number",
             )
         runner = Runner(prefix, discretize)

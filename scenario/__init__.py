@@ -21,6 +21,7 @@ from ..semantics.programs import initial, make_settings
 from ..semantics.readings import select
 from ..semantics.syntax import Program
 from ..simulators.worlds import WORLDS
+from .constants import constants_of
 
 
 class Scenario:
@@ -64,6 +65,12 @@ class Scenario:
         """True once the program was run through without a branch on a random value. Raises the program's error."""
         rehearse(self.start(), from_stream(0, 0, 0), fuel=self.fuel)
         return True
+
+    @cached_property
+    def constants(self) -> dict[str, object]:
+        """The features of a scene that are the same whatever is drawn, by their place in the scene format. Raises `AttemptsExhausted`."""
+        assert self.rehearsed
+        return constants_of(self.start, fuel=self.fuel)
 
     def sample(self, seed: int = 0, index: int = 0, *, max_attempts: int = DEFAULT_ATTEMPTS) -> Scene:
         """Scene number `index` of `seed`."""

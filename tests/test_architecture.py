@@ -13,13 +13,15 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-LAYERS = ["semantics", "interpreter", "inference", "simulators", "scenario", "cli"]
+LAYERS = ["semantics", "interpreter", "inference", "simulators", "scenario", "conformance", "testing", "cli"]
 MAY_IMPORT = {
     "semantics": {"semantics"},
     "interpreter": {"semantics", "interpreter"},
     "inference": {"semantics", "interpreter", "inference"},
     "simulators": {"semantics", "interpreter", "simulators"},
     "scenario": {"semantics", "interpreter", "inference", "simulators", "scenario"},
+    "conformance": {"semantics", "interpreter", "inference", "simulators", "scenario", "conformance"},
+    "testing": {"semantics", "interpreter", "inference", "scenario", "testing"},
     "cli": {*LAYERS, ""},
 }
 ONLY_IN = {"matplotlib": "interpreter/pictures.py", "pyarrow": "interpreter/tables.py"}
@@ -102,7 +104,7 @@ def test_the_wheel_holds_every_module_and_resource(tmp_path):
         [sys.executable, "-m", "build", "--wheel", "--sdist", "--outdir", str(tmp_path), str(ROOT)], check=True, capture_output=True, text=True
     )
     names = set(zipfile.ZipFile(next(tmp_path.glob("*.whl"))).namelist())
-    resources = [p for layer in LAYERS for pattern in ("*.py", "*.lark", "*.scenic", "*.html") for p in (ROOT / layer).rglob(pattern)]
+    resources = [p for layer in LAYERS for pattern in ("*.py", "*.lark", "*.scenic", "*.html", "*.toml") for p in (ROOT / layer).rglob(pattern)]
     missing = {f"scenic_ref/{p.relative_to(ROOT)}" for p in resources} - names
     assert not missing
     assert not {n for n in names if n.startswith(("scenic_ref/tests", "tests"))}

@@ -1,0 +1,109 @@
+"""The reports of `scenic-ref check --samples`: a page to look at, and JUnit XML for continuous integration."""
+
+from __future__ import annotations
+
+import math
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from string import Template
+from xml.etree import ElementTree
+
+from ..inference.statistics import Feature, Verdict
+from ..semantics.errors import UsageError
+from .options import Source
+
+MOST_DRAWN = 8
+MOST_LISTED = 400
+WIDTH, HEIGHT, FOOT = 900, 130, 24
+
+
+def check_report_paths(report: str | None, junit: str | None, *inputs: str) -> None:
+    """Find wrong paths before the work begins. Raises `UsageError`."""
+    for path, option, suffix in ((report, "--report", ".html"), (junit, "--junit", ".xml")):
+        if path is None:
+            continue
+        if Path(path).suffix.lower() != suffix:
+            raise UsageError(f"{option} {path}: the report is written as {suffix}")
+        if not Path(path).parent.is_dir():
+            raise UsageError(f"{path} cannot be written: there is no directory {Path(path).parent}")
+        if any(Path(path).exists() and Path(other).exists() and Path(path).samefile(other) for other in inputs):
+            raise UsageError(f"{path} is one of the files to read")
+
+
+def write(path: str, text: str) -> None:
+    """Write a whole file, or leave none. Raises `UsageError`."""
+    part = Path(f"{path}.part")
+    try:
+        part.write_text(text, encoding="utf-8")
+        part.replace(path)
+    except OSError as error:
+        part.unlink(missing_ok=True)
+        raise UsageError(f"{path} cannot be written: {error.strerror or error}") from None
+
+
+def write_page(path: str, verdict: Verdict, source: Source, samples: str) -> None:
+    """The comparison as one self-contained page."""
+    template = Template(files("scenic_ref.cli").joinpath("check.html").read_text(encoding="utf-8"))
+    about = f"{samples}, {verdict.n:,} scenes after {verdict.burned:,} that gave the cells; risk of a false alarm {verdict.alpha:g}"
+    about += f"; {verdict.constants:,} features that no draw changes were compared exactly"
+    rows = "\n".join(_row(feature) for feature in verdict.features[:MOST_LISTED])
+    write(
+        path,
+        template.substitute(
+            title=escape(f"{source.file}: {verdict.kind}"), about=escape(about), kind=verdict.kind,
+            lines="".join(f"<p>{escape(line)}</p>" for line in verdict.lines()),
+            expected="the exact law" if verdict.exact else "scenes of the program",
+            features="\n".join(_drawn(feature) for feature in verdict.features[:MOST_DRAWN]), rows=rows,
+        ),
+    )
+
+
+def _row(feature: Feature) -> str:
+    return (
+        f'<tr><td><code>{escape(feature.name)}</code></td><td class="number">10^{feature.evidence:.1f}</td>'
+        f'<td class="number">{feature.distance:.2%}</td><td class="number">{len(feature.counts)}</td></tr>'
+    )
+
+
+def _drawn(feature: Feature) -> str:
+    """One feature: the frequencies of its cells, side by side."""
+    a, b = sum(feature.counts) or 1.0, sum(feature.others) or 1.0
+    cells = [(label, x / a, y / b) for label, x, y in zip(feature.labels, feature.counts, feature.others, strict=True) if x or y]
+    highest = max((max(x, y) for _, x, y in cells), default=1.0) or 1.0
+    step = WIDTH / max(1, len(cells))
+    bars = "".join(_bar(i * step, step, label, x, y, highest) for i, (label, x, y) in enumerate(cells))
+    note = f"e-value 10^{feature.evidence:.1f}, total variation {feature.distance:.2%} in {len(cells)} cells; the highest bar is {highest:.1%}"
+    return (
+        f'<div class="feature"><h3>{escape(feature.name)}</h3><p>{escape(note)}</p>'
+        f'<svg viewBox="0 0 {WIDTH} {HEIGHT + FOOT}" role="img" aria-label="{escape(feature.name)}">{bars}</svg></div>'
+    )
+
+
+def _bar(left: float, step: float, label: str, x: float, y: float, highest: float) -> str:
+    """The two bars of a cell, with its label if there is room; the exact numbers show when one points at them."""
+    width = step * 0.38
+    tip = f"<title>{escape(label)}: {x:.3%} of the samples, {y:.3%} expected</title>"
+    rects = "".join(
+        f'<rect class="{name}" x="{left + step * 0.1 + k * width:.1f}" y="{HEIGHT * (1 - v / highest):.1f}" '
+        f'width="{width:.1f}" height="{HEIGHT * v / highest:.1f}">{tip}</rect>'
+        for k, (name, v) in enumerate((("one", x), ("other", y)))
+    )
+    room = max(1, math.floor(step / 5.2))
+    text = label if len(label) <= room else label[: room - 1] + "…" if room > 4 else ""
+    return f'{rects}<text x="{left + step / 2:.1f}" y="{HEIGHT + 14}" text-anchor="middle">{escape(text)}</text>'
+
+
+def write_junit(path: str, verdict: Verdict, source: Source, samples: str) -> None:
+    """The verdict as a suite of one test case: "different" is a failure, "inconclusive" an error."""
+    suite = ElementTree.Element(
+        "testsuite", name="scenic-ref check", tests="1", failures=str(int(verdict.kind == "different")), errors=str(int(verdict.kind == "inconclusive"))
+    )
+    case = ElementTree.SubElement(suite, "testcase", classname=source.file, name=f"{samples} has the distribution of {source.file}")
+    if verdict.kind != "equivalent":
+        kind = "failure" if verdict.kind == "different" else "error"
+        ElementTree.SubElement(case, kind, type=verdict.kind, message=verdict.lines()[0]).text = str(verdict)
+    else:
+        ElementTree.SubElement(case, "system-out").text = str(verdict)
+    ElementTree.indent(suite)
+    write(path, ElementTree.tostring(suite, encoding="unicode", xml_declaration=True) + "\n")

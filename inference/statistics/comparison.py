@@ -1,0 +1,238 @@
+"""`compare`: whether two sources of scenes have the same distribution, with a stated risk of a false alarm and a stated power.
+
+The features come from the scenes themselves: every property, every parameter, relations between objects, the number of attempts, and the cells of
+pairs of features. Each feature has a betting e-process (`betting`); the average of all is one more, and one may look
+at it at any time.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from ...interpreter.scenes import Scene
+from ...semantics.errors import UsageError
+from ..enumeration import Enumeration
+from .betting import combined
+from .cells import SAME
+from .columns import Table, is_angle, table_of, text_of
+from .features import Cut, FeatureTest, assigned, tests_against, tests_between
+from .power import detectable, needed
+from .verdict import Kind, Verdict
+
+DEFAULT_ALPHA = 1e-9
+DEFAULT_TV = 0.01
+FIRST_BLOCK = (100, 4000)
+GROWTH = 1.5
+MOST_LISTED = 5
+
+
+class Sampler(Protocol):
+    """Something that draws scenes, such as a scenario: scene `index` of `seed` is always the same."""
+
+    def sample_many(self, n: int, seed: int = 0, *, start: int = 0) -> Iterable[Scene]:
+        """Scenes `start` to `start + n - 1` of `seed`."""
+        ...
+
+
+Scenes = Sequence[Scene] | Sequence[Mapping[str, object]]
+Source = Scenes | Table | Sampler
+
+
+def compare(
+    a: Source, b: Source | Enumeration, *, alpha: float = DEFAULT_ALPHA, detect_tv: float = DEFAULT_TV, budget: int | None = None,
+    seeds: tuple[int, int] = (0, 1), constants: Mapping[str, object] | None = None, replay: str = "",
+) -> Verdict:
+    """Whether the draws `a` have the distribution of the draws `b`, or the exact one of an enumeration.
+
+    `a` and `b` are scenes (as such, as JSON objects in the scene format, or as a table), or draw them with `seeds`. P("different") <= `alpha`
+    if there is no difference. `budget` is the largest number of scenes of each side; without one all that are there are
+    used, or as many as a difference of `detect_tv` needs. `constants` are values that features must have, whatever is drawn.
+    Raises `UsageError` for settings or scenes that cannot be compared.
+    """
+    check_settings(alpha, detect_tv, budget)
+    terms = Terms(alpha, detect_tv, constants or {}, replay)
+    if isinstance(b, Enumeration):
+        return _with_law(Stream(a, seeds[0]), b, budget, terms)
+    return _two_samples(Stream(a, seeds[0]), Stream(b, seeds[1]), budget, terms)
+
+
+def check_settings(alpha: float, detect_tv: float, budget: int | None) -> None:
+    """Raise `UsageError` for levels that are none."""
+    if not 0 < alpha < 1:
+        raise UsageError(f"alpha is a probability between 0 and 1, not {alpha:g}")
+    if not 0 < detect_tv < 1:
+        raise UsageError(f"the total variation to detect is between 0 and 1, not {detect_tv:g}")
+    if budget is not None and budget < 1:
+        raise UsageError(f"the budget is a number of scenes, not {budget}")
+
+
+class Stream:
+    """The scenes of a source, block by block; `length` is None if there is no end to them."""
+
+    def __init__(self, source: Source, seed: int) -> None:
+        self.seed = seed
+        self.at = 0
+        self.sampler: Sampler | None = None
+        self.table = Table({}, 0)
+        self.length: int | None = None
+        if isinstance(source, Table):
+            self.table, self.length = source, source.n
+        elif isinstance(source, Sequence):
+            self.table, self.length = table_of(source), len(source)
+        else:
+            self.sampler = source
+
+    def take(self, n: int) -> Table:
+        """The next `n` scenes, or as many as are left."""
+        start, self.at = self.at, self.at + n
+        if self.sampler is not None:
+            return table_of(self.sampler.sample_many(n, self.seed, start=start))
+        return self.table.rows(start, start + n)
+
+
+class Terms(NamedTuple):
+    """What a comparison is asked for."""
+
+    alpha: float
+    detect_tv: float
+    constants: Mapping[str, object]
+    replay: str
+
+
+def _two_samples(a: Stream, b: Stream, budget: int | None, terms: Terms) -> Verdict:
+    known = [n for n in (a.length, b.length, budget) if n is not None]
+    available = min(known, default=None)
+    if available is not None and available < 2 * FIRST_BLOCK[0]:
+        raise UsageError(f"{available:,} scenes are too few to compare: at least {2 * FIRST_BLOCK[0]} of each side are needed")
+    burned = FIRST_BLOCK[1] if available is None else min(max(available // 8, FIRST_BLOCK[0]), FIRST_BLOCK[1])
+    first = a.take(burned), b.take(burned)
+    tests, skipped = tests_between(*first, terms.constants)
+    collected = Collected(tests, terms, exact=False)
+    collected.check(first[0], 0)
+    limit = collected.needed if available is None else available - burned
+    while collected.n < limit and not collected.decided:
+        size = min(max(burned, int(collected.n * (GROWTH - 1))), limit - collected.n)
+        collected.check(one := a.take(size), a.at - size)
+        collected.add(one, b.take(size))
+    return collected.verdict(burned, skipped)
+
+
+def _with_law(a: Stream, law: Enumeration, budget: int | None, terms: Terms) -> Verdict:
+    block = a.take(FIRST_BLOCK[0])
+    tests, skipped = tests_against(block, law, terms.constants)
+    collected = Collected(tests, terms, exact=True)
+    limit = min((n for n in (a.length, budget) if n is not None), default=collected.needed)
+    if limit < 1:
+        raise UsageError("there are no scenes to compare")
+    while True:
+        block = block.rows(0, limit - collected.n)
+        collected.check(block, collected.n)
+        collected.add(block, None)
+        if collected.decided or collected.n >= limit:
+            return collected.verdict(0, skipped)
+        block = a.take(max(FIRST_BLOCK[0], int(collected.n * (GROWTH - 1))))
+
+
+class Collected:
+    """The counts so far, and the largest evidence that they ever gave."""
+
+    def __init__(self, tests: list[FeatureTest], terms: Terms, *, exact: bool) -> None:
+        self.tests = tests
+        self.terms = terms
+        self.exact = exact
+        self.cuts: list[Cut] = [test.cuts[0] for test in tests if len(test.cuts) == 1]
+        self.evidence = 0.0
+        self.impossible: list[str] = []
+        self.n = 0
+
+    @property
+    def cells(self) -> int:
+        """The number of cells of the feature that has most."""
+        return max((test.size for test in self.tests), default=1)
+
+    @property
+    def needed(self) -> int:
+        """How many scenes of each side a difference of the stated size needs."""
+        return needed(self.terms.detect_tv, self.terms.alpha, len(self.tests), self.cells, exact=self.exact)
+
+    @property
+    def decided(self) -> bool:
+        """Whether a difference was found."""
+        return bool(self.impossible) or self.evidence >= -math.log10(self.terms.alpha)
+
+    def check(self, table: Table, start: int) -> None:
+        """Look for values that a constant of the program cannot have; scenes are counted from `start`."""
+        for name, value in self.terms.constants.items():
+            wrong = first_other(table, name, value)
+            if wrong is not None and len(self.impossible) < MOST_LISTED:
+                found = table.columns[name].values[wrong] if name in table.columns else "missing"
+                self.impossible.append(f"{name} is always {value}, but {found} in sample number {start + wrong}")
+
+    def add(self, a: Table, b: Table | None) -> None:
+        """Count another block of both sides (or of one, against a law), and look at the evidence."""
+        one, other = assigned(self.cuts, a), None if b is None else assigned(self.cuts, b)
+        self.n += a.n
+        if self.tests:
+            wealth = combined(np.array([test.add(one, other) for test in self.tests]))
+            self.evidence = max(self.evidence, wealth / math.log(10.0))
+
+    def verdict(self, burned: int, skipped: Sequence[str]) -> Verdict:
+        """What was found."""
+        features = sorted((test.feature() for test in self.tests), key=lambda f: -f.evidence)
+        kind: Kind = "different" if self.decided else "equivalent" if self.n >= self.needed else "inconclusive"
+        return Verdict(
+            kind=kind, evidence=math.inf if self.impossible else self.evidence, alpha=self.terms.alpha, detect_tv=self.terms.detect_tv,
+            detectable=detectable(self.n, self.terms.alpha, len(self.tests), self.cells, exact=self.exact), n=self.n, needed=self.needed,
+            burned=burned, features=tuple(features), impossible=tuple(self.impossible), skipped=tuple(skipped),
+            constants=len(self.terms.constants), exact=self.exact, replay=self.terms.replay,
+        )
+
+
+def first_other(table: Table, name: str, value: object) -> int | None:
+    """The first scene in which a feature has not its constant value (to 1e-9), None if there is none or no such feature."""
+    column = table.columns.get(name)
+    if column is None:
+        return None
+    if column.is_number and isinstance(value, (int, float)) and not isinstance(value, bool):
+        off = np.abs(column.values - value)
+        if is_angle(name):
+            off = np.minimum(off % math.tau, math.tau - off % math.tau)
+        wrong = np.flatnonzero(~(off <= SAME * max(1.0, abs(value))))
+    else:
+        wrong = np.flatnonzero(np.array([str(v) for v in column.values]) != text_of(value))
+    return int(wrong[0]) if len(wrong) else None
+
+
+Kernel = Callable[[Scene, int], Scene]
+"""One or more steps of a Markov kernel from a scene; the number is a seed, different for every call."""
+
+
+class Moved:
+    """Exact draws after some steps of a kernel."""
+
+    def __init__(self, exact: Sampler, kernel: Kernel, steps: int) -> None:
+        self.exact = exact
+        self.kernel = kernel
+        self.steps = steps
+
+    def sample_many(self, n: int, seed: int = 0, *, start: int = 0) -> Iterator[Scene]:
+        """Scenes `start` to `start + n - 1` of `seed`, each moved on its own."""
+        for index, scene in enumerate(self.exact.sample_many(n, seed, start=start), start):
+            for step in range(self.steps):
+                scene = self.kernel(scene, index * self.steps + step)
+            yield scene
+
+
+def compare_invariance(
+    exact: Sampler, kernel: Kernel, steps: int, *, alpha: float = DEFAULT_ALPHA, detect_tv: float = DEFAULT_TV, budget: int | None = None,
+    seeds: tuple[int, int] = (0, 1),
+) -> Verdict:
+    """Whether a kernel leaves the distribution of `exact` as it is: exact draws, `steps` steps on each, against fresh exact draws.
+
+    The draws are independent, so that neither burn-in nor an effective sample size has a say. It does not show that a chain mixes.
+    """
+    return compare(Moved(exact, kernel, steps), exact, alpha=alpha, detect_tv=detect_tv, budget=budget, seeds=seeds)

@@ -1,0 +1,159 @@
+"""Which features two sources of scenes are compared by, and the e-process of each."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import combinations
+
+import numpy as np
+
+from ...semantics.errors import UsageError
+from ..enumeration import Enumeration
+from .betting import Array, one_sample_wealth, two_sample_wealth
+from .cells import QUARTERS, Cells, Intervals, Values, cells_of
+from .columns import ABSENT, Column, Table, table_of
+from .verdict import Feature
+
+MOST_PAIRS = 300
+MOST_COARSE = 4
+LEAST_TAIL = 1e-3  # numbers of attempts that are rarer than this share a cell
+
+
+@dataclass(frozen=True)
+class Cut:
+    """The cells of one feature: fine ones for itself, coarse ones for its pairs with others."""
+
+    name: str
+    fine: Cells
+    coarse: Cells
+
+    def assign(self, table: Table) -> tuple[Array, Array]:
+        """The fine and the coarse cell of each scene."""
+        column = table.columns.get(self.name) or Column(self.name, np.full(table.n, ABSENT, dtype=object))
+        return self.fine.assign(column), self.coarse.assign(column)
+
+
+Assigned = Mapping[str, tuple[Array, Array]]
+
+
+def assigned(cuts: Sequence[Cut], table: Table) -> Assigned:
+    """The cells of all features in the scenes of a table."""
+    return {cut.name: cut.assign(table) for cut in cuts}
+
+
+@dataclass
+class FeatureTest:
+    """The e-process of one feature, or of a pair: counts in its cells so far, and the law's probabilities if there is one."""
+
+    cuts: tuple[Cut, ...]
+    law: Array | None = None
+    counts: Array = field(init=False)
+    others: Array = field(init=False)
+    best: float = field(init=False, default=0.0)
+
+    def __post_init__(self) -> None:
+        self.counts, self.others = np.zeros(self.size), np.zeros(self.size)
+
+    @property
+    def name(self) -> str:
+        """The feature's name; a pair is written `one & other`."""
+        return " & ".join(cut.name for cut in self.cuts)
+
+    @property
+    def size(self) -> int:
+        """How many cells there are."""
+        return self.cuts[0].fine.count if len(self.cuts) == 1 else self.cuts[0].coarse.count * self.cuts[1].coarse.count
+
+    def cells(self, found: Assigned) -> Array:
+        """The cell of each scene."""
+        if len(self.cuts) == 1:
+            return found[self.cuts[0].name][0]
+        one, other = self.cuts
+        return found[one.name][1] * other.coarse.count + found[other.name][1]
+
+    def add(self, a: Assigned, b: Assigned | None) -> float:
+        """Count a block of both sides, or of one; the log wealth after it."""
+        self.counts += np.bincount(self.cells(a), minlength=self.size)
+        if b is not None:
+            self.others += np.bincount(self.cells(b), minlength=self.size)
+        wealth = float(two_sample_wealth(self.counts, self.others) if self.law is None else one_sample_wealth(self.counts, self.law))
+        self.best = max(self.best, wealth)
+        return wealth
+
+    def feature(self) -> Feature:
+        """How it compares."""
+        labels = self.cuts[0].fine.labels()
+        if len(self.cuts) == 2:
+            labels = tuple(f"{one} & {other}" for one in self.cuts[0].coarse.labels() for other in self.cuts[1].coarse.labels())
+        expected = self.others if self.law is None else self.law * self.counts.sum()
+        return Feature(self.name, self.best / math.log(10.0), labels, tuple(self.counts.tolist()), tuple(expected.tolist()))
+
+
+def tests_between(a: Table, b: Table, constants: Mapping[str, object]) -> tuple[list[FeatureTest], list[str]]:
+    """The tests for two samples, cut by their first blocks, and the names of features that only one of them has."""
+    shared = [name for name in a.columns if name in b.columns and name not in constants]
+    skipped = [name for table, other in ((a, b), (b, a)) for name in table.columns if name not in other.columns and name not in constants]
+    cuts, seen = [], set()
+    for name in shared:
+        one, other = a.columns[name], b.columns[name]
+        column = pooled(one, other)
+        key = (column.is_number, column.values.tobytes() if column.is_number else tuple(column.values))
+        if key not in seen:
+            seen.add(key)
+            cuts.append(cut_of(column))
+    return [FeatureTest((cut,)) for cut in cuts] + [FeatureTest(pair) for pair in pairs_of(cuts)], skipped
+
+
+def pooled(one: Column, other: Column) -> Column:
+    """The values of both; as text unless both are numbers."""
+    if one.is_number and other.is_number:
+        return Column(one.name, np.concatenate([one.values, other.values]))
+    texts = [[f"{v:.9g}" for v in c.values] if c.is_number else list(c.values) for c in (one, other)]
+    return Column(one.name, np.array(texts[0] + texts[1], dtype=object))
+
+
+def cut_of(column: Column, weights: Array | None = None) -> Cut:
+    """The cells of a feature by values of it; against a law, `weights` are their probabilities."""
+    exact = weights is not None
+    fine = cells_of(column, weights, exact=exact)
+    if column.is_number:
+        return Cut(column.name, fine, cells_of(column, weights, QUARTERS))
+    shares = np.ones(len(column.values)) if weights is None else weights
+    totals = {name: float(np.sum(shares[column.values == name])) for name in dict.fromkeys(column.values)}
+    most = sorted(totals, key=lambda name: -totals[name])[:MOST_COARSE]
+    return Cut(column.name, fine, Values(tuple(most), None))
+
+
+def pairs_of(cuts: Sequence[Cut]) -> Iterator[tuple[Cut, Cut]]:
+    """Pairs of features that vary and stand in the scene as they are, nearest to each other first."""
+    varying = [cut for cut in cuts if cut.coarse.count > 2 and not Column(cut.name, np.empty(0)).is_relation and cut.name != "attempts"]
+    found = sorted(combinations(range(len(varying)), 2), key=lambda pair: (pair[1] - pair[0], pair))
+    yield from ((varying[i], varying[j]) for i, j in found[:MOST_PAIRS])
+
+
+def tests_against(a: Table, law: Enumeration, constants: Mapping[str, object]) -> tuple[list[FeatureTest], list[str]]:
+    """The tests of a sample against an exact law, and the names of features that only one of them has. Raises `UsageError`."""
+    if law.discretized is not None:
+        raise UsageError("a discretized enumeration is an approximation, and nothing can be tested against it")
+    outcomes = table_of(law.scenes)
+    weights = np.array([float(outcome.probability) for outcome in law.outcomes])
+    known = [name for name in outcomes.columns if name in a.columns and name != "attempts" and name not in constants]
+    skipped = [name for t, o in ((a, outcomes), (outcomes, a)) for name in t.columns if name not in o.columns and name not in constants]
+    cuts = [cut_of(outcomes.columns[name], weights) for name in known]
+    tests = [FeatureTest((cut,)) for cut in cuts] + [FeatureTest(pair) for pair in pairs_of(cuts)]
+    found = assigned(cuts, outcomes)
+    for test in tests:
+        test.law = np.bincount(test.cells(found), weights=weights, minlength=test.size)
+    return tests + ([attempts_test(law)] if "attempts" in a.columns else []), skipped
+
+
+def attempts_test(law: Enumeration) -> FeatureTest:
+    """The number of attempts against its exact law: geometric, or a mixture of such."""
+    shares: list[float] = []
+    while 1.0 - sum(shares) > LEAST_TAIL and len(shares) < 200:
+        shares.append(float(law.attempts_probability(len(shares) + 1)))
+    edges = Intervals(np.arange(len(shares)) + 1.5)
+    cut = Cut("attempts", edges, edges)
+    return FeatureTest((cut,), np.array([*shares, max(0.0, 1.0 - sum(shares)), 0.0]))
