@@ -96,9 +96,8 @@ def _bar(left: float, step: float, label: str, x: float, y: float, highest: floa
 
 def write_junit(path: str, verdict: Verdict, source: Source, samples: str) -> None:
     """The verdict as a suite of one test case: "different" is a failure, "inconclusive" an error."""
-    suite = ElementTree.Element(
-        "testsuite", name="scenic-ref check", tests="1", failures=str(int(verdict.kind == "different")), errors=str(int(verdict.kind == "inconclusive"))
-    )
+    failures, errors = (str(int(verdict.kind == kind)) for kind in ("different", "inconclusive"))
+    suite = ElementTree.Element("testsuite", name="scenic-ref check", tests="1", failures=failures, errors=errors)
     case = ElementTree.SubElement(suite, "testcase", classname=source.file, name=f"{samples} has the distribution of {source.file}")
     if verdict.kind != "equivalent":
         kind = "failure" if verdict.kind == "different" else "error"

@@ -38,9 +38,18 @@ Window = tuple[float, float, float, float]  # west, south, east, north
 
 def picture(scenes: Iterable[Scene], *, format: str = "png", roads: Region | None = None) -> bytes:
     """The scenes side by side; `roads` is drawn below them in place of their workspaces. Raises `UsageError`."""
+    check_format(format)
+    return written(figure_of(list(scenes), roads), format)
+
+
+def check_format(format: str) -> None:
+    """Raise `UsageError` for a format that no picture has."""
     if format not in FORMATS:
         raise UsageError(f"pictures have the formats {', '.join(FORMATS)}, not {format!r}")
-    figure = figure_of(list(scenes), roads)
+
+
+def written(figure: Figure, format: str) -> bytes:
+    """The figure in a format, the same bytes every time."""
     out = io.BytesIO()
     metadata = {"png": {"Software": None}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}[format]
     figure.savefig(out, format=format, dpi=150, metadata=metadata)
@@ -50,6 +59,29 @@ def picture(scenes: Iterable[Scene], *, format: str = "png", roads: Region | Non
 def save_picture(scenes: Iterable[Scene], path: str | Path, *, roads: Region | None = None) -> None:
     """Write the picture of the scenes, in the format that the path ends in. Raises `UsageError`, `OSError`."""
     Path(path).write_bytes(picture(scenes, format=Path(path).suffix[1:].lower(), roads=roads))
+
+
+def bar_chart(labels: Sequence[str], heights: Sequence[float], title: str, *, format: str = "png") -> bytes:
+    """Horizontal bars, one below the other, each with its label and its height in per cent. Raises `UsageError`."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    check_format(format)
+    figure = Figure(figsize=(ALONE * 1.3, 1.0 + 0.27 * len(labels)), layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot()
+    places = range(len(labels))
+    axes.barh(places, heights, color=CLASSES[0], height=0.72)
+    for place, height in zip(places, heights, strict=True):
+        axes.text(height, place, f" {height:.3%}", va="center", fontsize=8, color=INK)
+    axes.set_yticks(list(places), labels, fontsize=8)
+    axes.invert_yaxis()
+    axes.set_xlim(0, max(heights, default=1.0) * 1.15)
+    axes.xaxis.set_visible(False)
+    axes.set_title(title, fontsize=10, color=INK)
+    for side in ("top", "right", "bottom"):
+        axes.spines[side].set_visible(False)
+    return written(figure, format)
 
 
 def figure_of(scenes: Sequence[Scene], roads: Region | None) -> Figure:

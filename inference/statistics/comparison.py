@@ -30,10 +30,14 @@ GROWTH = 1.5
 MOST_LISTED = 5
 
 
+AnyScene = Scene | Mapping[str, object]
+"""A scene, or the JSON object of one."""
+
+
 class Sampler(Protocol):
     """Something that draws scenes, such as a scenario: scene `index` of `seed` is always the same."""
 
-    def sample_many(self, n: int, seed: int = 0, *, start: int = 0) -> Iterable[Scene]:
+    def sample_many(self, n: int, seed: int = 0, *, start: int = 0) -> Iterable[AnyScene]:
         """Scenes `start` to `start + n - 1` of `seed`."""
         ...
 
@@ -207,7 +211,7 @@ def first_other(table: Table, name: str, value: object) -> int | None:
     return int(wrong[0]) if len(wrong) else None
 
 
-Kernel = Callable[[Scene, int], Scene]
+Kernel = Callable[[AnyScene, int], AnyScene]
 """One or more steps of a Markov kernel from a scene; the number is a seed, different for every call."""
 
 
@@ -219,7 +223,7 @@ class Moved:
         self.kernel = kernel
         self.steps = steps
 
-    def sample_many(self, n: int, seed: int = 0, *, start: int = 0) -> Iterator[Scene]:
+    def sample_many(self, n: int, seed: int = 0, *, start: int = 0) -> Iterator[AnyScene]:
         """Scenes `start` to `start + n - 1` of `seed`, each moved on its own."""
         for index, scene in enumerate(self.exact.sample_many(n, seed, start=start), start):
             for step in range(self.steps):

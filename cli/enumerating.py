@@ -1,0 +1,172 @@
+"""`scenic-ref run --backend enumerate`: the exact distribution, as a table, as JSON, and as a bar chart."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Sequence
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from ..inference.enumeration import Enumeration
+from ..inference.statistics.columns import Column, table_of
+from ..semantics.errors import UsageError
+from .check_reports import write
+from .drawing import drawing_of
+from .options import Source
+from .production import FORMATS, rehearse
+from .session import Session, tell
+
+if TYPE_CHECKING:
+    from rich.status import Status
+
+MOST_ROWS = 40
+MOST_COLUMNS = 6
+EVERY = 200  # runs between two signs of life
+
+
+class Request(NamedTuple):
+    """What to enumerate, and where to write it."""
+
+    max_runs: int
+    discretize: int | None
+    output: str | None
+    plot: str | None
+
+
+def produce_enumeration(source: Source, request: Request, session: Session) -> None:
+    """Enumerate the program and show or write what was found. Raises `UsageError`, `RunsExhausted`, and the program's errors."""
+    check_paths(source, request)
+    drawing = drawing_of(source)
+    rehearse(drawing)
+    with Life() as life:
+        found = drawing.scenario.enumerate(max_runs=request.max_runs, discretize=request.discretize, on_run=life.sign)
+    if found.discretized is not None:
+        tell(f"an approximation: each continuous draw was replaced by {found.discretized:,} equally likely values")
+    if request.output is None and sys.stdout.isatty():
+        show(found)
+    else:
+        text = json.dumps(found.to_json(), allow_nan=False, ensure_ascii=False, indent=1) + "\n"
+        if request.output is None or request.output == "-":
+            sys.stdout.write(text)
+        else:
+            write(request.output, text)
+    exactly = "" if found.discretized is None else " (approximately)"
+    tell(f"{len(found.outcomes):,} outcomes of {found.runs:,} runs; P(a run is accepted) = {fraction(found.acceptance)}{exactly}")
+    for requirement, share in sorted(found.stuck.items(), key=lambda item: -item[1])[:5]:
+        tell(f"  {float(share):.3%} of the runs fail here: {requirement.text} ({requirement.span})")
+    if request.plot is not None:
+        plot(found, request.plot, Path(source.file).name)
+
+
+class Life:
+    """Signs of life on a terminal while runs are made."""
+
+    def __init__(self) -> None:
+        self.status: Status | None = None
+
+    def __enter__(self) -> Life:
+        if sys.stderr.isatty():
+            from rich.console import Console
+
+            self.status = Console(stderr=True).status("enumerating")
+            self.status.start()
+        return self
+
+    def __exit__(self, *of_exception: object) -> None:
+        if self.status is not None:
+            self.status.stop()
+
+    def sign(self, runs: int, covered: Fraction) -> None:
+        """So many runs were made, which cover part of the probability."""
+        if self.status is not None and runs % EVERY == 0:
+            self.status.update(f"{runs:,} runs, {float(covered):.1%} of the probability")
+
+
+def check_paths(source: Source, request: Request) -> None:
+    """Find wrong paths before the work begins. Raises `UsageError`."""
+    for path in (request.output, request.plot):
+        if path is None or path == "-":
+            continue
+        if not Path(path).parent.is_dir():
+            raise UsageError(f"{path} cannot be written: there is no directory {Path(path).parent}")
+        if Path(path).exists() and Path(source.file).exists() and Path(path).samefile(source.file):
+            raise UsageError(f"{path} is the program itself")
+    if request.output is not None and request.output != "-" and Path(request.output).suffix.lower() != ".json":
+        raise UsageError(f"-o {request.output}: an enumeration is written as .json")
+    if request.plot is not None and Path(request.plot).suffix[1:].lower() not in FORMATS:
+        raise UsageError(f"--plot {request.plot}: pictures are written as .png, .pdf or .svg")
+
+
+def varying(found: Enumeration) -> list[Column]:
+    """The features in which the outcomes differ: those that stand in a scene, without copies of others."""
+    columns: list[Column] = []
+    seen: set[tuple[str, ...]] = set()
+    for column in table_of(found.scenes).columns.values():
+        values = tuple(str(v) for v in column.values)
+        if not column.is_relation and column.name not in ("attempts", "ego") and len(set(values)) > 1 and values not in seen:
+            seen.add(values)
+            columns.append(column)
+    return columns
+
+
+def short(name: str) -> str:
+    """A feature's name, as short as it can be told."""
+    name = name.replace(".properties.", ".").removeprefix("params.").replace(".position[0]", ".x").replace(".position[1]", ".y")
+    return name.replace("objects[", "").replace("].", ".", 1) if name.startswith("objects[") else name
+
+
+def cell(column: Column, row: int) -> str:
+    """The value of a feature in an outcome."""
+    return f"{column.values[row]:.6g}" if column.is_number else str(column.values[row])
+
+
+def fraction(p: Fraction) -> str:
+    """A probability as a fraction, if that is short, and in per cent."""
+    text = str(p)
+    return f"{text} = {float(p):.4%}" if len(text) <= 24 else f"{float(p):.6%}"
+
+
+def show(found: Enumeration) -> None:
+    """The outcomes as a table: their probabilities, and the features in which they differ."""
+    from rich.box import SIMPLE_HEAD
+    from rich.console import Console
+    from rich.markup import escape
+    from rich.table import Table
+
+    columns = varying(found)
+    table = Table(box=SIMPLE_HEAD, caption_justify="left", caption_style="dim")
+    table.add_column("probability", justify="right", no_wrap=True)
+    table.add_column("", justify="right", no_wrap=True)
+    for column in columns[:MOST_COLUMNS]:
+        table.add_column(escape(short(column.name)), justify="right")
+    for row, (p, _) in enumerate(found.outcomes[:MOST_ROWS]):
+        table.add_row(str(p) if len(str(p)) <= 24 else "", f"{float(p):.4%}", *(escape(cell(c, row)) for c in columns[:MOST_COLUMNS]))
+    more = [f"{len(found.outcomes) - MOST_ROWS:,} more outcomes"] if len(found.outcomes) > MOST_ROWS else []
+    more += [f"{len(columns) - MOST_COLUMNS:,} more features that differ"] if len(columns) > MOST_COLUMNS else []
+    table.caption = f"... and {' and '.join(more)}; -o PATH.json writes all of them" if more else None
+    Console().print(table)
+
+
+def plot(found: Enumeration, path: str, name: str) -> None:
+    """The outcomes as bars, the likeliest first. Raises `UsageError`."""
+    from ..interpreter.pictures import bar_chart
+
+    columns = varying(found)[:MOST_COLUMNS]
+    shown = found.outcomes[:MOST_ROWS]
+    labels = [", ".join(f"{short(c.name)} = {cell(c, row)}" for c in columns) or "the only outcome" for row in range(len(shown))]
+    heights = [float(p) for p, _ in shown]
+    if len(found.outcomes) > MOST_ROWS:
+        labels.append(f"the other {len(found.outcomes) - MOST_ROWS:,} outcomes")
+        heights.append(float(sum((p for p, _ in found.outcomes[MOST_ROWS:]), Fraction(0))))
+    about = "exact" if found.discretized is None else f"approximate: {found.discretized} values for each continuous draw"
+    try:
+        Path(path).write_bytes(bar_chart(clipped(labels), heights, f"{name}, {about}", format=Path(path).suffix[1:].lower()))
+    except OSError as error:
+        raise UsageError(f"{path} cannot be written: {error.strerror or error}") from None
+
+
+def clipped(labels: Sequence[str]) -> list[str]:
+    """Labels that leave room for their bars."""
+    return [label if len(label) <= 60 else f"{label[:59]}…" for label in labels]
