@@ -20,6 +20,7 @@ import numpy as np
 from scipy.special import betaln, gammaln, logsumexp
 
 CONCENTRATIONS = (0.5, 4.0, 32.0, 256.0, 2048.0, 16384.0, 131072.0)
+LEAST = 1e-4  # probabilities below it are no reason to narrow the priors further, which would cost digits
 
 Array = np.ndarray
 
@@ -45,7 +46,8 @@ def one_sample_wealth(counts: Array, p: Array) -> Array:
     possible = p > 0
     safe, n = np.where(possible, p, 0.5), np.where(possible, counts, 0.0)
     total = n.sum(-1, keepdims=True)
-    c = np.array(CONCENTRATIONS).reshape((-1,) + (1,) * counts.ndim) / np.min(np.where(possible, p, 1.0), axis=-1, keepdims=True)
+    least = np.min(np.where(possible, p, 1.0), axis=-1, keepdims=True)
+    c = np.array(CONCENTRATIONS).reshape((-1,) + (1,) * counts.ndim) / np.maximum(least, LEAST)
     per_cell = np.where(possible, gammaln(c * safe + n) - gammaln(c * safe) - n * np.log(safe), 0.0)
     dense = per_cell.sum(-1) + (gammaln(c) - gammaln(c + total))[..., 0]
     rest = np.clip(1.0 - safe, 1e-300, 1.0)

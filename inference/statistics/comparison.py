@@ -20,10 +20,10 @@ from .betting import combined
 from .cells import SAME
 from .columns import Table, is_angle, table_of, text_of
 from .features import Cut, FeatureTest, assigned, tests_against, tests_between
+from .laws import DEFAULT_ALPHA
 from .power import detectable, needed
 from .verdict import Kind, Verdict
 
-DEFAULT_ALPHA = 1e-9
 DEFAULT_TV = 0.01
 FIRST_BLOCK = (100, 4000)
 GROWTH = 1.5

@@ -19,6 +19,9 @@ from .betting import Array, one_sample_wealth
 EDGES = (0.002, 0.01, 0.03, 0.06, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.94, 0.97, 0.99, 0.998)
 """Levels at which distributions are cut into cells: finer towards the ends, where a wrong range shows."""
 
+DEFAULT_ALPHA = 1e-9
+"""The risk of a false alarm of one statistical test, here and in our own suite: a thousand of them share a millionth."""
+
 STAKES = tuple(sign * 2.0**-k for k in range(1, 11) for sign in (1.0, -1.0))
 
 
@@ -78,6 +81,11 @@ def evidence(values: Sequence[object], law: Law) -> float:
     marks = checkpoints(len(cells))
     wealth = one_sample_wealth(np.array([np.bincount(cells[:n], minlength=len(p)) for n in marks]), p)
     return float(np.max(wealth)) / math.log(10.0)
+
+
+def contradicts(values: Sequence[object], law: Law, alpha: float = DEFAULT_ALPHA) -> bool:
+    """Whether the draws contradict the law; draws from the law do so with probability at most `alpha`."""
+    return evidence(values, law) >= -math.log10(alpha)
 
 
 def checkpoints(n: int, first: int = 16) -> list[int]:

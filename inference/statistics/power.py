@@ -20,6 +20,7 @@ MOST = 1 << 40
 
 def wealth_after(n: int, tv: float, cells: int, *, exact: bool) -> float:
     """The log wealth that is exceeded with probability 0.99 after `n` draws of each side that differ by `tv`, evenly, in `cells` cells."""
+    cells = max(2, cells)
     sign = np.where(np.arange(cells) % 2 == 0, 1.0, -1.0)
     if cells % 2:
         sign[-1] = 0.0

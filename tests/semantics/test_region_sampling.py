@@ -1,17 +1,16 @@
 """Points of regions are uniform: counts in cells of known probability, against a rival that each test must reject.
 
-Each count is compared with its exact binomial law (Clopper and Pearson); the 1e-9 false alarms that a test allows itself (with
-a fresh seed; the seeds here are fixed) are shared out among its cells.
+The seeds are fixed; with a fresh one each test raises a false alarm with probability at most `DEFAULT_ALPHA`.
 """
 
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Callable, Hashable, Mapping
 from typing import TypeVar
 
 import pytest
+from scenic_ref.inference.statistics import Categorical, contradicts
 from scenic_ref.interpreter.streams import Stream
 from scenic_ref.semantics import geometry as g
 from scenic_ref.semantics.regions import (
@@ -24,10 +23,8 @@ from scenic_ref.semantics.regions import (
     SectorRegion,
 )
 from scenic_ref.semantics.vectors import Vector
-from scipy import stats
 from shapely.geometry import MultiPolygon, Point, Polygon, box
 
-ALPHA = 1e-9
 COUNT = 20_000
 ORIGIN = Vector(0.0, 0.0)
 Cell = TypeVar("Cell", bound=Hashable)
@@ -35,14 +32,10 @@ Draw = Callable[[Callable[[], float]], Vector]
 
 
 def alarms(draw: Draw, classify: Callable[[Vector], Cell], probabilities: Mapping[Cell, float]) -> bool:
-    """Whether some cell's count is out of the central 1 - ALPHA / cells of its binomial law."""
+    """Whether the cells of the draws contradict their probabilities."""
     numbers = Stream(7, 0, 0).at((0,))
-    counts = Counter(classify(draw(numbers)) for _ in range(COUNT))
-    assert set(counts) <= set(probabilities)
     assert sum(probabilities.values()) == pytest.approx(1, abs=1e-12)
-    tail = ALPHA / (2 * len(probabilities))
-    laws = ((counts[cell], stats.binom(COUNT, share)) for cell, share in probabilities.items())
-    return any(law.cdf(count) < tail or law.sf(count - 1) < tail for count, law in laws)
+    return contradicts([classify(draw(numbers)) for _ in range(COUNT)], Categorical(probabilities))
 
 
 def ring_and_side(v: Vector) -> tuple[bool, bool]:

@@ -1,0 +1,238 @@
+"""Betting: wealth that draws from the law cannot make, and that draws from a rival do; features, cells and verdicts."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import scenic_ref
+from scenic_ref.inference.statistics import BoundedMean, Categorical, Continuous, compare, compare_invariance, contradicts, evidence
+from scenic_ref.inference.statistics.betting import combined, one_sample_wealth, two_sample_wealth
+from scenic_ref.inference.statistics.cells import cells_of, opening_of
+from scenic_ref.inference.statistics.columns import Column, Table, table_of
+from scenic_ref.inference.statistics.power import detectable, needed
+from scenic_ref.semantics.errors import UsageError
+
+UNIFORM = Continuous("uniform", lambda x: min(max(x, 0.0), 1.0))
+
+
+def numbers(seed: int, *shape: int) -> np.ndarray:
+    return np.random.Generator(np.random.Philox(seed)).random(shape)
+
+
+# Wealth is a martingale: its mean under the null hypothesis, over all outcomes, is at most 1
+
+
+def test_the_mean_wealth_of_one_sample_is_one():
+    p = np.array([0.5, 0.3, 0.2])
+    total = 0.0
+    for a in range(6):
+        for b in range(6 - a):
+            counts = np.array([a, b, 5 - a - b])
+            ways = math.factorial(5) / math.prod(math.factorial(int(c)) for c in counts)
+            total += ways * float(np.prod(p**counts)) * math.exp(float(one_sample_wealth(counts, p)))
+    assert total == pytest.approx(1, abs=1e-8)  # log-gamma of the largest concentration has nine digits behind the point
+
+
+def test_the_mean_wealth_of_two_samples_is_at_most_one():
+    p, n, total = (0.6, 0.4), 4, 0.0
+    for a in range(n + 1):
+        for b in range(n + 1):
+            weight = math.comb(n, a) * math.comb(n, b) * p[0] ** (a + b) * p[1] ** (2 * n - a - b)
+            total += weight * math.exp(float(two_sample_wealth(np.array([a, n - a]), np.array([b, n - b]))))
+    assert 0.5 < total <= 1 + 1e-12
+
+
+def test_padding_changes_nothing():
+    a, b = np.array([30, 10, 7]), np.array([22, 20, 5])
+    padded = two_sample_wealth(np.append(a, [0, 0]), np.append(b, [0, 0]))
+    assert float(padded) == pytest.approx(float(two_sample_wealth(a, b)), abs=1e-9)
+    p = np.array([0.5, 0.3, 0.2])
+    assert float(one_sample_wealth(np.append(a, 0), np.append(p, 0.0))) == pytest.approx(float(one_sample_wealth(a, p)), abs=1e-9)
+
+
+def test_an_impossible_value_is_infinite_evidence():
+    assert evidence([1, 2, 1, 3], Categorical({1: 0.5, 2: 0.5})) == math.inf
+    assert evidence([0.5, math.nan], UNIFORM) == math.inf
+
+
+def test_the_average_of_e_values_is_one():
+    assert combined(np.log([1.0, 3.0])) == pytest.approx(math.log(2))
+
+
+@pytest.mark.parametrize(
+    ("law", "draws", "rival"),
+    [
+        (UNIFORM, numbers(1, 4000), 0.05 + 0.95 * numbers(2, 4000)),
+        (Categorical({1: 0.25, 2: 0.75}), np.where(numbers(3, 4000) < 0.25, 1, 2), np.where(numbers(4, 4000) < 0.32, 1, 2)),
+        (BoundedMean(0.5, 0, 1), numbers(5, 4000), numbers(6, 4000) ** 1.4),
+    ],
+)
+def test_draws_from_the_law_do_not_contradict_it_and_those_of_a_rival_do(law, draws, rival):
+    assert not contradicts(draws.tolist(), law)
+    assert contradicts(rival.tolist(), law)
+
+
+def test_false_alarms_are_as_rare_as_stated():
+    # 1,000 nulls at 1 in 20: more than 90 alarms have probability below 1e-7 if each has probability 1/20
+    alarms = sum(evidence(numbers(100 + k, 400).tolist(), UNIFORM) >= -math.log10(0.05) for k in range(1000))
+    assert alarms <= 90
+
+
+# Cells
+
+
+def test_angles_are_cut_open_at_their_widest_gap():
+    angles = np.concatenate([np.linspace(3.0, math.pi, 50), np.linspace(-math.pi, -3.0, 50)])
+    assert abs(opening_of(angles) % math.tau) < 0.1 or abs(opening_of(angles) % math.tau - math.tau) < 0.1
+    cells = cells_of(Column("objects[0].heading", angles))
+    turned = Column("objects[0].heading", angles + math.tau)
+    assert (cells.assign(turned) == cells.assign(Column("objects[0].heading", angles))).all()
+
+
+def test_rounding_does_not_split_an_atom():
+    values = np.concatenate([np.zeros(500), numbers(7, 500)])
+    cells = cells_of(Column("x", values))
+    assert (cells.assign(Column("x", values)) == cells.assign(Column("x", values - 1e-13))).all()
+
+
+def test_few_values_have_a_cell_each_and_others_share_one():
+    cells = cells_of(Column("x", np.array([1.0, 2.0, 2.0, 5.0])))
+    assert cells.assign(Column("x", np.array([1.0, 2.0 + 1e-12, 5.0, 3.0]))).tolist() == [0, 1, 2, 3]
+
+
+def test_columns_are_named_by_their_place():
+    scene = scenic_ref.loads("ego = Object at (1, 2), with v (3, 'a')\nObject at (4, 6), facing 90 deg, with requireVisible False\nparam t = 5\n").sample()
+    table = table_of([scene])
+    assert table.columns["objects[0].position[1]"].values.tolist() == [2.0]
+    assert table.columns["objects[0].properties.v[1]"].values.tolist() == ["a"]
+    assert table.columns["params.t"].values.tolist() == [5.0]
+    assert table.columns["distance(0, 1)"].values.tolist() == [5.0]
+    assert table.columns["relativeHeading(0, 1)"].values.tolist() == [math.pi / 2]
+    assert table.columns["smallestGap"].values[0] == pytest.approx(math.hypot(2, 3))  # the boxes are unit squares
+
+
+# Power
+
+
+@pytest.mark.parametrize("exact", [True, False])
+def test_the_stated_power_is_reached(exact: bool):
+    # a difference of 5 % spread over 10 cells, 40 times: with power 0.99, more than 4 misses have probability below 1e-4
+    features, cells, tv, alpha = 30, 10, 0.05, 1e-6
+    n = needed(tv, alpha, features, cells, exact=exact)
+    sign = np.where(np.arange(cells) % 2 == 0, 1.0, -1.0)
+    source = np.random.Generator(np.random.Philox(9))
+    misses = 0
+    for _ in range(40):
+        if exact:
+            wealth = one_sample_wealth(source.multinomial(n, 0.1 + 0.2 * tv * sign), np.full(cells, 0.1))
+        else:
+            wealth = two_sample_wealth(source.multinomial(n, 0.1 + 0.1 * tv * sign), source.multinomial(n, 0.1 - 0.1 * tv * sign))
+        misses += float(wealth) - math.log(features) < -math.log(alpha)
+    assert misses <= 4
+    assert detectable(n, alpha, features, cells, exact=exact) == pytest.approx(tv, rel=0.03)
+
+
+# Verdicts
+
+
+def table(seed: int, n: int, *, shift: float = 0.0, coupled: bool = False) -> Table:
+    x, y, h = numbers(seed, n), numbers(seed + 1, n), math.pi * (2 * numbers(seed + 2, n) - 1)
+    return Table({"x": x + shift * (x < shift), "y": x if coupled else y, "objects[0].heading": h}, n)
+
+
+def test_samples_of_one_distribution_are_equivalent_within_the_stated_power():
+    verdict = compare(table(1, 40_000), table(11, 40_000), detect_tv=0.06)
+    assert verdict.kind == "equivalent"
+    assert verdict.n <= 40_000
+    assert verdict.detectable <= 0.06
+
+
+def test_too_few_scenes_are_inconclusive_and_say_how_many_are_needed():
+    verdict = compare(table(1, 2_000), table(11, 2_000), detect_tv=0.01)
+    assert verdict.kind == "inconclusive"
+    assert verdict.needed > 100_000
+    assert f"{verdict.needed:,}" in str(verdict)
+
+
+def test_a_dependence_that_no_marginal_shows_is_found_in_the_pair():
+    verdict = compare(table(1, 3_000), table(11, 3_000, coupled=True))
+    assert verdict.kind == "different"
+    assert verdict.worst == "x & y"
+
+
+def test_a_gap_at_the_end_of_a_range_is_found():
+    verdict = compare(table(1, 40_000), table(11, 40_000, shift=0.02))
+    assert (verdict.kind, verdict.worst) == ("different", "x")
+
+
+def test_headings_are_compared_modulo_a_turn():
+    one, other = table(1, 3_000), table(11, 3_000)
+    turned = Table({**{n: c.values for n, c in other.columns.items()}, "objects[0].heading": other.columns["objects[0].heading"].values % math.tau}, 3_000)
+    assert compare(one, turned).kind == "inconclusive"
+
+
+def test_constants_are_compared_exactly():
+    one = Table({"x": np.append(np.full(999, 2.0), 2.1)}, 1000)
+    verdict = compare(one, Table({"x": np.full(1000, 2.0)}, 1000), constants={"x": 2.0})
+    assert verdict.kind == "different"
+    assert "2.1 in sample number 999" in str(verdict)
+    assert compare(one, Table({"x": np.full(1000, 2.0)}, 1000)).kind == "inconclusive"
+
+
+def test_features_of_one_side_only_are_listed():
+    one = Table({"x": numbers(1, 500), "y": numbers(2, 500)}, 500)
+    verdict = compare(one, Table({"x": numbers(3, 500)}, 500))
+    assert verdict.skipped == ("y",)
+    assert "not compared, since only one side has it: y" in str(verdict)
+
+
+def test_an_exact_law_needs_half_the_scenes_and_no_first_block():
+    program = "x = Uniform(1, 2)\ny = Uniform(1, 2, 3)\nrequire x <= y\nego = Object with v (x, y)\n"
+    scenario, law = scenic_ref.loads(program), scenic_ref.loads(program).enumerate()
+    verdict = compare(list(scenario.sample_many(2000)), law, detect_tv=0.15)
+    assert (verdict.kind, verdict.burned, verdict.exact) == ("equivalent", 0, True)
+    rival = scenic_ref.loads(program.replace("Uniform(1, 2, 3)", "Uniform(1, 2, 3, 3)"))
+    assert compare(list(rival.sample_many(2000)), law).kind == "different"
+
+
+def test_a_value_outside_the_exact_support_is_found_at_once():
+    law = scenic_ref.loads("ego = Object with v Uniform(1, 2)\n").enumerate()
+    rival = scenic_ref.loads("ego = Object with v Uniform(1, 2, 3)\n")
+    assert compare(list(rival.sample_many(20)), law).kind == "different"
+
+
+def test_a_kernel_that_keeps_the_distribution_passes_and_one_that_does_not_is_found():
+    scenario = scenic_ref.loads("ego = Object with v Uniform(1, 2, 3)\n")
+
+    def stays(scene, seed):
+        return scene
+
+    def redraws(scene, seed):
+        return scenario.sample(5, seed)
+
+    def drifts(scene, seed):
+        found = scenario.sample(5, seed)
+        return found if found.ego["v"] > scene.ego["v"] else scene
+
+    assert compare_invariance(scenario, stays, 2, budget=1000).kind == "inconclusive"
+    assert compare_invariance(scenario, redraws, 2, budget=1000).kind == "inconclusive"
+    assert compare_invariance(scenario, drifts, 2, budget=1000).kind == "different"
+
+
+@pytest.mark.parametrize("wrong", [{"alpha": 0.0}, {"alpha": 2.0}, {"detect_tv": 0.0}, {"budget": 0}])
+def test_settings_that_are_none_are_refused(wrong):
+    with pytest.raises(UsageError):
+        compare(table(1, 500), table(2, 500), **wrong)
+
+
+def test_too_few_scenes_to_make_cells_are_refused():
+    with pytest.raises(UsageError):
+        compare(table(1, 50), table(2, 50))
+
+
+def test_nothing_is_tested_against_an_approximation():
+    approximation = scenic_ref.loads("ego = Object with v Range(0, 1)\n").enumerate(discretize=4)
+    with pytest.raises(UsageError):
+        compare([scenic_ref.loads("ego = Object with v Range(0, 1)\n").sample()], approximation)
