@@ -4,39 +4,44 @@ from __future__ import annotations
 
 import json
 import shlex
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
+from itertools import islice
 from types import TracebackType
 
-from .drawing import drawing_of
+from .drawing import Drawn, drawing_of
 from .options import DEFAULT_ATTEMPTS, DEFAULT_FUEL, Source
 from .progress import Progress
 from .workers import Failed, Job, draw_here, draw_in_processes
 
 
 class References:
-    """Draws scenes of a program, in JSON, showing how far it is; used in a `with`."""
+    """Draws scenes 0 to `total` - 1 of a program, in JSON, showing how far it is; used in a `with`.
+
+    The processes stay between the blocks that are asked for, one after the other.
+    """
 
     def __init__(self, source: Source, workers: int, total: int) -> None:
         self.source = source
         self.workers = workers
+        self.total = total
         self.progress = Progress(total)
-        self.shown = False
+        self.drawn: Generator[Drawn | Failed] | None = None
 
     def __enter__(self) -> References:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        if self.shown:
+        if self.drawn is not None:
+            self.drawn.close()
             self.progress.__exit__(kind, error, trace)
 
     def sample_many(self, n: int, seed: int = 0, *, start: int = 0) -> Iterator[dict[str, object]]:
-        """Scenes `start` to `start + n - 1` of `seed`. Raises the program's errors."""
-        if not self.shown:
+        """Scenes `start` to `start + n - 1` of `seed`, which must be the next ones. Raises the program's errors."""
+        if self.drawn is None:
             self.progress.__enter__()
-            self.shown = True
-        job = Job(self.source, seed, start, start + n, DEFAULT_ATTEMPTS)
-        scenes = draw_here(drawing_of(self.source), job, self.progress.stuck) if self.workers == 1 else draw_in_processes(job, self.workers)
-        for drawn in scenes:
+            job = Job(self.source, seed, start, self.total, DEFAULT_ATTEMPTS)
+            self.drawn = draw_here(drawing_of(self.source), job, self.progress.stuck) if self.workers == 1 else draw_in_processes(job, self.workers)
+        for drawn in islice(self.drawn, n):
             if isinstance(drawn, Failed):
                 raise drawn.error
             self.progress.drawn(drawn.attempts)

@@ -173,8 +173,8 @@ class Collected:
         for name, value in self.terms.constants.items():
             wrong = first_other(table, name, value)
             if wrong is not None and len(self.impossible) < MOST_LISTED:
-                found = table.columns[name].values[wrong] if name in table.columns else "missing"
-                self.impossible.append(f"{name} is always {value}, but {found} in sample number {start + wrong}")
+                shown = [f"{v:.9g}" if isinstance(v, float) else text_of(v) for v in (value, table.columns[name].values[wrong])]
+                self.impossible.append(f"{name} is always {shown[0]}, but {shown[1]} in sample number {start + wrong}")
 
     def add(self, a: Table, b: Table | None) -> None:
         """Count another block of both sides (or of one, against a law), and look at the evidence."""

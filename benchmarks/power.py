@@ -1,0 +1,78 @@
+"""How many scenes `compare` needs to find small faults, and how often it raises a false alarm.
+
+`python benchmarks/power.py power` and `python benchmarks/power.py nulls` print their measurements as JSON; docs/checking.md shows them.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+import time
+
+import numpy as np
+import scenic_ref
+from scenic_ref.inference.statistics import compare
+from scenic_ref.inference.statistics.columns import Table
+
+VIEWER = "v = OrientedPoint at (0, 0), with viewDistance {}\nego = Object at (90, 0)\nObject visible from v, with requireVisible False\n"
+WRAP = "ego = Object at (0, 0), facing 170 deg, with viewAngle 60 deg, with viewDistance 9\nv = (Range(-5, 5), Range(-5, -1))\nrequire {}\nego.v = v\n"
+WIGGLE = "w = Range(-1, 1)\nego = Object at (0, w)\nObject at (3, {}), with requireVisible False\n"
+PAIRS: dict[str, tuple[str, str, dict[str, str]]] = {
+    "Range(-9.9, 9.9) for Range(-10, 10)": ("ego = Object at (Range(-10, 10), 0)\n", "ego = Object at (Range(-9.9, 9.9), 0)\n", {}),
+    "view radius 29.8 for 30": (VIEWER.format(30), VIEWER.format(29.8), {}),
+    "a forgotten resample": (WIGGLE.format("resample(w)"), WIGGLE.format("w"), {}),
+    "a radius drawn uniformly": (
+        "ego = Object in CircularRegion((0, 0), 10)\n", "ego = Object at (0, 0) offset along Range(0, 360) deg by (0, Range(0, 10))\n", {},
+    ),
+    "soft read the other way": (
+        "x = Range(0, 1)\nrequire[0.5] x < 0.1\nego = Object with v x\n", "x = Range(0, 1)\nrequire[0.5] x < 0.1\nego = Object with v x\n",
+        {"soft": "scene"},
+    ),
+    "a missing wrap-around": (
+        WRAP.format("ego can see v"), WRAP.format("abs((angle from ego.position to v) - 170 deg) <= 30 deg"), {},
+    ),
+}
+SEEDS = ((0, 1), (2, 3), (4, 5))
+BUDGET = 1_000_000
+
+
+def power() -> dict[str, list[dict[str, object]]]:
+    """Scenes of each side until each fault is found, three times."""
+    found: dict[str, list[dict[str, object]]] = {}
+    for name, (right, wrong, readings) in PAIRS.items():
+        found[name] = []
+        for seeds in SEEDS:
+            begun = time.process_time()
+            verdict = compare(scenic_ref.loads(wrong, readings=readings), scenic_ref.loads(right), seeds=seeds, budget=BUDGET)
+            found[name].append(
+                {
+                    "verdict": verdict.kind, "scenes of each side": verdict.n + verdict.burned, "log10 evidence": round(verdict.evidence, 1),
+                    "worst": verdict.worst, "seconds": round(time.process_time() - begun, 1),
+                }
+            )
+            print(name, found[name][-1], file=sys.stderr, flush=True)
+    return found
+
+
+def nulls(count: int = 10_000, scenes: int = 1_600, alpha: float = 0.01) -> dict[str, object]:
+    """False alarms in `count` comparisons of samples of one distribution."""
+    source = np.random.Generator(np.random.Philox(2026))
+    begun = time.process_time()
+    alarms = sum(compare(_drawn(source, scenes), _drawn(source, scenes), alpha=alpha).kind == "different" for _ in range(count))
+    return {"comparisons": count, "scenes of each side": scenes, "alpha": alpha, "false alarms": alarms, "seconds": round(time.process_time() - begun)}
+
+
+def _drawn(source: np.random.Generator, n: int) -> Table:
+    """Scenes with continuous, discrete, circular, dependent and rare features."""
+    x, y, turn = source.random(n), source.normal(size=n), source.uniform(-math.pi, math.pi, n)
+    columns = {
+        "objects[0].position[0]": x, "objects[0].position[1]": x + 0.1 * y, "objects[0].heading": turn,
+        "params.kind": np.floor(source.random(n) * 5), "params.rare": (source.random(n) < 0.01).astype(float),
+        "attempts": source.geometric(0.3, n).astype(float),
+    }
+    return Table(columns, n)
+
+
+if __name__ == "__main__":
+    print(json.dumps({"power": power, "nulls": nulls}[sys.argv[1]](), indent=1))

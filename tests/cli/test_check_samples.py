@@ -1,0 +1,142 @@
+"""`scenic-ref check --samples`, and the same as an assertion: verdicts, exit codes, reports, formats, and what is refused."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+import scenic_ref
+from scenic_ref.inference.statistics.reading import read_samples
+from scenic_ref.semantics.errors import UsageError
+from scenic_ref.testing import assert_same_distribution
+
+RIGHT = "x = Range(0, 1)\ny = Range(0, 1)\nego = Object at (x, 0)\nObject at (5, y), with requireVisible False\n"
+WRONG = RIGHT.replace("y = Range(0, 1)", "y = x")
+COIN = "ego = Object with v Uniform(1, 2)\n"
+
+
+@pytest.fixture
+def files(ask):
+    for name, text in {"right": RIGHT, "wrong": WRONG, "coin": COIN}.items():
+        Path(f"{name}.scenic").write_text(text)
+        assert ask("run", f"{name}.scenic", "-n", 600, "--seed", 5, "-o", f"{name}.jsonl").code == 0
+    return ask
+
+
+def test_samples_of_the_program_are_inconclusive_or_equivalent_as_asked(files):
+    found = files("check", "right.scenic", "--samples", "right.jsonl")
+    assert found.code == 5
+    assert found.out.startswith("inconclusive: no evidence of a difference")
+    assert "replay: scenic-ref check right.scenic --samples right.jsonl --alpha 1e-09 --detect-tv 0.01 --seed 20190625" in found.out
+    found = files("check", "right.scenic", "--samples", "right.jsonl", "--detect-tv", 0.6)
+    assert (found.code, found.out.split(":")[0]) == (0, "equivalent within the stated power")
+
+
+def test_samples_of_another_program_are_different_and_the_reports_say_where(files):
+    found = files("check", "right.scenic", "--samples", "wrong.jsonl", "--report", "page.html", "--junit", "results.xml")
+    assert found.code == 1
+    assert "worst feature: objects[0].position[0] & objects[1].position[1]" in found.out
+    page = Path("page.html").read_text()
+    assert "objects[0].position[0] &amp; objects[1].position[1]" in page
+    assert "<svg" in page and "http" not in page.replace("http://www.w3.org", "")
+    suite = ElementTree.parse("results.xml").getroot()
+    assert (suite.get("tests"), suite.get("failures"), suite.get("errors")) == ("1", "1", "0")
+    assert suite.find("testcase/failure").get("type") == "different"
+
+
+def test_the_replayed_command_says_the_same(files):
+    first = files("check", "right.scenic", "--samples", "wrong.jsonl", "--reading", "soft=scene")
+    command = first.out.splitlines()[-1].removeprefix("replay: scenic-ref ").split()
+    assert files(*command) == first
+
+
+def test_a_finite_program_is_compared_with_its_exact_law(files):
+    found = files("check", "coin.scenic", "--samples", "coin.jsonl", "--detect-tv", 0.2)
+    assert found.code == 0
+    assert "600 scenes against the exact law" in found.out
+
+
+def test_reference_scenes_can_be_given(files):
+    files("run", "right.scenic", "-n", 600, "--seed", 6, "-o", "more.jsonl")
+    assert files("check", "right.scenic", "--samples", "right.jsonl", "--reference", "more.jsonl").code == 5
+    assert files("check", "right.scenic", "--samples", "wrong.jsonl", "--reference", "more.jsonl").code == 1
+
+
+def test_several_workers_give_the_same_verdict(files):
+    assert files("check", "right.scenic", "--samples", "right.jsonl", "--workers", 2).out == files("check", "right.scenic", "--samples", "right.jsonl").out
+
+
+def test_samples_are_not_compared_with_themselves(files):
+    found = files("check", "right.scenic", "--samples", "right.jsonl", "--seed", 5)
+    assert found.code == 2
+    assert "would be compared with themselves" in found.err
+
+
+def test_a_value_that_cannot_be_is_different_however_rare(files):
+    lines = Path("right.jsonl").read_text().splitlines()
+    scene = json.loads(lines[321])
+    scene["objects"][1]["width"] = 1.5
+    Path("right.jsonl").write_text("\n".join([*lines[:321], json.dumps(scene), *lines[322:]]) + "\n")
+    found = files("check", "right.scenic", "--samples", "right.jsonl")
+    assert found.code == 1
+    assert "objects[1].width is always 1, but 1.5 in sample number 321" in found.out
+
+
+def test_a_minimal_csv_is_enough(files):
+    for name in ("right", "wrong"):
+        scenes = [json.loads(line)["objects"] for line in Path(f"{name}.jsonl").read_text().splitlines()]
+        rows = [f"{a['position'][0]},{b['position'][1]},{b['heading']}" for a, b in scenes]
+        Path(f"{name}.csv").write_text("\n".join(["0.x,objects[1].position[1],1.heading", *rows]) + "\n")
+    assert files("check", "right.scenic", "--samples", "right.csv").code == 5
+    assert files("check", "right.scenic", "--samples", "wrong.csv").code == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "message"),
+    [
+        ("s.jsonl", "", "holds no scenes"),
+        ("s.jsonl", "{\n", "line 1: this is not JSON"),
+        ("s.jsonl", '{"objects": 3}\n', "line 1: a scene has a list `objects`"),
+        ("s.jsonl", '{"objects": [{"position": [1, NaN]}]}\n', "line 1: objects[0].position is not a pair of finite numbers"),
+        ("s.jsonl", '{"schema": "other/1", "objects": []}\n', "line 1: this is 'other/1', not a scene"),
+        ("s.jsonl", '{"objects": [], "weight": 1}\n{"objects": [], "weight": 2}\n', "weighted scenes"),
+        ("s.csv", "speed\n3\n", "'speed' names no feature"),
+        ("s.csv", "0.x,0.y\n3\n", "line 2: 1 values, where the first line names 2"),
+        ("s.csv", "0.x,objects[0].position[0]\n3,3\n", "two columns have the same name"),
+    ],
+)
+def test_samples_in_no_format_are_refused_with_their_line(ask, name, text, message):
+    Path(name).write_text(text)
+    found = ask("check", "random.scenic", "--samples", name)
+    assert found.code == 2
+    assert message in found.err
+
+
+@pytest.mark.parametrize("options", [("--report", "page.txt"), ("--junit", "nowhere/r.xml"), ("--alpha", 0), ("--detect-tv", 1), ("--reference", "no.jsonl")])
+def test_wrong_options_are_refused(files, options):
+    assert files("check", "right.scenic", "--samples", "right.jsonl", *options).code == 2
+
+
+def test_reports_belong_to_samples(ask):
+    assert ask("check", "ok.scenic", "--report", "page.html").code == 2
+    assert ask("check", "ok.scenic").out == "ok\n"
+
+
+def test_the_assertion_shows_the_worst_feature_and_how_to_replay_it(files):
+    scenario = scenic_ref.loads(RIGHT)
+    assert assert_same_distribution("right.jsonl", scenario, detect_tv=0.6).kind == "equivalent"
+    with pytest.raises(AssertionError) as caught:
+        assert_same_distribution(read_samples("wrong.jsonl"), scenario)
+    assert "worst feature: objects[0].position[0] & objects[1].position[1]" in str(caught.value)
+    assert "replay: assert_same_distribution(samples, scenario, alpha=1e-09, detect_tv=0.01, seed=20190625)" in str(caught.value)
+
+
+def test_an_inconclusive_comparison_fails_unless_it_may_pass(files):
+    scenario = scenic_ref.loads(RIGHT)
+    with pytest.raises(AssertionError):
+        assert_same_distribution("right.jsonl", scenario)
+    assert assert_same_distribution("right.jsonl", scenario, inconclusive="pass").kind == "inconclusive"
+    with pytest.raises(UsageError):
+        assert_same_distribution("right.jsonl", scenario, inconclusive="maybe")

@@ -1,0 +1,191 @@
+"""Wrong machines: one fault each, as edits of a copy of the package, with a program whose distribution it changes."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Edit(NamedTuple):
+    """A piece of text that stands once in a file, and what replaces it."""
+
+    file: str
+    old: str
+    new: str
+
+
+class Fault(NamedTuple):
+    """What is wrong, how the copy is edited, a program by whose scenes it shows, and vectors that catch it."""
+
+    name: str
+    edits: tuple[Edit, ...]
+    program: str
+    vectors: tuple[str, ...]
+
+
+FAR = ", with requireVisible False"
+
+FAULTS = (
+    Fault(
+        "coin per scene",
+        (Edit("semantics/statements.py", 'per_scene=state.reading("soft") == "scene"', "per_scene=True"),),
+        "x = Range(0, 1)\nrequire[0.5] x < 0.1\nego = Object with v x\n",
+        (),
+    ),
+    Fault(
+        "optional specifier beats a non-optional one",
+        (Edit("semantics/resolution.py", "        if name in spec_for_property:\n            continue\n", ""),),
+        f"ego = Object at (0, 5), facing Range(0, 1)\nObject left of ego by 2, facing Range(1, 2){FAR}\n",
+        (),
+    ),
+    Fault(
+        "height for width",
+        (Edit("semantics/specifiers.py", "return v + geometry.rotate(Vector(-self.width / 2 - s, 0.0)", "return v + geometry.rotate(Vector(-self.length / 2 - s, 0.0)"),),
+        f"ego = Object at (0, 9)\nObject left of (0, 0) by Range(1, 2), with length 4{FAR}\n",
+        (),
+    ),
+    Fault(
+        "angle without wrap",
+        (
+            Edit(
+                "semantics/geometry.py", "def wedge_contains(heading: float, angle: float, v: Vector) -> bool:\n",
+                "def wedge_contains(heading: float, angle: float, v: Vector) -> bool:\n"
+                "    return v == Vector(0.0, 0.0) or abs(angle_of(v) - heading) <= angle / 2\n\n\n"
+                "def wedge_contains_of_the_paper(heading: float, angle: float, v: Vector) -> bool:\n",
+            ),
+        ),
+        "ego = Object at (0, 0), facing 170 deg, with viewAngle 60 deg, with viewDistance 9\nv = (Range(-5, 5), Range(-5, -1))\n"
+        "require ego can see v\nego.v = v\n",
+        (),
+    ),
+    Fault(
+        "mutation at the statement instead of at the end",
+        (
+            Edit(
+                "semantics/statements.py",
+                '    return done("S-Mutate", node, stack, state, Change("O", ", ".join(f"{t!r}.mutationScale" for t in targets), scale))\n',
+                "    from .termination import Mutating, mutate_objects\n\n    return mutate_objects(Mutating(0), stack, state)\n",
+            ),
+            Edit(
+                "semantics/termination.py", "    return mutate_objects(Mutating(0), stack, state)\n",
+                '    return Next("T-Mutate", Config(PASS, (Late(0), stack), state))\n',
+            ),
+            Edit(
+                "semantics/termination.py", 'return Next("T-Mutate", Config(PASS, (Late(0), stack), state._replace(draws=state.draws + 1)))',
+                'return Next("T-Mutate", Config(PASS, stack, state._replace(draws=state.draws + 1)))',
+            ),
+        ),
+        "ego = Object at (0, 0)\nmutate ego\nrequire ego.position.x >= 0\n",
+        (),
+    ),
+    Fault(
+        "resample draws the parameters again",
+        (
+            Edit(
+                "semantics/draws.py", '    return ask(node, distribution, "E-Distributions", stack, state, f"{constructor.name}(...)")\n',
+                '    asked = ask(node, distribution, "E-Distributions", stack, state, f"{constructor.name}(...)")\n'
+                "    origin = Origin(node.span, constructor.name, Again(constructor, arguments))\n"
+                "    after = state._replace(draws=state.draws + 1)\n"
+                "    return asked._replace(resume=lambda drawn: Config(Value(Random(unwrap(drawn)[0], origin)), stack, after))\n\n\n"
+                "class Again:\n"
+                "    name, parameters = 'Again', {}\n\n"
+                "    def __init__(self, constructor, arguments):\n"
+                "        self.constructor, self.arguments = constructor, arguments\n\n"
+                "    def sample(self, uniform):\n"
+                "        drawn = [\n"
+                "            a.origin.distribution.sample(uniform) if type(a) is Random and a.origin.distribution is not None else plain(a)\n"
+                "            for a in self.arguments\n"
+                "        ]\n"
+                "        return self.constructor.make(*drawn).sample(uniform)\n\n"
+                "    def support(self):\n"
+                "        return None\n",
+            ),
+        ),
+        "m = Range(0, 10)\nx = Range(0, m)\ny = resample(x)\nego = Object with v (m, y)\n",
+        (),
+    ),
+    Fault(
+        "uniform in the bounding box instead of the polygon",
+        (
+            Edit(
+                "semantics/regions/sampling.py",
+                "        chosen = min(bisect_right(self._cumulative, uniform() * self.area), len(self._cumulative) - 1)\n"
+                "        ax, ay",
+                "        low, high = self.triangles.reshape(-1, 2).min(0), self.triangles.reshape(-1, 2).max(0)\n"
+                "        return Vector(*(low + (high - low) * [uniform(), uniform()]).tolist())\n"
+                "        ax, ay",
+            ),
+        ),
+        "ego = Object in PolygonalRegion([(0, 0), (4, 0), (0, 4)])\n",
+        (),
+    ),
+    Fault(
+        "a requirement dropped",
+        (Edit("semantics/termination.py", "            return not geometry.boxes_intersect(", "            return True or not geometry.boxes_intersect("),),
+        f"ego = Object at (0, 0)\nObject at (Range(-3, 3), 0){FAR}\n",
+        (),
+    ),
+    Fault(
+        "beyond from the wrong point",
+        (Edit("semantics/specifiers.py", "return v1 + geometry.rotate(v2, geometry.angle_of(v1 - v3))", "return v3 + geometry.rotate(v2, geometry.angle_of(v1 - v3))"),),
+        f"ego = Object at (0, 0)\nObject beyond (3, 4) by (0, Range(3, 5)) from (0, 1){FAR}\n",
+        (),
+    ),
+    Fault(
+        "a degree taken for a radian",
+        (Edit("semantics/operators.py", "    return math.radians(s)\n", "    return s\n"),),
+        "ego = Object facing Range(0, 2) deg\n",
+        (),
+    ),
+    Fault(
+        "a default evaluated once per class",
+        (
+            Edit(
+                "semantics/object_definitions.py", "        bindings: Mapping[str, object] = {",
+                "        once = ONCE.get((id(owner), specification.specifies[0]))\n"
+                "        if once is not None:\n"
+                '            return assign_property(frame, "P-Default", {frame.order[frame.index][1][0]: once[1]}, stack, state)\n'
+                "        bindings: Mapping[str, object] = {",
+            ),
+            Edit(
+                "semantics/object_definitions.py", "    restored = state._replace(sigma=construction.outer, depth=state.depth - 1)\n",
+                "    owner = construction.instance.class_.defaults[name][1]\n"
+                "    if not owner.built_in:\n"
+                "        ONCE[id(owner), name] = (owner, result)\n"
+                "    restored = state._replace(sigma=construction.outer, depth=state.depth - 1)\n",
+            ),
+            Edit("semantics/object_definitions.py", "class Defaulting(NamedTuple):", "ONCE: dict = {}\n\n\nclass Defaulting(NamedTuple):"),
+        ),
+        "class A:\n    w: Range(0, 1)\nego = A at (0, 0)\nb = A at (0, 5)\n",
+        (),
+    ),
+    Fault(
+        "a function's default argument drawn anew at every call",
+        (
+            Edit(
+                "semantics/functions.py", "            bound[parameter.name] = defaults[parameter.name]\n",
+                "            bound[parameter.name] = anew(defaults[parameter.name])\n",
+            ),
+            Edit(
+                "semantics/functions.py", "LARGEST_DEPTH = 400\n",
+                "LARGEST_DEPTH = 400\nSOURCE = __import__('random').Random(5)\n\n\n"
+                "def anew(default):\n"
+                "    distribution = getattr(getattr(default, 'origin', None), 'distribution', None)\n"
+                "    return default if distribution is None else type(default)(distribution.sample(SOURCE.random), default.origin)\n",
+            ),
+        ),
+        "def f(x=Range(0, 1)):\n    return x\nego = Object with v (f(), f())\n",
+        (),
+    ),
+    Fault(
+        "weights of Discrete normalised wrongly",
+        (
+            Edit(
+                "semantics/distributions/finite.py", "        return [float(part / sums[-1]) for part in sums]\n",
+                "        return [*(min(1.0, float(part / len(sums))) for part in sums[:-1]), 1.0]\n",
+            ),
+            Edit("semantics/distributions/finite.py", "        total = sum(weights)\n", "        total = Fraction(len(weights))\n"),
+        ),
+        "ego = Object with v Discrete({1: 1, 2: 3})\n",
+        (),
+    ),
+)

@@ -1,0 +1,68 @@
+"""Thirteen wrong machines: each is caught by vectors, and by `check` on scenes that it draws."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import scenic_ref
+from scenic_ref.testing import same_distribution
+
+sys.path.insert(0, str(Path(__file__).parent))
+faults = importlib.import_module("faults")
+sys.path.pop(0)
+
+ROOT = Path(__file__).parent.parent.parent
+PACKAGES = ("semantics", "interpreter", "inference", "scenario", "simulators", "conformance", "testing", "cli")
+SCENES = 1500
+
+
+def wrong_machine(fault, folder: Path) -> Path:
+    """A copy of the package with the fault in it; the folder to put on the path."""
+    home = folder / "scenic_ref"
+    for name in PACKAGES:
+        shutil.copytree(ROOT / name, home / name, ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("__init__.py", "__main__.py"):
+        shutil.copy(ROOT / name, home / name)
+    for file, old, new in fault.edits:
+        text = (home / file).read_text()
+        assert text.count(old) == 1, f"{fault.name}: the text to replace stands {text.count(old)} times in {file}"
+        (home / file).write_text(text.replace(old, new))
+    return folder
+
+
+def run(machine: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, "PYTHONPATH": str(machine)}
+    return subprocess.run([sys.executable, "-P", "-m", "scenic_ref", *arguments], capture_output=True, text=True, env=environment, cwd=machine)
+
+
+@pytest.fixture(params=faults.FAULTS, ids=lambda fault: fault.name)
+def fault(request):
+    return request.param
+
+
+def test_vectors_and_check_catch_the_fault(fault, tmp_path):
+    machine = wrong_machine(fault, tmp_path)
+    program = tmp_path / "program.scenic"
+    program.write_text(fault.program)
+    drawn = run(machine, "run", str(program), "-n", str(SCENES), "--seed", "77", "-o", str(tmp_path / "scenes.jsonl"))
+    assert drawn.returncode == 0, drawn.stderr
+    assert same_distribution(tmp_path / "scenes.jsonl", scenic_ref.loads(fault.program)).kind == "different"
+
+    names = [word for name in fault.vectors for word in ("--vector", name)]
+    judged = run(machine, "conformance", *names, "--json", str(tmp_path / "results.json"))
+    assert judged.returncode == 1, judged.stdout + judged.stderr
+    results = json.loads((tmp_path / "results.json").read_text())["results"]
+    assert {result["vector"] for result in results if result["status"] == "failed"} == set(fault.vectors)
+
+
+@pytest.mark.parametrize("fault", faults.FAULTS, ids=lambda fault: fault.name)
+def test_the_machine_without_the_fault_is_not_accused(fault):
+    scenario = scenic_ref.loads(fault.program)
+    assert same_distribution(list(scenario.sample_many(SCENES, seed=77)), scenario).kind == "inconclusive"
