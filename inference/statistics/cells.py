@@ -14,7 +14,7 @@ import numpy as np
 
 from .betting import Array
 from .columns import Column, is_angle
-from .laws import EDGES
+from .laws import EDGES, Categorical, Continuous
 
 FEW = 24  # as many different values, or fewer, get a cell each
 MOST_EXACT = 256  # against an exact law
@@ -82,7 +82,32 @@ class Intervals:
         return (f"below {shown[0]}" if shown else "any number", *between, f"from {shown[-1]}" if shown else "-", "no number")
 
 
-Cells = Values | Intervals
+@dataclass(frozen=True)
+class OfLaw:
+    """The cells that a law in closed form has by itself."""
+
+    law: Continuous | Categorical
+
+    @property
+    def probabilities(self) -> Array:
+        """Those of the cells."""
+        return self.law.cells(())[1]
+
+    @property
+    def count(self) -> int:
+        """How many cells there are."""
+        return len(self.probabilities)
+
+    def assign(self, column: Column) -> Array:
+        """The cell of each value."""
+        return self.law.cells(column.values.tolist())[0]
+
+    def labels(self) -> tuple[str, ...]:
+        """A name for each cell."""
+        return self.law.labels()
+
+
+Cells = Values | Intervals | OfLaw
 
 
 def cells_of(column: Column, weights: Array | None = None, levels: tuple[float, ...] = EDGES, *, exact: bool = False) -> Cells:

@@ -50,10 +50,10 @@ class Column:
 
 def is_angle(name: str) -> bool:
     """Whether a feature of that name is an angle."""
-    return self_named(name).endswith(ANGLES)
+    return last_part(name).endswith(ANGLES)
 
 
-def self_named(name: str) -> str:
+def last_part(name: str) -> str:
     """The last part of a feature's name, without indices."""
     return name.partition("(")[0].rpartition(".")[2].partition("[")[0]
 

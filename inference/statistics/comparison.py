@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -19,8 +19,8 @@ from ..enumeration import Enumeration
 from .betting import combined
 from .cells import SAME
 from .columns import Table, is_angle, table_of, text_of
-from .features import Cut, FeatureTest, assigned, tests_against, tests_between
-from .laws import DEFAULT_ALPHA
+from .features import Cut, FeatureTest, assigned, tests_against, tests_between, tests_of_laws
+from .laws import DEFAULT_ALPHA, Categorical, Continuous
 from .power import detectable, needed
 from .verdict import Kind, Verdict
 
@@ -42,24 +42,41 @@ class Sampler(Protocol):
         ...
 
 
+@runtime_checkable
+class WithConstants(Protocol):
+    """Something that knows which features no draw changes, such as a scenario."""
+
+    @property
+    def constants(self) -> Mapping[str, object]:
+        """The values of these features."""
+        ...
+
+
+Laws = Mapping[str, Continuous | Categorical]
+"""Exact laws of features in closed form, by the features' names."""
+
 Scenes = Sequence[Scene] | Sequence[Mapping[str, object]]
 Source = Scenes | Table | Sampler
 
 
 def compare(
-    a: Source, b: Source | Enumeration, *, alpha: float = DEFAULT_ALPHA, detect_tv: float = DEFAULT_TV, budget: int | None = None,
+    a: Source, b: Source | Enumeration | Laws, *, alpha: float = DEFAULT_ALPHA, detect_tv: float = DEFAULT_TV, budget: int | None = None,
     seeds: tuple[int, int] = (0, 1), constants: Mapping[str, object] | None = None, replay: str = "",
 ) -> Verdict:
-    """Whether the draws `a` have the distribution of the draws `b`, or the exact one of an enumeration.
+    """Whether the draws `a` have the distribution of the draws `b`, or an exact one: an enumeration, or laws of features in closed form.
 
     `a` and `b` are scenes (as such, as JSON objects in the scene format, or as a table), or draw them with `seeds`. P("different") <= `alpha`
     if there is no difference. `budget` is the largest number of scenes of each side; without one all that are there are
-    used, or as many as a difference of `detect_tv` needs. `constants` are values that features must have, whatever is drawn.
+    used, or as many as a difference of `detect_tv` needs. `constants` are values that features must have, whatever is drawn; a
+    scenario given as `b` knows its own.
     Raises `UsageError` for settings or scenes that cannot be compared.
     """
     check_settings(alpha, detect_tv, budget)
-    terms = Terms(alpha, detect_tv, constants or {}, replay)
-    if isinstance(b, Enumeration):
+    if constants is None and isinstance(b, WithConstants):
+        constants = b.constants
+    again = replay or f"compare(a, b, alpha={alpha:g}, detect_tv={detect_tv:g}, budget={budget}, seeds={seeds})"
+    terms = Terms(alpha, detect_tv, constants or {}, seeds, again)
+    if isinstance(b, (Enumeration, Mapping)):
         return _with_law(Stream(a, seeds[0]), b, budget, terms)
     return _two_samples(Stream(a, seeds[0]), Stream(b, seeds[1]), budget, terms)
 
@@ -104,6 +121,7 @@ class Terms(NamedTuple):
     alpha: float
     detect_tv: float
     constants: Mapping[str, object]
+    seeds: tuple[int, int]
     replay: str
 
 
@@ -125,9 +143,9 @@ def _two_samples(a: Stream, b: Stream, budget: int | None, terms: Terms) -> Verd
     return collected.verdict(burned, skipped)
 
 
-def _with_law(a: Stream, law: Enumeration, budget: int | None, terms: Terms) -> Verdict:
+def _with_law(a: Stream, law: Enumeration | Laws, budget: int | None, terms: Terms) -> Verdict:
     block = a.take(FIRST_BLOCK[0])
-    tests, skipped = tests_against(block, law, terms.constants)
+    tests, skipped = tests_against(block, law, terms.constants) if isinstance(law, Enumeration) else (tests_of_laws(block, law), [])
     collected = Collected(tests, terms, exact=True)
     limit = min((n for n in (a.length, budget) if n is not None), default=collected.needed)
     if limit < 1:
@@ -192,7 +210,7 @@ class Collected:
             kind=kind, evidence=math.inf if self.impossible else self.evidence, alpha=self.terms.alpha, detect_tv=self.terms.detect_tv,
             detectable=detectable(self.n, self.terms.alpha, len(self.tests), self.cells, exact=self.exact), n=self.n, needed=self.needed,
             burned=burned, features=tuple(features), impossible=tuple(self.impossible), skipped=tuple(skipped),
-            constants=len(self.terms.constants), exact=self.exact, replay=self.terms.replay,
+            constants=len(self.terms.constants), exact=self.exact, seeds=self.terms.seeds, replay=self.terms.replay,
         )
 
 

@@ -12,8 +12,9 @@ import numpy as np
 from ...semantics.errors import UsageError
 from ..enumeration import Enumeration
 from .betting import Array, one_sample_wealth, two_sample_wealth
-from .cells import QUARTERS, Cells, Intervals, Values, cells_of
+from .cells import QUARTERS, Cells, Intervals, OfLaw, Values, cells_of
 from .columns import ABSENT, Column, Table, table_of
+from .laws import Categorical, Continuous
 from .verdict import Feature
 
 MOST_PAIRS = 300
@@ -147,6 +148,15 @@ def tests_against(a: Table, law: Enumeration, constants: Mapping[str, object]) -
     for test in tests:
         test.law = np.bincount(test.cells(found), weights=weights, minlength=test.size)
     return tests + ([attempts_test(law)] if "attempts" in a.columns else []), skipped
+
+
+def tests_of_laws(a: Table, laws: Mapping[str, Continuous | Categorical]) -> list[FeatureTest]:
+    """The tests of a sample against laws of its features in closed form. Raises `UsageError` for a feature that it does not have."""
+    missing = [name for name in laws if name not in a.columns]
+    if missing:
+        raise UsageError(f"the samples have no feature {missing[0]}", hint=f"they have {', '.join(list(a.columns)[:6])}, ...")
+    cells = {name: OfLaw(law) for name, law in laws.items()}
+    return [FeatureTest((Cut(name, found, found),), found.probabilities) for name, found in cells.items()]
 
 
 def attempts_test(law: Enumeration) -> FeatureTest:

@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 
 import numpy as np
 from scipy.special import logsumexp
@@ -34,10 +35,15 @@ class Continuous:
 
     def cells(self, values: Sequence[object]) -> tuple[Array, Array]:
         """The cell of each value, and the probabilities of the cells. A value that is no finite number is in the last, of probability 0."""
-        levels = np.array([self._level(value) for value in values])
+        levels = np.array([self._level(value) for value in values], dtype=float)
         inside = np.searchsorted(EDGES, levels, side="right")
         inside[np.isnan(levels)] = len(EDGES) + 1
         return inside, np.append(np.diff((0.0, *EDGES, 1.0)), 0.0)
+
+    def labels(self) -> tuple[str, ...]:
+        """A name for each cell."""
+        levels = (0.0, *EDGES, 1.0)
+        return (*(f"{self.name}: level {low:g} to {high:g}" for low, high in pairwise(levels)), "no number")
 
     def _level(self, value: object) -> float:
         if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
@@ -57,6 +63,11 @@ class Categorical:
         other = len(places)
         found = np.array([places.get(value, other) if isinstance(value, Hashable) else other for value in values], dtype=int)
         return found, np.array([*(float(p) for p in self.probabilities.values()), 0.0])
+
+
+    def labels(self) -> tuple[str, ...]:
+        """A name for each cell."""
+        return (*(str(value) for value in self.probabilities), "any other")
 
 
 @dataclass(frozen=True)

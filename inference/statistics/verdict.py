@@ -42,7 +42,7 @@ class Verdict:
     in the cells of any one feature would have made it with probability 0.99; "inconclusive", that there were too few
     scenes for this: `detectable` is the smallest difference that these would have shown. `n` scenes of each side were used after
     `burned` ones, which only gave the cells; `features` begins with the worst. `impossible` lists values that cannot be, one line each.
-    `skipped` are features that only one of the sides has.
+    `skipped` are features that only one of the sides has. `seeds` are those of what was drawn for the comparison.
     """
 
     kind: Kind
@@ -58,6 +58,7 @@ class Verdict:
     skipped: tuple[str, ...]
     constants: int
     exact: bool
+    seeds: tuple[int, int]
     replay: str = ""
 
     @property

@@ -103,7 +103,8 @@ def test_few_values_have_a_cell_each_and_others_share_one():
 
 
 def test_columns_are_named_by_their_place():
-    scene = scenic_ref.loads("ego = Object at (1, 2), with v (3, 'a')\nObject at (4, 6), facing 90 deg, with requireVisible False\nparam t = 5\n").sample()
+    program = "ego = Object at (1, 2), with v (3, 'a')\nObject at (4, 6), facing 90 deg, with requireVisible False\nparam t = 5\n"
+    scene = scenic_ref.loads(program).sample()
     table = table_of([scene])
     assert table.columns["objects[0].position[1]"].values.tolist() == [2.0]
     assert table.columns["objects[0].properties.v[1]"].values.tolist() == ["a"]
@@ -169,7 +170,8 @@ def test_a_gap_at_the_end_of_a_range_is_found():
 
 def test_headings_are_compared_modulo_a_turn():
     one, other = table(1, 3_000), table(11, 3_000)
-    turned = Table({**{n: c.values for n, c in other.columns.items()}, "objects[0].heading": other.columns["objects[0].heading"].values % math.tau}, 3_000)
+    columns = {name: column.values for name, column in other.columns.items()}
+    turned = Table({**columns, "objects[0].heading": columns["objects[0].heading"] % math.tau}, 3_000)
     assert compare(one, turned).kind == "inconclusive"
 
 
@@ -195,6 +197,32 @@ def test_an_exact_law_needs_half_the_scenes_and_no_first_block():
     assert (verdict.kind, verdict.burned, verdict.exact) == ("equivalent", 0, True)
     rival = scenic_ref.loads(program.replace("Uniform(1, 2, 3)", "Uniform(1, 2, 3, 3)"))
     assert compare(list(rival.sample_many(2000)), law).kind == "different"
+
+
+def test_laws_in_closed_form_are_exact_laws():
+    scenes = list(scenic_ref.loads("x = Range(0, 1)\nego = Object with v x, with w Uniform(1, 2)\n").sample_many(1500))
+    name, other = "objects[0].properties.v", "objects[0].properties.w"
+    right = {name: UNIFORM, other: Categorical({1.0: 0.5, 2.0: 0.5})}
+    assert compare(scenes, right, detect_tv=0.2).kind == "equivalent"
+    verdict = compare(scenes, {**right, name: Continuous("square", lambda x: min(max(x, 0.0), 1.0) ** 2)})
+    assert (verdict.kind, verdict.worst) == ("different", name)
+    with pytest.raises(UsageError):
+        compare(scenes, {"objects[7].heading": UNIFORM})
+
+
+def test_a_scenario_knows_its_constants():
+    wrong = [scenic_ref.loads("ego = Object with v Uniform(1, 2), with width 3\n").sample(7, k).to_json() for k in range(300)]
+    verdict = compare(wrong, scenic_ref.loads("ego = Object with v Uniform(1, 2)\n"))
+    assert verdict.kind == "different"
+    assert "objects[0].width is always 1, but 3 in sample number 0" in str(verdict)
+
+
+def test_a_verdict_can_be_replayed():
+    scenario = scenic_ref.loads("ego = Object with v Range(0, 1)\n")
+    verdict = compare(scenario, scenario, budget=300, seeds=(3, 4))
+    assert verdict.seeds == (3, 4)
+    assert verdict.replay == "compare(a, b, alpha=1e-09, detect_tv=0.01, budget=300, seeds=(3, 4))"
+    assert compare(scenario, scenario, budget=300, seeds=(3, 4)) == verdict
 
 
 def test_a_value_outside_the_exact_support_is_found_at_once():
