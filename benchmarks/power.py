@@ -16,7 +16,10 @@ from scenic_ref.inference.statistics import compare
 from scenic_ref.inference.statistics.columns import Table
 
 VIEWER = "v = OrientedPoint at (0, 0), with viewDistance {}\nego = Object at (90, 0)\nObject visible from v, with requireVisible False\n"
-WRAP = "ego = Object at (0, 0), facing 170 deg, with viewAngle 60 deg, with viewDistance 9\nv = (Range(-5, 5), Range(-5, -1))\nrequire {}\nego.v = v\n"
+WRAP = (
+    "ego = Object at (0, 0), facing 170 deg, with viewAngle 60 deg, with viewDistance 9\n"
+    "v = (Range(-5, 5), Range(-5, -1))\nrequire {}\nego.v = v\n"
+)
 WIGGLE = "w = Range(-1, 1)\nego = Object at (0, w)\nObject at (3, {}), with requireVisible False\n"
 PAIRS: dict[str, tuple[str, str, dict[str, str]]] = {
     "Range(-9.9, 9.9) for Range(-10, 10)": ("ego = Object at (Range(-10, 10), 0)\n", "ego = Object at (Range(-9.9, 9.9), 0)\n", {}),
@@ -60,7 +63,8 @@ def nulls(count: int = 10_000, scenes: int = 1_600, alpha: float = 0.01) -> dict
     source = np.random.Generator(np.random.Philox(2026))
     begun = time.process_time()
     alarms = sum(compare(_drawn(source, scenes), _drawn(source, scenes), alpha=alpha).kind == "different" for _ in range(count))
-    return {"comparisons": count, "scenes of each side": scenes, "alpha": alpha, "false alarms": alarms, "seconds": round(time.process_time() - begun)}
+    seconds = round(time.process_time() - begun)
+    return {"comparisons": count, "scenes of each side": scenes, "alpha": alpha, "false alarms": alarms, "seconds": seconds}
 
 
 def _drawn(source: np.random.Generator, n: int) -> Table:

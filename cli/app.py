@@ -8,6 +8,7 @@ import typer
 
 from .. import __version__
 from .check import check
+from .conformance import conformance
 from .options import DebugOption
 from .readings import readings
 from .rules import rules
@@ -25,6 +26,7 @@ app.command("trace")(trace)
 app.command("rules")(rules)
 app.command("readings")(readings)
 app.command("check")(check)
+app.command("conformance")(conformance)
 
 
 def show_version(wanted: bool) -> None:

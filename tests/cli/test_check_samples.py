@@ -65,7 +65,8 @@ def test_reference_scenes_can_be_given(files):
 
 
 def test_several_workers_give_the_same_verdict(files):
-    assert files("check", "right.scenic", "--samples", "right.jsonl", "--workers", 2).out == files("check", "right.scenic", "--samples", "right.jsonl").out
+    alone = files("check", "right.scenic", "--samples", "right.jsonl")
+    assert files("check", "right.scenic", "--samples", "right.jsonl", "--workers", 2).out == alone.out
 
 
 def test_samples_are_not_compared_with_themselves(files):
@@ -114,7 +115,9 @@ def test_samples_in_no_format_are_refused_with_their_line(ask, name, text, messa
     assert message in found.err
 
 
-@pytest.mark.parametrize("options", [("--report", "page.txt"), ("--junit", "nowhere/r.xml"), ("--alpha", 0), ("--detect-tv", 1), ("--reference", "no.jsonl")])
+@pytest.mark.parametrize(
+    "options", [("--report", "page.txt"), ("--junit", "nowhere/r.xml"), ("--alpha", 0), ("--detect-tv", 1), ("--reference", "no.jsonl")]
+)
 def test_wrong_options_are_refused(files, options):
     assert files("check", "right.scenic", "--samples", "right.jsonl", *options).code == 2
 

@@ -39,7 +39,10 @@ FAULTS = (
     ),
     Fault(
         "height for width",
-        (Edit("semantics/specifiers.py", "return v + geometry.rotate(Vector(-self.width / 2 - s, 0.0)", "return v + geometry.rotate(Vector(-self.length / 2 - s, 0.0)"),),
+        (
+            Edit("semantics/specifiers.py", "return v + geometry.rotate(Vector(-self.width / 2 - s, 0.0)", "return v + geometry.rotate(Vector(-self.length / 2 - s, 0.0)"),
+            Edit("semantics/specifiers.py", "return _offset_local(op, Vector(-self.width / 2 - s, 0.0))", "return _offset_local(op, Vector(-self.length / 2 - s, 0.0))"),
+        ),
         f"ego = Object at (0, 9)\nObject left of (0, 0) by Range(1, 2), with length 4{FAR}\n",
         (),
     ),

@@ -12,6 +12,7 @@ import sys
 from pathlib import Path
 
 import scenic_ref
+from scenic_ref.conformance import load_vectors
 from scenic_ref.semantics import errors
 
 ROOT = Path(__file__).parent.parent.parent
@@ -31,10 +32,9 @@ LINES = (
 
 
 def corpus() -> list[str]:
-    """Programs to mutate: the examples, and what the rule tests run."""
+    """Programs to mutate: the examples, and those of the conformance vectors in the paper's dialect."""
     texts = [p.read_text() for p in sorted((ROOT / "examples").rglob("*.scenic"))]
-    strings = re.findall(r'"((?:[^"\\]|\\.)*\\n)"', (ROOT / "tests" / "semantics" / "rule_cases.py").read_text())
-    return texts + [text.replace("\\n", "\n") for text in strings]
+    return texts + [vector.texts["paper"] for vector in load_vectors() if "paper" in vector.texts]
 
 
 def mutated(source: random.Random, text: str) -> str:
