@@ -6,11 +6,14 @@ import subprocess
 import sys
 from pathlib import Path
 
+from scenic_ref.conformance import load_vectors
+from scenic_ref.conformance.reports import shows
 from scenic_ref.semantics.readings import PROFILES, READINGS
 from scenic_ref.semantics.rules import CATALOGUE
 
 HERE = Path(__file__).parent / "reference"
-COMMANDS = ("run", "trace", "rules", "readings", "check")
+COMMANDS = ("run", "trace", "rules", "readings", "check", "conformance")
+MOST_NAMED = 3
 
 
 def cell(text: str) -> str:
@@ -23,13 +26,19 @@ def rules_page() -> str:
     lines = [
         "# Rules, functions, tests", "",
         "Every inference rule, equation and algorithm of the paper that concerns static programs, under the paper's own name; then what is "
-        "inherited from Python. The test column names the case in `tests/semantics/rule_cases.py` that fires the rule and compares its value "
-        "with one worked out by hand.", "",
-        "| rule | the paper's name or left-hand side | place in the paper | function | test |", "| --- | --- | --- | --- | --- |",
+        "inherited from Python. The last column names [vectors](../vectors.md) that fire the rule (or in which it refuses the program) and compare "
+        "what comes out with what was worked out by hand; `scenic-ref conformance --vector NAME` runs one.", "",
+        "| rule | the paper's name or left-hand side | place in the paper | function | vectors |", "| --- | --- | --- | --- | --- |",
     ]
+    named_by: dict[str, list[str]] = {}
+    for vector in load_vectors():
+        for rule in shows(vector):
+            named_by.setdefault(rule, []).append(vector.name)
     for rule in CATALOGUE:
-        test = "test_resolution" if rule.id == "R-SpecifiedTwiceOptionally" else f"test_rules[{rule.id}]"
-        lines.append(f"| `{rule.id}` | {cell(rule.name)} | {cell(rule.place)} | `{rule.code}` | `{test}` |")
+        names = named_by.get(rule.id, ["tests/semantics/test_resolution.py"])
+        more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
+        named = ", ".join(f"`{name}`" for name in names[:MOST_NAMED]) + more
+        lines.append(f"| `{rule.id}` | {cell(rule.name)} | {cell(rule.place)} | `{rule.code}` | {named} |")
     return "\n".join(lines) + "\n"
 
 

@@ -20,11 +20,11 @@ MAY_IMPORT = {
     "inference": {"semantics", "interpreter", "inference"},
     "simulators": {"semantics", "interpreter", "simulators"},
     "scenario": {"semantics", "interpreter", "inference", "simulators", "scenario"},
-    "conformance": {"semantics", "interpreter", "inference", "simulators", "scenario", "conformance"},
+    "conformance": {"semantics", "interpreter", "inference", "simulators", "scenario", "conformance", ""},
     "testing": {"semantics", "interpreter", "inference", "scenario", "testing"},
     "cli": {*LAYERS, ""},
 }
-ONLY_IN = {"matplotlib": "interpreter/pictures.py", "pyarrow": "interpreter/tables.py"}
+ONLY_IN = {"matplotlib": "interpreter/pictures.py", "pyarrow": "interpreter/tables.py", "hypothesis": "conformance/programs/strategies.py"}
 
 
 def modules() -> list[Path]:

@@ -9,6 +9,7 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import accumulate
 
+from ..values import unwrap
 from .distribution import BadParameters, Named, Numbers, Support, exact
 
 
@@ -95,5 +96,6 @@ class Coin(Named):
 
 
 def _same(entry: object, value: object) -> bool:
-    """Whether the two are one value: identical, or equal in Python's sense."""
+    """Whether the two are one value: identical, or equal in Python's sense; an entry may itself be random (a draw of this run)."""
+    entry, value = unwrap(entry)[0], unwrap(value)[0]
     return entry is value or bool(entry == value)

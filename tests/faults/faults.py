@@ -29,13 +29,13 @@ FAULTS = (
         "coin per scene",
         (Edit("semantics/statements.py", 'per_scene=state.reading("soft") == "scene"', "per_scene=True"),),
         "x = Range(0, 1)\nrequire[0.5] x < 0.1\nego = Object with v x\n",
-        (),
+        ("soft-requirement-coin-per-run", "soft-requirements-have-their-own-coins"),
     ),
     Fault(
         "optional specifier beats a non-optional one",
         (Edit("semantics/resolution.py", "        if name in spec_for_property:\n            continue\n", ""),),
         f"ego = Object at (0, 5), facing Range(0, 1)\nObject left of ego by 2, facing Range(1, 2){FAR}\n",
-        (),
+        ("non-optional-wins-over-optional", "following-with-its-own-heading"),
     ),
     Fault(
         "height for width",
@@ -44,7 +44,7 @@ FAULTS = (
             Edit("semantics/specifiers.py", "return _offset_local(op, Vector(-self.width / 2 - s, 0.0))", "return _offset_local(op, Vector(-self.length / 2 - s, 0.0))"),
         ),
         f"ego = Object at (0, 9)\nObject left of (0, 0) by Range(1, 2), with length 4{FAR}\n",
-        (),
+        ("left-of-vector", "left-of-oriented-point-by"),
     ),
     Fault(
         "angle without wrap",
@@ -58,7 +58,7 @@ FAULTS = (
         ),
         "ego = Object at (0, 0), facing 170 deg, with viewAngle 60 deg, with viewDistance 9\nv = (Range(-5, 5), Range(-5, -1))\n"
         "require ego can see v\nego.v = v\n",
-        (),
+        ("can-see-across-south", "can-see-object-across-south"),
     ),
     Fault(
         "mutation at the statement instead of at the end",
@@ -78,7 +78,7 @@ FAULTS = (
             ),
         ),
         "ego = Object at (0, 0)\nmutate ego\nrequire ego.position.x >= 0\n",
-        (),
+        ("noise-comes-at-the-end", "requirement-before-mutation"),
     ),
     Fault(
         "resample draws the parameters again",
@@ -86,25 +86,30 @@ FAULTS = (
             Edit(
                 "semantics/draws.py", '    return ask(node, distribution, "E-Distributions", stack, state, f"{constructor.name}(...)")\n',
                 '    asked = ask(node, distribution, "E-Distributions", stack, state, f"{constructor.name}(...)")\n'
-                "    origin = Origin(node.span, constructor.name, Again(constructor, arguments))\n"
+                "    origin = Origin(node.span, constructor.name, Again(constructor, arguments, distribution))\n"
                 "    after = state._replace(draws=state.draws + 1)\n"
                 "    return asked._replace(resume=lambda drawn: Config(Value(Random(unwrap(drawn)[0], origin)), stack, after))\n\n\n"
                 "class Again:\n"
                 "    name, parameters = 'Again', {}\n\n"
-                "    def __init__(self, constructor, arguments):\n"
-                "        self.constructor, self.arguments = constructor, arguments\n\n"
+                "    def __init__(self, constructor, arguments, distribution):\n"
+                "        self.constructor, self.arguments, self.distribution = constructor, arguments, distribution\n\n"
                 "    def sample(self, uniform):\n"
                 "        drawn = [\n"
                 "            a.origin.distribution.sample(uniform) if type(a) is Random and a.origin.distribution is not None else plain(a)\n"
                 "            for a in self.arguments\n"
                 "        ]\n"
-                "        return self.constructor.make(*drawn).sample(uniform)\n\n"
+                "        try:\n"
+                "            return self.constructor.make(*drawn).sample(uniform)\n"
+                "        except BadParameters:\n"
+                "            return self.distribution.sample(uniform)\n\n"
+                "    def log_density(self, value):\n"
+                "        return self.distribution.log_density(value)\n\n"
                 "    def support(self):\n"
                 "        return None\n",
             ),
         ),
         "m = Range(0, 10)\nx = Range(0, m)\ny = resample(x)\nego = Object with v (m, y)\n",
-        (),
+        ("resample-keeps-the-parameters", "resample-keeps-finite-parameters"),
     ),
     Fault(
         "uniform in the bounding box instead of the polygon",
@@ -119,25 +124,25 @@ FAULTS = (
             ),
         ),
         "ego = Object in PolygonalRegion([(0, 0), (4, 0), (0, 4)])\n",
-        (),
+        ("in-triangle-is-uniform-in-x", "in-triangle-stays-in-the-triangle"),
     ),
     Fault(
         "a requirement dropped",
         (Edit("semantics/termination.py", "            return not geometry.boxes_intersect(", "            return True or not geometry.boxes_intersect("),),
         f"ego = Object at (0, 0)\nObject at (Range(-3, 3), 0){FAR}\n",
-        (),
+        ("collision", "collision-conditions-the-distribution"),
     ),
     Fault(
         "beyond from the wrong point",
         (Edit("semantics/specifiers.py", "return v1 + geometry.rotate(v2, geometry.angle_of(v1 - v3))", "return v3 + geometry.rotate(v2, geometry.angle_of(v1 - v3))"),),
         f"ego = Object at (0, 0)\nObject beyond (3, 4) by (0, Range(3, 5)) from (0, 1){FAR}\n",
-        (),
+        ("beyond-from", "beyond-ego"),
     ),
     Fault(
         "a degree taken for a radian",
         (Edit("semantics/operators.py", "    return math.radians(s)\n", "    return s\n"),),
         "ego = Object facing Range(0, 2) deg\n",
-        (),
+        ("range-in-degrees", "local-coordinates"),
     ),
     Fault(
         "a default evaluated once per class",
@@ -159,7 +164,7 @@ FAULTS = (
             Edit("semantics/object_definitions.py", "class Defaulting(NamedTuple):", "ONCE: dict = {}\n\n\nclass Defaulting(NamedTuple):"),
         ),
         "class A:\n    w: Range(0, 1)\nego = A at (0, 0)\nb = A at (0, 5)\n",
-        (),
+        ("default-is-drawn-for-each-object", "default-range-is-drawn-for-each-object"),
     ),
     Fault(
         "a function's default argument drawn anew at every call",
@@ -177,7 +182,7 @@ FAULTS = (
             ),
         ),
         "def f(x=Range(0, 1)):\n    return x\nego = Object with v (f(), f())\n",
-        (),
+        ("default-argument-is-drawn-once", "reading-default-arguments"),
     ),
     Fault(
         "weights of Discrete normalised wrongly",
@@ -186,9 +191,14 @@ FAULTS = (
                 "semantics/distributions/finite.py", "        return [float(part / sums[-1]) for part in sums]\n",
                 "        return [*(min(1.0, float(part / len(sums))) for part in sums[:-1]), 1.0]\n",
             ),
-            Edit("semantics/distributions/finite.py", "        total = sum(weights)\n", "        total = Fraction(len(weights))\n"),
+            Edit(
+                "semantics/distributions/finite.py", "        total = sum(weights)\n",
+                "        weights = [min(Fraction(1), weight / len(weights)) for weight in weights[:-1]]\n"
+                "        weights.append(max(Fraction(0), 1 - sum(weights)))\n"
+                "        total = sum(weights)\n",
+            ),
         ),
         "ego = Object with v Discrete({1: 1, 2: 3})\n",
-        (),
+        ("discrete-with-weights", "discrete-weights-below-one"),
     ),
 )

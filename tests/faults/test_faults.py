@@ -59,7 +59,7 @@ def test_vectors_and_check_catch_the_fault(fault, tmp_path):
     judged = run(machine, "conformance", *names, "--json", str(tmp_path / "results.json"))
     assert judged.returncode == 1, judged.stdout + judged.stderr
     results = json.loads((tmp_path / "results.json").read_text())["results"]
-    assert {result["vector"] for result in results if result["status"] == "failed"} == set(fault.vectors)
+    assert {result["name"] for result in results if result["status"] == "failed"} == set(fault.vectors)
 
 
 @pytest.mark.parametrize("fault", faults.FAULTS, ids=lambda fault: fault.name)

@@ -14,7 +14,10 @@ from itertools import pairwise
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scenic_ref import loads
 from scenic_ref.inference.statistics import Continuous, contradicts
+from scenic_ref.interpreter.choosers import from_stream
+from scenic_ref.interpreter.running import run
 from scenic_ref.interpreter.streams import Stream
 from scenic_ref.semantics.distributions import (
     BadParameters,
@@ -27,6 +30,7 @@ from scenic_ref.semantics.distributions import (
     TruncatedNormal,
     Uniform,
 )
+from scenic_ref.semantics.outcome import Draw
 from scenic_ref.semantics.regions import CircularRegion, PointSetRegion, RectangularRegion, UnboundedRegion, everywhere
 from scenic_ref.semantics.vectors import Vector
 from scipy import integrate, stats
@@ -181,3 +185,15 @@ def test_the_density_of_a_point_is_one_over_the_measure() -> None:
 def test_names_and_parameters_are_those_of_the_language() -> None:
     assert (Range(1, 2).name, Range(1, 2).parameters) == ("Range", {"low": 1, "high": 2})
     assert PointIn(everywhere).name == "uniformPointIn"
+
+
+def test_an_entry_that_is_itself_random_counts_by_its_value() -> None:
+    program = "x = Uniform(0, Uniform(0, 0))\nego = Object with v x\n"
+    densities: list[float] = []
+
+    def look(outcome: object, drawn: object) -> None:
+        if isinstance(outcome, Draw):
+            densities.append(outcome.distribution.log_density(drawn))
+
+    run(loads(program).start(), from_stream(0, 0, 0), witness=look)
+    assert densities == [0.0, 0.0]

@@ -1,0 +1,188 @@
+"""`scenic-ref conformance`: the vectors, run on ourselves."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from .options import DebugOption
+
+if TYPE_CHECKING:
+    from ..conformance.implementation import Implementation
+    from ..conformance.reports import Chapter
+    from ..conformance.running import Result
+    from ..conformance.vector import Vector
+
+HEADING = ("vectors", "passed", "failed", "skipped", "errored", "chapter")
+
+
+def conformance(
+    chapter: Annotated[str | None, typer.Option("--chapter", metavar="C", help="Only the chapters whose title contains C.")] = None,
+    vector: Annotated[list[str] | None, typer.Option("--vector", metavar="NAME", help="Only the vector of that name; may be repeated.")] = None,
+    dialect: Annotated[
+        str | None, typer.Option("--dialect", metavar="D", help="Run the programs in that dialect: paper, pldi19, scenic-2.1 or scenic-3.")
+    ] = None,
+    output: Annotated[str | None, typer.Option("--json", metavar="PATH", help="Write the results as JSON; - for stdout.")] = None,
+    verbose: Annotated[bool, typer.Option("-v", "--verbose", help="List every vector, not only those that did not pass.")] = False,
+    debug: DebugOption = False,
+) -> None:
+    """Run the conformance vectors: programs with what the paper says about their scenes.
+
+    Shows a table by chapter of the paper, and what did not pass with its reason. The exit code is 0 if nothing failed or errored.
+    """
+    from ..conformance import Ourselves, load_vectors
+    from ..conformance.reports import all_passed
+
+    implementation = Ourselves()
+    chosen = selected(load_vectors(), chapter, vector)
+    check_dialect(dialect)
+    results = list(judged(implementation, chosen, dialect))
+    if output is not None:
+        write(output, implementation.name, results)
+    if output != "-":
+        show(results, verbose)
+    if not all_passed(results):
+        raise typer.Exit(1)
+
+
+def selected(vectors: Sequence[Vector], chapter: str | None, names: list[str] | None) -> list[Vector]:
+    """The vectors that were asked for. Raises `UsageError` if there are none."""
+    from ..semantics.errors import UsageError
+
+    for name in names or ():
+        if name not in {v.name for v in vectors}:
+            raise UsageError(f"there is no vector {name}", hint=nearest(name, [v.name for v in vectors]))
+    found = [v for v in vectors if (not names or v.name in names) and (chapter is None or chapter.lower() in v.chapter.lower())]
+    if not found:
+        titles = ", ".join(dict.fromkeys(v.chapter for v in vectors))
+        raise UsageError(f"there is no such vector in a chapter whose title contains {chapter!r}", hint=f"the chapters are {titles}")
+    return found
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """A hint with the most similar name."""
+    from difflib import get_close_matches
+
+    near = get_close_matches(name, list(known), n=1, cutoff=0.4)
+    return f"did you mean {near[0]}?" if near else "`scenic-ref conformance -v` lists them"
+
+
+def check_dialect(dialect: str | None) -> None:
+    """Raises `UsageError` for a name that is no dialect."""
+    from ..interpreter.dialects import choose
+
+    choose("", dialect)
+
+
+def judged(implementation: Implementation, vectors: Sequence[Vector], dialect: str | None) -> Iterator[Result]:
+    """The results, one after the other, with a progress bar on a terminal."""
+    from ..conformance import judge
+
+    if not sys.stderr.isatty() or len(vectors) == 1:
+        for vector in vectors:
+            yield judge(implementation, vector, dialect)
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+
+    columns = (TextColumn("vectors"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[name]}"))
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("", total=len(vectors), name="")
+        for vector in vectors:
+            bar.update(task, name=vector.name)
+            yield judge(implementation, vector, dialect)
+            bar.advance(task)
+
+
+def write(path: str, name: str, results: Sequence[Result]) -> None:
+    """The JSON report. Raises `UsageError` if the file cannot be written."""
+    from ..conformance.reports import report
+    from ..semantics.errors import UsageError
+
+    text = json.dumps(report(name, results), ensure_ascii=False, indent=2)
+    if path == "-":
+        print(text)
+        return
+    try:
+        Path(path).write_text(text + "\n", "utf-8")
+    except OSError as error:
+        raise UsageError(f"{path} cannot be written: {error.strerror}") from None
+
+
+def show(results: Sequence[Result], verbose: bool) -> None:
+    """The table by chapter, what did not pass, and which rules fired."""
+    from ..conformance.reports import by_chapter
+
+    chapters = by_chapter(results)
+    if sys.stdout.isatty():
+        show_on_terminal(chapters)
+    else:
+        from .columns import columns
+
+        print("\n".join(columns(HEADING, [row(c) for c in with_total(chapters)])))
+    for result in results:
+        if verbose or result.verdict.status in ("failed", "errored"):
+            print("\n".join(lines_of(result)))
+    print(rules_line(results))
+
+
+def with_total(chapters: Sequence[Chapter]) -> list[Chapter]:
+    """The chapters, and all of them together if there are several."""
+    from collections import Counter
+
+    from ..conformance.reports import Chapter
+
+    together = sum((c.counts for c in chapters), Counter())
+    return [*chapters, Chapter("all chapters", together)] if len(chapters) > 1 else list(chapters)
+
+
+def row(chapter: Chapter) -> tuple[str, ...]:
+    """The cells of a chapter."""
+    from ..conformance.verdict import STATUSES
+
+    return (str(chapter.vectors), *(str(chapter.counts[status]) for status in STATUSES), chapter.title)
+
+
+def show_on_terminal(chapters: Sequence[Chapter]) -> None:
+    """The table in colours."""
+    from rich.box import SIMPLE_HEAD
+    from rich.console import Console
+    from rich.markup import escape
+    from rich.table import Table
+
+    table = Table(box=SIMPLE_HEAD)
+    *numbers, title = HEADING
+    table.add_column(title)
+    for name in numbers:
+        table.add_column(name, justify="right", no_wrap=True)
+    for chapter in with_total(chapters):
+        *cells, name = row(chapter)
+        wrong = chapter.counts["failed"] + chapter.counts["errored"]
+        table.add_row(escape(name), *cells, style="red" if wrong else None)
+    Console().print(table)
+
+
+def lines_of(result: Result) -> list[str]:
+    """A vector with its verdict, and the command that runs it alone if it did not pass."""
+    vector, verdict = result.vector, result.verdict
+    lines = [f"{verdict.status}: {vector.name} ({vector.paper})" + (f": {verdict.reason}" if verdict.reason else "")]
+    if verdict.status in ("failed", "errored"):
+        in_dialect = f" --dialect {result.dialect}" if result.dialect not in ("", "paper") else ""
+        lines.append(f"    scenic-ref conformance --vector {vector.name}{in_dialect}    # {vector.file}")
+    return lines
+
+
+def rules_line(results: Sequence[Result]) -> str:
+    """How many rules of the catalogue the vectors show."""
+    from ..conformance.reports import UNREACHABLE, rules_missing, rules_shown
+    from ..semantics.rules import RULES
+
+    reachable = [rule for rule in RULES if rule not in UNREACHABLE]
+    missing = rules_missing(results)
+    line = f"rules fired: {len(rules_shown(results))} of {len(reachable)}"
+    return f"{line} (not: {', '.join(missing)})" if 0 < len(missing) <= 10 else line

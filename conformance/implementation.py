@@ -1,0 +1,88 @@
+"""What a vector needs from an implementation under test."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Protocol, runtime_checkable
+
+SceneRecord = Mapping[str, object]
+"""A scene in the JSON format of `docs/formats.md`, as decoded JSON."""
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """A program text in a dialect, and the readings under which it is to be run; all others are those of the paper."""
+
+    program: str
+    dialect: str
+    readings: Mapping[str, str] = field(default_factory=dict)
+
+
+class Refused(Exception):
+    """The program is an error: `phase` is parse, check, resolve or run; what the implementation does not tell is None."""
+
+    def __init__(self, phase: str, message: str, *, class_name: str | None = None, rule: str | None = None, line: int | None = None) -> None:
+        super().__init__(message)
+        self.phase = phase
+        self.message = message
+        self.class_name = class_name
+        self.rule = rule
+        self.line = line
+
+
+class NeverAccepted(Exception):
+    """No run was accepted; `requirements` are the kinds of those that failed, None if the implementation does not tell."""
+
+    def __init__(self, requirements: frozenset[str] | None = None) -> None:
+        super().__init__("no run was accepted")
+        self.requirements = requirements
+
+
+class Implementation(Protocol):
+    """An implementation of Scenic under test."""
+
+    @property
+    def name(self) -> str:
+        """Its name and version."""
+        ...
+
+    @property
+    def dialects(self) -> tuple[str, ...]:
+        """The dialects that it reads, the preferred one first."""
+        ...
+
+    def follows(self, reading: str, alternative: str) -> bool:
+        """Whether it can be made to follow that alternative of a reading."""
+        ...
+
+    def scenes(self, task: Task, count: int, *, seed: int, attempts: int) -> Iterator[SceneRecord]:
+        """`count` independent scenes. Raises `Refused` for a program in error, `NeverAccepted` after so many `attempts` at one scene."""
+        ...
+
+
+@runtime_checkable
+class Tracing(Protocol):
+    """An implementation that tells which rules fire."""
+
+    def fired(self, task: Task, wanted: frozenset[str], *, seed: int) -> frozenset[str]:
+        """The ids of the rules that fired in a few runs, until all `wanted` ones were seen and one run was accepted."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Enumerated:
+    """The exact distribution of a finite program: scenes with their probabilities given acceptance, which has its own."""
+
+    outcomes: tuple[tuple[Fraction, SceneRecord], ...]
+    acceptance: Fraction
+
+
+@runtime_checkable
+class Enumerating(Protocol):
+    """An implementation that can enumerate finite programs."""
+
+    def enumerated(self, task: Task) -> Enumerated | None:
+        """The exact distribution, None if the program is not finite. Raises `Refused`."""
+        ...

@@ -1,0 +1,172 @@
+"""Distributions that a vector may name: distribution functions in closed form, and moments of bounded quantities."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+from ..inference.statistics.laws import BoundedMean, Continuous, evidence
+from .fields import Fields
+
+ALPHA = 1e-9
+"""The probability with which a statistical vector accuses a correct implementation, for any one seed."""
+
+THRESHOLD = -math.log10(ALPHA)
+
+Cdf = Callable[[float], float]
+
+
+@dataclass(frozen=True, slots=True)
+class Moments:
+    """The mean of a quantity that lies between `low` and `high`, and perhaps the mean of its square."""
+
+    mean: float
+    low: float
+    high: float
+    second: float | None = None
+
+
+Law = Continuous | Moments
+
+
+def contradiction(values: Sequence[float], law: Law) -> float:
+    """How strongly the values contradict the law: the logarithm to base 10 of the largest e-value; -1 if they do not at all."""
+    if isinstance(law, Continuous):
+        return evidence(values, law)
+    if not all(law.low <= value <= law.high for value in values):
+        return math.inf
+    strongest = evidence(values, BoundedMean(law.mean, law.low, law.high))
+    if law.second is None:
+        return strongest
+    most = max(law.low**2, law.high**2)
+    return max(strongest, evidence([value**2 for value in values], BoundedMean(law.second, 0.0, most)))
+
+
+def read_law(fields: Fields) -> Law:
+    """The distribution function or the moments that a table holds. Raises `UsageError`."""
+    if fields.has("cdf") == fields.has("moments"):
+        raise fields.wrong("either cdf or moments is needed, and not both")
+    return read_cdf(fields.table("cdf")) if fields.has("cdf") else read_moments(fields.table("moments"))
+
+
+def read_moments(fields: Fields) -> Moments:
+    """`{mean, low, high, second}`."""
+    second = fields.number("second") if fields.has("second") else None
+    law = Moments(fields.number("mean"), fields.number("low"), fields.number("high"), second)
+    fields.done()
+    if not law.low <= law.mean <= law.high:
+        raise fields.wrong("the mean must lie between low and high")
+    return law
+
+
+def read_cdf(fields: Fields) -> Continuous:
+    """`{name = "uniform", low = 0, high = 1}` and so on."""
+    name = fields.text("name")
+    if name not in FAMILIES:
+        raise fields.wrong(f"there is no distribution function {name!r}: there are {', '.join(FAMILIES)}")
+    cdf = FAMILIES[name](fields)
+    fields.done()
+    return Continuous(name, cdf)
+
+
+def interval(fields: Fields) -> tuple[float, float]:
+    """`low` and `high`, in this order."""
+    low, high = fields.number("low"), fields.number("high")
+    if not low < high:
+        raise fields.wrong("low must be below high")
+    return low, high
+
+
+def deviation(fields: Fields) -> float:
+    """`deviation`, above 0."""
+    found = fields.number("deviation")
+    if found <= 0:
+        raise fields.wrong("deviation must be above 0")
+    return found
+
+
+def clipped(value: float) -> float:
+    """The value, moved into [0, 1]."""
+    return min(max(value, 0.0), 1.0)
+
+
+def standard_normal(z: float) -> float:
+    """The distribution function of the standard normal, precise in both tails."""
+    return 0.5 * math.erfc(-z / math.sqrt(2))
+
+
+def uniform(fields: Fields) -> Cdf:
+    """F(x) = (x - low) / (high - low)."""
+    low, high = interval(fields)
+    return lambda x: clipped((x - low) / (high - low))
+
+
+def normal(fields: Fields) -> Cdf:
+    """F(x) = Φ((x - mean) / deviation)."""
+    mean, std = fields.number("mean"), deviation(fields)
+    return lambda x: standard_normal((x - mean) / std)
+
+
+def truncated_normal(fields: Fields) -> Cdf:
+    """F(x) = (Φ(z(x)) - Φ(z(low))) / (Φ(z(high)) - Φ(z(low))) with z(x) = (x - mean) / deviation."""
+    mean, std = fields.number("mean"), deviation(fields)
+    low, high = (standard_normal((end - mean) / std) for end in interval(fields))
+    return lambda x: clipped((standard_normal((x - mean) / std) - low) / (high - low))
+
+
+def triangular(fields: Fields) -> Cdf:
+    """The density rises linearly from low to mode and falls linearly to high."""
+    low, high = interval(fields)
+    mode = fields.number("mode")
+    if not low <= mode <= high:
+        raise fields.wrong("mode must lie between low and high")
+
+    def cdf(x: float) -> float:
+        if x <= low or x >= high:
+            return 0.0 if x <= low else 1.0
+        if x < mode:
+            return (x - low) ** 2 / ((high - low) * (mode - low))
+        return 1 - (high - x) ** 2 / ((high - low) * (high - mode))
+
+    return cdf
+
+
+def power(fields: Fields) -> Cdf:
+    """F(x) = ((x - low) / (high - low)) ** exponent."""
+    low, high = interval(fields)
+    exponent = fields.number("exponent")
+    if exponent <= 0:
+        raise fields.wrong("exponent must be above 0")
+    return lambda x: clipped((x - low) / (high - low)) ** exponent
+
+
+def piecewise_linear(fields: Fields) -> Cdf:
+    """F goes through the knots [x, F(x)] in straight lines, from [.., 0] to [.., 1]."""
+    knots = fields.points("knots")
+    rising = all(a[0] < b[0] and a[1] <= b[1] for a, b in pairwise(knots))
+    if not rising or len(knots) < 2 or knots[0][1] != 0 or knots[-1][1] != 1:
+        raise fields.wrong("the knots must rise from [.., 0] to [.., 1]")
+    places = [x for x, _ in knots]
+
+    def cdf(x: float) -> float:
+        after = bisect_right(places, x)
+        if after in (0, len(knots)):
+            return 0.0 if after == 0 else 1.0
+        (x0, f0), (x1, f1) = knots[after - 1], knots[after]
+        return f0 + (f1 - f0) * (x - x0) / (x1 - x0)
+
+    return cdf
+
+
+FAMILIES: Mapping[str, Callable[[Fields], Cdf]] = {
+    "uniform": uniform,
+    "normal": normal,
+    "truncated-normal": truncated_normal,
+    "triangular": triangular,
+    "power": power,
+    "piecewise-linear": piecewise_linear,
+}
+"""The closed table of distribution functions."""

@@ -1,0 +1,111 @@
+"""Vector files: every one that the package ships, read strictly. `docs/vectors.md` documents the format."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator, Mapping
+from importlib.resources import files
+from importlib.resources.abc import Traversable
+
+from ..interpreter.dialects import DIALECTS
+from ..semantics.errors import UsageError
+from ..semantics.readings import READINGS
+from ..semantics.rules import RULES
+from .fields import Fields
+from .matchers import MATCHERS
+from .vector import Vector
+
+DEFAULT_DIALECT = "paper"
+
+
+def load_vectors() -> tuple[Vector, ...]:
+    """All vectors of the package, in the order of the chapters' folders. Raises `UsageError`."""
+    folder = files("scenic_ref.conformance").joinpath("vectors")
+    return read_all((str(name), text) for name, text in sorted(texts(folder, "")))
+
+
+def texts(folder: Traversable, path: str) -> Iterator[tuple[str, str]]:
+    """The vector files below a folder: path and content."""
+    for entry in folder.iterdir():
+        if entry.is_dir():
+            yield from texts(entry, f"{path}{entry.name}/")
+        elif entry.name.endswith(".toml"):
+            yield path + entry.name, entry.read_text("utf-8")
+
+
+def read_all(named: Iterator[tuple[str, str]]) -> tuple[Vector, ...]:
+    """The vectors of some files; names must be unique over all of them. Raises `UsageError`."""
+    found: dict[str, Vector] = {}
+    for file, text in named:
+        for vector in read_file(file, text):
+            if vector.name in found:
+                raise UsageError(f"{file}, vector {vector.name}: this name is taken in {found[vector.name].file}")
+            found[vector.name] = vector
+    return tuple(found.values())
+
+
+def read_file(file: str, text: str) -> list[Vector]:
+    """The vectors of one file. Raises `UsageError`, which names the file and the vector."""
+    try:
+        fields = Fields(file, tomllib.loads(text))
+    except tomllib.TOMLDecodeError as error:
+        raise UsageError(f"{file}: {error}") from None
+    chapter, tables = fields.text("chapter"), fields.items("vector")
+    fields.done()
+    return [read_vector(file, chapter, table, number) for number, table in enumerate(tables, 1)]
+
+
+def read_vector(file: str, chapter: str, table: object, number: int) -> Vector:
+    """One `[[vector]]` table. Raises `UsageError`."""
+    name = table.get("name") if isinstance(table, Mapping) else None
+    fields = Fields(f"{file}, vector {name if isinstance(name, str) else number}", table)
+    kinds = [kind for kind in MATCHERS if fields.has(kind)]
+    if len(kinds) != 1:
+        raise fields.wrong(f"exactly one matcher is needed, and there are {len(kinds)}: {', '.join(kinds) or 'none'}")
+    vector = Vector(
+        name=fields.text("name"), chapter=chapter, file=file, paper=fields.text("paper"), fires=rules(fields, "fires"),
+        avoids=rules(fields, "avoids"), readings=read_readings(fields), texts=read_texts(fields), kind=kinds[0],
+        matcher=MATCHERS[kinds[0]](fields.table(kinds[0])),
+    )
+    fields.done()
+    if vector.fires & vector.avoids:
+        raise fields.wrong(f"{', '.join(sorted(vector.fires & vector.avoids))} both fires and must not fire")
+    return vector
+
+
+def rules(fields: Fields, key: str) -> frozenset[str]:
+    """Ids of rules of the catalogue. Raises `UsageError`."""
+    found = fields.texts(key, ())
+    for rule in found:
+        if rule not in RULES:
+            raise fields.wrong(f"{key}: there is no rule {rule}")
+    return frozenset(found)
+
+
+def read_readings(fields: Fields) -> Mapping[str, str]:
+    """The readings that the expectation depends on, with their alternatives. Raises `UsageError`."""
+    found = fields.table("readings") if fields.has("readings") else Fields("", {})
+    chosen = {name: found.text(name) for name in list(found.rest)}
+    for name, alternative in chosen.items():
+        if name not in READINGS:
+            raise fields.wrong(f"there is no reading {name}")
+        if alternative not in READINGS[name].alternatives:
+            raise fields.wrong(f"the reading {name} has no alternative {alternative}")
+    return chosen
+
+
+def read_texts(fields: Fields) -> Mapping[str, str]:
+    """The program in each dialect in which it is given. Raises `UsageError`."""
+    program = fields.text("program")
+    found = dict.fromkeys(fields.texts("dialects", (DEFAULT_DIALECT,)), program)
+    variants = fields.table("variants") if fields.has("variants") else Fields("", {})
+    for dialect in list(variants.rest):
+        if dialect in found:
+            raise fields.wrong(f"the dialect {dialect} has both the program and a variant")
+        found[dialect] = variants.text(dialect)
+    for dialect in found:
+        if dialect not in DIALECTS:
+            raise fields.wrong(f"there is no dialect {dialect}")
+    if not found:
+        raise fields.wrong("the program is given in no dialect")
+    return found

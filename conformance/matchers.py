@@ -1,0 +1,21 @@
+"""The closed table of matchers: a vector has exactly one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from .fields import Fields
+from .refusals import read_error, read_rejection
+from .statistical import read_distribution, read_probabilities, read_support
+from .values import read_values
+from .vector import Matcher
+
+MATCHERS: Mapping[str, Callable[[Fields], Matcher]] = {
+    "values": read_values,
+    "probabilities": read_probabilities,
+    "distribution": read_distribution,
+    "support": read_support,
+    "rejection": read_rejection,
+    "error": read_error,
+}
+"""How each matcher is read from its table; the reader raises `UsageError`."""

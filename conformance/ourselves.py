@@ -1,0 +1,96 @@
+"""scenic-ref itself as an implementation under test."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+
+from .. import __version__
+from ..interpreter.choosers import from_stream
+from ..interpreter.dialects import DIALECTS
+from ..interpreter.running import DEFAULT_FUEL
+from ..interpreter.tracing import Trace
+from ..scenario import Scenario, loads
+from ..semantics.errors import AttemptsExhausted, ProgramError, RunsExhausted, ScenicError, UsageError
+from ..semantics.outcome import Requirement
+from ..semantics.syntax.nodes import NOWHERE
+from .implementation import Enumerated, NeverAccepted, Refused, SceneRecord, Task
+
+TRACED_RUNS = 60
+"""The most runs that are traced in search of a rule; one that fires in half of the runs is missed with probability 2^-60."""
+
+NO_LINE = 0
+
+
+class Ourselves:
+    """The readable machine with rejection sampling and enumeration."""
+
+    name = f"scenic-ref {__version__}"
+    dialects = tuple(DIALECTS)
+
+    def follows(self, reading: str, alternative: str) -> bool:
+        """All alternatives of all readings can be followed."""
+        return True
+
+    def scenes(self, task: Task, count: int, *, seed: int, attempts: int) -> Iterator[SceneRecord]:
+        """Scenes 0 to `count - 1` of the seed."""
+        with told():
+            for scene in load(task).sample_many(count, seed, max_attempts=attempts):
+                yield scene.to_json()
+
+    def enumerated(self, task: Task) -> Enumerated | None:
+        """The exact distribution, unless a draw has infinitely many values."""
+        with told():
+            scenario = load(task)
+            try:
+                found = scenario.enumerate()
+            except (UsageError, RunsExhausted):
+                return None
+        return Enumerated(tuple((outcome.probability, outcome.scene.to_json()) for outcome in found.outcomes), found.acceptance)
+
+    def fired(self, task: Task, wanted: frozenset[str], *, seed: int) -> frozenset[str]:
+        """What fired in the first runs of several scenes, until all wanted rules were seen and a run was accepted."""
+        try:
+            with told():
+                scenario = load(task)
+        except Refused:
+            return frozenset()
+        found: set[str] = set()
+        accepted = False
+        for index in range(TRACED_RUNS):
+            trace = traced(scenario, seed, index)
+            accepted = accepted or trace.accepted
+            found |= {event.rule for event in trace.events if event.kind != "stuck"}
+            if (accepted and wanted <= found) or trace.run is None:
+                break
+        return frozenset(found)
+
+
+def load(task: Task) -> Scenario:
+    """The scenario of a task."""
+    return loads(task.program, dialect=task.dialect, readings=task.readings)
+
+
+def traced(scenario: Scenario, seed: int, index: int) -> Trace:
+    """The first run of a scene, up to its end or to the program's error."""
+    trace = Trace()
+    with suppress(ProgramError):  # the events before it are kept
+        trace.follow(scenario.start(), from_stream(seed, index, 0), fuel=DEFAULT_FUEL)
+    return trace
+
+
+@contextmanager
+def told() -> Iterator[None]:
+    """Our errors in the words of the protocol; what is no error of the program goes through."""
+    try:
+        yield
+    except ProgramError as error:
+        raise refusal(error, error.phase) from error
+    except AttemptsExhausted as exhausted:
+        raise NeverAccepted(frozenset(r.kind for r, _ in exhausted.stuck if isinstance(r, Requirement))) from exhausted
+
+
+def refusal(error: ScenicError, phase: str) -> Refused:
+    """An error of the program."""
+    line = error.span.line if error.span is not NOWHERE and error.span.line > NO_LINE else None
+    return Refused(phase, error.message, class_name=type(error).__name__, rule=error.rule or None, line=line)

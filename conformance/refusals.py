@@ -1,0 +1,88 @@
+"""The matchers `rejection` (never accepted) and `error` (of a named phase)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..semantics import errors
+from ..semantics.rules import RULES
+from .fields import Fields
+from .implementation import Implementation, NeverAccepted, Refused, Task
+from .matching import ATTEMPTS, SEED, requirements
+from .verdict import PASSED, Verdict, failed
+
+PHASES = ("parse", "check", "resolve", "run")
+REQUIREMENTS = ("require", "containment", "collision", "visibility", "region", "field")
+
+
+@dataclass(frozen=True, slots=True)
+class Rejection:
+    """No run is ever accepted, because of one kind of requirement."""
+
+    attempts: int
+    requirement: str
+
+    def match(self, implementation: Implementation, task: Task) -> Verdict:
+        """No scene in so many attempts; an implementation that tells why must name that requirement and no other."""
+        try:
+            scenes = list(implementation.scenes(task, 1, seed=SEED, attempts=self.attempts))
+        except Refused as refused:
+            return failed(f"refused in phase {refused.phase} instead of never accepted: {refused.message}")
+        except NeverAccepted as never:
+            told = never.requirements in (None, frozenset({self.requirement}))
+            return PASSED if told else failed(f"never accepted, but not because of {self.requirement} alone: {requirements(never)}")
+        return failed(f"gave {len(scenes)} scenes, and no run may be accepted")
+
+
+def read_rejection(fields: Fields) -> Rejection:
+    """The table `rejection` of a vector. Raises `UsageError`."""
+    found = Rejection(fields.count("attempts"), fields.text("requirement"))
+    fields.done()
+    if found.requirement not in REQUIREMENTS:
+        raise fields.wrong(f"there is no requirement {found.requirement!r}: there are {', '.join(REQUIREMENTS)}")
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class Error:
+    """The program is refused in a phase; line, class and rule count only where the implementation tells them."""
+
+    phase: str
+    line: int | None = None
+    class_name: str | None = None
+    rule: str | None = None
+
+    def match(self, implementation: Implementation, task: Task) -> Verdict:
+        """The first scene must not appear, for the right reason."""
+        try:
+            scenes = list(implementation.scenes(task, 1, seed=SEED, attempts=ATTEMPTS))
+        except Refused as refused:
+            return self.compare(refused)
+        except NeverAccepted as never:
+            return failed(f"never accepted instead of refused in phase {self.phase}: {requirements(never)}")
+        return failed(f"gave {len(scenes)} scenes instead of an error of phase {self.phase}")
+
+    def compare(self, refused: Refused) -> Verdict:
+        """An error against the expected one."""
+        if refused.phase != self.phase:
+            return failed(f"refused in phase {refused.phase}, not {self.phase}: {refused.message}")
+        told = (("line", refused.line, self.line), ("class", refused.class_name, self.class_name), ("rule", refused.rule, self.rule))
+        for what, found, expected in told:
+            if None not in (found, expected) and found != expected:
+                return failed(f"refused with {what} {found}, not {expected}: {refused.message}")
+        return PASSED
+
+
+def read_error(fields: Fields) -> Error:
+    """The table `error` of a vector. Raises `UsageError`."""
+    phase, line = fields.text("phase"), fields.count("line") if fields.has("line") else None
+    class_name = fields.text("class") if fields.has("class") else None
+    rule = fields.text("rule") if fields.has("rule") else None
+    fields.done()
+    if phase not in PHASES:
+        raise fields.wrong(f"there is no phase {phase!r}: there are {', '.join(PHASES)}")
+    if class_name is not None and class_name not in vars(errors):
+        raise fields.wrong(f"there is no error class {class_name}")
+    if rule is not None and rule not in RULES:
+        raise fields.wrong(f"there is no rule {rule}")
+    return Error(phase, line, class_name, rule)

@@ -1,0 +1,54 @@
+"""Judging an implementation by a vector: `judge`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .implementation import Implementation, Refused, Task, Tracing
+from .matching import SEED
+from .vector import Vector
+from .verdict import Verdict, errored, failed, skipped
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """The verdict of one vector, in the dialect in which it was run."""
+
+    vector: Vector
+    dialect: str
+    verdict: Verdict
+
+
+def judge(implementation: Implementation, vector: Vector, dialect: str | None = None) -> Result:
+    """The verdict; `dialect` is the one to use, or the first of the implementation's in which the program is given."""
+    wanted = implementation.dialects if dialect is None else (dialect,)
+    known = [d for d in wanted if d in vector.texts and d in implementation.dialects]
+    if not known:
+        return Result(vector, dialect or "", skipped(f"the program is not given in {' or '.join(wanted)}"))
+    for reading, alternative in vector.readings.items():
+        if not implementation.follows(reading, alternative):
+            return Result(vector, known[0], skipped(f"{implementation.name} does not follow {reading} = {alternative}"))
+    return Result(vector, known[0], verdict_of(implementation, vector, vector.task(known[0])))
+
+
+def verdict_of(implementation: Implementation, vector: Vector, task: Task) -> Verdict:
+    """The matcher's verdict, then that of the rules; a crash is no verdict about the language."""
+    try:
+        verdict = vector.matcher.match(implementation, task)
+        return verdict if verdict.status != "passed" else rules_verdict(implementation, vector, task, verdict)
+    except Exception as crash:  # whatever the implementation or a matcher raises besides what the protocol names
+        return errored(f"{type(crash).__name__}: {crash}")
+
+
+def rules_verdict(implementation: Implementation, vector: Vector, task: Task, passed: Verdict) -> Verdict:
+    """Whether the rules fire that must, and none that must not, where the implementation tells."""
+    if not isinstance(implementation, Tracing) or not (vector.fires or vector.avoids):
+        return passed
+    try:
+        fired = implementation.fired(task, vector.fires, seed=SEED)
+    except Refused as refused:
+        return failed(f"refused in phase {refused.phase} while the rules were watched: {refused.message}")
+    missing, unwanted = vector.fires - fired, vector.avoids & fired
+    if missing:
+        return failed(f"these rules did not fire: {', '.join(sorted(missing))}")
+    return failed(f"these rules fired and must not: {', '.join(sorted(unwanted))}") if unwanted else passed

@@ -1,0 +1,42 @@
+"""A vector: a program, and what the paper says about its scenes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+from .implementation import Implementation, Task
+from .verdict import Verdict
+
+
+class Matcher(Protocol):
+    """What is claimed about the scenes of a program; `conformance.matchers` holds the closed table of them."""
+
+    def match(self, implementation: Implementation, task: Task) -> Verdict:
+        """Whether the implementation agrees. What it raises besides `Refused` and `NeverAccepted` goes through."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Vector:
+    """One vector, with the chapter and the file it stands in.
+
+    `fires` must fire and `avoids` must not, where the implementation tells which rules fire. `texts` maps each dialect in which
+    the program is given to its text.
+    """
+
+    name: str
+    chapter: str
+    file: str
+    paper: str
+    fires: frozenset[str]
+    avoids: frozenset[str]
+    readings: Mapping[str, str]
+    texts: Mapping[str, str]
+    kind: str
+    matcher: Matcher
+
+    def task(self, dialect: str) -> Task:
+        """The program in that dialect. KeyError if it is not given in it."""
+        return Task(self.texts[dialect], dialect, self.readings)

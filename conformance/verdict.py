@@ -1,0 +1,39 @@
+"""Verdicts: passed, failed, skipped and errored are never mixed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+Status = Literal["passed", "failed", "skipped", "errored"]
+STATUSES: tuple[Status, ...] = ("passed", "failed", "skipped", "errored")
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """What came of a vector; `reason` says why it did not pass.
+
+    failed: the implementation disagrees with the vector. skipped: the vector does not apply to it. errored: the implementation or
+    the harness crashed, so that nothing is known.
+    """
+
+    status: Status
+    reason: str = ""
+
+
+PASSED = Verdict("passed")
+
+
+def failed(reason: str) -> Verdict:
+    """The implementation disagrees with the vector."""
+    return Verdict("failed", reason)
+
+
+def skipped(reason: str) -> Verdict:
+    """The vector does not apply to the implementation."""
+    return Verdict("skipped", reason)
+
+
+def errored(reason: str) -> Verdict:
+    """The implementation or the harness crashed."""
+    return Verdict("errored", reason)
