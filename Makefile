@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo test check docs bench clean
+.PHONY: demo test nightly check docs bench clean
 
 $(VENV)/.core: pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit("scenic-ref needs Python 3.11 or later" if sys.version_info < (3, 11) else 0)'
@@ -28,6 +28,11 @@ demo: $(VENV)/.core
 ## The test suite
 test: $(VENV)/.test
 	$(BIN)/python -m pytest
+
+## Statistical checks with fresh seeds, which are printed; a failure is a finding, and its seed repeats it
+nightly: $(VENV)/.test
+	@seed=$$(date +%s); echo "seed $$seed"; \
+	$(BIN)/scenic-ref conformance --seed $$seed && SCENIC_REF_SEED=$$seed SCENIC_REF_PROGRAMS=2000 $(BIN)/python -m pytest tests/programs/test_frequencies.py
 
 ## Style, types and layering
 check: $(VENV)/.test

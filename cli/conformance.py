@@ -29,6 +29,7 @@ def conformance(
     ] = None,
     output: Annotated[str | None, typer.Option("--json", metavar="PATH", help="Write the results as JSON; - for stdout.")] = None,
     verbose: Annotated[bool, typer.Option("-v", "--verbose", help="List every vector, not only those that did not pass.")] = False,
+    seed: Annotated[int, typer.Option("--seed", metavar="S", help="The seed of the statistical vectors; a nightly run takes a fresh one.")] = 20,
     debug: DebugOption = False,
 ) -> None:
     """Run the conformance vectors: programs with what the paper says about their scenes.
@@ -41,7 +42,7 @@ def conformance(
     implementation = Ourselves()
     chosen = selected(load_vectors(), chapter, vector)
     check_dialect(dialect)
-    results = list(judged(implementation, chosen, dialect))
+    results = list(judged(implementation, chosen, dialect, seed))
     if output is not None:
         write(output, implementation.name, results)
     if output != "-":
@@ -79,13 +80,13 @@ def check_dialect(dialect: str | None) -> None:
     choose("", dialect)
 
 
-def judged(implementation: Implementation, vectors: Sequence[Vector], dialect: str | None) -> Iterator[Result]:
+def judged(implementation: Implementation, vectors: Sequence[Vector], dialect: str | None, seed: int) -> Iterator[Result]:
     """The results, one after the other, with a progress bar on a terminal."""
     from ..conformance import judge
 
     if not sys.stderr.isatty() or len(vectors) == 1:
         for vector in vectors:
-            yield judge(implementation, vector, dialect)
+            yield judge(implementation, vector, dialect, seed=seed)
         return
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
@@ -95,7 +96,7 @@ def judged(implementation: Implementation, vectors: Sequence[Vector], dialect: s
         task = bar.add_task("", total=len(vectors), name="")
         for vector in vectors:
             bar.update(task, name=vector.name)
-            yield judge(implementation, vector, dialect)
+            yield judge(implementation, vector, dialect, seed=seed)
             bar.advance(task)
 
 

@@ -8,13 +8,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from ..inference.statistics.laws import BoundedMean, Continuous, evidence
+from ..inference.statistics.laws import DEFAULT_ALPHA, BoundedMean, Continuous, evidence
 from .fields import Fields
 
-ALPHA = 1e-9
-"""The probability with which a statistical vector accuses a correct implementation, for any one seed."""
-
-THRESHOLD = -math.log10(ALPHA)
+THRESHOLD = -math.log10(DEFAULT_ALPHA)
+"""log10 of the e-value that contradicts a law: a statistical vector accuses a correct implementation with probability at most `DEFAULT_ALPHA`."""
 
 Cdf = Callable[[float], float]
 

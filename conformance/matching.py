@@ -8,7 +8,6 @@ from .implementation import Implementation, NeverAccepted, Refused, SceneRecord,
 from .paths import NotThere, Path
 from .verdict import Verdict, failed
 
-SEED = 20
 ATTEMPTS = 100_000
 """The most attempts at one scene, where a vector does not say how many."""
 
@@ -20,7 +19,7 @@ class Disagreement(Exception):
 def draw(implementation: Implementation, task: Task, count: int) -> list[SceneRecord]:
     """So many scenes. Raises `Disagreement` if the implementation does not give them."""
     try:
-        scenes = list(implementation.scenes(task, count, seed=SEED, attempts=ATTEMPTS))
+        scenes = list(implementation.scenes(task, count, seed=task.seed, attempts=ATTEMPTS))
     except Refused as refused:
         raise Disagreement(f"refused in phase {refused.phase}: {refused.message}") from None
     except NeverAccepted as never:

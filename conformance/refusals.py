@@ -8,7 +8,7 @@ from ..semantics import errors
 from ..semantics.rules import RULES
 from .fields import Fields
 from .implementation import Implementation, NeverAccepted, Refused, Task
-from .matching import ATTEMPTS, SEED, requirements
+from .matching import ATTEMPTS, requirements
 from .verdict import PASSED, Verdict, failed
 
 PHASES = ("parse", "check", "resolve", "run")
@@ -25,7 +25,7 @@ class Rejection:
     def match(self, implementation: Implementation, task: Task) -> Verdict:
         """No scene in so many attempts; an implementation that tells why must name that requirement and no other."""
         try:
-            scenes = list(implementation.scenes(task, 1, seed=SEED, attempts=self.attempts))
+            scenes = list(implementation.scenes(task, 1, seed=task.seed, attempts=self.attempts))
         except Refused as refused:
             return failed(f"refused in phase {refused.phase} instead of never accepted: {refused.message}")
         except NeverAccepted as never:
@@ -55,7 +55,7 @@ class Error:
     def match(self, implementation: Implementation, task: Task) -> Verdict:
         """The first scene must not appear, for the right reason."""
         try:
-            scenes = list(implementation.scenes(task, 1, seed=SEED, attempts=ATTEMPTS))
+            scenes = list(implementation.scenes(task, 1, seed=task.seed, attempts=ATTEMPTS))
         except Refused as refused:
             return self.compare(refused)
         except NeverAccepted as never:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from .implementation import Implementation, Refused, Task, Tracing
-from .matching import SEED
+from .implementation import SEED, Implementation, Refused, Task, Tracing
 from .vector import Vector
 from .verdict import Verdict, errored, failed, skipped
 
@@ -19,7 +18,7 @@ class Result:
     verdict: Verdict
 
 
-def judge(implementation: Implementation, vector: Vector, dialect: str | None = None) -> Result:
+def judge(implementation: Implementation, vector: Vector, dialect: str | None = None, *, seed: int = SEED) -> Result:
     """The verdict; `dialect` is the one to use, or the first of the implementation's in which the program is given."""
     wanted = implementation.dialects if dialect is None else (dialect,)
     known = [d for d in wanted if d in vector.texts and d in implementation.dialects]
@@ -28,7 +27,7 @@ def judge(implementation: Implementation, vector: Vector, dialect: str | None = 
     for reading, alternative in vector.readings.items():
         if not implementation.follows(reading, alternative):
             return Result(vector, known[0], skipped(f"{implementation.name} does not follow {reading} = {alternative}"))
-    return Result(vector, known[0], verdict_of(implementation, vector, vector.task(known[0])))
+    return Result(vector, known[0], verdict_of(implementation, vector, replace(vector.task(known[0]), seed=seed)))
 
 
 def verdict_of(implementation: Implementation, vector: Vector, task: Task) -> Verdict:
@@ -45,7 +44,7 @@ def rules_verdict(implementation: Implementation, vector: Vector, task: Task, pa
     if not isinstance(implementation, Tracing) or not (vector.fires or vector.avoids):
         return passed
     try:
-        fired = implementation.fired(task, vector.fires, seed=SEED)
+        fired = implementation.fired(task, vector.fires, seed=task.seed)
     except Refused as refused:
         return failed(f"refused in phase {refused.phase} while the rules were watched: {refused.message}")
     missing, unwanted = vector.fires - fired, vector.avoids & fired

@@ -93,7 +93,7 @@ def rehearse(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL) -> No
                 config = after
             case Draw() as draw:
                 try:
-                    drawn = True if draw.rule == "S-SoftReq" else choose(draw)  # so that the condition is run through as well
+                    drawn = True if draw.rule == "S-SoftReq" and can_be_true(draw) else choose(draw)  # so that the condition is run through as well
                 except EmptyRegion:
                     drawn, stuck = Vector(0.0, 0.0), True
                 except UnboundedRegion as unbounded:
@@ -112,6 +112,11 @@ def rehearse(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL) -> No
                 return
     if not stuck:
         raise FuelExhausted(f"the program took {fuel:,} steps without ending: is this an endless loop?", place(config))
+
+
+def can_be_true(coin: Draw) -> bool:
+    """Whether a coin ever shows heads; the condition of `require[0]` is never evaluated."""
+    return any(value for value, _ in coin.distribution.support() or ())
 
 
 __all__ = ["DEFAULT_FUEL", "Accepted", "Chooser", "Rejected", "Run", "ScenicError", "Witness", "rehearse", "run"]

@@ -19,7 +19,7 @@ from multiprocessing import get_context
 from typing import Literal, NamedTuple
 
 from ...inference.enumeration import Enumeration, content_of
-from ...inference.statistics.laws import Categorical, Continuous, evidence
+from ...inference.statistics.laws import DEFAULT_ALPHA, Categorical, Continuous, evidence
 from ...interpreter.choosers import from_stream
 from ...interpreter.parser import parse
 from ...interpreter.running import Accepted, Chooser, run
@@ -35,7 +35,6 @@ from .settings import ProgramSettings
 Rival = Literal["", "first value twice as likely", "coins once per scene"]
 """Wrong samplers that the test must find out; "" is the real one."""
 
-LEVEL = 1e-9
 ATTEMPTS = 50
 """Attempts per program, by and large."""
 PATIENCE = 20 * ATTEMPTS
@@ -153,7 +152,7 @@ def places(exact: Enumeration, contents: Sequence[str], seed: int) -> tuple[floa
 
 
 def agreement(
-    count: int, *, seed: int, settings: ProgramSettings = DEFAULT, rival: Rival = "", processes: int = 1, level: float = LEVEL
+    count: int, *, seed: int, settings: ProgramSettings = DEFAULT, rival: Rival = "", processes: int = 1, level: float = DEFAULT_ALPHA
 ) -> Agreement:
     """Examine programs 0 to `count` - 1 of `seed`, in so many processes."""
     work = partial(examine, seed=seed, settings=settings, rival=rival)
