@@ -10,6 +10,7 @@ import os
 import sys
 
 INTERRUPTED = 130
+INTERRUPTION = "interrupted; a file of JSON Lines holds whole lines, and `run --resume` goes on with it; nothing else was written"
 
 
 def main() -> None:
@@ -19,7 +20,7 @@ def main() -> None:
     try:
         code = answer(sys.argv[1:])
     except KeyboardInterrupt:
-        print("interrupted; a file of JSON Lines holds whole lines, and --resume goes on with it", file=sys.stderr)
+        print(INTERRUPTION, file=sys.stderr)
         code = INTERRUPTED
     sys.exit(code)
 
@@ -40,6 +41,8 @@ def answer(arguments: list[str]) -> int:
         if isinstance(done.__context__, BrokenPipeError):
             session.hang_up()
             return 0
+        if done.code == INTERRUPTED:
+            print(INTERRUPTION, file=sys.stderr)
         return done.code if isinstance(done.code, int) else 0 if done.code is None else 1
     except BrokenPipeError:
         session.hang_up()

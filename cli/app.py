@@ -37,7 +37,8 @@ def show_version(wanted: bool) -> None:
 
 
 @app.callback(
-    epilog="Exit codes: 0 ok, 1 program error, 2 wrong usage, 3 attempts exhausted, 4 internal error, 130 interrupted.",
+    epilog="Exit codes: 0 ok, 1 program error (or samples that differ), 2 wrong usage, 3 attempts exhausted, 4 internal error, "
+    "5 inconclusive, 130 interrupted.",
 )
 def scenic_ref(
     version: Annotated[bool, typer.Option("--version", callback=show_version, is_eager=True, help="Show the version.")] = False,

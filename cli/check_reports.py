@@ -54,6 +54,7 @@ def write_page(path: str, verdict: Verdict, source: Source, samples: str) -> Non
             title=escape(f"{source.file}: {verdict.kind}"), about=escape(about), kind=verdict.kind,
             lines="".join(f"<p>{escape(line)}</p>" for line in verdict.lines()),
             expected="the exact law" if verdict.exact else "scenes of the program",
+            skipped=escape(f"Not compared, since only one side has it: {', '.join(verdict.skipped)}." if verdict.skipped else ""),
             features="\n".join(_drawn(feature) for feature in verdict.features[:MOST_DRAWN]), rows=rows,
         ),
     )
@@ -73,7 +74,7 @@ def _drawn(feature: Feature) -> str:
     highest = max((max(x, y) for _, x, y in cells), default=1.0) or 1.0
     step = WIDTH / max(1, len(cells))
     bars = "".join(_bar(i * step, step, label, x, y, highest) for i, (label, x, y) in enumerate(cells))
-    note = f"e-value 10^{feature.evidence:.1f}, total variation {feature.distance:.2%} in {len(cells)} cells; the highest bar is {highest:.1%}"
+    note = f"e-value 10^{feature.evidence:.1f}, total variation {feature.distance:.2%} in {len(cells)} cells (point at a bar to see which); the highest bar is {highest:.1%}"
     return (
         f'<div class="feature"><h3>{escape(feature.name)}</h3><p>{escape(note)}</p>'
         f'<svg viewBox="0 0 {WIDTH} {HEIGHT + FOOT}" role="img" aria-label="{escape(feature.name)}">{bars}</svg></div>'
@@ -90,7 +91,7 @@ def _bar(left: float, step: float, label: str, x: float, y: float, highest: floa
         for k, (name, v) in enumerate((("one", x), ("other", y)))
     )
     room = max(1, math.floor(step / 5.2))
-    text = label if len(label) <= room else label[: room - 1] + "…" if room > 4 else ""
+    text = label if len(label) <= room else ""
     return f'{rects}<text x="{left + step / 2:.1f}" y="{HEIGHT + 14}" text-anchor="middle">{escape(text)}</text>'
 
 

@@ -46,7 +46,7 @@ def run(
     backend: Annotated[
         str, typer.Option("--backend", metavar="B", help="interpreter: draw scenes; enumerate: all outcomes with their exact probabilities.")
     ] = "interpreter",
-    max_runs: Annotated[int, typer.Option("--max-runs", metavar="M", min=1, help="enumerate: give up after so many runs.")] = 100_000,
+    max_runs: Annotated[int, typer.Option("--max-runs", metavar="M", min=1, help="enumerate: give up after so many runs.")] = 20_000,
     discretize: Annotated[
         int | None,
         typer.Option("--discretize", metavar="N", min=1, help="enumerate: replace each continuous draw by N values, an approximation."),

@@ -50,6 +50,15 @@ class Fields:
             raise self.wrong(f"{key} must be a list of texts, not {found!r}")
         return tuple(found)
 
+    def text_or_texts(self, key: str) -> tuple[str, ...]:
+        """The value of a key that holds a text or a list of texts."""
+        found = self.any(key)
+        if isinstance(found, str):
+            return (found,)
+        if not isinstance(found, list) or not all(isinstance(item, str) for item in found):
+            raise self.wrong(f"{key} must be a text or a list of texts, not {found!r}")
+        return tuple(found)
+
     def number(self, key: str, default: float | None = None) -> float:
         """The value of a key that holds a finite number."""
         return self.as_number(key, self.any(key, MISSING if default is None else default))

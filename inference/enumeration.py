@@ -22,7 +22,7 @@ from ..semantics.errors import AttemptsExhausted, RunsExhausted, UsageError
 from ..semantics.outcome import Draw, Requirement
 from .quantiles import quantiles
 
-DEFAULT_RUNS = 100_000
+DEFAULT_RUNS = 20_000
 
 Address = tuple[int, ...]
 

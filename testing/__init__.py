@@ -10,10 +10,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
 from pathlib import Path
 
 from ..inference.enumeration import Enumeration
 from ..inference.statistics import DEFAULT_ALPHA, DEFAULT_TV, Sampler, Verdict, compare
+from ..inference.statistics.columns import leaves
 from ..inference.statistics.reading import read_samples
 from ..interpreter.scenes import Scene
 from ..scenario import Scenario
@@ -38,6 +40,7 @@ def same_distribution(
     draw must be the same in every sample. Raises `UsageError` for samples that cannot be compared, and the program's errors.
     """
     scenes = read_samples(samples) if isinstance(samples, (str, Path)) else samples
+    check_columns(scenes, scenario)
     law = None if reference is not None else enumerated(scenario)
     if law is None and reference is None:
         check_seed(scenes, seed)
@@ -52,6 +55,18 @@ def enumerated(scenario: Scenario) -> Enumeration | None:
         return scenario.enumerate(max_runs=MOST_RUNS)
     except (UsageError, RunsExhausted):
         return None
+
+
+def check_columns(scenes: Sequence[Scene] | Sequence[Mapping[str, object]], scenario: Scenario) -> None:
+    """The columns of a CSV file must be features of the program's scenes. Raises `UsageError`."""
+    first = scenes[0] if len(scenes) else None
+    columns = first.get("columns") if isinstance(first, Mapping) else None
+    if isinstance(columns, Mapping):
+        known = dict(leaves(scenario.sample().to_json()))
+        wrong = [name for name in columns if name not in known and name not in ("weight", "seed")]
+        if wrong:
+            near = get_close_matches(wrong[0], list(known), n=1)
+            raise UsageError(f"scenes of the program have no {wrong[0]}", hint=f"did you mean {near[0]}?" if near else "")
 
 
 def check_seed(scenes: Sequence[Scene] | Sequence[Mapping[str, object]], seed: int) -> None:

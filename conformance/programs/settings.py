@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
 
+from ...semantics.errors import UsageError
+
+LEAST = {"max_objects": 1, "max_classes": 0, "max_statements": 0, "max_depth": 0, "max_loop": 1, "max_outcomes": 1}
+
 
 @dataclass(frozen=True, slots=True)
 class ProgramSettings:
@@ -68,6 +72,17 @@ class ProgramSettings:
     """`workspace`, and objects with `regionContainedIn`."""
     chained_draws: float = 0.5
     """Parameters of distributions that are random values."""
+
+    def __post_init__(self) -> None:
+        """Raises `UsageError` for a size below its least value and for a probability that is none."""
+        for name, least in LEAST.items():
+            if getattr(self, name) < least:
+                raise UsageError(f"{name} is at least {least}, not {getattr(self, name)}")
+        if not self.area > 0:
+            raise UsageError(f"area is above 0, not {self.area}")
+        for name, probability in self.features():
+            if not 0 <= probability <= 1:
+                raise UsageError(f"{name} is a probability, not {probability}")
 
     def features(self) -> tuple[tuple[str, float], ...]:
         """The features with their probabilities, in the order of the fields."""

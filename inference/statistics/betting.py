@@ -20,20 +20,15 @@ import numpy as np
 from scipy.special import betaln, gammaln, logsumexp
 
 CONCENTRATIONS = (0.5, 4.0, 32.0, 256.0, 2048.0, 16384.0, 131072.0)
-LEAST = 1e-4  # probabilities below it are no reason to narrow the priors further, which would cost digits
-
 Array = np.ndarray
 
 
 def two_sample_wealth(a: Array, b: Array) -> Array:
-    """The log wealth after counts `a` and `b` in cells, both (..., cells) with equal totals: shape (...).
-
-    A cell without counts bets nothing, so that rows of different numbers of cells can be padded with zeros.
-    """
+    """The log wealth after counts `a` and `b` in cells, both (..., cells) with equal totals: shape (...)."""
     a, b = np.asarray(a, float), np.asarray(b, float)
     c = np.array(CONCENTRATIONS).reshape((-1,) + (1,) * a.ndim)
     cells = betaln(c + a, c + b) - betaln(c, c) + (a + b) * math.log(2.0)
-    return _averaged(cells.sum(-1), cells, np.maximum((a + b > 0).sum(-1), 1))
+    return _averaged(cells.sum(-1), cells, a.shape[-1])
 
 
 def one_sample_wealth(counts: Array, p: Array) -> Array:
@@ -46,33 +41,23 @@ def one_sample_wealth(counts: Array, p: Array) -> Array:
     possible = p > 0
     safe, n = np.where(possible, p, 0.5), np.where(possible, counts, 0.0)
     total = n.sum(-1, keepdims=True)
-    least = np.min(np.where(possible, p, 1.0), axis=-1, keepdims=True)
-    c = np.array(CONCENTRATIONS).reshape((-1,) + (1,) * counts.ndim) / np.maximum(least, LEAST)
+    cells = np.maximum(possible.sum(-1, keepdims=True), 1)
+    c = np.array(CONCENTRATIONS).reshape((-1,) + (1,) * counts.ndim) * cells
     per_cell = np.where(possible, gammaln(c * safe + n) - gammaln(c * safe) - n * np.log(safe), 0.0)
     dense = per_cell.sum(-1) + (gammaln(c) - gammaln(c + total))[..., 0]
     rest = np.clip(1.0 - safe, 1e-300, 1.0)
     single = betaln(c * safe + n, c * rest + total - n) - betaln(c * safe, c * rest) - n * np.log(safe) - (total - n) * np.log(rest)
-    single = np.where(possible & (p < 1), single, 0.0)
-    return np.where(impossible, np.inf, _averaged(dense, single, np.maximum(possible.sum(-1), 1)))
+    single = np.where(possible, np.where(p < 1 - 1e-12, single, 0.0), -np.inf)
+    return np.where(impossible, np.inf, _averaged(dense, single, cells[..., 0]))
 
 
-def _averaged(dense: Array, single: Array, cells: Array) -> Array:
+def _averaged(dense: Array, single: Array, cells: Array | int) -> Array:
     """The log of the average of bets on all cells, (priors, ...), and of those on a single one, (priors, ..., cells).
 
-    The sum over the cells leaves out padding, whose log wealth is 0, by subtracting what it would add.
+    The number of cells is that of the feature, whether they were seen or not: an average over a number that grows would be no martingale.
     """
-    padding = single.shape[-1] - cells
-    singles = logsumexp(single, axis=-1)
-    singles = np.where(padding > 0, _minus(singles, padding), singles) - np.log(cells)
-    both = np.stack([dense, singles])
+    both = np.stack([dense, logsumexp(single, axis=-1) - np.log(cells)])
     return logsumexp(both, axis=(0, 1)) - math.log(2 * len(CONCENTRATIONS))
-
-
-def _minus(total: Array, padding: Array) -> Array:
-    """log(exp(total) - padding), at least -inf."""
-    with np.errstate(divide="ignore"):
-        share = np.clip(padding * np.exp(-total), 0.0, 1.0)
-        return total + np.log1p(-share)
 
 
 def combined(wealths: Array) -> float:

@@ -14,11 +14,10 @@ import numpy as np
 
 from .betting import Array
 from .columns import Column, is_angle
-from .laws import EDGES, Categorical, Continuous
+from .laws import EDGES, SAME, Categorical, Continuous
 
 FEW = 24  # as many different values, or fewer, get a cell each
 MOST_EXACT = 256  # against an exact law
-SAME = 1e-9  # relative difference of two numbers that are the same but for rounding
 QUARTERS = (0.25, 0.5, 0.75)
 FEWEST = 5  # draws of the first block beyond the outermost edge
 

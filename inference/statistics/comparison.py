@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import cached_property
 from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
@@ -17,17 +18,16 @@ from ...interpreter.scenes import Scene
 from ...semantics.errors import UsageError
 from ..enumeration import Enumeration
 from .betting import combined
-from .cells import SAME
-from .columns import Table, is_angle, table_of, text_of
+from .columns import Table, table_of
 from .features import Cut, FeatureTest, assigned, tests_against, tests_between, tests_of_laws
+from .impossible import MOST_LISTED, constants_of_law, off_the_law, wrong_constants
 from .laws import DEFAULT_ALPHA, Categorical, Continuous
-from .power import detectable, needed
+from .power import Hardest, detectable, needed
 from .verdict import Kind, Verdict
 
 DEFAULT_TV = 0.01
 FIRST_BLOCK = (100, 4000)
 GROWTH = 1.5
-MOST_LISTED = 5
 
 
 AnyScene = Scene | Mapping[str, object]
@@ -92,18 +92,22 @@ def check_settings(alpha: float, detect_tv: float, budget: int | None) -> None:
 
 
 class Stream:
-    """The scenes of a source, block by block; `length` is None if there is no end to them."""
+    """The scenes of a source, block by block; `length` is None if there is no end to them, and `whole` is then empty.
+
+    Scenes that are given are taken in a random order (a function of the seed), so that it does not matter how they were sorted.
+    """
 
     def __init__(self, source: Source, seed: int) -> None:
         self.seed = seed
         self.at = 0
         self.sampler: Sampler | None = None
-        self.table = Table({}, 0)
+        self.whole = self.table = Table({}, 0)
         self.length: int | None = None
-        if isinstance(source, Table):
-            self.table, self.length = source, source.n
-        elif isinstance(source, Sequence):
-            self.table, self.length = table_of(source), len(source)
+        if isinstance(source, (Table, Sequence)):
+            self.whole = source if isinstance(source, Table) else table_of(source)
+            self.length = self.whole.n
+            order = np.random.Generator(np.random.Philox(seed % (1 << 64))).permutation(self.length)
+            self.table = Table({name: column.values[order] for name, column in self.whole.columns.items()}, self.length)
         else:
             self.sampler = source
 
@@ -128,71 +132,73 @@ class Terms(NamedTuple):
 def _two_samples(a: Stream, b: Stream, budget: int | None, terms: Terms) -> Verdict:
     known = [n for n in (a.length, b.length, budget) if n is not None]
     available = min(known, default=None)
-    if available is not None and available < 2 * FIRST_BLOCK[0]:
-        raise UsageError(f"{available:,} scenes are too few to compare: at least {2 * FIRST_BLOCK[0]} of each side are needed")
-    burned = FIRST_BLOCK[1] if available is None else min(max(available // 8, FIRST_BLOCK[0]), FIRST_BLOCK[1])
+    if available == 0:
+        raise UsageError("there are no scenes to compare")
+    burned = FIRST_BLOCK[1] if available is None else min(max(available // 8, min(FIRST_BLOCK[0], (available + 1) // 2)), FIRST_BLOCK[1])
+    impossible = wrong_constants(a.whole, terms.constants)
     first = a.take(burned), b.take(burned)
     tests, skipped = tests_between(*first, terms.constants)
-    collected = Collected(tests, terms, exact=False)
-    collected.check(first[0], 0)
+    collected = Collected(tests, terms, impossible or wrong_constants(first[0], terms.constants), exact=False)
     limit = collected.needed if available is None else available - burned
     while collected.n < limit and not collected.decided:
         size = min(max(burned, int(collected.n * (GROWTH - 1))), limit - collected.n)
-        collected.check(one := a.take(size), a.at - size)
+        one = a.take(size)
+        collected.impossible += wrong_constants(one, terms.constants, a.at - size) if a.length is None else []
         collected.add(one, b.take(size))
     return collected.verdict(burned, skipped)
 
 
 def _with_law(a: Stream, law: Enumeration | Laws, budget: int | None, terms: Terms) -> Verdict:
-    block = a.take(FIRST_BLOCK[0])
-    tests, skipped = tests_against(block, law, terms.constants) if isinstance(law, Enumeration) else (tests_of_laws(block, law), [])
-    collected = Collected(tests, terms, exact=True)
+    first = a.take(FIRST_BLOCK[0])
+    looked_at = first if a.length is None else a.whole
+    if isinstance(law, Enumeration):
+        terms = terms._replace(constants={**constants_of_law(law), **terms.constants})
+        tests, skipped = tests_against(looked_at, law, terms.constants)
+    else:
+        tests, skipped = tests_of_laws(looked_at, law), []
+    impossible = wrong_constants(looked_at, terms.constants) or off_the_law(looked_at, tests)
+    collected = Collected(tests, terms, impossible, exact=True)
     limit = min((n for n in (a.length, budget) if n is not None), default=collected.needed)
     if limit < 1:
         raise UsageError("there are no scenes to compare")
-    while True:
+    block = first
+    while not collected.decided:
         block = block.rows(0, limit - collected.n)
-        collected.check(block, collected.n)
+        if a.length is None:
+            collected.impossible += wrong_constants(block, terms.constants, collected.n) or off_the_law(block, tests, collected.n)
         collected.add(block, None)
-        if collected.decided or collected.n >= limit:
-            return collected.verdict(0, skipped)
+        if collected.n >= limit:
+            break
         block = a.take(max(FIRST_BLOCK[0], int(collected.n * (GROWTH - 1))))
+    return collected.verdict(0, skipped)
 
 
 class Collected:
     """The counts so far, and the largest evidence that they ever gave."""
 
-    def __init__(self, tests: list[FeatureTest], terms: Terms, *, exact: bool) -> None:
+    def __init__(self, tests: list[FeatureTest], terms: Terms, impossible: list[str], *, exact: bool) -> None:
         self.tests = tests
         self.terms = terms
         self.exact = exact
         self.cuts: list[Cut] = [test.cuts[0] for test in tests if len(test.cuts) == 1]
         self.evidence = 0.0
-        self.impossible: list[str] = []
+        self.impossible = impossible
         self.n = 0
 
-    @property
-    def cells(self) -> int:
-        """The number of cells of the feature that has most."""
-        return max((test.size for test in self.tests), default=1)
+    @cached_property
+    def hardest(self) -> Hardest:
+        """The differences that are hardest to see, by the law or by the first blocks."""
+        return Hardest([test.expected for test in self.tests], exact=self.exact)
 
-    @property
+    @cached_property
     def needed(self) -> int:
         """How many scenes of each side a difference of the stated size needs."""
-        return needed(self.terms.detect_tv, self.terms.alpha, len(self.tests), self.cells, exact=self.exact)
+        return needed(self.terms.detect_tv, self.terms.alpha, len(self.tests), self.hardest)
 
     @property
     def decided(self) -> bool:
         """Whether a difference was found."""
         return bool(self.impossible) or self.evidence >= -math.log10(self.terms.alpha)
-
-    def check(self, table: Table, start: int) -> None:
-        """Look for values that a constant of the program cannot have; scenes are counted from `start`."""
-        for name, value in self.terms.constants.items():
-            wrong = first_other(table, name, value)
-            if wrong is not None and len(self.impossible) < MOST_LISTED:
-                shown = [f"{v:.9g}" if isinstance(v, float) else text_of(v) for v in (value, table.columns[name].values[wrong])]
-                self.impossible.append(f"{name} is always {shown[0]}, but {shown[1]} in sample number {start + wrong}")
 
     def add(self, a: Table, b: Table | None) -> None:
         """Count another block of both sides (or of one, against a law), and look at the evidence."""
@@ -208,25 +214,10 @@ class Collected:
         kind: Kind = "different" if self.decided else "equivalent" if self.n >= self.needed else "inconclusive"
         return Verdict(
             kind=kind, evidence=math.inf if self.impossible else self.evidence, alpha=self.terms.alpha, detect_tv=self.terms.detect_tv,
-            detectable=detectable(self.n, self.terms.alpha, len(self.tests), self.cells, exact=self.exact), n=self.n, needed=self.needed,
-            burned=burned, features=tuple(features), impossible=tuple(self.impossible), skipped=tuple(skipped),
+            detectable=detectable(self.n, self.terms.alpha, len(self.tests), self.hardest), n=self.n, needed=self.needed,
+            burned=burned, features=tuple(features), impossible=tuple(self.impossible[:MOST_LISTED]), skipped=tuple(skipped),
             constants=len(self.terms.constants), exact=self.exact, seeds=self.terms.seeds, replay=self.terms.replay,
         )
-
-
-def first_other(table: Table, name: str, value: object) -> int | None:
-    """The first scene in which a feature has not its constant value (to 1e-9), None if there is none or no such feature."""
-    column = table.columns.get(name)
-    if column is None:
-        return None
-    if column.is_number and isinstance(value, (int, float)) and not isinstance(value, bool):
-        off = np.abs(column.values - value)
-        if is_angle(name):
-            off = np.minimum(off % math.tau, math.tau - off % math.tau)
-        wrong = np.flatnonzero(~(off <= SAME * max(1.0, abs(value))))
-    else:
-        wrong = np.flatnonzero(np.array([str(v) for v in column.values]) != text_of(value))
-    return int(wrong[0]) if len(wrong) else None
 
 
 Kernel = Callable[[AnyScene, int], AnyScene]

@@ -46,16 +46,27 @@ def assigned(cuts: Sequence[Cut], table: Table) -> Assigned:
 
 @dataclass
 class FeatureTest:
-    """The e-process of one feature, or of a pair: counts in its cells so far, and the law's probabilities if there is one."""
+    """The e-process of one feature, or of a pair: counts in its cells so far, and the law's probabilities if there is one.
+
+    `first` are the counts of the first blocks, which only tell how the cells are filled.
+    """
 
     cuts: tuple[Cut, ...]
     law: Array | None = None
+    first: Array | None = None
     counts: Array = field(init=False)
     others: Array = field(init=False)
     best: float = field(init=False, default=0.0)
 
     def __post_init__(self) -> None:
         self.counts, self.others = np.zeros(self.size), np.zeros(self.size)
+
+    @property
+    def expected(self) -> Array:
+        """How the cells are filled, by the law or by the first blocks."""
+        found = self.law if self.law is not None else self.first
+        assert found is not None
+        return found
 
     @property
     def name(self) -> str:
@@ -95,7 +106,7 @@ class FeatureTest:
 def tests_between(a: Table, b: Table, constants: Mapping[str, object]) -> tuple[list[FeatureTest], list[str]]:
     """The tests for two samples, cut by their first blocks, and the names of features that only one of them has."""
     shared = [name for name in a.columns if name in b.columns and name not in constants]
-    skipped = [name for table, other in ((a, b), (b, a)) for name in table.columns if name not in other.columns and name not in constants]
+    skipped = one_sided(a, b, constants)
     cuts, seen = [], set()
     for name in shared:
         one, other = a.columns[name], b.columns[name]
@@ -104,7 +115,17 @@ def tests_between(a: Table, b: Table, constants: Mapping[str, object]) -> tuple[
         if key not in seen:
             seen.add(key)
             cuts.append(cut_of(column))
-    return [FeatureTest((cut,)) for cut in cuts] + [FeatureTest(pair) for pair in pairs_of(cuts)], skipped
+    tests = [FeatureTest((cut,)) for cut in cuts] + [FeatureTest(pair) for pair in pairs_of(cuts)]
+    blocks = [assigned(cuts, table) for table in (a, b)]
+    for test in tests:
+        test.first = np.sum([np.bincount(test.cells(block), minlength=test.size) for block in blocks], axis=0)
+    return tests, skipped
+
+
+def one_sided(a: Table, b: Table, constants: Mapping[str, object]) -> list[str]:
+    """The features that only one of the sides has, those that the samples `a` lack first; constants count as features of the other."""
+    missing = [name for name in (*b.columns, *constants) if name not in a.columns]
+    return list(dict.fromkeys([*missing, *(name for name in a.columns if name not in b.columns and name not in constants)]))
 
 
 def pooled(one: Column, other: Column) -> Column:
@@ -141,12 +162,13 @@ def tests_against(a: Table, law: Enumeration, constants: Mapping[str, object]) -
     outcomes = table_of(law.scenes)
     weights = np.array([float(outcome.probability) for outcome in law.outcomes])
     known = [name for name in outcomes.columns if name in a.columns and name != "attempts" and name not in constants]
-    skipped = [name for t, o in ((a, outcomes), (outcomes, a)) for name in t.columns if name not in o.columns and name not in constants]
+    skipped = [name for name in one_sided(a, outcomes, constants) if name != "attempts"]
     cuts = [cut_of(outcomes.columns[name], weights) for name in known]
     tests = [FeatureTest((cut,)) for cut in cuts] + [FeatureTest(pair) for pair in pairs_of(cuts)]
     found = assigned(cuts, outcomes)
     for test in tests:
-        test.law = np.bincount(test.cells(found), weights=weights, minlength=test.size)
+        shares = np.bincount(test.cells(found), weights=weights, minlength=test.size)
+        test.law = shares / shares.sum()
     return tests + ([attempts_test(law)] if "attempts" in a.columns else []), skipped
 
 
@@ -164,6 +186,6 @@ def attempts_test(law: Enumeration) -> FeatureTest:
     shares: list[float] = []
     while 1.0 - sum(shares) > LEAST_TAIL and len(shares) < 200:
         shares.append(float(law.attempts_probability(len(shares) + 1)))
-    edges = Intervals(np.arange(len(shares)) + 1.5)
-    cut = Cut("attempts", edges, edges)
-    return FeatureTest((cut,), np.array([*shares, max(0.0, 1.0 - sum(shares)), 0.0]))
+    edges = Intervals(np.arange(len(shares) + 1) + 0.5)
+    law = np.array([0.0, *shares, max(0.0, 1.0 - sum(shares)), 0.0])
+    return FeatureTest((Cut("attempts", edges, edges),), law / law.sum())

@@ -23,18 +23,22 @@ EDGES = (0.002, 0.01, 0.03, 0.06, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0
 DEFAULT_ALPHA = 1e-9
 """The risk of a false alarm of one statistical test, here and in our own suite: a thousand of them share a millionth."""
 
+SAME = 1e-9  # relative difference of two numbers that are the same but for rounding
+
 STAKES = tuple(sign * 2.0**-k for k in range(1, 11) for sign in (1.0, -1.0))
 
 
 @dataclass(frozen=True)
 class Continuous:
-    """A law on the reals with the continuous distribution function `cdf`."""
+    """A law on the reals with the continuous distribution function `cdf`; values outside [low, high] are impossible (but for rounding)."""
 
     name: str
     cdf: Callable[[float], float]
+    low: float = -math.inf
+    high: float = math.inf
 
     def cells(self, values: Sequence[object]) -> tuple[Array, Array]:
-        """The cell of each value, and the probabilities of the cells. A value that is no finite number is in the last, of probability 0."""
+        """The cell of each value, and the probabilities of the cells. What cannot be is in the last, of probability 0."""
         levels = np.array([self._level(value) for value in values], dtype=float)
         inside = np.searchsorted(EDGES, levels, side="right")
         inside[np.isnan(levels)] = len(EDGES) + 1
@@ -43,12 +47,13 @@ class Continuous:
     def labels(self) -> tuple[str, ...]:
         """A name for each cell."""
         levels = (0.0, *EDGES, 1.0)
-        return (*(f"{self.name}: level {low:g} to {high:g}" for low, high in pairwise(levels)), "no number")
+        return (*(f"{self.name}: level {low:g} to {high:g}" for low, high in pairwise(levels)), "impossible")
 
     def _level(self, value: object) -> float:
         if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
             return math.nan
-        return float(self.cdf(float(value)))
+        rounding = SAME * max(1.0, abs(value))
+        return float(self.cdf(float(value))) if self.low - rounding <= value <= self.high + rounding else math.nan
 
 
 @dataclass(frozen=True)

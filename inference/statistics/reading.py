@@ -20,7 +20,7 @@ from ...semantics.errors import UsageError
 SHORT = re.compile(r"(\d+)\.(\w+)((?:\[\d+\])*)")
 LONG = re.compile(r"objects\[(\d+)\]\.(?:(position)\[([01])\]|(heading|width|length|class|properties\.\w+)((?:\[\d+\])*))")
 OTHER = re.compile(r"(?:params\.\w+(?:\[\d+\])*|attempts|weight|seed)")
-CONSTANTS: Mapping[str, object] = {"": None, "None": None, "null": None, "True": True, "true": True, "False": False, "false": False}
+CONSTANTS: Mapping[str, object] = {"None": None, "null": None, "True": True, "true": True, "False": False, "false": False}
 
 Samples = list[dict[str, object]]
 
@@ -65,6 +65,8 @@ def problem_of(scene: object) -> str:
     objects, params = scene.get("objects"), scene.get("params", {})
     if not isinstance(objects, list) or not isinstance(params, dict):
         return "a scene has a list `objects`" if not isinstance(objects, list) else "`params` maps names to values"
+    if "attempts" in scene and not is_count(scene["attempts"]):
+        return "`attempts` is not a whole number of at least 1"
     for i, o in enumerate(objects):
         if not isinstance(o, dict) or not isinstance(o.get("properties", {}), dict):
             return f"objects[{i}] is not an object of the format"
@@ -82,6 +84,11 @@ def is_finite(value: object) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
 
 
+def is_count(value: object) -> bool:
+    """Whether a value is a whole number of at least 1."""
+    return isinstance(value, int) and not isinstance(value, bool) and value >= 1
+
+
 def _csv(text: str, path: str) -> Iterator[dict[str, object]]:
     rows = csv.reader(text.splitlines())
     names = [feature_named(name.strip(), path) for name in next(rows, [])]
@@ -91,7 +98,11 @@ def _csv(text: str, path: str) -> Iterator[dict[str, object]]:
         if row and len(row) != len(names):
             raise UsageError(f"{path}, line {rows.line_num}: {len(row)} values, where the first line names {len(names)}")
         if row:
-            yield {"columns": {name: cell_value(cell.strip()) for name, cell in zip(names, row, strict=True)}}
+            found = {name: cell_value(cell.strip()) for name, cell in zip(names, row, strict=True)}
+            for name, value in found.items():
+                if value == "" or (isinstance(value, float) and not math.isfinite(value)) or (name == "attempts" and not is_count(value)):
+                    raise UsageError(f"{path}, line {rows.line_num}: {value!r} is no value of {name}", hint="None, True and False can be written so")
+            yield {"columns": found}
 
 
 def feature_named(name: str, path: str) -> str:

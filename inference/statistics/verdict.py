@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
+MOST_NAMED = 12
 Kind = Literal["different", "equivalent", "inconclusive"]
 
 
@@ -105,6 +106,6 @@ class Verdict:
                 f"{worst.counts[cell] / a:.3%} of the samples, {worst.others[cell] / b:.3%} expected"
             ]
         if self.skipped:
-            some = ", ".join(self.skipped[:6]) + (", ..." if len(self.skipped) > 6 else "")
-            found += [f"not compared, since only one side has it: {some}"]
+            more = f" and {len(self.skipped) - MOST_NAMED:,} more" if len(self.skipped) > MOST_NAMED else ""
+            found += [f"not compared, since only one side has it: {', '.join(self.skipped[:MOST_NAMED])}{more}"]
         return found

@@ -82,7 +82,7 @@ def test_a_value_that_cannot_be_is_different_however_rare(files):
     Path("right.jsonl").write_text("\n".join([*lines[:321], json.dumps(scene), *lines[322:]]) + "\n")
     found = files("check", "right.scenic", "--samples", "right.jsonl")
     assert found.code == 1
-    assert "objects[1].width is always 1, but 1.5 in sample number 321" in found.out
+    assert "objects[1].width is always 1, but 1.5 in sample 322" in found.out
 
 
 def test_a_minimal_csv_is_enough(files):
@@ -103,6 +103,12 @@ def test_a_minimal_csv_is_enough(files):
         ("s.jsonl", '{"objects": [{"position": [1, NaN]}]}\n', "line 1: objects[0].position is not a pair of finite numbers"),
         ("s.jsonl", '{"schema": "other/1", "objects": []}\n', "line 1: this is 'other/1', not a scene"),
         ("s.jsonl", '{"objects": [], "weight": 1}\n{"objects": [], "weight": 2}\n', "weighted scenes"),
+        ("s.jsonl", '{"objects": [], "attempts": 0}\n', "line 1: `attempts` is not a whole number of at least 1"),
+        ("s.csv", "0.x\nnan\n", "line 2: nan is no value of objects[0].position[0]"),
+        ("s.csv", "0.x,0.y\n1,\n", "line 2: '' is no value of objects[0].position[1]"),
+        ("s.csv", "attempts\n-1\n", "line 2: -1 is no value of attempts"),
+        ("s.csv", "0.x,1.lenght\n1,2\n", "scenes of the program have no objects[1].properties.lenght"),
+        ("s.csv", "7.x\n1\n", "scenes of the program have no objects[7].position[0]"),
         ("s.csv", "speed\n3\n", "'speed' names no feature"),
         ("s.csv", "0.x,0.y\n3\n", "line 2: 1 values, where the first line names 2"),
         ("s.csv", "0.x,objects[0].position[0]\n3,3\n", "two columns have the same name"),

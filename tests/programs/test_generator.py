@@ -16,7 +16,7 @@ from scenic_ref.conformance.programs import Choices, ProgramSettings, generate, 
 from scenic_ref.conformance.programs.permuting import nodes
 from scenic_ref.conformance.programs.strategies import programs
 from scenic_ref.scenario import Scenario
-from scenic_ref.semantics.errors import AttemptsExhausted
+from scenic_ref.semantics.errors import AttemptsExhausted, UsageError
 from scenic_ref.semantics.syntax import Node, Program, expressions, python_expressions, specifiers, statements
 
 COUNT = 400
@@ -144,3 +144,9 @@ def test_hypothesis_can_make_the_simplest_program():
     off = dict.fromkeys([name for name, _ in ProgramSettings().features()], 0.0)
     small = replace(ProgramSettings(max_statements=1, max_depth=0), **off)  # pyright: ignore[reportArgumentType]
     assert find(programs(small), lambda program: True, settings=quiet).text.count("\n") <= 3
+
+
+@pytest.mark.parametrize("wrong", [{"max_objects": 0}, {"regions": 2.0}, {"area": -1.0}, {"max_depth": -3}, {"max_loop": 0}])
+def test_settings_that_are_none_are_refused(wrong):
+    with pytest.raises(UsageError):
+        ProgramSettings(**wrong)
