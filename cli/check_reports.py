@@ -74,7 +74,8 @@ def _drawn(feature: Feature) -> str:
     highest = max((max(x, y) for _, x, y in cells), default=1.0) or 1.0
     step = WIDTH / max(1, len(cells))
     bars = "".join(_bar(i * step, step, label, x, y, highest) for i, (label, x, y) in enumerate(cells))
-    note = f"e-value 10^{feature.evidence:.1f}, total variation {feature.distance:.2%} in {len(cells)} cells (point at a bar to see which); the highest bar is {highest:.1%}"
+    note = f"e-value 10^{feature.evidence:.1f}, total variation {feature.distance:.2%} in {len(cells)} cells (point at a bar to see which)"
+    note += f"; the highest bar is {highest:.1%}"
     return (
         f'<div class="feature"><h3>{escape(feature.name)}</h3><p>{escape(note)}</p>'
         f'<svg viewBox="0 0 {WIDTH} {HEIGHT + FOOT}" role="img" aria-label="{escape(feature.name)}">{bars}</svg></div>'

@@ -23,6 +23,11 @@ CONCENTRATIONS = (0.5, 4.0, 32.0, 256.0, 2048.0, 16384.0, 131072.0)
 Array = np.ndarray
 
 
+def log_sum(logs: Array, axis: int | tuple[int, ...] | None = None) -> Array:
+    """log Σ exp(logs), over all axes unless one is given."""
+    return np.asarray(logsumexp(logs, axis=axis))
+
+
 def two_sample_wealth(a: Array, b: Array) -> Array:
     """The log wealth after counts `a` and `b` in cells, both (..., cells) with equal totals: shape (...)."""
     a, b = np.asarray(a, float), np.asarray(b, float)
@@ -56,11 +61,11 @@ def _averaged(dense: Array, single: Array, cells: Array | int) -> Array:
 
     The number of cells is that of the feature, whether they were seen or not: an average over a number that grows would be no martingale.
     """
-    both = np.stack([dense, logsumexp(single, axis=-1) - np.log(cells)])
-    return logsumexp(both, axis=(0, 1)) - math.log(2 * len(CONCENTRATIONS))
+    both = np.stack([dense, log_sum(single, axis=-1) - np.log(cells)])
+    return log_sum(both, axis=(0, 1)) - math.log(2 * len(CONCENTRATIONS))
 
 
 def combined(wealths: Array) -> float:
     """The log of the average of e-values whose logs are given: an e-value under any dependence between them."""
     flat = np.ravel(wealths)
-    return float(logsumexp(flat) - math.log(len(flat)))
+    return float(log_sum(flat) - math.log(len(flat)))

@@ -187,5 +187,5 @@ def attempts_test(law: Enumeration) -> FeatureTest:
     while 1.0 - sum(shares) > LEAST_TAIL and len(shares) < 200:
         shares.append(float(law.attempts_probability(len(shares) + 1)))
     edges = Intervals(np.arange(len(shares) + 1) + 0.5)
-    law = np.array([0.0, *shares, max(0.0, 1.0 - sum(shares)), 0.0])
-    return FeatureTest((Cut("attempts", edges, edges),), law / law.sum())
+    cells = np.array([0.0, *shares, max(0.0, 1.0 - sum(shares)), 0.0])
+    return FeatureTest((Cut("attempts", edges, edges),), cells / cells.sum())

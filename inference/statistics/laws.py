@@ -13,9 +13,7 @@ from fractions import Fraction
 from itertools import pairwise
 
 import numpy as np
-from scipy.special import logsumexp
-
-from .betting import Array, one_sample_wealth
+from .betting import Array, log_sum, one_sample_wealth
 
 EDGES = (0.002, 0.01, 0.03, 0.06, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.94, 0.97, 0.99, 0.998)
 """Levels at which distributions are cut into cells: finer towards the ends, where a wrong range shows."""
@@ -121,4 +119,4 @@ def _evidence_on_mean(values: Sequence[object], law: BoundedMean) -> float:
     scale = max(law.high - law.mean, law.mean - law.low)
     gains = (found - law.mean) / scale if scale > 0 else np.zeros(len(found))
     wealth = np.array([np.cumsum(np.log1p(stake * gains)) for stake in STAKES])
-    return float(np.max(logsumexp(wealth, axis=0) - math.log(len(STAKES)))) / math.log(10.0)
+    return float(np.max(log_sum(wealth, axis=0) - math.log(len(STAKES)))) / math.log(10.0)
