@@ -15,6 +15,8 @@ THRESHOLD = -math.log10(DEFAULT_ALPHA)
 """log10 of the e-value that contradicts a law: a statistical vector accuses a correct implementation with probability at most `DEFAULT_ALPHA`."""
 
 Cdf = Callable[[float], float]
+Family = tuple[Cdf, float, float]
+"""A distribution function, and the ends of the interval outside of which there are no values."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +33,11 @@ Law = Continuous | Moments
 
 
 def contradiction(values: Sequence[float], law: Law) -> float:
-    """How strongly the values contradict the law: the logarithm to base 10 of the largest e-value; -1 if they do not at all."""
+    """How strongly the values contradict the law: the logarithm to base 10 of the largest e-value that they reached.
+
+    With the mean of the squares there are two bets, with half of the stake on each: half of the larger is at most what they reach together.
+    (The larger itself would be no e-value.)
+    """
     if isinstance(law, Continuous):
         return evidence(values, law)
     if not all(law.low <= value <= law.high for value in values):
@@ -40,7 +46,7 @@ def contradiction(values: Sequence[float], law: Law) -> float:
     if law.second is None:
         return strongest
     most = max(law.low**2, law.high**2)
-    return max(strongest, evidence([value**2 for value in values], BoundedMean(law.second, 0.0, most)))
+    return max(strongest, evidence([value**2 for value in values], BoundedMean(law.second, 0.0, most))) - math.log10(2)
 
 
 def read_law(fields: Fields) -> Law:
@@ -65,9 +71,9 @@ def read_cdf(fields: Fields) -> Continuous:
     name = fields.text("name")
     if name not in FAMILIES:
         raise fields.wrong(f"there is no distribution function {name!r}: there are {', '.join(FAMILIES)}")
-    cdf = FAMILIES[name](fields)
+    cdf, low, high = FAMILIES[name](fields)
     fields.done()
-    return Continuous(name, cdf)
+    return Continuous(name, cdf, low, high)
 
 
 def interval(fields: Fields) -> tuple[float, float]:
@@ -96,26 +102,27 @@ def standard_normal(z: float) -> float:
     return 0.5 * math.erfc(-z / math.sqrt(2))
 
 
-def uniform(fields: Fields) -> Cdf:
+def uniform(fields: Fields) -> Family:
     """F(x) = (x - low) / (high - low)."""
     low, high = interval(fields)
-    return lambda x: clipped((x - low) / (high - low))
+    return lambda x: clipped((x - low) / (high - low)), low, high
 
 
-def normal(fields: Fields) -> Cdf:
+def normal(fields: Fields) -> Family:
     """F(x) = Φ((x - mean) / deviation)."""
     mean, std = fields.number("mean"), deviation(fields)
-    return lambda x: standard_normal((x - mean) / std)
+    return lambda x: standard_normal((x - mean) / std), -math.inf, math.inf
 
 
-def truncated_normal(fields: Fields) -> Cdf:
+def truncated_normal(fields: Fields) -> Family:
     """F(x) = (Φ(z(x)) - Φ(z(low))) / (Φ(z(high)) - Φ(z(low))) with z(x) = (x - mean) / deviation."""
     mean, std = fields.number("mean"), deviation(fields)
-    low, high = (standard_normal((end - mean) / std) for end in interval(fields))
-    return lambda x: clipped((standard_normal((x - mean) / std) - low) / (high - low))
+    low, high = interval(fields)
+    below, within = standard_normal((low - mean) / std), standard_normal((high - mean) / std) - standard_normal((low - mean) / std)
+    return lambda x: clipped((standard_normal((x - mean) / std) - below) / within), low, high
 
 
-def triangular(fields: Fields) -> Cdf:
+def triangular(fields: Fields) -> Family:
     """The density rises linearly from low to mode and falls linearly to high."""
     low, high = interval(fields)
     mode = fields.number("mode")
@@ -129,19 +136,19 @@ def triangular(fields: Fields) -> Cdf:
             return (x - low) ** 2 / ((high - low) * (mode - low))
         return 1 - (high - x) ** 2 / ((high - low) * (high - mode))
 
-    return cdf
+    return cdf, low, high
 
 
-def power(fields: Fields) -> Cdf:
+def power(fields: Fields) -> Family:
     """F(x) = ((x - low) / (high - low)) ** exponent."""
     low, high = interval(fields)
     exponent = fields.number("exponent")
     if exponent <= 0:
         raise fields.wrong("exponent must be above 0")
-    return lambda x: clipped((x - low) / (high - low)) ** exponent
+    return lambda x: clipped((x - low) / (high - low)) ** exponent, low, high
 
 
-def piecewise_linear(fields: Fields) -> Cdf:
+def piecewise_linear(fields: Fields) -> Family:
     """F goes through the knots [x, F(x)] in straight lines, from [.., 0] to [.., 1]."""
     knots = fields.points("knots")
     rising = all(a[0] < b[0] and a[1] <= b[1] for a, b in pairwise(knots))
@@ -156,10 +163,10 @@ def piecewise_linear(fields: Fields) -> Cdf:
         (x0, f0), (x1, f1) = knots[after - 1], knots[after]
         return f0 + (f1 - f0) * (x - x0) / (x1 - x0)
 
-    return cdf
+    return cdf, places[0], places[-1]
 
 
-FAMILIES: Mapping[str, Callable[[Fields], Cdf]] = {
+FAMILIES: Mapping[str, Callable[[Fields], Family]] = {
     "uniform": uniform,
     "normal": normal,
     "truncated-normal": truncated_normal,

@@ -45,9 +45,9 @@ def read_rejection(fields: Fields) -> Rejection:
 
 @dataclass(frozen=True, slots=True)
 class Error:
-    """The program is refused in a phase; line, class and rule count only where the implementation tells them."""
+    """The program is refused in one of some phases; line, class and rule count only where the implementation tells them."""
 
-    phase: str
+    phases: tuple[str, ...]
     line: int | None = None
     class_name: str | None = None
     rule: str | None = None
@@ -59,13 +59,18 @@ class Error:
         except Refused as refused:
             return self.compare(refused)
         except NeverAccepted as never:
-            return failed(f"never accepted instead of refused in phase {self.phase}: {requirements(never)}")
-        return failed(f"gave {len(scenes)} scenes instead of an error of phase {self.phase}")
+            return failed(f"never accepted instead of refused in phase {self.allowed}: {requirements(never)}")
+        return failed(f"gave {len(scenes)} scenes instead of an error of phase {self.allowed}")
+
+    @property
+    def allowed(self) -> str:
+        """The phases in words."""
+        return " or ".join(self.phases)
 
     def compare(self, refused: Refused) -> Verdict:
         """An error against the expected one."""
-        if refused.phase != self.phase:
-            return failed(f"refused in phase {refused.phase}, not {self.phase}: {refused.message}")
+        if refused.phase not in self.phases:
+            return failed(f"refused in phase {refused.phase}, not {self.allowed}: {refused.message}")
         told = (("line", refused.line, self.line), ("class", refused.class_name, self.class_name), ("rule", refused.rule, self.rule))
         for what, found, expected in told:
             if None not in (found, expected) and found != expected:
@@ -75,14 +80,17 @@ class Error:
 
 def read_error(fields: Fields) -> Error:
     """The table `error` of a vector. Raises `UsageError`."""
-    phase, line = fields.text("phase"), fields.count("line") if fields.has("line") else None
+    phases, line = fields.text_or_texts("phase"), fields.count("line") if fields.has("line") else None
     class_name = fields.text("class") if fields.has("class") else None
     rule = fields.text("rule") if fields.has("rule") else None
     fields.done()
-    if phase not in PHASES:
-        raise fields.wrong(f"there is no phase {phase!r}: there are {', '.join(PHASES)}")
+    for phase in phases:
+        if phase not in PHASES:
+            raise fields.wrong(f"there is no phase {phase!r}: there are {', '.join(PHASES)}")
+    if not phases:
+        raise fields.wrong("phase must name one phase or more")
     if class_name is not None and class_name not in vars(errors):
         raise fields.wrong(f"there is no error class {class_name}")
     if rule is not None and rule not in RULES:
         raise fields.wrong(f"there is no rule {rule}")
-    return Error(phase, line, class_name, rule)
+    return Error(phases, line, class_name, rule)

@@ -102,7 +102,7 @@ def mutate_objects(frame: Mutating, stack: Stack, state: State) -> Outcome:
         distribution = Normal(0.0, float(scale) * float(deviation))  # type: ignore[arg-type]
     except (BadParameters, TypeError):
         raise RunError(f"the standard deviation of the noise on {instance!r} is not a number", instance.span, rule="T-Mutate") from None
-    if distribution.std == 0:
+    if distribution.stdDev == 0:
         return mutate_objects(frame._replace(component=frame.component + 1, noise=(*frame.noise, 0.0)), stack, state)
     origin = Origin(instance.span, f"mutation of {instance!r}", None)
 

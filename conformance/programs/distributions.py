@@ -69,7 +69,7 @@ def interval(draft: Draft, low: float, high: float, depth: int) -> Expression:
 
 
 def truncated(draft: Draft, low: float, high: float) -> Expression:
-    """`TruncatedNormal(mean, std, low, high)`; the mean may lie outside of the window."""
+    """`TruncatedNormal(mean, stdDev, low, high)`; the mean may lie outside of the window."""
     first = scalars.literal_value(draft, low, (low + high) / 2)
     last = scalars.literal_value(draft, (low + high) / 2, high)
     if first >= last:
@@ -79,7 +79,7 @@ def truncated(draft: Draft, low: float, high: float) -> Expression:
 
 
 def normal(draft: Draft, low: float, high: float) -> Expression:
-    """`min(max(Normal(mean, std), low), high)`: an atom at each end."""
+    """`min(max(Normal(mean, stdDev), low), high)`: an atom at each end."""
     mean, deviation = scalars.literal(draft, low, high), number(draft.choices.pick([1, 0.5, 0]))
     return call("min", call("max", call("Normal", mean, deviation), number(low)), number(high))
 

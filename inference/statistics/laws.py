@@ -13,6 +13,7 @@ from fractions import Fraction
 from itertools import pairwise
 
 import numpy as np
+
 from .betting import Array, log_sum, one_sample_wealth
 
 EDGES = (0.002, 0.01, 0.03, 0.06, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.94, 0.97, 0.99, 0.998)

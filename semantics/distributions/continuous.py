@@ -45,24 +45,24 @@ class Normal(Named):
     """The normal distribution; a point mass if the standard deviation is 0 (reading `zero-stddev`)."""
 
     mean: float
-    std: float
+    stdDev: float
 
     def __post_init__(self) -> None:
         self._number("mean")
-        _check_std(self.name, self._number("std"))
+        _check_std(self.name, self._number("stdDev"))
 
     def sample(self, uniform: Numbers) -> float:
-        return self.mean + self.std * float(special.ndtri(max(uniform(), LEAST)))
+        return self.mean + self.stdDev * float(special.ndtri(max(uniform(), LEAST)))
 
     def log_density(self, value: object) -> float:
         if not isinstance(value, (int, float)):
             return -math.inf
-        if self.std == 0:
+        if self.stdDev == 0:
             return 0.0 if value == self.mean else -math.inf
-        return -0.5 * ((value - self.mean) / self.std) ** 2 - math.log(self.std) - _LOG_ROOT_TAU
+        return -0.5 * ((value - self.mean) / self.stdDev) ** 2 - math.log(self.stdDev) - _LOG_ROOT_TAU
 
     def support(self) -> Support | None:
-        return ((self.mean, Fraction(1)),) if self.std == 0 else None
+        return ((self.mean, Fraction(1)),) if self.stdDev == 0 else None
 
 
 @dataclass(frozen=True)
@@ -74,19 +74,19 @@ class TruncatedNormal(Named):
     """
 
     mean: float
-    std: float
+    stdDev: float
     low: float
     high: float
 
     def __post_init__(self) -> None:
         self._number("mean")
-        std = self._number("std")
+        stdDev = self._number("stdDev")
         low, high = self._number("low", infinite=True), self._number("high", infinite=True)
-        _check_std(self.name, std)
+        _check_std(self.name, stdDev)
         if low > high or low == math.inf or high == -math.inf:
             raise BadParameters(self.name, "low", f"is {low}: there are no numbers from there to high = {high}")
-        if std == 0 and not low <= self.mean <= high:
-            raise BadParameters(self.name, "std", f"is 0, but the mean {self.mean} is not from {low} to {high}")
+        if stdDev == 0 and not low <= self.mean <= high:
+            raise BadParameters(self.name, "stdDev", f"is 0, but the mean {self.mean} is not from {low} to {high}")
 
     @cached_property
     def mirrored(self) -> bool:
@@ -96,12 +96,12 @@ class TruncatedNormal(Named):
     @cached_property
     def tails(self) -> tuple[float, float]:
         """Logarithms of the normal distribution function at the two ends of the window (mirrored to the left if need be)."""
-        a, b = (self.low - self.mean) / self.std, (self.high - self.mean) / self.std
+        a, b = (self.low - self.mean) / self.stdDev, (self.high - self.mean) / self.stdDev
         return (_log_ndtr(-b), _log_ndtr(-a)) if self.mirrored else (_log_ndtr(a), _log_ndtr(b))
 
     def sample(self, uniform: Numbers) -> float:
         u = max(uniform(), LEAST)
-        if self.std == 0:
+        if self.stdDev == 0:
             return self.mean
         least, most = self.tails
         if least == most:  # the density does not change across the window
@@ -110,28 +110,28 @@ class TruncatedNormal(Named):
         lost = above * math.expm1(least - most)
         share = math.log1p(lost) if lost > -0.5 else math.log(below + above * math.exp(least - most))
         z = float(special.ndtri_exp(most + share))
-        value = self.mean + self.std * (-z if self.mirrored else z)
+        value = self.mean + self.stdDev * (-z if self.mirrored else z)
         return min(max(value, self.low), self.high)
 
     def log_density(self, value: object) -> float:
         if not (isinstance(value, (int, float)) and self.low <= value <= self.high):
             return -math.inf
-        if self.std == 0 or self.low == self.high:
-            return 0.0 if value == (self.mean if self.std == 0 else self.low) else -math.inf
+        if self.stdDev == 0 or self.low == self.high:
+            return 0.0 if value == (self.mean if self.stdDev == 0 else self.low) else -math.inf
         least, most = self.tails
         if least == most:
             return -math.log(self.high - self.low)
-        return Normal(self.mean, self.std).log_density(value) - most - math.log(-math.expm1(least - most))
+        return Normal(self.mean, self.stdDev).log_density(value) - most - math.log(-math.expm1(least - most))
 
     def support(self) -> Support | None:
-        if self.std == 0 or self.low == self.high:
-            return ((self.mean if self.std == 0 else self.low, Fraction(1)),)
+        if self.stdDev == 0 or self.low == self.high:
+            return ((self.mean if self.stdDev == 0 else self.low, Fraction(1)),)
         return None
 
 
-def _check_std(distribution: str, std: float) -> None:
-    if std < 0:
-        raise BadParameters(distribution, "std", f"must not be negative, but it is {std}")
+def _check_std(distribution: str, stdDev: float) -> None:
+    if stdDev < 0:
+        raise BadParameters(distribution, "stdDev", f"must not be negative, but it is {stdDev}")
 
 
 def _log_ndtr(z: float) -> float:

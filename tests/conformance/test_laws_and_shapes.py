@@ -29,6 +29,19 @@ def test_distribution_functions_have_the_values_of_their_closed_form(text: str, 
     assert {x: law.cdf(x) for x in values} == pytest.approx(values, abs=1e-12)
 
 
+@pytest.mark.parametrize(("text", "values"), CDFS)
+def test_values_outside_of_the_support_contradict_a_law_at_once(text: str, values: dict[float, float]) -> None:
+    law = read_cdf(Fields("f", tomllib.loads(text)))
+    bounded = 'name = "normal"' not in text
+    assert (math.isfinite(law.low), math.isfinite(law.high)) == (bounded, bounded)
+    median = min(values, key=lambda x: abs(values[x] - 0.5))
+    assert contradiction([median], law) < THRESHOLD
+    if bounded:
+        assert (law.cdf(law.low), law.cdf(law.high)) == (0, 1)
+        assert contradiction([median, law.low - 1e-6], law) == contradiction([law.high + 1e-6], law) == math.inf
+        assert contradiction([law.low - 1e-12, law.high + 1e-12], law) < THRESHOLD
+
+
 def test_every_family_has_a_case() -> None:
     assert {tomllib.loads(text)["name"] for text, _ in CDFS} == set(FAMILIES)
 
@@ -66,6 +79,12 @@ def test_moments_are_contradicted_by_the_mean_the_square_and_the_range() -> None
     assert contradiction(level, Moments(0.7, 0.0, 1.0)) > THRESHOLD
     assert contradiction(level, Moments(0.5, 0.0, 1.0, 1 / 3)) > THRESHOLD
     assert contradiction([*level, 1.5], Moments(0.5, 0.0, 1.0)) == math.inf
+
+
+def test_two_moments_are_two_bets_with_half_of_the_stake_each() -> None:
+    values = [0.5] * 40
+    one, both = contradiction(values, Moments(0.6, 0.0, 1.0)), contradiction(values, Moments(0.6, 0.0, 1.0, 0.25))
+    assert both == pytest.approx(one - math.log10(2), abs=1e-12)
 
 
 SCENE = {"params": {"r": 1}, "ego": 1, "objects": [{"heading": 0.5, "properties": {"v": 7, "heading": 9}}, {"heading": 1.5}]}

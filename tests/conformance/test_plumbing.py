@@ -278,3 +278,12 @@ def test_the_implementation_chooses_among_the_dialects_that_are_given() -> None:
     assert judge(Released(), given).verdict.status == "passed"
     assert judge(Released(), given, "paper").verdict.status == "failed"
     assert judge(Released(), given, "pldi19").verdict.status == "skipped"
+
+
+def test_an_error_of_any_of_the_phases_of_a_list_is_right() -> None:
+    given = vector('error = { phase = ["check", "run"] }')
+    assert [judge(Raises(Refused(phase, "no")), given).verdict.status for phase in ("parse", "check", "resolve", "run")] == [
+        "failed", "passed", "failed", "passed",
+    ]
+    assert judge(Raises(Refused("parse", "no")), given).verdict.reason == "refused in phase parse, not check or run: no"
+    assert judge(Raises(NeverAccepted()), given).verdict.reason.startswith("never accepted instead of refused in phase check or run")

@@ -56,7 +56,7 @@ def tree_of(text: str, dialect: str) -> object:
 
 
 def is_parsed(vector: Vector) -> bool:
-    return not (vector.kind == "error" and getattr(vector.matcher, "phase", "") == "parse")
+    return not (vector.kind == "error" and getattr(vector.matcher, "phases", ()) == ("parse",))
 
 
 SEVERAL = [v for v in load_vectors() if "paper" in v.texts and len(v.texts) > 1 and is_parsed(v)]

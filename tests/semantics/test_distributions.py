@@ -153,10 +153,10 @@ def test_a_coin_shows_true_with_its_probability(probability: float, support: tup
         (lambda: Range(math.nan, 1), "Range: low must be a finite number"),
         (lambda: Range(0, INFINITY), "Range: high must be a finite number"),
         (lambda: Range("a", 1), "Range: low must be a number, not 'a'"),  # pyright: ignore[reportArgumentType]
-        (lambda: Normal(0, -1), "Normal: std must not be negative"),
-        (lambda: Normal(0, math.nan), "Normal: std must be a finite number"),
+        (lambda: Normal(0, -1), "Normal: stdDev must not be negative"),
+        (lambda: Normal(0, math.nan), "Normal: stdDev must be a finite number"),
         (lambda: TruncatedNormal(0, 1, 3, 2), "TruncatedNormal: low is 3.0"),
-        (lambda: TruncatedNormal(0, 0, 3, 4), "TruncatedNormal: std is 0, but the mean"),
+        (lambda: TruncatedNormal(0, 0, 3, 4), "TruncatedNormal: stdDev is 0, but the mean"),
         (lambda: TruncatedNormal(0, 1, INFINITY, INFINITY), "TruncatedNormal: low is inf"),
         (lambda: Uniform(()), "Uniform: values must not be empty"),
         (lambda: Discrete(()), "Discrete: weights must not be empty"),
