@@ -81,7 +81,9 @@ def test_an_interrupt_has_exit_code_130(ask, monkeypatch):
 
     monkeypatch.setattr(production, "check_paths", interrupt)
     found = ask("run", "ok.scenic")
-    assert (found.code, found.out, found.err.strip()) == (130, "", "")
+    assert (found.code, found.out) == (130, "")
+    assert found.err.startswith("interrupted;")
+    assert found.err.count("\n") == 1
 
 
 SYNTAX_ERROR = """\

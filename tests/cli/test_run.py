@@ -166,7 +166,7 @@ def test_parameters_are_python_literals_or_text(ask):
     assert json.loads(found.out)["params"] == {"time": 12, "weather": "RAIN", "list": [1, 2]}
 
 
-def test_an_interrupt_leaves_whole_lines_and_is_quiet(ask, tmp_path):
+def test_an_interrupt_leaves_whole_lines_and_says_one(ask, tmp_path):
     command = [sys.executable, "-m", "scenic_ref", "run", "random.scenic", "-n", "1000000", "-o", "scenes.jsonl"]
     process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     deadline = time.monotonic() + 60
@@ -175,7 +175,8 @@ def test_an_interrupt_leaves_whole_lines_and_is_quiet(ask, tmp_path):
     process.send_signal(signal.SIGINT)
     out, err = process.communicate(timeout=30)
     data = Path("scenes.jsonl").read_bytes()
-    assert (process.returncode, out, err) == (130, b"", b"")
+    assert (process.returncode, out, err.count(b"\n")) == (130, b"", 1)
+    assert err.startswith(b"interrupted;")
     assert data.endswith(b"\n")
     assert all(json.loads(line)["scene"] == k for k, line in enumerate(data.splitlines()))
 
