@@ -88,7 +88,8 @@ def compared(
     from .check_reports import check_report_paths, write_junit, write_page
     from .references import References, replay_of
 
-    check_report_paths(report, junit, source.file, samples)
+    read = {"the program itself": source.file, "the file of samples": samples, "the file of references": reference}
+    check_report_paths(report, junit, read)
     scenes = read_samples(samples)
     scenario = source.load()
     assert scenario.rehearsed

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from html import escape
 from importlib.resources import files
 from pathlib import Path
@@ -11,6 +12,7 @@ from xml.etree import ElementTree
 
 from ..inference.statistics import Feature, Verdict
 from ..semantics.errors import UsageError
+from .files import check_place, write
 from .options import Source
 
 MOST_DRAWN = 8
@@ -18,28 +20,14 @@ MOST_LISTED = 400
 WIDTH, HEIGHT, FOOT = 900, 130, 24
 
 
-def check_report_paths(report: str | None, junit: str | None, *inputs: str) -> None:
-    """Find wrong paths before the work begins. Raises `UsageError`."""
+def check_report_paths(report: str | None, junit: str | None, read: Mapping[str, str | None]) -> None:
+    """Find wrong paths before the work begins; `read` are the files that are read, by what they are. Raises `UsageError`."""
     for path, option, suffix in ((report, "--report", ".html"), (junit, "--junit", ".xml")):
         if path is None:
             continue
         if Path(path).suffix.lower() != suffix:
             raise UsageError(f"{option} {path}: the report is written as {suffix}")
-        if not Path(path).parent.is_dir():
-            raise UsageError(f"{path} cannot be written: there is no directory {Path(path).parent}")
-        if any(Path(path).exists() and Path(other).exists() and Path(path).samefile(other) for other in inputs):
-            raise UsageError(f"{path} is one of the files to read")
-
-
-def write(path: str, text: str) -> None:
-    """Write a whole file, or leave none. Raises `UsageError`."""
-    part = Path(f"{path}.part")
-    try:
-        part.write_text(text, encoding="utf-8")
-        part.replace(path)
-    except OSError as error:
-        part.unlink(missing_ok=True)
-        raise UsageError(f"{path} cannot be written: {error.strerror or error}") from None
+        check_place(path, read)
 
 
 def write_page(path: str, verdict: Verdict, source: Source, samples: str) -> None:

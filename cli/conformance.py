@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Iterable, Iterator, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -38,13 +37,16 @@ def conformance(
     """
     from ..conformance import Ourselves, load_vectors
     from ..conformance.reports import all_passed
+    from .files import check_place
 
     implementation = Ourselves()
     chosen = selected(load_vectors(), chapter, vector)
     check_dialect(dialect)
+    if output is not None and output != "-":
+        check_place(output, {})
     results = list(judged(implementation, chosen, dialect, seed))
     if output is not None:
-        write(output, implementation.name, results)
+        write_report(output, implementation.name, results)
     if output != "-":
         show(results, verbose)
     if not all_passed(results):
@@ -100,19 +102,16 @@ def judged(implementation: Implementation, vectors: Sequence[Vector], dialect: s
             bar.advance(task)
 
 
-def write(path: str, name: str, results: Sequence[Result]) -> None:
+def write_report(path: str, name: str, results: Sequence[Result]) -> None:
     """The JSON report. Raises `UsageError` if the file cannot be written."""
     from ..conformance.reports import report
-    from ..semantics.errors import UsageError
+    from .files import write
 
     text = json.dumps(report(name, results), ensure_ascii=False, indent=2)
     if path == "-":
         print(text)
-        return
-    try:
-        Path(path).write_text(text + "\n", "utf-8")
-    except OSError as error:
-        raise UsageError(f"{path} cannot be written: {error.strerror}") from None
+    else:
+        write(path, text + "\n")
 
 
 def show(results: Sequence[Result], verbose: bool) -> None:

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, NamedTuple
 from ..inference.enumeration import Enumeration
 from ..inference.statistics.columns import Column, table_of
 from ..semantics.errors import UsageError
-from .check_reports import write
 from .drawing import drawing_of
+from .files import check_place, write
 from .options import Source
 from .production import FORMATS, rehearse
 from .session import Session, tell
@@ -89,10 +89,7 @@ def check_paths(source: Source, request: Request) -> None:
     for path in (request.output, request.plot):
         if path is None or path == "-":
             continue
-        if not Path(path).parent.is_dir():
-            raise UsageError(f"{path} cannot be written: there is no directory {Path(path).parent}")
-        if Path(path).exists() and Path(source.file).exists() and Path(path).samefile(source.file):
-            raise UsageError(f"{path} is the program itself")
+        check_place(path, {"the program itself": source.file})
     if request.output is not None and request.output != "-" and Path(request.output).suffix.lower() != ".json":
         raise UsageError(f"-o {request.output}: an enumeration is written as .json")
     if request.plot is not None and Path(request.plot).suffix[1:].lower() not in FORMATS:
@@ -161,10 +158,7 @@ def plot(found: Enumeration, path: str, name: str) -> None:
         labels.append(f"the other {len(found.outcomes) - MOST_ROWS:,} outcomes")
         heights.append(float(sum((p for p, _ in found.outcomes[MOST_ROWS:]), Fraction(0))))
     about = "exact" if found.discretized is None else f"approximate: {found.discretized} values for each continuous draw"
-    try:
-        Path(path).write_bytes(bar_chart(clipped(labels), heights, f"{name}, {about}", format=Path(path).suffix[1:].lower()))
-    except OSError as error:
-        raise UsageError(f"{path} cannot be written: {error.strerror or error}") from None
+    write(path, bar_chart(clipped(labels), heights, f"{name}, {about}", format=Path(path).suffix[1:].lower()))
 
 
 def clipped(labels: Sequence[str]) -> list[str]:

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from ..semantics.errors import ScenicError, UsageError
 from .drawing import Drawing, Drawn, drawing_of
+from .files import check_place
 from .options import Source
 from .outputs import Earlier, open_output
 from .progress import Progress
@@ -106,12 +107,7 @@ def check_paths(source: Source, request: Request) -> None:
     for path in (request.output, request.plot):
         if path is None or path == "-":
             continue
-        if Path(path).exists() and Path(source.file).exists() and Path(path).samefile(source.file):
-            raise UsageError(f"{path} is the program itself")
-        if not Path(path).parent.is_dir():
-            raise UsageError(f"{path} cannot be written: there is no directory {Path(path).parent}")
-        if Path(path).is_dir():
-            raise UsageError(f"{path} cannot be written: it is a directory")
+        check_place(path, {"the program itself": source.file})
     if request.plot is not None and Path(request.plot).suffix[1:].lower() not in FORMATS:
         raise UsageError(f"--plot {request.plot}: pictures are written as .png, .pdf or .svg")
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 from collections import Counter, defaultdict
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import NamedTuple
@@ -251,4 +251,4 @@ def content_of(scene: Scene) -> str:
 
 def numbered(scene: Scene, index: int, probability: Fraction) -> Scene:
     """The scene as outcome number `index`, weighing its probability."""
-    return Scene(scene.objects, scene.ego_id, scene.params, scene.seed, index, 1, float(probability), scene.workspace)
+    return replace(scene, index=index, weight=float(probability))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 from pathlib import Path
 from xml.etree import ElementTree
@@ -128,6 +129,15 @@ def test_wrong_options_are_refused(files, options):
     assert files("check", "right.scenic", "--samples", "right.jsonl", *options).code == 2
 
 
+def test_a_report_never_overwrites_what_is_read(files):
+    Path("samples.xml").write_text(Path("right.jsonl").read_text())
+    for option in ("--samples", "--reference"):
+        given = {"--samples": "right.jsonl", option: "samples.xml"}
+        found = files("check", "right.scenic", *(word for pair in given.items() for word in pair), "--junit", "samples.xml")
+        assert (found.code, "samples.xml is the file of" in found.err) == (2, True)
+        assert Path("samples.xml").read_text() == Path("right.jsonl").read_text()
+
+
 def test_reports_belong_to_samples(ask):
     assert ask("check", "ok.scenic", "--report", "page.html").code == 2
     assert ask("check", "ok.scenic").out == "ok\n"
@@ -149,3 +159,16 @@ def test_an_inconclusive_comparison_fails_unless_it_may_pass(files):
     assert assert_same_distribution("right.jsonl", scenario, inconclusive="pass").kind == "inconclusive"
     with pytest.raises(UsageError):
         assert_same_distribution("right.jsonl", scenario, inconclusive="maybe")
+
+
+def test_the_command_has_the_defaults_of_the_functions():
+    """They are written twice, so that `--help` need not load what they belong to."""
+    from scenic_ref.cli import check, conformance, run
+    from scenic_ref.conformance.implementation import SEED
+    from scenic_ref.inference.enumeration import DEFAULT_RUNS
+    from scenic_ref.inference.statistics import DEFAULT_ALPHA, DEFAULT_TV
+    from scenic_ref.testing import REFERENCE_SEED
+
+    defaults = {name: p.default for f in (check.check, conformance.conformance, run.run) for name, p in inspect.signature(f).parameters.items()}
+    assert (defaults["alpha"], defaults["detect_tv"], defaults["max_runs"]) == (DEFAULT_ALPHA, DEFAULT_TV, DEFAULT_RUNS)
+    assert (check.DEFAULT_SEED, inspect.signature(conformance.conformance).parameters["seed"].default) == (REFERENCE_SEED, SEED)
