@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from . import regions
 from .classes import BUILT_IN_CLASSES
 from .distributions import BadParameters, Discrete, Normal, Range, TruncatedNormal, Uniform
-from .expressions import BINARY, Entries
+from .expressions import BINARY, Entries, Pairs
 from .fields import PolygonalVectorField, VectorField
 from .scopes import Scope
 from .specials import HOST_RULES, SPECIAL_VALUES
@@ -23,9 +23,9 @@ def _uniform(*values: object) -> Uniform:
 
 def _discrete(weights: object) -> Discrete:
     weights = plain(weights)
-    if not isinstance(weights, Mapping):
+    if not isinstance(weights, (Mapping, Pairs)):
         raise BadParameters("Discrete", "weights", "must be given as {value: weight, ...}")
-    pairs = weights.pairs if isinstance(weights, Entries) else weights.items()
+    pairs = weights.pairs if isinstance(weights, (Entries, Pairs)) else weights.items()
     return Discrete(tuple((value, unwrap(weight)[0]) for value, weight in pairs))  # pyright: ignore[reportArgumentType]: Discrete checks
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from types import BuiltinFunctionType, MethodType
 
 from .assignment import random_write
@@ -111,9 +111,6 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
         arguments = tuple(as_positions(a, state) for a in arguments)
         keywords = {k: as_positions(v, state) for k, v in keywords.items()}
 
-    def invoke(f: object, *rest: object, **named: object) -> object:
-        return f(*rest, **named)  # type: ignore[operator]
-
     try:
         result = host(state.settings.door, state, invoke, function, *arguments, **keywords)
     except HostException as problem:
@@ -121,6 +118,11 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
             raise RunError(str(problem.exception), node.span, rule="E-Call-Host") from None
         raise
     return value("E-Call-Host", result, stack, state, node)
+
+
+def invoke(function: Callable[..., object], *arguments: object, **keywords: object) -> object:
+    """The operation of a call of library code."""
+    return function(*arguments, **keywords)
 
 
 def on_plain_elements(function: object) -> object:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import operator as python
+from functools import reduce as fold_left
 from typing import NamedTuple
 
 from .config import Config, Stack, State, reduce, value
@@ -9,9 +11,10 @@ from .errors import RandomBranch
 from .host import host
 from .outcome import Next, Outcome
 from .premises import describe_origin
+from .symbols import is_truth
 from .syntax import python_expressions as p
 from .syntax.nodes import Node
-from .values import Random
+from .values import Random, plain
 
 
 class Boolean(NamedTuple):
@@ -50,6 +53,9 @@ def combine(operator: str, operands: tuple[object, ...], state: State) -> object
                 return v
         return values[-1]
 
+    connective = {"and": python.and_, "or": python.or_}[operator]
+    if all(is_truth(plain(v)) for v in operands):
+        return fold_left(lambda left, right: host(state.settings.door, state, connective, left, right), operands)
     return host(state.settings.door, state, fold, *operands)
 
 

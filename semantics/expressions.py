@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import operator as python
 from collections.abc import Callable, Mapping
+from typing import NamedTuple
 
 from .classes import canonical
 from .conditions import bool_of, combine, random_branch
@@ -20,6 +21,7 @@ from .outcome import Next, Outcome
 from .premises import axiom, premises
 from .regions import Region
 from .scopes import MISSING
+from .symbols import Symbol
 from .syntax import expressions as e
 from .syntax import python_expressions as p
 from .syntax.nodes import Node
@@ -51,6 +53,12 @@ def conclude_display(node: p.TupleDisplay | p.ListDisplay | p.SetDisplay, values
     return value("E-Display", host_container(kind, items), stack, state, node)
 
 
+class Pairs(NamedTuple):
+    """The entries of a dictionary whose keys are symbols: weights of `Discrete`, and nothing else."""
+
+    pairs: list[tuple[object, object]]
+
+
 class Entries(dict):
     """A dictionary with random keys, as it is in this run; `pairs` are its entries before equal keys became one."""
 
@@ -65,6 +73,8 @@ def host_container(kind: Callable[[list], object], items: list) -> object:
         if origin is None:
             return kind(items)
         plain_items = unwrap(items)[0]
+        if kind is dict and any(isinstance(key, Symbol) for key, _ in plain_items):  # type: ignore[attr-defined]
+            return wrap(Pairs(plain_items), origin)  # type: ignore[arg-type]
         result = (Entries if kind is dict else kind)(plain_items)  # type: ignore[operator]
     except TypeError as exception:
         raise HostException(exception) from exception
@@ -154,7 +164,8 @@ def conclude_attribute(node: p.Attribute, values: list[object], stack: Stack, st
         shared = shared_method(subject, node.name, state)
         if shared is not None:
             return value("E-Attribute", shared, stack, state, node)
-        inner, origin = unwrap(get_attribute(subject.value, node, state))
+        found = subject.value.each(lambda one: get_attribute(one, node, state)) if isinstance(subject.value, Symbol) else get_attribute(subject.value, node, state)
+        inner, origin = unwrap(found)
         return value("E-Attribute", wrap(inner, subject.origin or origin), stack, state, node)
     return value("E-Attribute", get_attribute(subject, node, state), stack, state, node)
 

@@ -11,6 +11,7 @@ import numpy as np
 import shapely
 from shapely.geometry import MultiPolygon, Polygon
 
+from .symbols import lifted
 from .vectors import Vector
 
 Cell: TypeAlias = "tuple[Polygon | MultiPolygon, float | Callable[[Vector], float] | None]"
@@ -90,6 +91,7 @@ class PolygonalVectorField(VectorField):
                 return number
         return None
 
+    @lifted(float)
     def _value_at(self, v: Vector) -> float:
         number = self.cell_at(v)
         if number is None:

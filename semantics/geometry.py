@@ -18,36 +18,10 @@ from collections.abc import Callable
 
 import numpy as np
 
+from .symbols import cosine, larger, plain_float, sine, smaller
 from .vectors import Vector
 
 TAU = 2.0 * math.pi
-
-
-def _plain(value: np.ndarray | np.floating) -> float:
-    """A NumPy scalar as a Python float; an array as it is (typed as float: see the module's docstring)."""
-    return value if isinstance(value, np.ndarray) else float(value)  # pyright: ignore[reportReturnType]
-
-
-def sine(angle: float) -> float:
-    """The sine of `angle`, the same bits for a scalar as for an element of an array."""
-    return _plain(np.sin(angle))
-
-
-def cosine(angle: float) -> float:
-    """The cosine of `angle`, the same bits for a scalar as for an element of an array."""
-    return _plain(np.cos(angle))
-
-
-def _larger(a: float, b: float) -> float:
-    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
-        return _plain(np.maximum(a, b))
-    return max(a, b)
-
-
-def _smaller(a: float, b: float) -> float:
-    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
-        return _plain(np.minimum(a, b))
-    return min(a, b)
 
 
 def rotate(v: Vector, angle: float) -> Vector:
@@ -71,12 +45,12 @@ def angle_of(v: Vector) -> float:
 
     The zero vector has angle 0. Signed zeros do not matter.
     """
-    return _plain(np.arctan2(0.0 - v.x, v.y + 0.0))
+    return plain_float(np.arctan2(0.0 - v.x, v.y + 0.0))
 
 
 def length_of(v: Vector) -> float:
     """|v|, in metres."""
-    return _plain(np.hypot(v.x, v.y))
+    return plain_float(np.hypot(v.x, v.y))
 
 
 def distance(a: Vector, b: Vector) -> float:
@@ -86,7 +60,7 @@ def distance(a: Vector, b: Vector) -> float:
 
 def normalise_heading(heading: float) -> float:
     """The heading in (-π, π] that differs from `heading` by a multiple of 2π; headings in that range are kept bit for bit."""
-    rest = _plain(np.fmod(heading, TAU))
+    rest = plain_float(np.fmod(heading, TAU))
     return rest - TAU * (rest > math.pi) + TAU * (rest <= -math.pi)
 
 
@@ -122,7 +96,7 @@ def box_contains(position: Vector, heading: float, width: float, length: float, 
 def distance_to_box(position: Vector, heading: float, width: float, length: float, point: Vector) -> float:
     """The distance from `point` to the nearest point of the box; 0 inside."""
     local = to_local(position, heading, point)
-    return length_of(Vector(_larger(abs(local.x) - width / 2, 0.0), _larger(abs(local.y) - length / 2, 0.0)))
+    return length_of(Vector(larger(abs(local.x) - width / 2, 0.0), larger(abs(local.y) - length / 2, 0.0)))
 
 
 def boxes_intersect(
@@ -182,10 +156,10 @@ def sector_meets_box(
     ahead = heading - box_heading
     origin = Vector(0.0, 0.0)
     nearest = Vector(
-        _larger(-half_width, _smaller(apex.x, half_width)),
-        _larger(-half_length, _smaller(apex.y, half_length)),
+        larger(-half_width, smaller(apex.x, half_width)),
+        larger(-half_length, smaller(apex.y, half_length)),
     )
-    reach = _smaller(radius, abs(apex.x) + abs(apex.y) + half_width + half_length)  # the box lies within this of the apex
+    reach = smaller(radius, abs(apex.x) + abs(apex.y) + half_width + half_length)  # the box lies within this of the apex
     side = (radius >= 0) & (angle >= 0) & (
         _segment_meets_box(apex, direction(ahead + angle / 2), reach, half_width, half_length)
         | _segment_meets_box(apex, direction(ahead - angle / 2), reach, half_width, half_length)

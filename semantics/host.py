@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from .syntax.nodes import Node
 
 DOOR_FUEL = 1_000_000
+Lift = Callable[[Callable[..., object], list[object], dict[str, object]], object]
+"""Applies an operation of Python to arguments with symbols in them, when the machine runs on symbols (DESIGN, section 1)."""
 NUMBERS_PER_CALL = 1_000_000
 """Instances made behind the door have numbers of their own, so that none is ever taken for another."""
 LARGEST_INTEGER_BITS = 100_000
@@ -45,7 +47,7 @@ class DoorStuck(Exception):
 class Door:
     """The one way in: `call` runs a function of the program to its value in the state of the surrounding host call."""
 
-    __slots__ = ("called", "calls", "enter", "origin", "state")
+    __slots__ = ("called", "calls", "enter", "lift", "origin", "state")
 
     def __init__(self, enter: Callable[[Function, tuple[object, ...], Mapping[str, object], State], Config]) -> None:
         self.enter = enter
@@ -53,6 +55,7 @@ class Door:
         self.origin: Origin | None = None
         self.called = False
         self.calls = 0
+        self.lift: Lift | None = None
 
     def call(self, function: Function, arguments: tuple[object, ...], keywords: Mapping[str, object]) -> object:
         """The value of `function(*arguments, **keywords)`, with nothing random left in it (its origin is kept)."""
@@ -132,7 +135,10 @@ def host(door: Door, state: State, operation: Callable[..., object], *arguments:
         origin = origin or found
     door.state, door.origin = state, None
     try:
-        result = operation(*plain_arguments, **plain_keywords)
+        result = (
+            operation(*plain_arguments, **plain_keywords) if door.lift is None or origin is None
+            else door.lift(operation, plain_arguments, plain_keywords)
+        )
     except (ScenicError, DoorStuck, HostException):
         raise
     except RecursionError:

@@ -6,13 +6,13 @@ Section "Data Types"). A `Reader` makes these interpretations and remembers whet
 
 from __future__ import annotations
 
-import math
 from numbers import Real
 from typing import NamedTuple
 
 from .config import State
 from .fields import VectorField
 from .regions import Region
+from .symbols import Symbol, is_finite_number, number
 from .values import Instance, Origin, Random, unwrap, wrap
 from .vectors import Vector
 
@@ -69,6 +69,8 @@ class View:
     @property
     def is_oriented(self) -> bool:
         """Whether the instance is an OrientedPoint, not only a Point."""
+        if isinstance(self.instance, Symbol):
+            return self.instance.always(is_oriented)  # type: ignore[arg-type]
         return is_oriented(self.instance)
 
 
@@ -89,10 +91,14 @@ class Reader:
 
     def property(self, instance: Instance, name: str) -> object:
         """O(instance.name), without randomness."""
+        if isinstance(instance, Symbol):
+            return instance.each(lambda one: self.property(one, name))
         return self.plain(self.state.objects[instance.number][name])
 
     def size(self, instance: Instance, name: str) -> float:
         """O(instance.width) or O(instance.length), 0 where the instance has none."""
+        if isinstance(instance, Symbol):
+            return instance.each(lambda one: self.size(one, name))
         return self.plain(self.state.objects[instance.number].get(name, 0.0))  # type: ignore[return-value]
 
     def wrap(self, value: object) -> object:
@@ -101,11 +107,16 @@ class Reader:
 
     def read(self, value: object, kind: str) -> object:
         """The plain value as the given kind; the caller knows that it is one (`has_kind`)."""
+        if isinstance(value, Symbol) and kind in (VECTOR, HEADING):
+            if kind == HEADING and value.always(is_scalar):
+                return number(value)
+            found = value.each(lambda one: self.read(one, kind))
+            return number(found) if kind == HEADING else found
         match kind:
             case "vector":
                 return self.vector(value)
             case "heading":
-                return self.property(value, "heading") if isinstance(value, Instance) else float(value)  # type: ignore[arg-type]
+                return self.property(value, "heading") if isinstance(value, Instance) else number(value)  # type: ignore[arg-type]
             case "Point" | "OrientedPoint" | "Object":
                 return View(value, self)  # type: ignore[arg-type]
             case "scalar":
@@ -120,12 +131,12 @@ class Reader:
         if isinstance(value, Instance):
             return self.property(value, "position")  # type: ignore[return-value]
         x, y = value  # type: ignore[misc]
-        return Vector(float(x), float(y))
+        return Vector(number(x), number(y))
 
 
 def is_scalar(value: object) -> bool:
     """Whether the value is a number (truth values are not)."""
-    return isinstance(value, Real) and not isinstance(value, bool)
+    return (isinstance(value, Real) and not isinstance(value, bool)) or (isinstance(value, Symbol) and value.always(is_scalar))
 
 
 def is_oriented(instance: Instance) -> bool:
@@ -140,6 +151,8 @@ def is_object(instance: Instance) -> bool:
 
 def has_kind(value: object, kind: str) -> bool:
     """Whether a plain value can be interpreted as the kind."""
+    if isinstance(value, Symbol):
+        return value.always(lambda one: has_kind(one, kind))
     match kind:
         case "scalar":
             return is_scalar(value)
@@ -185,5 +198,5 @@ def kind_name(value: object) -> str:
 def is_finite(value: object) -> bool:
     """Whether a scalar or vector has no NaN or infinity in it."""
     if isinstance(value, Vector):
-        return math.isfinite(value.x) and math.isfinite(value.y)
-    return math.isfinite(value)  # type: ignore[arg-type]
+        return bool(is_finite_number(value.x) and is_finite_number(value.y))
+    return bool(is_finite_number(value))

@@ -16,6 +16,7 @@ from . import geometry
 from .fields import VectorField
 from .kinds import FIELD, HEADING, OBJECT, ORIENTED_POINT, POINT, REGION, SCALAR, VECTOR, OrientedPointAt, View
 from .regions import CircularRegion, Region, SectorRegion
+from .symbols import number
 from .syntax import expressions as e
 from .syntax.nodes import Node
 from .syntax.python_expressions import Attribute, Name
@@ -43,6 +44,7 @@ class Rewriting(NamedTuple):
     rewrite: Callable[..., Node]
 
 
+DEGREE = math.pi / 180
 EGO = Name(name="ego")
 EGO_POSITION = Attribute(value=EGO, name="position")
 EGO_HEADING = Attribute(value=EGO, name="heading")
@@ -136,7 +138,7 @@ def object_is_in(o: View, r: Region) -> bool:
 
 def degrees(s: float) -> float:
     """⟦S deg⟧: S degrees in radians."""
-    return math.radians(s)
+    return s * DEGREE
 
 
 def field_at(f: VectorField, v: Vector) -> float:
@@ -169,7 +171,7 @@ def headings_relative(h1: float, h2: float) -> float:
 
 def vector_of(x: float, y: float) -> Vector:
     """⟦X @ Y⟧ = ⟨⟦X⟧, ⟦Y⟧⟩ (footnote in Section "Data Types")."""
-    return Vector(float(x), float(y))
+    return Vector(number(x), number(y))
 
 
 def vectors_relative(v1: Vector, v2: Vector) -> Vector:

@@ -6,6 +6,7 @@ from .classes import BOOLEAN_PROPERTIES, NON_NEGATIVE_PROPERTIES, SCALAR_PROPERT
 from .config import State
 from .errors import RunError
 from .kinds import Reader, has_kind, is_finite, kind_name
+from .symbols import is_truth
 from .syntax.nodes import Span
 from .values import Instance, Random, unwrap
 from .vectors import Vector
@@ -20,7 +21,7 @@ def checked_property(name: str, assigned: object, place: Span, source: str, stat
     elif name in SCALAR_PROPERTIES:
         kind, expected = "heading" if name == "heading" else "scalar", "a scalar"
     elif name in BOOLEAN_PROPERTIES:
-        if not isinstance(unwrap(assigned)[0], bool):
+        if not is_truth(unwrap(assigned)[0]):
             raise _bad(name, "True or False", unwrap(assigned)[0], place, source)
         return assigned
     else:

@@ -9,9 +9,10 @@ from .config import PASS, Abrupt, Config, Stack, State, reduce
 from .distributions import BadParameters, Coin
 from .errors import RunError
 from .host import host, is_user_made
-from .kinds import is_object, kind_name
+from .kinds import is_object, is_scalar, kind_name
 from .outcome import Change, Draw, Next, Observe, Outcome, Requirement, Stuck
 from .premises import premises
+from .symbols import is_finite_number, is_truth
 from .syntax import dynamics as d
 from .syntax import statements as s
 from .syntax.nodes import Node
@@ -58,7 +59,7 @@ def resume_requiring(frame: Requiring, result: object, stack: Stack, state: Stat
     """The rule fires only if the condition is True; otherwise no rule applies and the run is stuck."""
     after = Config(PASS, stack, state)
     holds = plain(truth_value(result, state))
-    if not isinstance(holds, bool):
+    if not is_truth(holds):
         raise RunError(
             f"a requirement is a boolean, and this is {kind_name(result)}", frame.requirement.span, rule=frame.rule, hint="compare it with something"
         )
@@ -127,7 +128,7 @@ def conclude_mutate(node: s.Mutate, values: list[object], stack: Stack, state: S
     *listed, scale = values
     scale = 1 if node.scale is None else scale
     inner = plain(scale)
-    if isinstance(inner, bool) or not isinstance(inner, (int, float)) or not 0 <= inner < float("inf"):
+    if not is_scalar(inner) or inner < 0 or not is_finite_number(inner):  # type: ignore[operator]
         raise RunError(f"`mutate ... by` expects a number that is at least 0, not {inner}", node.span, rule="S-Mutate")
     targets = [plain(v) for v in listed] if node.objects else list(state.scene)
     for target in targets:

@@ -16,6 +16,7 @@ from .operators import can_see_object, object_is_in
 from .outcome import Done, Draw, Next, Observe, Outcome, Requirement, Stuck
 from .regions import Region, everywhere
 from .statements import enforce
+from .symbols import larger, number, smaller
 from .syntax.dynamics import ScenarioDefinition
 from .syntax.nodes import NOWHERE
 from .syntax.python_expressions import Constant
@@ -99,7 +100,7 @@ def mutate_objects(frame: Mutating, stack: Stack, state: State) -> Outcome:
         return apply_noise(frame, instance, stack, state)
     deviation = deviation_of(instance, frame.component, reader)
     try:
-        distribution = Normal(0.0, float(scale) * float(deviation))  # type: ignore[arg-type]
+        distribution = Normal(0.0, number(scale) * number(deviation))
     except (BadParameters, TypeError):
         raise RunError(f"the standard deviation of the noise on {instance!r} is not a number", instance.span, rule="T-Mutate") from None
     if distribution.stdDev == 0:
@@ -144,7 +145,7 @@ def apply_noise(frame: Mutating, instance: Instance, stack: Stack, state: State)
     moved = {"position": reader.wrap(Vector(position.x + dx, position.y + dy)), "heading": reader.wrap(heading + turn)}  # type: ignore[operator]
     if tints:
         color = color_of(instance, reader)
-        moved["color"] = reader.wrap(tuple(min(1.0, max(0.0, c + t)) for c, t in zip(color, tints, strict=True)))  # type: ignore[operator]
+        moved["color"] = reader.wrap(tuple(smaller(1.0, larger(0.0, c + t)) for c, t in zip(color, tints, strict=True)))  # type: ignore[operator]
     return mutate_objects(Mutating(frame.index + 1), stack, state.with_properties(instance, moved))
 
 

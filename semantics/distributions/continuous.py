@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 
+import numpy as np
 from scipy import special
 
+from ..symbols import either, is_finite_number, larger, plain_float, smaller
 from .distribution import LEAST, BadParameters, Named, Numbers, Support
 
 _LOG_ROOT_TAU = math.log(2 * math.pi) / 2
@@ -25,11 +27,11 @@ class Range(Named):
         low, high = self._number("low"), self._number("high")
         if low > high:
             raise BadParameters(self.name, "low", f"is {low}, which is above high = {high}")
-        if math.isinf(high - low):
+        if not is_finite_number(high - low):
             raise BadParameters(self.name, "high", "is too far from low for floating-point numbers")
 
     def sample(self, uniform: Numbers) -> float:
-        return min(self.low + uniform() * (self.high - self.low), self.high)
+        return smaller(self.low + uniform() * (self.high - self.low), self.high)
 
     def log_density(self, value: object) -> float:
         if not (isinstance(value, (int, float)) and self.low <= value <= self.high):
@@ -52,7 +54,7 @@ class Normal(Named):
         _check_std(self.name, self._number("stdDev"))
 
     def sample(self, uniform: Numbers) -> float:
-        return self.mean + self.stdDev * float(special.ndtri(max(uniform(), LEAST)))
+        return self.mean + self.stdDev * plain_float(special.ndtri(larger(uniform(), LEAST)))
 
     def log_density(self, value: object) -> float:
         if not isinstance(value, (int, float)):
@@ -100,18 +102,18 @@ class TruncatedNormal(Named):
         return (_log_ndtr(-b), _log_ndtr(-a)) if self.mirrored else (_log_ndtr(a), _log_ndtr(b))
 
     def sample(self, uniform: Numbers) -> float:
-        u = max(uniform(), LEAST)
+        u = larger(uniform(), LEAST)
         if self.stdDev == 0:
             return self.mean
         least, most = self.tails
         if least == most:  # the density does not change across the window
-            return min(self.low + u * (self.high - self.low), self.high)
+            return smaller(self.low + u * (self.high - self.low), self.high)
         below, above = (1.0 - u, u) if self.mirrored else (u, 1.0 - u)  # the window's probability on both sides of z
-        lost = above * math.expm1(least - most)
-        share = math.log1p(lost) if lost > -0.5 else math.log(below + above * math.exp(least - most))
-        z = float(special.ndtri_exp(most + share))
+        lost = above * plain_float(np.expm1(least - most))
+        share = either(lost > -0.5, lambda: plain_float(np.log1p(lost)), lambda: plain_float(np.log(below + above * plain_float(np.exp(least - most)))))
+        z = plain_float(special.ndtri_exp(most + share))
         value = self.mean + self.stdDev * (-z if self.mirrored else z)
-        return min(max(value, self.low), self.high)
+        return smaller(larger(value, self.low), self.high)
 
     def log_density(self, value: object) -> float:
         if not (isinstance(value, (int, float)) and self.low <= value <= self.high):
@@ -135,4 +137,4 @@ def _check_std(distribution: str, stdDev: float) -> None:
 
 
 def _log_ndtr(z: float) -> float:
-    return float(special.log_ndtr(z))
+    return plain_float(special.log_ndtr(z))

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, fields
 from fractions import Fraction
 from typing import Protocol
 
 from ..regions.sampling import Numbers
+from ..symbols import is_finite_number, number
 
 Support = tuple[tuple[object, Fraction], ...]
 
@@ -71,10 +71,10 @@ class Named:
         """The field `parameter` as a float, which replaces it; `BadParameters` unless it is a finite number."""
         given = getattr(self, parameter)
         try:
-            number = float(given)
+            value = number(given)
         except (TypeError, ValueError):
             raise BadParameters(self.name, parameter, f"must be a number, not {given!r}") from None
-        if math.isnan(number) or (math.isinf(number) and not infinite):
-            raise BadParameters(self.name, parameter, f"must be a finite number, not {number}")
-        object.__setattr__(self, parameter, number)
-        return number
+        if not is_finite_number(value) and (not infinite or value != value):
+            raise BadParameters(self.name, parameter, f"must be a finite number, not {value}")
+        object.__setattr__(self, parameter, value)
+        return value

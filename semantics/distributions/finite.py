@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from itertools import accumulate
 
+from ..symbols import pick, search
 from ..values import unwrap
 from .distribution import BadParameters, Named, Numbers, Support, exact
 
@@ -25,7 +25,7 @@ class Uniform(Named):
             raise BadParameters(self.name, "values", "must not be empty")
 
     def sample(self, uniform: Numbers) -> object:
-        return self.values[int(uniform() * len(self.values))]
+        return pick(self.values, uniform() * len(self.values))
 
     def log_density(self, value: object) -> float:
         count = sum(1 for entry in self.values if _same(entry, value))
@@ -53,13 +53,18 @@ class Discrete(Named):
             raise BadParameters(self.name, "weights", "must not all be 0" if pairs else "must not be empty")
 
     @cached_property
+    def choices(self) -> tuple[object, ...]:
+        """The values, in order."""
+        return tuple(value for value, _ in self.weighted)
+
+    @cached_property
     def thresholds(self) -> list[float]:
         """The cumulative probabilities: position k is chosen by the numbers from thresholds[k - 1] up to thresholds[k]."""
         sums = list(accumulate(weight for _, weight in self.weighted))
         return [float(part / sums[-1]) for part in sums]
 
     def sample(self, uniform: Numbers) -> object:
-        return self.weighted[bisect_right(self.thresholds, uniform())][0]
+        return pick(self.choices, search(self.thresholds, uniform()))
 
     def log_density(self, value: object) -> float:
         probability = sum(share for entry, share in self.support() if _same(entry, value))
@@ -84,7 +89,7 @@ class Coin(Named):
             raise BadParameters(self.name, "probability", f"must be from 0 to 1, but it is {self.probability}")
 
     def sample(self, uniform: Numbers) -> bool:
-        return uniform() < self.probability
+        return uniform() < float(self.probability)
 
     def log_density(self, value: object) -> float:
         share = self.probability if value is True else 1 - self.probability if value is False else 0

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
 
+from ..symbols import is_finite_number, number
 from ..vectors import Vector
 from .errors import BadRegion
 
@@ -12,20 +12,20 @@ from .errors import BadRegion
 def finite(kind: str, name: str, value: float) -> float:
     """`value` as a float; `BadRegion` if it is not a finite number."""
     try:
-        number = float(value)
+        found = number(value)
     except (TypeError, ValueError):
         raise BadRegion(f"the {name} of a {kind} must be a number, not {value!r}") from None
-    if not math.isfinite(number):
-        raise BadRegion(f"the {name} of a {kind} must be finite, not {number}")
-    return number
+    if not is_finite_number(found):
+        raise BadRegion(f"the {name} of a {kind} must be finite, not {found}")
+    return found
 
 
 def nonnegative(kind: str, name: str, value: float) -> float:
     """`value` as a float; `BadRegion` if it is not a finite number that is at least 0."""
-    number = finite(kind, name, value)
-    if number < 0:
-        raise BadRegion(f"the {name} of a {kind} must not be negative, but it is {number}")
-    return number
+    found = finite(kind, name, value)
+    if found < 0:
+        raise BadRegion(f"the {name} of a {kind} must not be negative, but it is {found}")
+    return found
 
 
 def vector(kind: str, name: str, value: Vector | Sequence[float]) -> Vector:

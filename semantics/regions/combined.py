@@ -14,6 +14,7 @@ import shapely
 from shapely.geometry import Polygon
 
 from ..fields import OutsideField, VectorField
+from ..symbols import every, lifted
 from ..vectors import Vector
 from . import intervals
 from .approximation import (
@@ -168,11 +169,11 @@ class IntersectionRegion(_Combination):
         return self.first.orientation if self.first.orientation is not None else self.second.orientation
 
     def contains_point(self, v: Vector) -> bool:
-        return self.first.contains_point(v) and self.second.contains_point(v)
+        return every(part.contains_point(v) for part in (self.first, self.second))
 
     def contains_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
         box = (position, heading, width, length)
-        return self.first.contains_box(*box) and self.second.contains_box(*box)
+        return every(part.contains_box(*box) for part in (self.first, self.second))
 
     def bounds(self) -> Bounds | None:
         first, second = self.first.bounds(), self.second.bounds()
@@ -214,6 +215,7 @@ class UnionRegion(_Combination):
             return None
         return VectorField(f"{self.first.orientation.name} or {self.second.orientation.name}", self._orientation_at)
 
+    @lifted(float)
     def _orientation_at(self, v: Vector) -> float:
         """The orientation of the first part that contains `v`."""
         for part in (self.first, self.second):
@@ -222,19 +224,23 @@ class UnionRegion(_Combination):
         assert self.orientation is not None
         raise OutsideField(self.orientation, v)
 
+    @lifted(bool)
     def contains_point(self, v: Vector) -> bool:
         return self.first.contains_point(v) or self.second.contains_point(v)
 
+    @lifted(bool)
     def contains_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
         box = (position, heading, width, length)
         if self.first.contains_box(*box) or self.second.contains_box(*box):
             return True
         return contains(self, box_shape(*box))
 
+    @lifted(bool)
     def meets_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
         box = (position, heading, width, length)
         return self.first.meets_box(*box) or self.second.meets_box(*box)
 
+    @lifted(float)
     def distance_to(self, v: Vector) -> float:
         return min(self.first.distance_to(v), self.second.distance_to(v))
 
@@ -273,9 +279,11 @@ class DifferenceRegion(_Combination):
     def orientation(self) -> VectorField | None:  # pyright: ignore[reportIncompatibleVariableOverride]
         return self.first.orientation
 
+    @lifted(bool)
     def contains_point(self, v: Vector) -> bool:
         return self.first.contains_point(v) and not self.second.contains_point(v)
 
+    @lifted(bool)
     def contains_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
         box = (position, heading, width, length)
         return self.first.contains_box(*box) and not self.second.meets_box(*box)

@@ -11,6 +11,7 @@ from shapely.geometry import LineString, MultiLineString, MultiPoint, Point, Pol
 
 from ..fields import VectorField
 from ..geometry import angle_of
+from ..symbols import lifted, pick
 from ..vectors import Vector
 from . import intervals
 from .approximation import NO_BOUNDS, TOLERANCE, Approximation, Bounds, window_around
@@ -54,6 +55,7 @@ class PolylineRegion(Region):
     def __repr__(self) -> str:
         return f"PolylineRegion({self.name or self.polyline!r})"
 
+    @lifted(float)
     def heading_at(self, v: Vector) -> float:
         """The heading of the line at its point nearest to `v`."""
         nearest = self._tree.query_nearest(Point(v.x, v.y), all_matches=True)
@@ -64,9 +66,11 @@ class PolylineRegion(Region):
     def _tree(self) -> shapely.STRtree:
         return shapely.STRtree([LineString([(a.x, a.y), (b.x, b.y)]) for a, b in self._all_segments])
 
+    @lifted(bool)
     def contains_point(self, v: Vector) -> bool:
         return bool(shapely.dwithin(self.polyline, Point(v.x, v.y), TOLERANCE))
 
+    @lifted(float)
     def distance_to(self, v: Vector) -> float:
         return float(self.polyline.distance(Point(v.x, v.y)))
 
@@ -137,9 +141,11 @@ class PointSetRegion(Region):
     def __repr__(self) -> str:
         return f"PointSetRegion({self.name!r}, {len(self._points)} points)"
 
+    @lifted(bool)
     def contains_point(self, v: Vector) -> bool:
         return bool(shapely.dwithin(self._shape, Point(v.x, v.y), TOLERANCE))
 
+    @lifted(float)
     def distance_to(self, v: Vector) -> float:
         return float(self._shape.distance(Point(v.x, v.y))) if self._points else float("inf")
 
@@ -161,7 +167,7 @@ class PointSetRegion(Region):
     def sample(self, uniform: Numbers) -> Vector:
         if not self._points:
             raise EmptyRegion(self, "it has no points")
-        return self._points[int(uniform() * len(self._points))]
+        return pick(self._points, uniform() * len(self._points))
 
 
 def _paths(polyline: object) -> list[tuple[Vector, ...]]:

@@ -11,6 +11,7 @@ from shapely.geometry import LineString, MultiPolygon, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from ..fields import VectorField
+from ..symbols import lifted
 from ..vectors import Vector
 from . import intervals
 from .approximation import Approximation, Bounds, box_shape
@@ -46,15 +47,19 @@ class PolygonalRegion(Region):
     def __repr__(self) -> str:
         return f"PolygonalRegion({self.name or self.polygon!r})"
 
+    @lifted(bool)
     def contains_point(self, v: Vector) -> bool:
         return bool(shapely.intersects_xy(self.polygon, v.x, v.y))
 
+    @lifted(bool)
     def contains_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
         return bool(self.polygon.covers(box_shape(position, heading, width, length)))
 
+    @lifted(bool)
     def meets_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
         return bool(self.polygon.intersects(box_shape(position, heading, width, length)))
 
+    @lifted(float)
     def distance_to(self, v: Vector) -> float:
         return float(self.polygon.distance(Point(v.x, v.y)))
 

@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from shapely.geometry import Polygon
 
 from ..fields import VectorField
+from ..symbols import lifted
 from ..vectors import Vector
 from . import intervals
 from .approximation import NO_BOUNDS, Approximation, Bounds, box_shape, contains, distance, hull, meets, window_around
@@ -50,14 +51,17 @@ class Region(ABC):
     def sample(self, uniform: Numbers) -> Vector:
         """uniformPointIn(R), a deterministic map of the numbers that `uniform` gives. Raises `EmptyRegion`, `UnboundedRegion`."""
 
+    @lifted(bool)
     def contains_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
         """Whether the whole box lies in the region (operator `O is in R`)."""
         return contains(self, box_shape(position, heading, width, length))
 
+    @lifted(bool)
     def meets_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
         """Whether the box and the region share a point."""
         return meets(self, box_shape(position, heading, width, length))
 
+    @lifted(float)
     def distance_to(self, v: Vector) -> float:
         """The distance from `v` to the nearest point of the region: 0 inside, infinite if the region is empty.
 

@@ -6,13 +6,14 @@ The batch backend evaluates the same formulas on the arrays `triangles` and `cum
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
 from collections.abc import Callable, Sequence
+from itertools import accumulate
 
 import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
+from ..symbols import pick, search, smaller, square_root
 from ..vectors import Vector
 
 Numbers = Callable[[], float]  # the next number of a draw's own stream, uniform in [0, 1)
@@ -29,14 +30,13 @@ class TriangleSampler:
         areas = np.abs(edges[:, 0, 0] * edges[:, 1, 1] - edges[:, 0, 1] * edges[:, 1, 0]) / 2
         self.cumulative: np.ndarray = np.cumsum(areas)
         self.area = float(self.cumulative[-1]) if len(areas) else 0.0
-        self._triangles = [tuple(corners) for corners in self.triangles.reshape(-1, 6).tolist()]
-        self._cumulative: list[float] = self.cumulative.tolist()
+        self._corners: list[tuple[float, ...]] = [tuple(corners) for corners in self.triangles.reshape(-1, 6).tolist()]
+        self._ends: list[float] = self.cumulative[:-1].tolist()
 
     def sample(self, uniform: Numbers) -> Vector:
         """A uniform point; of the three numbers used, one chooses the triangle by area, two the point in it."""
-        chosen = min(bisect_right(self._cumulative, uniform() * self.area), len(self._cumulative) - 1)
-        ax, ay, bx, by, cx, cy = self._triangles[chosen]
-        root, share = math.sqrt(uniform()), uniform()
+        ax, ay, bx, by, cx, cy = pick(self._corners, search(self._ends, uniform() * self.area))
+        root, share = square_root(uniform()), uniform()
         a, b, c = 1.0 - root, root * (1.0 - share), root * share
         return Vector(a * ax + b * bx + c * cx, a * ay + b * by + c * cy)
 
@@ -46,17 +46,19 @@ class SegmentSampler:
 
     def __init__(self, segments: Sequence[Segment]) -> None:
         self.segments = tuple(segments)
-        self.cumulative: list[float] = []
-        total = 0.0
-        for start, end in self.segments:
-            total += math.hypot(end.x - start.x, end.y - start.y)
-            self.cumulative.append(total)
-        self.length = total
+        lengths = [math.hypot(end.x - start.x, end.y - start.y) for start, end in self.segments]
+        self.cumulative: list[float] = list(accumulate(lengths))
+        self.length = self.cumulative[-1] if self.cumulative else 0.0
+        self._ends = self.cumulative[:-1]
+        before = (0.0, *self.cumulative)
+        self._rows = [
+            (start.x, start.y, end.x - start.x, end.y - start.y, low, high - low)
+            for (start, end), low, high in zip(self.segments, before, self.cumulative, strict=False)
+        ]
 
     def sample(self, uniform: Numbers) -> Vector:
         """A uniform point."""
         along = uniform() * self.length
-        chosen = min(bisect_right(self.cumulative, along), len(self.segments) - 1)
-        (start, end), before = self.segments[chosen], self.cumulative[chosen - 1] if chosen else 0.0
-        share = min((along - before) / (self.cumulative[chosen] - before), 1.0)
-        return start + (end - start) * share
+        x, y, dx, dy, before, length = pick(self._rows, search(self._ends, along))
+        share = smaller((along - before) / length, 1.0)
+        return Vector(x + dx * share, y + dy * share)

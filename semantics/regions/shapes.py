@@ -12,6 +12,7 @@ from shapely.geometry.base import BaseGeometry
 
 from .. import geometry
 from ..geometry import TAU
+from ..symbols import every, larger, smaller, square_root
 from ..vectors import Vector
 from . import intervals
 from .approximation import Approximation, Bounds, box_shape
@@ -40,13 +41,13 @@ class CircularRegion(Region):
         return x * x + y * y <= self.radius * self.radius
 
     def contains_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
-        return all(map(self.contains_point, geometry.corners(position, heading, width, length)))
+        return every(map(self.contains_point, geometry.corners(position, heading, width, length)))
 
     def meets_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
         return geometry.distance_to_box(position, heading, width, length, self.center) <= self.radius
 
     def distance_to(self, v: Vector) -> float:
-        return max(0.0, geometry.distance(self.center, v) - self.radius)
+        return larger(0.0, geometry.distance(self.center, v) - self.radius)
 
     def bounds(self) -> Bounds:
         (x, y), r = self.center, self.radius
@@ -89,9 +90,10 @@ class SectorRegion(Region):
 
     def contains_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
         corners = geometry.corners(position, heading, width, length)
-        if not all(map(self.contains_point, corners)):
-            return False
-        return not math.pi < self.angle < TAU or not self._gap_meets(corners)
+        inside = every(map(self.contains_point, corners))
+        if inside is False or self.angle <= math.pi or self.angle >= TAU:
+            return inside
+        return inside & (not self._gap_meets(corners))
 
     def _gap_meets(self, corners: tuple[Vector, ...]) -> bool:
         """Whether the convex polygon meets the open wedge that the sector leaves out (narrower than π).
@@ -154,10 +156,10 @@ class SectorRegion(Region):
         return intervals.intersection(disc, intervals.intersection(ahead, intervals.intersection(past_right, before_left)))
 
     def measure(self) -> float:
-        return min(self.angle, TAU) * self.radius * self.radius / 2
+        return smaller(self.angle, TAU) * self.radius * self.radius / 2
 
     def sample(self, uniform: Numbers) -> Vector:
-        return _point_of_sector(self, self.center, self.radius, self.heading, min(self.angle, TAU), uniform)
+        return _point_of_sector(self, self.center, self.radius, self.heading, smaller(self.angle, TAU), uniform)
 
 
 @dataclass(frozen=True)
@@ -179,7 +181,7 @@ class RectangularRegion(Region):
         return geometry.box_contains(self.position, self.heading, self.width, self.length, v)
 
     def contains_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
-        return all(map(self.contains_point, geometry.corners(position, heading, width, length)))
+        return every(map(self.contains_point, geometry.corners(position, heading, width, length)))
 
     def meets_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
         return geometry.boxes_intersect(
@@ -220,7 +222,7 @@ def _point_of_sector(region: Region, center: Vector, radius: float, heading: flo
     """A uniform point of the sector from two numbers: the distance r√u has density proportional to itself."""
     if radius * radius * angle == 0:
         raise EmptyRegion(region, "it has no area")
-    away, turn = radius * math.sqrt(uniform()), (uniform() - 0.5) * angle
+    away, turn = radius * square_root(uniform()), (uniform() - 0.5) * angle
     return geometry.offset_local(center, heading + turn, Vector(0.0, away))
 
 

@@ -140,7 +140,7 @@ FAULTS = (
     ),
     Fault(
         "a degree taken for a radian",
-        (Edit("semantics/operators.py", "    return math.radians(s)\n", "    return s\n"),),
+        (Edit("semantics/operators.py", "    return s * DEGREE\n", "    return s\n"),),
         "ego = Object facing Range(0, 2) deg\n",
         ("range-in-degrees", "local-coordinates"),
     ),

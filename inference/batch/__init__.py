@@ -1,0 +1,5 @@
+"""The batch backend: a program is run once on symbols, and the graph that this gives is evaluated for many scenes at a time."""
+
+from .sampling import Batch, Block, NotLifted
+
+__all__ = ["Batch", "Block", "NotLifted"]

@@ -1,0 +1,223 @@
+"""The evaluation of a graph on NumPy columns: one element for each run; runs that are rejected are left out at once."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from ...interpreter.choosers import PER_SCENE
+from ...interpreter.streams import Stream
+from ...semantics.fields import OutsideField, PolygonalVectorField
+from ...semantics.outcome import Requirement
+from ...semantics.regions import EmptyRegion, PolygonalRegion
+from ...semantics.symbols import NotLifted
+from ...semantics.vectors import Vector
+from .graph import AsFloat, Node, Part, RowCall, RowDraw, Search, Site, Table
+from .numbers import Numbers
+from .plan import Step
+from .polygons import FieldTests, PolygonTests
+from .structures import in_row, symbols_in
+from .symbols import Traced
+
+Columns = dict[int, np.ndarray]
+ACCEPTED, REJECTED, LEFT = 0, 1, 2
+"""What became of a run; one that is left must be done by the interpreter."""
+
+
+class Failed(NamedTuple):
+    """Rows of a node that is computed row by row: where a requirement failed, and where the interpreter must see what happens."""
+
+    rejected: np.ndarray
+    left: np.ndarray
+
+
+class Evaluated(NamedTuple):
+    """What became of each row, the columns of those that were accepted (in order), and how often which requirement failed."""
+
+    fate: np.ndarray
+    columns: Columns
+    stuck: Counter[Requirement]
+
+
+def evaluate(steps: Sequence[Step], seed: int, scenes: np.ndarray, attempts: np.ndarray) -> Evaluated:
+    """Evaluate the runs of attempt `attempts[k]` at scene `scenes[k]` of `seed`."""
+    fate = np.full(len(scenes), ACCEPTED, dtype=np.int8)
+    rows = np.arange(len(scenes))
+    numbers = Numbers(seed, scenes, attempts)
+    columns: Columns = {}
+    failed: dict[int, Failed] = {}
+    stuck: Counter[Requirement] = Counter()
+    for step in steps:
+        for node in step.nodes:
+            columns[node.number] = column(node, columns, numbers, failed)
+        event = step.event
+        if event is None:
+            break
+        count = len(rows)
+        applies = True if event.condition is None else columns[event.condition.number]
+        lost = np.zeros(count, dtype=bool)
+        if event.kind == "call":
+            found = failed.pop(event.node.number, None)
+            if found is not None:
+                left = found.left & applies
+                lost = (found.rejected & applies) | left
+                fate[rows[left]] = LEFT
+        else:
+            lost = (columns[event.node.number] != event.expected) & applies
+            if event.kind == "guard":
+                fate[rows[lost]] = LEFT
+        for node in step.forget:
+            columns.pop(node.number, None)
+        if lost.any():
+            rejected = lost & (fate[rows] == ACCEPTED)
+            fate[rows[rejected]] = REJECTED
+            if event.requirement is not None:
+                stuck[event.requirement] += int(rejected.sum())
+            kept = ~lost
+            rows = rows[kept]
+            numbers.keep(kept)
+            columns = {number: values[kept] for number, values in columns.items()}
+            failed = {number: Failed(f.rejected[kept], f.left[kept]) for number, f in failed.items()}
+    return Evaluated(fate, columns, stuck)
+
+
+def column(node: Node, columns: Columns, numbers: Numbers, failed: dict[int, Failed]) -> np.ndarray:
+    """The column of a node, those of its arguments being known."""
+    function = node.function
+    operands = [columns[a.number] if isinstance(a, Node) else a for a in node.arguments]
+    match function:
+        case Site():
+            return numbers.column(function)
+        case np.ufunc():
+            with np.errstate(all="ignore"):
+                return function(*operands)
+        case Table(values=values):
+            return values[operands[0]]
+        case Search(cumulative=cumulative):
+            return np.searchsorted(cumulative, operands[0], side="right")
+        case AsFloat():
+            return operands[0].astype(float)  # type: ignore[union-attr]
+        case Part(name=name):
+            return np.fromiter((getattr(v, name) for v in operands[0]), dtype=float, count=len(numbers.scenes)) if operands[0].dtype == object else operands[0][:, name == "y"]  # type: ignore[union-attr]
+        case RowCall():
+            fast = has_columns(function)
+            if fast is not None:
+                return fast(node, function, columns, failed, len(numbers.scenes))
+            return rows_of(node, lambda resolve, row: _called(function, resolve), columns, failed, len(numbers.scenes))
+        case RowDraw():
+            return rows_of(node, lambda resolve, row: _drawn(function, resolve, numbers, row), columns, failed, len(numbers.scenes))
+        case _ if function is int:
+            return operands[0].astype(np.int64)  # type: ignore[union-attr]
+        case _ if function is np.where:
+            return np.where(*operands)  # type: ignore[arg-type]
+        case _:
+            raise AssertionError(function)
+
+
+def _called(call: RowCall, resolve: Callable[[Node], object]) -> object:
+    result = call.function(*in_row(call.structure, resolve), **in_row(call.keywords, resolve))  # type: ignore[misc]
+    result = float(result) if call.result is float and type(result) is not bool else result  # type: ignore[arg-type]
+    if type(result) is not call.result or symbols_in(result):
+        raise NotLifted("another type than in the traced run")
+    return result
+
+
+def _drawn(draw: RowDraw, resolve: Callable[[Node], object], numbers: Numbers, row: int) -> object:
+    attempt = PER_SCENE if draw.per_scene else int(numbers.attempts[row])
+    stream = Stream(numbers.seed, int(numbers.scenes[row]), attempt)
+    return in_row(draw.distribution, resolve).sample(stream.at(draw.address))  # type: ignore[attr-defined]
+
+
+def rows_of(
+    node: Node, function: Callable[[Callable[[Node], object], int], object], columns: Columns, failed: dict[int, Failed], count: int
+) -> np.ndarray:
+    """A column made by calling a Python function for one row after the other."""
+    result = np.empty(count, dtype={"float": float, "bool": bool}.get(node.kind, object))
+    rejected, left = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)
+    for row in range(count):
+        try:
+            result[row] = function(lambda child, row=row: _item(columns[child.number][row]), row)
+        except (OutsideField, EmptyRegion):
+            rejected[row], result[row] = True, node.example
+        except (NotLifted, Exception):  # whatever it is, the interpreter will say it where it belongs
+            left[row], result[row] = True, node.example
+    if rejected.any() or left.any():
+        failed[node.number] = Failed(rejected, left)
+    return result
+
+
+def _item(value: object) -> object:
+    return value.item() if isinstance(value, np.generic) else value
+
+
+# Tests on polygons
+
+Fast = Callable[[Node, RowCall, Columns, dict[int, Failed], int], np.ndarray]
+
+
+def has_columns(call: RowCall) -> Fast | None:
+    """How a call is computed for many rows at a time, if there is a way."""
+    rule = FAST.get(call.function)
+    if rule is None:
+        return None
+    return rule if not symbols_in(call.structure[0]) and rule is not _heading else rule if rule is _heading and constant_cells(call.structure[0]) else None
+
+
+def constant_cells(field: object) -> bool:
+    """Whether a polygonal field has a constant heading in each cell and none outside."""
+    return isinstance(field, PolygonalVectorField) and all(isinstance(h, (int, float)) for _, h in field.cells) and bool(field.cells)
+
+
+@lru_cache(maxsize=64)
+def tests_of(region: PolygonalRegion) -> PolygonTests:
+    """The tests of a region, made once."""
+    return PolygonTests(region.polygon)
+
+
+@lru_cache(maxsize=64)
+def field_of(field: PolygonalVectorField) -> tuple[FieldTests, np.ndarray]:
+    """The cells of a field and their headings."""
+    headings = [float(h) for _, h in field.cells]  # type: ignore[arg-type]
+    outside = np.nan if field.defaultHeading is None else field.defaultHeading
+    return FieldTests(tuple(polygon for polygon, _ in field.cells)), np.array([*headings, outside])
+
+
+def values_of(structure: Sequence[object], columns: Columns, count: int) -> list[np.ndarray]:
+    """Numbers and vectors as columns of numbers."""
+    found: list[np.ndarray] = []
+    for value in structure:
+        for part in (value.x, value.y) if isinstance(value, Vector) else (value,):
+            symbol = part.number() if isinstance(part, Traced) and part.node.kind == "int" else part
+            found.append(columns[symbol.node.number].astype(float) if isinstance(symbol, Traced) else np.full(count, float(symbol)))  # type: ignore[arg-type]
+    return found
+
+
+def _heading(node: Node, call: RowCall, columns: Columns, failed: dict[int, Failed], count: int) -> np.ndarray:
+    field, v = call.structure
+    tests, headings = field_of(field)  # type: ignore[arg-type]
+    result = headings[tests.first(*values_of((v,), columns, count))]
+    outside = np.isnan(result)
+    if outside.any():
+        failed[node.number] = Failed(outside, np.zeros(count, dtype=bool))
+    return result
+
+
+def _point_in(node: Node, call: RowCall, columns: Columns, failed: dict[int, Failed], count: int) -> np.ndarray:
+    region, v = call.structure
+    return tests_of(region).contains_point(*values_of((v,), columns, count))  # type: ignore[arg-type]
+
+
+def _box_in(node: Node, call: RowCall, columns: Columns, failed: dict[int, Failed], count: int) -> np.ndarray:
+    region, *box = call.structure
+    return tests_of(region).contains_box(*values_of(box, columns, count))  # type: ignore[arg-type]
+
+
+FAST: dict[Callable[..., object], Fast] = {
+    PolygonalVectorField._value_at: _heading,  # pyright: ignore[reportPrivateUsage]
+    PolygonalRegion.contains_point: _point_in,
+    PolygonalRegion.contains_box: _box_in,
+}

@@ -1,0 +1,125 @@
+"""Operations of Python on symbols: the ones on numbers become nodes, those on choices among few values are done for each, others row by row."""
+
+from __future__ import annotations
+
+import builtins
+import operator
+from collections.abc import Callable
+from functools import partial, reduce
+
+from ...semantics.calls import invoke
+from ...semantics.expressions import BINARY, COMPARE, UNARY
+from ...semantics.regions import CircularRegion, RectangularRegion, Region, SectorRegion
+from ...semantics.symbols import NotLifted
+from ...semantics.values import Dynamic, Function, Instance, Method, Module, Random, ScenicClass
+from ...semantics.vectors import Vector
+from .structures import symbols_in
+from .symbols import OPERATORS, Choice, Scalar, Traced
+from .trace import Trace
+
+LIFTED: dict[Callable[..., object], Callable[..., object]] = {
+    **{f: f for f in (*BINARY.values(), *UNARY.values(), *COMPARE.values()) if f in OPERATORS},
+    BINARY["*"]: operator.mul,
+    UNARY["not"]: operator.invert,
+    builtins.abs: operator.abs,
+}
+"""Operations of the machine, and the operators that they are on floats."""
+ZERO_DIVIDES = (operator.truediv, operator.mod)
+FEW = 64
+DIRECT = (CircularRegion, SectorRegion, RectangularRegion)
+STATEFUL = (Function, Method, Dynamic, Module, Instance, ScenicClass)
+
+
+def lift(trace: Trace, operation: Callable[..., object], arguments: list[object], keywords: dict[str, object]) -> object:
+    """`operation(*arguments, **keywords)` where there are symbols in the arguments."""
+    found = symbols_in((arguments, keywords))
+    if not found:
+        return operation(*arguments, **keywords)
+    if operation is invoke and not isinstance(arguments[0], Traced):
+        operation, *arguments = arguments  # type: ignore[assignment]
+    basic = LIFTED.get(operation)
+    if basic is not None and _numeric(basic, arguments):
+        return _operator(trace, basic, arguments)
+    if is_direct(operation):
+        return operation(*arguments, **keywords)
+    if operation in (min, max) and not keywords:
+        compared = list(arguments[0]) if len(arguments) == 1 and isinstance(arguments[0], (list, tuple)) else arguments
+        if all(map(_is_number_or_choice, compared)):
+            return reduce(partial(extreme, trace, operation), compared)
+    choices = {s.node.number: s for s in found if isinstance(s, Choice)}
+    if choices and len(choices) == len({s.node.number for s in found}) and not keywords and _few(choices) and all(isinstance(a, Choice) or not symbols_in(a) for a in arguments):
+        try:
+            mapped = trace.over_choices(operation, arguments)
+        except Exception:  # some combination is the program's mistake: row by row, it is found where it is drawn
+            mapped = NotImplemented
+        if mapped is not NotImplemented:
+            return mapped
+    if basic is not None and all(isinstance(a, Vector) or _is_number(a) for a in arguments) and any(isinstance(a, Vector) for a in arguments):
+        return operation(*arguments)
+    if _stateful((arguments, keywords)):
+        raise NotLifted(f"{getattr(operation, '__name__', operation)} of functions or objects and random values")
+    return trace.call(operation, tuple(arguments), keywords)
+
+
+def extreme(trace: Trace, operation: Callable[..., object], first: object, second: object) -> object:
+    """The smaller or larger of two numbers, the first of equal ones: itself, so that a whole number stays one."""
+    replaces: object = second < first if operation is min else second > first  # type: ignore[operator]
+    replaces = replaces.number() if isinstance(replaces, Traced) else replaces
+    return trace.pick(trace.as_float_node(replaces.node), (first, second)) if isinstance(replaces, Traced) else second if replaces else first
+
+
+def _is_number_or_choice(value: object) -> bool:
+    return all(map(_is_number_or_choice, value.values)) if isinstance(value, Choice) else _is_number(value)
+
+
+def is_direct(function: object) -> bool:
+    """Whether a function of the library is made of liftable operations itself: constructors of regions with closed forms, methods of regions."""
+    return function in DIRECT if isinstance(function, type) else isinstance(getattr(function, "__self__", None), Region)
+
+
+def _few(choices: dict[int, Choice]) -> bool:
+    total = 1
+    for choice in choices.values():
+        total *= len(choice.values)
+    return total <= FEW
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, Scalar) and value.node.kind == "float" or (isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= 2**53)
+
+
+def _is_truth(value: object) -> bool:
+    return isinstance(value, bool) or (isinstance(value, Scalar) and value.node.kind == "bool")
+
+
+def _numeric(operation: Callable[..., object], arguments: list[object]) -> bool:
+    """Whether the operation is one on floats (at least one of them a symbol), or a logical one on truth values."""
+    if operation in (operator.and_, operator.or_, operator.xor, operator.invert):
+        return all(map(_is_truth, arguments))
+    arguments = [a.number() if isinstance(a, Choice) and all(map(_is_float, a.values)) else a for a in arguments] if any(isinstance(a, Scalar) for a in arguments) else arguments
+    return all(map(_is_number, arguments)) and any(isinstance(a, Scalar) for a in arguments)
+
+
+def _is_float(value: object) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def _operator(trace: Trace, operation: Callable[..., object], arguments: list[object]) -> object:
+    if operation in ZERO_DIVIDES and bool(trace.operate(operator.eq, (arguments[1], 0.0))):
+        raise ZeroDivisionError("float division by zero" if operation is operator.truediv else "float modulo")
+    return trace.operate(operation, tuple(arguments))
+
+
+def _stateful(value: object) -> bool:
+    """Whether functions, modules, classes or instances of the program are in a value: what they give depends on the state."""
+    match value:
+        case Choice():
+            return any(map(_stateful, value.values))
+        case Random():
+            return _stateful(value.value)
+        case list() | tuple() | set() | frozenset():
+            return any(map(_stateful, value))
+        case dict():
+            return any(map(_stateful, value.items()))
+        case _:
+            return isinstance(value, STATEFUL)

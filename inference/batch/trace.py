@@ -1,0 +1,299 @@
+"""The making of a graph: every operation on symbols becomes a node; equal ones become one, and what is constant is computed at once."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ...semantics.errors import ScenicError
+from ...semantics.fields import OutsideField
+from ...semantics.host import DoorStuck, HostException
+from ...semantics.outcome import Requirement
+from ...semantics.regions import EmptyRegion
+from ...semantics.symbols import NotLifted, position_in
+from ...semantics.vectors import Vector
+from .graph import AsFloat, Event, Graph, Kind, Node, Part, RowCall, Search, Site, Table, bounds_of, decided
+from .structures import in_row, symbols_in
+from .symbols import OPERATORS, Choice, Opaque, Scalar, Traced
+
+AS_FLOAT = AsFloat()
+LARGEST_PRODUCT = 256
+"""Operations on two choices among few values are done once for every pair of values."""
+TRUTH = frozenset(
+    {np.equal, np.not_equal, np.less, np.less_equal, np.greater, np.greater_equal, np.logical_and, np.logical_or, np.logical_xor, np.logical_not, np.isnan}
+)
+PLAIN = (bool, int, float, str, type(None))
+
+
+class Retry(Exception):
+    """The run that is traced got stuck where no value goes on: another run must be traced."""
+
+
+class Trace:
+    """The graph of one run on symbols, while it is made; `coin` is the node of the soft requirement whose condition is being evaluated."""
+
+    def __init__(self, number_at: Callable[[Site], float]) -> None:
+        self.graph = Graph()
+        self.number_at = number_at
+        self.known: dict[object, Node] = {}
+        self.coin: Node | None = None
+        self.place: Callable[[str], Requirement] = lambda text: NotImplemented
+        self.open = True
+
+    # Nodes
+
+    def node(self, function: object, arguments: tuple[object, ...], kind: Kind, example: object, key: object = None) -> Node:
+        """The node of `function(*arguments)`: a known one if there is one."""
+        if not self.open:
+            raise NotLifted("a random value outlived its run")
+        key = (function, *(a if isinstance(a, Node) else (type(a), a) for a in arguments)) if key is None else key
+        found = self.known.get(key)
+        if found is None:
+            found = Node(len(self.graph.nodes), function, arguments, kind, example, bounds_of(function, arguments))
+            self.graph.nodes.append(found)
+            self.known[key] = found
+        return found
+
+    def site(self, address: tuple[int, ...], index: int, per_scene: bool) -> Scalar:
+        """The `index`-th number of a draw site."""
+        site = Site(address, index, per_scene)
+        node = self.node(site, (), "float", self.number_at(site))
+        node.bounds = (0.0, 1.0)
+        return Scalar(self, node, node.example)
+
+    def table(self, index: Node, values: np.ndarray) -> Scalar:
+        """The element of a constant array."""
+        kind: Kind = "bool" if values.dtype == bool else "float"
+        example = values[index.example].item()
+        node = self.node(Table(values), (index,), kind, example, ("table", values.tobytes(), values.dtype.str, index))
+        if kind == "float" and np.isfinite(values).all():
+            node.bounds = (float(values.min()), float(values.max()))
+        return Scalar(self, node, example)
+
+    # Operations
+
+    def apply_ufunc(self, function: np.ufunc, arguments: Sequence[object]) -> Any:
+        """A function of NumPy or SciPy, or an operator, on numbers and truth values."""
+        operands = [self.operand(a) for a in arguments]
+        if not any(isinstance(a, Node) for a in operands):
+            result = function(*operands)
+            return result.item() if isinstance(result, np.generic) else result
+        constant = decided(function, tuple(operands))
+        if constant is not None:
+            return constant
+        if function in (np.logical_and, np.logical_or) and not all(isinstance(a, Node) for a in operands):
+            fixed, other = operands if not isinstance(operands[0], Node) else operands[::-1]
+            if isinstance(fixed, bool):
+                return fixed if fixed is (function is np.logical_or) else next(a for a in arguments if isinstance(a, Traced))
+        with np.errstate(all="ignore"):
+            example = function(*(a.example if isinstance(a, Node) else a for a in operands))
+        truth = function in TRUTH
+        node = self.node(function, tuple(operands), "bool" if truth else "float", bool(example) if truth else float(example))
+        return Scalar(self, node, node.example)
+
+    def operand(self, value: object) -> object:
+        """The node of a symbol, as a number or truth value; a constant as it is."""
+        if isinstance(value, Scalar):
+            return value.node
+        if isinstance(value, Traced):
+            return self.operand(value.number())
+        if isinstance(value, bool):
+            return value
+        if isinstance(value, int):
+            if abs(value) > 2**53:
+                raise NotLifted("a whole number is too large for a float")
+            return float(value)
+        if isinstance(value, (float, np.floating)):
+            return float(value)
+        raise NotLifted(f"an operation on a number and a {type(value).__name__}")
+
+    def operate(self, operation: Callable[..., object], arguments: tuple[object, ...]) -> Any:
+        """An operator of Python; choices among few values are gone through, so that types stay as in Python."""
+        choices = [a for a in arguments if isinstance(a, Choice)]
+        if choices and not any(isinstance(a, Traced) and not isinstance(a, Choice) for a in arguments):
+            mapped = self.over_choices(operation, arguments)
+            if mapped is not NotImplemented:
+                return mapped
+        if any(isinstance(a, (tuple, list, Vector)) for a in arguments):
+            return NotImplemented
+        return self.apply_ufunc(OPERATORS[operation], arguments)
+
+    def over_choices(self, operation: Callable[..., object], arguments: Sequence[object]) -> Any:
+        """`operation` for every combination of values of the choices among the arguments, or NotImplemented if these are too many."""
+        choices: dict[int, Choice] = {a.node.number: a for a in arguments if isinstance(a, Choice)}
+        total = 1
+        for choice in choices.values():
+            total *= len(choice.values)
+        if len(choices) > 1 and total > LARGEST_PRODUCT:
+            return NotImplemented
+        results, index = [], None
+        for combination in range(total):
+            rest, at = combination, {}
+            for number, choice in choices.items():
+                rest, at[number] = divmod(rest, len(choice.values))
+            results.append(operation(*(a.values[at[a.node.number]] if isinstance(a, Choice) else a for a in arguments)))
+        stride: float = 1.0
+        for choice in choices.values():
+            part = self.apply_ufunc(np.multiply, (self.as_float_node(choice.node), stride))
+            index = part if index is None else self.apply_ufunc(np.add, (index, part))
+            stride *= len(choice.values)
+        return self.merge(next(iter(choices.values())).node if len(choices) == 1 else self.whole(index), results)
+
+    def whole(self, index: Scalar) -> Node:
+        """A float that is a whole number as a position."""
+        return self.node(int, (index.node,), "int", int(index.example))  # type: ignore[arg-type]
+
+    def as_float_node(self, node: Node) -> Scalar:
+        """A whole number or truth value as a float."""
+        made = self.node(AS_FLOAT, (node,), "float", float(node.example))  # type: ignore[arg-type]
+        return Scalar(self, made, made.example)
+
+    def as_float(self, symbol: Traced) -> Any:
+        """A symbol whose values are numbers, as floats (truth values stay such)."""
+        if isinstance(symbol, Scalar):
+            return symbol
+        assert isinstance(symbol, Choice)
+        plain = [v for v in symbol.values if not symbols_in(v)]
+        if not all(isinstance(v, (bool, int, float)) or isinstance(v, Traced) for v in symbol.values):
+            raise NotLifted("a choice among things that are no numbers is used as a number")
+        if len(plain) == len(symbol.values):
+            if any(isinstance(v, int) and abs(v) > 2**53 for v in plain):
+                raise NotLifted("a whole number is too large for a float")
+            kind = bool if all(isinstance(v, bool) for v in plain) else float
+            return self.table(symbol.node, np.array(plain, dtype=kind))
+        result = symbol.values[-1]
+        for position in range(len(symbol.values) - 2, -1, -1):
+            here = self.apply_ufunc(np.equal, (self.as_float_node(symbol.node), float(position)))
+            result = self.where(here, symbol.values[position], result)
+        return result
+
+    def where(self, condition: Any, then: Any, otherwise: Any) -> Any:
+        """`then` where the condition holds, else `otherwise`."""
+        if not isinstance(condition, Traced):
+            return then if condition else otherwise
+        operands = tuple(self.operand(a) for a in (condition, then, otherwise))
+        example = operands[1] if condition.example else operands[2]
+        example = example.example if isinstance(example, Node) else example
+        truth = all(isinstance(a, bool) or (isinstance(a, Node) and a.kind == "bool") for a in operands[1:])
+        node = self.node(np.where, operands, "bool" if truth else "float", example)
+        return Scalar(self, node, example)
+
+    # Choices
+
+    def pick(self, position: Scalar, values: Sequence[object]) -> Any:
+        """`values[int(position)]`."""
+        index = position.node if position.node.kind == "int" else self.whole(position)
+        return self.merge(index, values)
+
+    def merge(self, index: Node, results: Sequence[Any]) -> Any:
+        """The result that the index chooses."""
+        from ...semantics.values import unwrap
+
+        results = [unwrap(r)[0] for r in results]
+        first = results[0]
+        if all(r is first or (type(r) is type(first) and isinstance(r, PLAIN) and r == first and str(r) == str(first)) for r in results[1:]):
+            return first
+        if all(isinstance(r, Vector) for r in results):
+            return Vector(self.numbers(index, [r.x for r in results]), self.numbers(index, [r.y for r in results]))
+        return Choice(self, index, results)
+
+    def numbers(self, index: Node, results: Sequence[Any]) -> Any:
+        """The number that the index chooses."""
+        merged = self.merge(index, results)
+        return merged.number() if isinstance(merged, Traced) else merged
+
+    # What is not made of operators
+
+    def apply(self, function: Callable[..., object], arguments: tuple[object, ...], result: type | None) -> Any:
+        """A function of symbols: the ones that have columns of their own, and any other row by row."""
+        if function is np.where:
+            return self.where(*arguments)
+        if function is position_in:
+            cumulative, value = arguments
+            array = np.array(cumulative, dtype=float)
+            operand = self.operand(value)
+            assert isinstance(operand, Node)
+            example = int(np.searchsorted(array, operand.example, side="right"))  # type: ignore[arg-type]
+            node = self.node(Search(array), (operand,), "int", example, ("search", array.tobytes(), operand))
+            return Scalar(self, node, example)
+        return self.call(function, tuple(map(self.as_numbers, arguments)), {}, result)
+
+    def as_numbers(self, value: object) -> object:
+        """A choice among numbers as a number, in vectors as well."""
+        if isinstance(value, Vector):
+            return Vector(self.as_numbers(value.x), self.as_numbers(value.y))  # type: ignore[arg-type]
+        return value.number() if isinstance(value, Choice) and all(isinstance(v, (bool, int, float, Scalar)) for v in value.values) else value
+
+    def call(
+        self, function: Callable[..., object], arguments: tuple[object, ...], keywords: Mapping[str, object], result: type | None = None
+    ) -> Any:
+        """`function(*arguments, **keywords)`, row by row."""
+        example_of = lambda node: node.example  # noqa: E731
+        try:
+            example = function(*in_row(arguments, example_of), **in_row(dict(keywords), example_of))  # type: ignore[misc]
+        except (OutsideField, EmptyRegion) as stuck:
+            raise Retry(str(stuck)) from None
+        except (ScenicError, HostException, DoorStuck, Exception) as problem:
+            raise NotLifted(f"{getattr(function, '__name__', function)}: {problem}") from None
+        if symbols_in(example):
+            raise NotLifted("a function gives a random value that it has hidden")
+        if result is float and type(example) is not bool:
+            example = float(example)  # type: ignore[arg-type]
+        text = getattr(function, "__qualname__", repr(function))
+        call = RowCall(function, arguments, dict(keywords), type(example), text)
+        kind: Kind = "float" if type(example) is float else "bool" if type(example) is bool else "object"
+        key = self.key_of(function, arguments, keywords)
+        before = len(self.graph.nodes)
+        node = self.node(call, (), kind, example, key)
+        if node.number == before:
+            self.graph.events.append(Event("call", node, condition=self.coin, requirement=self.place(str(getattr(function, "__qualname__", "")))))
+        if isinstance(example, Vector):
+            return Vector(self.part(node, "x", example.x), self.part(node, "y", example.y))
+        return Opaque(self, node, example) if kind == "object" else Scalar(self, node, example)
+
+    def key_of(self, function: object, arguments: tuple[object, ...], keywords: Mapping[str, object]) -> object:
+        """What two calls share if they are one: the function and arguments that are nodes, numbers or the same object."""
+
+        def part(value: object) -> object:
+            if isinstance(value, Traced):
+                return value.node if not isinstance(value, Choice) else (value.node, id(value.values))
+            if isinstance(value, Vector):
+                return part(value.x), part(value.y)
+            return (type(value), value) if isinstance(value, PLAIN) else id(value)
+
+        return ("call", function if not keywords else object(), *map(part, arguments))
+
+    def part(self, node: Node, name: str, example: float) -> Scalar:
+        """A number that is an attribute of a node's object."""
+        return Scalar(self, self.node(Part(name), (node,), "float", float(example)), float(example))
+
+    # Events
+
+    def guard(self, symbol: Traced) -> bool:
+        """The truth of a symbol in the traced run; other runs, where it differs, are not what the graph describes."""
+        if isinstance(symbol, Opaque):
+            symbol = self.call(bool, (symbol,), {})
+        if isinstance(symbol, Choice):
+            symbol = symbol.each(bool)
+            if not isinstance(symbol, Traced):
+                return bool(symbol)
+            symbol = symbol.number()
+        if symbol.node.kind != "bool":
+            symbol = self.apply_ufunc(np.not_equal, (symbol, 0.0))
+            if not isinstance(symbol, Traced):
+                return bool(symbol)
+        expected = bool(symbol.example)
+        self.graph.events.append(Event("guard", symbol.node, expected, condition=self.coin))
+        return expected
+
+    def require(self, requirement: Requirement, holds: bool) -> None:
+        """The guard just made decides a requirement, which `holds` in the traced run: runs in which it does not are rejected."""
+        last = self.graph.events.pop()
+        assert last.kind == "guard"
+        self.graph.events.append(Event("require", last.node, last.expected is holds, requirement, self.coin))
+
+
+__all__ = ["Retry", "Trace", "operator"]

@@ -1,0 +1,196 @@
+"""The machine run once on symbols: draws are answered by symbols, requirements become events, and the end is the scene in symbols."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import NamedTuple
+
+from ...interpreter.choosers import PER_SCENE
+from ...interpreter.streams import Stream
+from ...semantics.config import Config, State
+from ...semantics.distributions import Coin, Distribution, Normal, PointIn, Range, TruncatedNormal
+from ...semantics.distributions import Discrete, Uniform
+from ...semantics.outcome import Done, Draw, Fault, Next, Observe, Requirement, Stuck
+from ...semantics.regions import (
+    CircularRegion,
+    EmptyRegion,
+    PointSetRegion,
+    PolygonalRegion,
+    PolylineRegion,
+    RectangularRegion,
+    Region,
+    SectorRegion,
+    UnboundedRegion,
+    Workspace,
+)
+from ...semantics.specials import STORED
+from ...semantics.step import place, step
+from ...semantics.symbols import NotLifted
+from ...semantics.syntax import python_expressions as p
+from ...semantics.syntax.nodes import Node as Syntax
+from ...semantics.vectors import Vector
+from .graph import Event, Graph, RowDraw, Site
+from .lifting import lift
+from .structures import in_row
+from .symbols import Traced
+from .trace import Retry, Trace
+
+TRIES = 200
+"""Runs that are tried until one is found in which all vector fields and regions have values."""
+MAPPED = (Range, Normal, TruncatedNormal, Uniform, Discrete, Coin)
+MAPPED_REGIONS = (CircularRegion, SectorRegion, RectangularRegion, PolygonalRegion, PolylineRegion, PointSetRegion)
+PURE = frozenset({"S-Return", "S-Require", "S-Expression", "S-SoftReq"})
+
+
+FEW = 5
+"""Of these, so many may end with an error of the program."""
+
+
+class Mistaken(NotLifted):
+    """The run that was traced ends with an error of the program; others may not."""
+
+
+class Traced_(NamedTuple):
+    """A program as a graph, and the state at its end, with symbols in it."""
+
+    graph: Graph
+    state: State
+
+
+def trace(start: Callable[[], Config], fuel: int) -> Traced_:
+    """The graph of a program. Raises `NotLifted` with the reason if it has none."""
+    reason, errors = "", 0
+    for attempt in range(TRIES):
+        try:
+            return trace_run(start(), attempt, fuel)
+        except Retry as retry:
+            reason = str(retry)
+        except Mistaken as mistake:
+            reason, errors = str(mistake), errors + 1
+            if errors == FEW:
+                raise
+    raise NotLifted(f"in {TRIES} runs this always failed: {reason}")
+
+
+def trace_run(config: Config, attempt: int, fuel: int) -> Traced_:
+    """The graph that the run of attempt `attempt` at scene 0 of seed 0 gives."""
+
+    def number_at(site: Site) -> float:
+        numbers = Stream(0, 0, PER_SCENE if site.per_scene else attempt).at(site.address)
+        for _ in range(site.index):
+            numbers()
+        return numbers()
+
+    made = Trace(number_at)
+    door = config.state.settings.door
+    door.lift = partial(lift, made)
+    made.place = lambda text: Requirement("field", place(config), text)
+    below: object = None
+    before: State | None = None
+    try:
+        for _ in range(fuel):
+            events = len(made.graph.events)
+            outcome = step(config)
+            match outcome:
+                case Next(config=after, change=change):
+                    if change is not None and change.where == "print":
+                        raise NotLifted("the program prints")
+                    if made.coin is not None:
+                        check_pure(outcome)
+                    config = after
+                case Draw() if outcome.rule == "S-SoftReq":
+                    coin = outcome.distribution.sample(numbers_of(outcome, made))
+                    config = outcome.resume(bool(coin) if not isinstance(coin, Traced) else True)
+                    if isinstance(coin, Traced):
+                        if made.coin is not None or config.state.reading("require-time") == "end":
+                            raise NotLifted("a soft requirement within another, or at the end")
+                        made.coin, below, before = coin.node, config.stack[1], config.state
+                case Draw():
+                    config = outcome.resume(draw_symbol(outcome, made))
+                case Observe(requirement=requirement, config=after):
+                    if len(made.graph.events) > events and made.graph.events[-1].kind == "guard":
+                        made.require(requirement, True)
+                    config = after
+                case Stuck(requirement=requirement, beyond=beyond):
+                    if beyond is None or len(made.graph.events) == events or made.graph.events[-1].kind != "guard":
+                        raise Retry(requirement.text)
+                    made.require(requirement, False)
+                    config = beyond
+                case Done(state=state):
+                    return Traced_(made.graph, state)
+                case Fault(error=error):
+                    raise Mistaken(f"{error}")
+            if made.coin is not None and config.stack is below:
+                assert before is not None
+                check_unchanged(before, config.state)
+                made.coin = None
+        raise NotLifted("the program does not come to an end")
+    finally:
+        made.open = False
+        door.lift = None
+
+
+def check_pure(outcome: Next) -> None:
+    """Refuse statements in a soft requirement's condition that change something: the condition is not evaluated in every run."""
+    call = outcome.node
+    if (outcome.rule.startswith("S-") and outcome.rule not in PURE) or (
+        isinstance(call, p.Call) and isinstance(call.function, p.Attribute) and call.function.name in STORED
+    ):
+        raise NotLifted("the condition of a soft requirement changes something")
+
+
+def check_unchanged(before: State, after: State) -> None:
+    """Refuse changes of the scene by the condition of a soft requirement."""
+    if any(getattr(before, name) is not getattr(after, name) for name in ("scene", "params", "ego", "workspace", "late", "dynamic", "objects")):
+        raise NotLifted("the condition of a soft requirement changes the scene")
+
+
+def numbers_of(draw: Draw, made: Trace) -> Callable[[], object]:
+    """The numbers of a draw, as symbols."""
+    used = 0
+
+    def uniform() -> object:
+        nonlocal used
+        used += 1
+        return made.site(draw.address, used - 1, draw.per_scene)
+
+    return uniform
+
+
+def draw_symbol(draw: Draw, made: Trace) -> object:
+    """What a draw gives: the distribution's own map of numbers, on symbols; or row by row where it takes no fixed number of them."""
+    try:
+        if is_mapped(draw.distribution):
+            return draw.distribution.sample(numbers_of(draw, made))  # type: ignore[arg-type]
+        return draw_by_rows(draw, made)
+    except EmptyRegion as empty:
+        raise Retry(str(empty)) from None
+    except UnboundedRegion as unbounded:
+        raise NotLifted(str(unbounded)) from None
+
+
+def is_mapped(distribution: Distribution) -> bool:
+    """Whether the distribution is sampled by a map of a fixed number of uniform numbers without loops."""
+    if isinstance(distribution, PointIn):
+        region: Region = distribution.region
+        while isinstance(region, Workspace):
+            region = region.region
+        return isinstance(region, MAPPED_REGIONS)
+    return isinstance(distribution, MAPPED)
+
+
+def draw_by_rows(draw: Draw, made: Trace) -> object:
+    """The draw as a single operation."""
+    stream = Stream(0, 0, 0)
+    distribution = in_row(draw.distribution, lambda node: node.example)
+    example = distribution.sample(stream.at(draw.address))  # type: ignore[attr-defined]
+    if not isinstance(example, Vector):
+        raise NotLifted("a draw that is made row by row gives no point")
+    node = made.node(RowDraw(draw.distribution, draw.address, draw.per_scene), (), "object", example, object())
+    requirement = Requirement("region", draw.node.span, "a region to draw a point from is not empty")
+    made.graph.events.append(Event("call", node, requirement=requirement, condition=made.coin))
+    return Vector(made.part(node, "x", example.x), made.part(node, "y", example.y))
+
+
+__all__ = ["Syntax", "Traced_", "trace"]
