@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import builtins
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial, reduce
 
 from ...semantics.calls import invoke
@@ -46,6 +46,13 @@ def lift(trace: Trace, operation: Callable[..., object], arguments: list[object]
         compared = list(arguments[0]) if len(arguments) == 1 and isinstance(arguments[0], (list, tuple)) else arguments
         if all(map(_is_number_or_choice, compared)):
             return reduce(partial(extreme, trace, operation), compared)
+    if basic is not None and all(map(_is_number_or_choice, arguments)) and not (basic in ZERO_DIVIDES and symbols_in(list(_entries(arguments[1])))):
+        try:
+            mapped = trace.over_choices(basic, arguments)
+        except ZeroDivisionError:  # for some of the values: found row by row
+            mapped = NotImplemented
+        if mapped is not NotImplemented:
+            return mapped
     choices = {s.node.number: s for s in found if isinstance(s, Choice)}
     if choices and len(choices) == len({s.node.number for s in found}) and not keywords and _few(choices) and all(isinstance(a, Choice) or not symbols_in(a) for a in arguments):
         try:
@@ -66,6 +73,15 @@ def extreme(trace: Trace, operation: Callable[..., object], first: object, secon
     replaces: object = second < first if operation is min else second > first  # type: ignore[operator]
     replaces = replaces.number() if isinstance(replaces, Traced) else replaces
     return trace.pick(trace.as_float_node(replaces.node), (first, second)) if isinstance(replaces, Traced) else second if replaces else first
+
+
+def _entries(value: object) -> Iterator[object]:
+    """The values that a choice is among, those of choices among them included."""
+    if isinstance(value, Choice):
+        for entry in value.values:
+            yield from _entries(entry)
+    else:
+        yield value
 
 
 def _is_number_or_choice(value: object) -> bool:

@@ -274,20 +274,22 @@ class Trace:
 
     def guard(self, symbol: Traced) -> bool:
         """The truth of a symbol in the traced run; other runs, where it differs, are not what the graph describes."""
-        if isinstance(symbol, Opaque):
-            symbol = self.call(bool, (symbol,), {})
-        if isinstance(symbol, Choice):
-            symbol = symbol.each(bool)
-            if not isinstance(symbol, Traced):
-                return bool(symbol)
-            symbol = symbol.number()
-        if symbol.node.kind != "bool":
-            symbol = self.apply_ufunc(np.not_equal, (symbol, 0.0))
-            if not isinstance(symbol, Traced):
-                return bool(symbol)
-        expected = bool(symbol.example)
-        self.graph.events.append(Event("guard", symbol.node, expected, condition=self.coin))
-        return expected
+        truth = self.truth(symbol)
+        if isinstance(truth, Traced):
+            self.graph.events.append(Event("guard", truth.node, bool(truth.example), condition=self.coin))
+            return bool(truth.example)
+        return truth
+
+    def truth(self, value: object) -> Any:
+        """The truth of a value: a symbol for truth values, if it is not the same in all runs."""
+        if isinstance(value, Opaque):
+            return self.call(bool, (value,), {}, bool)
+        if isinstance(value, Choice):
+            chosen = self.merge(value.node, [self.truth(v) for v in value.values])
+            return chosen.number() if isinstance(chosen, Traced) else chosen
+        if isinstance(value, Scalar) and value.node.kind != "bool":
+            return self.apply_ufunc(np.not_equal, (value, 0.0))
+        return value if isinstance(value, Scalar) else bool(value)
 
     def require(self, requirement: Requirement, holds: bool) -> None:
         """The guard just made decides a requirement, which `holds` in the traced run: runs in which it does not are rejected."""
