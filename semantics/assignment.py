@@ -16,6 +16,7 @@ from .outcome import Change, Next, Outcome
 from .premises import axiom, describe_origin, premises
 from .properties import checked_property
 from .scopes import MISSING
+from .symbols import Symbol
 from .syntax import python_expressions as p
 from .syntax import statements as s
 from .syntax.nodes import Node
@@ -111,11 +112,16 @@ def random_write(subject: Random, node: Node) -> RunError:
     )
 
 
+def is_sequence(value: object) -> bool:
+    """Whether the value is a tuple or list, or a symbol for these."""
+    return value.always(is_sequence) if isinstance(value, Symbol) else isinstance(value, (tuple, list))
+
+
 def unpack(items: tuple[Node, ...], assigned: object, node: Node, state: State) -> list[object]:
     """The values for the items of a target list, a starred one taking the rest as a list."""
-    if type(assigned) is Random and isinstance(assigned.value, (tuple, list)):
+    if type(assigned) is Random and is_sequence(assigned.value):
         origin = assigned.origin._replace(distribution=None)
-        found: list[object] = [v if type(v) is Random else Random(v, origin) for v in assigned.value]
+        found: list[object] = [v if type(v) is Random else Random(v, origin) for v in assigned.value]  # type: ignore[attr-defined]
     else:
         found = elements(assigned, node, state)
     star = next((i for i, item in enumerate(items) if isinstance(item, p.Starred)), None)

@@ -164,7 +164,8 @@ def conclude_attribute(node: p.Attribute, values: list[object], stack: Stack, st
         shared = shared_method(subject, node.name, state)
         if shared is not None:
             return value("E-Attribute", shared, stack, state, node)
-        found = subject.value.each(lambda one: get_attribute(one, node, state)) if isinstance(subject.value, Symbol) else get_attribute(subject.value, node, state)
+        several = isinstance(subject.value, Symbol)
+        found = subject.value.each(lambda one: get_attribute(one, node, state)) if several else get_attribute(subject.value, node, state)  # type: ignore[attr-defined]
         inner, origin = unwrap(found)
         return value("E-Attribute", wrap(inner, subject.origin or origin), stack, state, node)
     return value("E-Attribute", get_attribute(subject, node, state), stack, state, node)

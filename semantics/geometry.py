@@ -18,7 +18,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from .symbols import cosine, larger, plain_float, sine, smaller
+from .symbols import arc_tangent, cosine, larger, macro, plain_float, sine, smaller
 from .vectors import Vector
 
 TAU = 2.0 * math.pi
@@ -45,7 +45,7 @@ def angle_of(v: Vector) -> float:
 
     The zero vector has angle 0. Signed zeros do not matter.
     """
-    return plain_float(np.arctan2(0.0 - v.x, v.y + 0.0))
+    return arc_tangent(0.0 - v.x, v.y + 0.0)
 
 
 def length_of(v: Vector) -> float:
@@ -104,10 +104,28 @@ def boxes_intersect(
     position2: Vector, heading2: float, width2: float, length2: float, *, closed: bool = True,
 ) -> bool:  # fmt: skip
     """Whether two boxes share a point, by the four separating axes: as closed sets, so that touching is sharing, or as open ones."""
-    meets = operator.le if closed else operator.lt
-    hw1, hl1, hw2, hl2 = width1 / 2, length1 / 2, width2 / 2, length2 / 2
-    c1, s1, c2, s2 = cosine(heading1), sine(heading1), cosine(heading2), sine(heading2)
-    x, y = position2.x - position1.x, position2.y - position1.y
+    test = _turned_boxes_intersect if closed else _turned_boxes_overlap
+    return test(
+        position2 - position1, Vector(cosine(heading1), sine(heading1)), Vector(width1 / 2, length1 / 2),
+        Vector(cosine(heading2), sine(heading2)), Vector(width2 / 2, length2 / 2),
+    )  # fmt: skip
+
+
+@macro
+def _turned_boxes_intersect(offset: Vector, turn1: Vector, half1: Vector, turn2: Vector, half2: Vector) -> bool:
+    """`boxes_intersect` for closed boxes with their centres `offset` apart; of each the cosine and sine of the heading, and half its size."""
+    return _not_separated(operator.le, offset, turn1, half1, turn2, half2)
+
+
+@macro
+def _turned_boxes_overlap(offset: Vector, turn1: Vector, half1: Vector, turn2: Vector, half2: Vector) -> bool:
+    """The same for open boxes."""
+    return _not_separated(operator.lt, offset, turn1, half1, turn2, half2)
+
+
+def _not_separated(meets: Callable[..., bool], offset: Vector, turn1: Vector, half1: Vector, turn2: Vector, half2: Vector) -> bool:
+    """Whether none of the four axes separates the boxes."""
+    (x, y), (c1, s1), (hw1, hl1), (c2, s2), (hw2, hl2) = offset, turn1, half1, turn2, half2
     c, s = abs(c1 * c2 + s1 * s2), abs(s2 * c1 - c2 * s1)  # of the difference of headings
     return (
         meets(abs(x * c1 + y * s1), hw1 + (hw2 * c + hl2 * s))
@@ -141,6 +159,7 @@ def sector_contains(center: Vector, radius: float, heading: float, angle: float,
     return (radius >= 0) & (v.x * v.x + v.y * v.y <= radius * radius) & wedge_contains(heading, angle, v)
 
 
+@macro
 def sector_meets_box(
     center: Vector, radius: float, heading: float, angle: float,
     position: Vector, box_heading: float, width: float, length: float,

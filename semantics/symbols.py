@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from bisect import bisect_right
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import wraps
 from typing import Any, NoReturn, TypeVar
 
@@ -93,6 +93,54 @@ def lifted(result: type) -> Callable[[Method], Method]:
     return decorate
 
 
+def macro(function: Method) -> Method:
+    """A function of numbers and vectors that stands as one operation in a graph, though it is made of others: it is used often."""
+
+    @wraps(function)
+    def wrapper(*arguments: object) -> object:
+        symbol = symbol_in(arguments)
+        return function(*arguments) if symbol is None else symbol.apply(wrapper, arguments, bool)
+
+    wrapper.is_macro = True  # type: ignore[attr-defined]
+    return wrapper  # type: ignore[return-value]
+
+
+def is_macro(function: Callable[..., object]) -> bool:
+    """Whether the function was made by `macro`."""
+    return getattr(function, "is_macro", False)
+
+
+class Elementary:
+    """A function of the C library on floats, arrays and symbols: NumPy's own differ from it in the last bit on some processors."""
+
+    def __init__(self, function: Callable[..., float]) -> None:
+        self.function = function
+        self.__name__ = function.__name__
+
+    def __call__(self, *values: Any) -> Any:
+        symbol = symbol_in(values)
+        if symbol is not None:
+            return symbol.apply(self, values, float)
+        if any(isinstance(v, np.ndarray) for v in values):
+            columns = [column.tolist() for column in np.broadcast_arrays(*values)]
+            return np.fromiter(map(self.safely, *columns), dtype=float, count=len(columns[0]))
+        return self.function(*values)
+
+    def safely(self, *values: float) -> float:
+        """The function where it is defined; NaN elsewhere, which rows that are not used may be."""
+        try:
+            return self.function(*values)
+        except (ValueError, OverflowError):
+            return math.nan
+
+
+arc_tangent = Elementary(math.atan2)
+exponential = Elementary(math.exp)
+exponential_less_one = Elementary(math.expm1)
+logarithm = Elementary(math.log)
+logarithm_of_one_more = Elementary(math.log1p)
+
+
 def plain_float(value: Any) -> Any:
     """A NumPy scalar as a Python float; arrays and symbols as they are."""
     return value if isinstance(value, (np.ndarray, Symbol)) else float(value)
@@ -115,7 +163,7 @@ def is_truth(value: object) -> bool:
 
 def is_finite_number(value: Any) -> Any:
     """Whether a number is neither infinite nor NaN."""
-    return abs(value) < math.inf if isinstance(value, Symbol) else math.isfinite(value)
+    return bool(abs(value.number()) < math.inf) if isinstance(value, Symbol) else math.isfinite(value)
 
 
 def sine(angle: float) -> float:
@@ -147,12 +195,13 @@ def either(condition: bool, then: Callable[[], float], otherwise: Callable[[], f
     """`then()` where the condition holds, else `otherwise()`."""
     if isinstance(condition, (np.ndarray, Symbol)):
         with np.errstate(all="ignore"):
-            return condition.apply(np.where, (condition, then(), otherwise()), float) if isinstance(condition, Symbol) else np.where(condition, then(), otherwise())  # type: ignore[return-value]
+            parts = (condition, then(), otherwise())
+        return condition.apply(np.where, parts, float) if isinstance(condition, Symbol) else np.where(*parts)  # type: ignore[return-value]
     return then() if condition else otherwise()
 
 
-def every(conditions: Sequence[bool]) -> bool:
-    """Whether all conditions hold; those after one that is plainly False are not looked at if the sequence is lazy."""
+def every(conditions: Iterable[bool]) -> bool:
+    """Whether all conditions hold; those after one that is plainly False are not looked at."""
     result: Any = True
     for condition in conditions:
         result = condition if result is True else result & condition

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections import Counter
+import math
 from collections.abc import Callable, Sequence
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...interpreter.choosers import PER_SCENE
 from ...interpreter.streams import Stream
 from ...semantics.fields import OutsideField, PolygonalVectorField
-from ...semantics.outcome import Requirement
 from ...semantics.regions import EmptyRegion, PolygonalRegion
-from ...semantics.symbols import NotLifted
+from ...semantics.symbols import Elementary, NotLifted
 from ...semantics.vectors import Vector
-from .graph import AsFloat, Node, Part, RowCall, RowDraw, Search, Site, Table
+from .clipped import Clipped, clipped_curve, curve_tests, largest_radius
+from .graph import AsFloat, Macro, Node, Part, RowCall, RowDraw, Search, Site, Table
 from .numbers import Numbers
 from .plan import Step
 from .polygons import FieldTests, PolygonTests
@@ -24,8 +24,8 @@ from .structures import in_row, symbols_in
 from .symbols import Traced
 
 Columns = dict[int, np.ndarray]
-ACCEPTED, REJECTED, LEFT = 0, 1, 2
-"""What became of a run; one that is left must be done by the interpreter."""
+ACCEPTED, LEFT = -1, -2
+"""What became of a run: one that is left must be done by the interpreter; one that is rejected has the number of the step that did it."""
 
 
 class Failed(NamedTuple):
@@ -36,22 +36,20 @@ class Failed(NamedTuple):
 
 
 class Evaluated(NamedTuple):
-    """What became of each row, the columns of those that were accepted (in order), and how often which requirement failed."""
+    """What became of each row, and the columns of those that were accepted (in order)."""
 
     fate: np.ndarray
     columns: Columns
-    stuck: Counter[Requirement]
 
 
 def evaluate(steps: Sequence[Step], seed: int, scenes: np.ndarray, attempts: np.ndarray) -> Evaluated:
     """Evaluate the runs of attempt `attempts[k]` at scene `scenes[k]` of `seed`."""
-    fate = np.full(len(scenes), ACCEPTED, dtype=np.int8)
+    fate = np.full(len(scenes), ACCEPTED, dtype=np.int32)
     rows = np.arange(len(scenes))
     numbers = Numbers(seed, scenes, attempts)
     columns: Columns = {}
     failed: dict[int, Failed] = {}
-    stuck: Counter[Requirement] = Counter()
-    for step in steps:
+    for number, step in enumerate(steps):
         for node in step.nodes:
             columns[node.number] = column(node, columns, numbers, failed)
         event = step.event
@@ -73,28 +71,30 @@ def evaluate(steps: Sequence[Step], seed: int, scenes: np.ndarray, attempts: np.
         for node in step.forget:
             columns.pop(node.number, None)
         if lost.any():
-            rejected = lost & (fate[rows] == ACCEPTED)
-            fate[rows[rejected]] = REJECTED
-            if event.requirement is not None:
-                stuck[event.requirement] += int(rejected.sum())
+            fate[rows[lost & (fate[rows] == ACCEPTED)]] = number
             kept = ~lost
             rows = rows[kept]
             numbers.keep(kept)
-            columns = {number: values[kept] for number, values in columns.items()}
-            failed = {number: Failed(f.rejected[kept], f.left[kept]) for number, f in failed.items()}
-    return Evaluated(fate, columns, stuck)
+            columns = {name: values[kept] for name, values in columns.items()}
+            failed = {name: Failed(f.rejected[kept], f.left[kept]) for name, f in failed.items()}
+    return Evaluated(fate, columns)
 
 
 def column(node: Node, columns: Columns, numbers: Numbers, failed: dict[int, Failed]) -> np.ndarray:
     """The column of a node, those of its arguments being known."""
     function = node.function
-    operands = [columns[a.number] if isinstance(a, Node) else a for a in node.arguments]
+    operands: list[Any] = [columns[a.number] if isinstance(a, Node) else a for a in node.arguments]
     match function:
         case Site():
             return numbers.column(function)
         case np.ufunc():
             with np.errstate(all="ignore"):
                 return function(*operands)
+        case Macro():
+            with np.errstate(all="ignore"):
+                return np.broadcast_to(np.asarray(function.call(operands)), len(numbers.scenes))
+        case Elementary():
+            return function(*operands)
         case Table(values=values):
             return values[operands[0]]
         case Search(cumulative=cumulative):
@@ -102,13 +102,16 @@ def column(node: Node, columns: Columns, numbers: Numbers, failed: dict[int, Fai
         case AsFloat():
             return operands[0].astype(float)  # type: ignore[union-attr]
         case Part(name=name):
-            return np.fromiter((getattr(v, name) for v in operands[0]), dtype=float, count=len(numbers.scenes)) if operands[0].dtype == object else operands[0][:, name == "y"]  # type: ignore[union-attr]
+            return part_of(operands[0], name)  # type: ignore[arg-type]
         case RowCall():
             fast = has_columns(function)
             if fast is not None:
                 return fast(node, function, columns, failed, len(numbers.scenes))
             return rows_of(node, lambda resolve, row: _called(function, resolve), columns, failed, len(numbers.scenes))
         case RowDraw():
+            found = clipped_curve(function.distribution)
+            if found is not None and math.isfinite(largest_radius(found.radius)):
+                return _clipped(node, function, found, columns, numbers, failed)
             return rows_of(node, lambda resolve, row: _drawn(function, resolve, numbers, row), columns, failed, len(numbers.scenes))
         case _ if function is int:
             return operands[0].astype(np.int64)  # type: ignore[union-attr]
@@ -118,9 +121,27 @@ def column(node: Node, columns: Columns, numbers: Numbers, failed: dict[int, Fai
             raise AssertionError(function)
 
 
+def part_of(objects: np.ndarray, name: str) -> np.ndarray:
+    """The coordinates of points: rows of an array (rows, 2), or vectors."""
+    if objects.ndim == 2:
+        return objects[:, int(name == "y")]
+    return np.fromiter((getattr(v, name) for v in objects), dtype=float, count=len(objects))
+
+
+def _clipped(node: Node, draw: RowDraw, found: Clipped, columns: Columns, numbers: Numbers, failed: dict[int, Failed]) -> np.ndarray:
+    count = len(numbers.scenes)
+    values = values_of((found.x, found.y, found.radius, found.heading), columns, count)
+    tests = curve_tests(found.curve, largest_radius(found.radius))
+    points = tests.sample(*values, found.angle, numbers.column(Site(draw.address, 0, draw.per_scene)))  # type: ignore[call-arg]
+    empty = np.isnan(points[:, 0])
+    if empty.any():
+        failed[node.number] = Failed(empty, np.zeros(count, dtype=bool))
+    return points
+
+
 def _called(call: RowCall, resolve: Callable[[Node], object]) -> object:
     result = call.function(*in_row(call.structure, resolve), **in_row(call.keywords, resolve))  # type: ignore[misc]
-    result = float(result) if call.result is float and type(result) is not bool else result  # type: ignore[arg-type]
+    result = float(result) if call.converts and type(result) is not bool else result  # type: ignore[arg-type]
     if type(result) is not call.result or symbols_in(result):
         raise NotLifted("another type than in the traced run")
     return result
@@ -136,7 +157,7 @@ def rows_of(
     node: Node, function: Callable[[Callable[[Node], object], int], object], columns: Columns, failed: dict[int, Failed], count: int
 ) -> np.ndarray:
     """A column made by calling a Python function for one row after the other."""
-    result = np.empty(count, dtype={"float": float, "bool": bool}.get(node.kind, object))
+    result: Any = np.empty(count, dtype={"float": float, "bool": bool}.get(node.kind, object))
     rejected, left = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)
     for row in range(count):
         try:
@@ -164,12 +185,14 @@ def has_columns(call: RowCall) -> Fast | None:
     rule = FAST.get(call.function)
     if rule is None:
         return None
-    return rule if not symbols_in(call.structure[0]) and rule is not _heading else rule if rule is _heading and constant_cells(call.structure[0]) else None
+    if symbols_in(call.structure[0]) or (rule is _heading and not constant_cells(call.structure[0])):
+        return None
+    return rule
 
 
 def constant_cells(field: object) -> bool:
     """Whether a polygonal field has a constant heading in each cell and none outside."""
-    return isinstance(field, PolygonalVectorField) and all(isinstance(h, (int, float)) for _, h in field.cells) and bool(field.cells)
+    return isinstance(field, PolygonalVectorField) and bool(field.cells) and all(isinstance(h, (int, float)) for _, h in field.cells)
 
 
 @lru_cache(maxsize=64)

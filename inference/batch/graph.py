@@ -7,13 +7,15 @@ choose among values, or anything at all ("object"). An event is a node that deci
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
 import numpy as np
 
 from ...semantics.outcome import Requirement
+from ...semantics.symbols import arc_tangent
+from ...semantics.vectors import Vector
 
 Kind = Literal["float", "bool", "int", "object"]
 Bounds = tuple[float, float]
@@ -58,17 +60,32 @@ class AsFloat:
     """Truth values or whole numbers as floats."""
 
 
+@dataclass(frozen=True, slots=True)
+class Macro:
+    """A function of numbers and vectors that works on columns; `shape` says how many of the arguments each of its own takes."""
+
+    function: Callable[..., object]
+    shape: tuple[int, ...]
+
+    def call(self, values: Sequence[object]) -> object:
+        """The function of these numbers, the ones of a vector following each other."""
+        rest = iter(values)
+        return self.function(*(next(rest) if n == 1 else Vector(next(rest), next(rest)) for n in self.shape))  # type: ignore[arg-type]
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class RowCall:
     """A Python function, called for one row after the other; `structure` holds its arguments, with symbols inside.
 
-    `result` is the type that every row must give; else, or if an exception is raised, the row is left to the interpreter.
+    `result` is the type that every row must give; else, or if an exception is raised, the row is left to the interpreter. With
+    `converts`, numbers are made floats first.
     """
 
     function: Callable[..., object]
     structure: tuple[object, ...]
     keywords: dict[str, object]
     result: type
+    converts: bool
     text: str
 
 
@@ -115,7 +132,8 @@ def children(node: Node) -> list[Node]:
     if isinstance(node.function, (RowCall, RowDraw)):
         from .structures import nodes_in
 
-        return nodes_in(node.function.structure + tuple(node.function.keywords.values()) if isinstance(node.function, RowCall) else node.function.distribution)
+        called = node.function
+        return nodes_in((called.structure, called.keywords) if isinstance(called, RowCall) else called.distribution)
     return [a for a in node.arguments if isinstance(a, Node)]
 
 
@@ -123,7 +141,7 @@ def bounds_of(function: object, arguments: tuple[object, ...]) -> Bounds | None:
     """Bounds of a result, from those of the arguments; sound in floating point, since the operations are monotone there too."""
     known = [a.bounds if isinstance(a, Node) else _constant_bounds(a) for a in arguments]
     if any(b is None for b in known):
-        return {np.sin: (-1.0, 1.0), np.cos: (-1.0, 1.0)}.get(function) if False else None  # type: ignore[call-overload]
+        return None
     rule = _RULES.get(function)  # type: ignore[call-overload]
     if rule is None:
         return None
@@ -165,7 +183,7 @@ _RULES: dict[object, Callable[..., Bounds]] = {
     np.sqrt: lambda a: (math.sqrt(a[0]), math.sqrt(a[1])) if a[0] >= 0 else (-math.inf, math.inf),
     np.sin: lambda a: (-1.0, 1.0),
     np.cos: lambda a: (-1.0, 1.0),
-    np.arctan2: lambda a, b: (-math.pi, math.pi),
+    arc_tangent: lambda a, b: (-math.pi, math.pi),
     np.hypot: lambda a, b: (0.0, 2 * max(map(abs, (*a, *b)))),
     np.maximum: lambda a, b: (max(a[0], b[0]), max(a[1], b[1])),
     np.minimum: lambda a, b: (min(a[0], b[0]), min(a[1], b[1])),

@@ -54,7 +54,8 @@ def lift(trace: Trace, operation: Callable[..., object], arguments: list[object]
         if mapped is not NotImplemented:
             return mapped
     choices = {s.node.number: s for s in found if isinstance(s, Choice)}
-    if choices and len(choices) == len({s.node.number for s in found}) and not keywords and _few(choices) and all(isinstance(a, Choice) or not symbols_in(a) for a in arguments):
+    only_choices = choices and len(choices) == len({s.node.number for s in found}) and _few(choices)
+    if only_choices and not keywords and all(isinstance(a, Choice) or not symbols_in(a) for a in arguments):
         try:
             mapped = trace.over_choices(operation, arguments)
         except Exception:  # some combination is the program's mistake: row by row, it is found where it is drawn
@@ -101,7 +102,9 @@ def _few(choices: dict[int, Choice]) -> bool:
 
 
 def _is_number(value: object) -> bool:
-    return isinstance(value, Scalar) and value.node.kind == "float" or (isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= 2**53)
+    if isinstance(value, Scalar):
+        return value.node.kind == "float"
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and (isinstance(value, float) or abs(value) <= 2**53)
 
 
 def _is_truth(value: object) -> bool:
@@ -112,8 +115,9 @@ def _numeric(operation: Callable[..., object], arguments: list[object]) -> bool:
     """Whether the operation is one on floats (at least one of them a symbol), or a logical one on truth values."""
     if operation in (operator.and_, operator.or_, operator.xor, operator.invert):
         return all(map(_is_truth, arguments))
-    arguments = [a.number() if isinstance(a, Choice) and all(map(_is_float, a.values)) else a for a in arguments] if any(isinstance(a, Scalar) for a in arguments) else arguments
-    return all(map(_is_number, arguments)) and any(isinstance(a, Scalar) for a in arguments)
+    if not any(isinstance(a, Scalar) for a in arguments):
+        return False
+    return all(_is_number(a) or (isinstance(a, Choice) and all(map(_is_float, a.values))) for a in arguments)
 
 
 def _is_float(value: object) -> bool:

@@ -18,7 +18,7 @@ _UNIT = 2.0**-53
 
 
 class Numbers:
-    """The numbers of some rows; row k is attempt `attempts[k]` at scene `scenes[k]` (both uint64). Blocks are kept as long as the rows are the same."""
+    """The numbers of some rows; row k is attempt `attempts[k]` at scene `scenes[k]` (both uint64). Blocks of numbers are kept for later sites."""
 
     def __init__(self, seed: int, scenes: np.ndarray, attempts: np.ndarray) -> None:
         self.seed = fold(seed)

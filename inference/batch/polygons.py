@@ -63,7 +63,7 @@ class PolygonTests:
     def __init__(self, shape: BaseGeometry) -> None:
         self.shape = shape
         self.edges = edges_of(shape)
-        self.lines = shapely.linestrings(self.edges.reshape(-1, 2, 2))
+        self.lines: np.ndarray = shapely.linestrings(self.edges.reshape(-1, 2, 2))  # type: ignore[assignment]
         west, south, east, north = shape.bounds
         self.scale = 1 + max(map(abs, shape.bounds))
         self.size = max(east - west, north - south, 1e-9)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -21,10 +21,13 @@ from ...semantics.errors import ScenicError
 from ...semantics.outcome import Requirement
 from ...semantics.symbols import NotLifted
 from ..rejection import DEFAULT_ATTEMPTS, exhausted
-from .columns import LEFT, REJECTED, Columns, evaluate
+from .columns import ACCEPTED, LEFT, Columns, evaluate
 from .plan import Step, plan
 from .scenes import Template, scenes_of, template_of
 from .tracing import trace
+
+if TYPE_CHECKING:
+    from .compiling import Fused
 
 WAVE = 1 << 14
 """Runs that are evaluated at a time: their columns fit into the caches."""
@@ -60,6 +63,23 @@ class Batch:
         self.template: Template = template_of(state)
         self.outputs = list({node.number: node for node in self.template.outputs}.values())
         self.steps: tuple[Step, ...] = plan(graph, self.outputs)
+        self.fused: Fused | None = None
+        self.not_fused = ""
+
+    def compile(self) -> bool:
+        """Use the compiled evaluator from now on, if there is one; else `not_fused` says why. Takes seconds."""
+        if self.fused is None and not self.not_fused:
+            try:
+                from .compiling import Fused
+                from .fused import NotFused
+            except ImportError:
+                self.not_fused = "numba is not installed"
+                return False
+            try:
+                self.fused = Fused(self.steps, self.outputs)
+            except NotFused as problem:
+                self.not_fused = str(problem)
+        return self.fused is not None
 
     def scenes(self, n: int, seed: int, *, start: int = 0, max_attempts: int = DEFAULT_ATTEMPTS) -> Iterator[Scene]:
         """Scenes `start` to `start + n - 1` of `seed`. Raises the program's errors, and `AttemptsExhausted`."""
@@ -77,77 +97,120 @@ class Batch:
 
     def block(self, seed: int, start: int, stop: int, *, max_attempts: int = DEFAULT_ATTEMPTS) -> Block:
         """Scenes `start` to `stop - 1`."""
-        count = stop - start
-        done = np.full(count, -1, dtype=np.int64)  # the attempt that gave the scene
-        pending = np.arange(count)
-        attempt = 0
-        stuck: Counter[Requirement] = Counter()
-        others: dict[int, Scene] = {}
-        pieces: list[tuple[np.ndarray, Columns]] = []
-        runs = left = accepted = 0
-        error: ScenicError | None = None
-        while len(pending):
-            if attempt >= max_attempts:
-                worst, often = stuck.most_common(1)[0]
-                text = f"no scene in {max_attempts:,} attempts: most often ({often:,} times in this block) this failed: {worst.text}"
-                error, stop = exhausted(text, max_attempts, stuck), start + int(pending[0])
-                break
-            rate = max(accepted, 1) / max(runs, 1) if runs else 1.0
-            width = int(max(1, min(WAVE // len(pending), 2 * WASTE / rate, max_attempts - attempt)))
-            scenes = np.repeat(pending, width)
-            tried = np.tile(np.arange(attempt, attempt + width), len(pending))
-            result = evaluate(self.steps, seed, (scenes + start).astype(np.uint64), tried.astype(np.uint64))
-            runs += len(scenes)
-            stuck += result.stuck
-            fates = result.fate.reshape(len(pending), width)
-            decided = fates != REJECTED
-            has = decided.any(axis=1)
-            first = decided.argmax(axis=1)
-            take = np.zeros(len(scenes), dtype=bool)
-            for place in np.flatnonzero(has & (fates[np.arange(len(pending)), first] == LEFT)):
-                scene, column = int(pending[place]), int(first[place])
-                while column < width and fates[place, column] == LEFT:
-                    left += 1
-                    try:
-                        ended = run(self.start(), from_stream(seed, scene + start, attempt + column), fuel=self.fuel)
-                    except ScenicError as problem:
-                        if error is None or scene + start < stop:
-                            error, stop = problem, scene + start
-                        ended = None
-                    if ended is None:
-                        break
-                    if isinstance(ended, Accepted):
-                        others[scene + start] = scene_of(ended.state, seed, scene + start, attempt + column + 1)
-                        break
-                    stuck[ended.requirement] += 1
-                    later = decided[place, column + 1 :]
-                    column = column + 1 + int(later.argmax()) if later.any() else width
-                has[place], first[place] = column < width, column
-            winners = np.flatnonzero(has)
-            done[pending[winners]] = attempt + first[winners]
-            accepted += len(winners)
-            flat = winners * width + first[winners]
-            take[flat[result.fate[flat] != LEFT]] = True
-            alive = np.flatnonzero((result.fate != REJECTED) & (result.fate != LEFT))
-            chosen = take[alive]
-            pieces.append((scenes[alive][chosen] + start, {n: c[chosen] for n, c in result.columns.items()}))
-            pending = pending[~has]
-            if error is not None:
-                pending = pending[pending < stop - start]
-            attempt += width
-        return self._block(start, stop, done, pieces, others, stuck, runs, left, error)
+        drawing = Drawing(self, seed, start, stop, max_attempts)
+        while len(drawing.pending):
+            if self.fused is not None:
+                drawing.compiled(self.fused)
+            else:
+                drawing.wave()
+        return drawing.block()
 
-    def _block(
-        self, start: int, stop: int, done: np.ndarray, pieces: list[tuple[np.ndarray, Columns]], others: dict[int, Scene],
-        stuck: Counter[Requirement], runs: int, left: int, error: ScenicError | None,
-    ) -> Block:  # fmt: skip
+
+class Drawing:
+    """The drawing of a block: which scenes are pending, at which attempt they are, and what is done."""
+
+    def __init__(self, batch: Batch, seed: int, start: int, stop: int, max_attempts: int) -> None:
+        self.batch, self.seed, self.start, self.stop, self.max_attempts = batch, seed, start, stop, max_attempts
+        self.done = np.full(stop - start, -1, dtype=np.int64)  # the attempt that gave the scene
+        self.pending = np.arange(stop - start)
+        self.next = np.zeros(stop - start, dtype=np.int64)  # the attempt that comes next
+        self.stuck: Counter[Requirement] = Counter()
+        self.others: dict[int, Scene] = {}
+        self.pieces: list[tuple[np.ndarray, Columns]] = []
+        self.runs = self.left = self.found = 0
+        self.error: ScenicError | None = None
+
+    def wave(self) -> None:
+        """The next attempts at all pending scenes, on columns."""
+        pending, count = self.pending, len(self.pending)
+        rate = max(self.found, 1) / self.runs if self.runs else 1.0
+        room = self.max_attempts - int(self.next[pending].max())
+        width = int(max(1, min(WAVE // count, 2 * WASTE / rate, room)))
+        scenes = np.repeat(pending, width)
+        attempts = self.next[scenes] + np.tile(np.arange(width), count)
+        result = evaluate(self.batch.steps, self.seed, (scenes + self.start).astype(np.uint64), attempts.astype(np.uint64))
+        self.runs += len(scenes)
+        decided = result.fate.reshape(count, width) < 0
+        has, first = decided.any(axis=1), decided.argmax(axis=1)
+        chosen = np.flatnonzero(has) * width + first[has]
+        self.next[pending] += np.where(has, first, width)
+        self.count(result.fate.reshape(count, width)[np.arange(width) < np.where(has, first, width)[:, None]])
+        left = result.fate[chosen] == LEFT
+        alive = np.flatnonzero(result.fate == ACCEPTED)
+        accepted = chosen[~left]
+        kept = np.isin(alive, accepted)
+        self.accept(scenes[accepted], {number: column[kept] for number, column in result.columns.items()})
+        for place in scenes[chosen[left]].tolist():
+            self.interpret(place)
+        self.go_on()
+
+    def count(self, steps: np.ndarray) -> None:
+        """Runs were rejected at these steps."""
+        for number, often in enumerate(np.bincount(steps).tolist()):
+            event = self.batch.steps[number].event
+            if often and event is not None and event.requirement is not None:
+                self.stuck[event.requirement] += often
+
+    def compiled(self, fused: Fused) -> None:
+        """All pending scenes, one after the other."""
+        room = fused.room(len(self.done))
+        drawn = fused.draw(self.seed, self.start, self.next, self.pending, self.max_attempts, room)
+        self.runs += drawn.runs
+        self.stuck += drawn.stuck
+        here = self.pending[(drawn.done[self.pending] >= 0) & ~drawn.left[self.pending]]
+        self.next[drawn.done >= 0] = drawn.done[drawn.done >= 0]
+        self.accept(here, fused.columns(room, here))
+        for place in np.flatnonzero(drawn.left).tolist():
+            self.interpret(place)
+        self.go_on()
+
+    def accept(self, places: np.ndarray, columns: Columns) -> None:
+        """These scenes are drawn, by the attempts that came next."""
+        self.done[places] = self.next[places]
+        self.found += len(places)
+        self.pieces.append((places + self.start, columns))
+
+    def interpret(self, place: int) -> None:
+        """The next attempt at a scene, by the interpreter: the graph does not describe it."""
+        self.left += 1
+        index, attempt = place + self.start, int(self.next[place])
+        try:
+            ended = run(self.batch.start(), from_stream(self.seed, index, attempt), fuel=self.batch.fuel)
+        except ScenicError as problem:
+            self.fail(problem, index)
+            return
+        if isinstance(ended, Accepted):
+            self.others[index] = scene_of(ended.state, self.seed, index, attempt + 1)
+            self.done[place] = attempt
+            self.found += 1
+        else:
+            self.stuck[ended.requirement] += 1
+            self.next[place] += 1
+
+    def fail(self, problem: ScenicError, index: int) -> None:
+        """The block ends before scene `index`, if it does not end earlier."""
+        if index < self.stop:
+            self.error, self.stop = problem, index
+
+    def go_on(self) -> None:
+        """Find out which scenes are still to be drawn."""
+        pending = self.pending[self.done[self.pending] < 0]
+        out = pending[self.next[pending] >= self.max_attempts]
+        if len(out):
+            worst, often = self.stuck.most_common(1)[0]
+            text = f"no scene in {self.max_attempts:,} attempts: most often ({often:,} times in {self.runs:,} runs) this failed: {worst.text}"
+            self.fail(exhausted(text, self.max_attempts, self.stuck), int(out[0]) + self.start)
+        self.pending = pending[pending < self.stop - self.start]
+
+    def block(self) -> Block:
         """The pieces put together, in the order of the scenes, without those behind an error."""
-        rows = np.concatenate([r for r, _ in pieces]) if pieces else np.zeros(0, dtype=np.int64)
+        rows = np.concatenate([r for r, _ in self.pieces]) if self.pieces else np.zeros(0, dtype=np.int64)
         order = np.argsort(rows)
-        order = order[rows[order] < stop]
-        columns = {node.number: np.concatenate([c[node.number] for _, c in pieces])[order] for node in self.outputs}
-        kept = {index: scene for index, scene in others.items() if index < stop}
-        return Block(start, done[: stop - start], rows[order], columns, kept, stuck, runs, left, error)
+        order = order[rows[order] < self.stop]
+        columns = {node.number: np.concatenate([c[node.number] for _, c in self.pieces])[order] for node in self.batch.outputs}
+        others = {index: scene for index, scene in self.others.items() if index < self.stop}
+        done = self.done[: self.stop - self.start]
+        return Block(self.start, done, rows[order], columns, others, self.stuck, self.runs, self.left, self.error)
 
 
 __all__ = ["Batch", "Block", "NotLifted"]

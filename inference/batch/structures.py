@@ -6,7 +6,9 @@ import dataclasses
 from collections import deque
 from collections.abc import Callable
 from types import BuiltinFunctionType, MethodType
+from typing import Any
 
+from ...semantics.expressions import Pairs
 from ...semantics.symbols import NotLifted
 from ...semantics.values import Dynamic, Function, Instance, Method, Module, Random, ScenicClass
 from ...semantics.vectors import Vector
@@ -39,6 +41,8 @@ def _collect(value: object, found: list[Traced], depth: int) -> None:
                 _collect(entry, found, depth + 1)
         case Traced():
             found.append(value)
+        case Pairs():
+            raise NotLifted("a dictionary with random keys")
         case Random():
             _collect(value.value, found, depth + 1)
         case Vector():
@@ -78,7 +82,7 @@ def in_row(value: object, resolve: Resolve) -> object:
         case dict():
             return _like(value, {in_row(k, resolve): in_row(v, resolve) for k, v in value.items()})
         case tuple() if hasattr(value, "_fields"):
-            return type(value)(*(in_row(v, resolve) for v in value))
+            return type(value)(*[in_row(v, resolve) for v in value])  # pyright: ignore[reportArgumentType]
         case list() | tuple() | set() | frozenset() | deque():
             return _like(value, [in_row(v, resolve) for v in value])
         case BuiltinFunctionType() | MethodType():
@@ -89,8 +93,9 @@ def in_row(value: object, resolve: Resolve) -> object:
             return dataclasses.replace(value, **{f.name: in_row(getattr(value, f.name), resolve) for f in dataclasses.fields(value)})  # type: ignore[type-var, arg-type]
 
 
-def _like(container: object, content: object) -> object:
+def _like(container: object, content: Any) -> object:
     """The content in a container of the same type."""
     if type(container) not in (list, tuple, set, frozenset, dict):
         raise NotLifted(f"a {type(container).__name__} holds random values")
-    return type(container)(content)  # type: ignore[call-overload, arg-type]
+    kind: Any = type(container)
+    return kind(content)

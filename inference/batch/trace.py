@@ -9,22 +9,22 @@ from typing import Any
 import numpy as np
 
 from ...semantics.errors import ScenicError
-from ...semantics.fields import OutsideField
+from ...semantics.fields import OutsideField, PolygonalVectorField
 from ...semantics.host import DoorStuck, HostException
 from ...semantics.outcome import Requirement
 from ...semantics.regions import EmptyRegion
-from ...semantics.symbols import NotLifted, position_in
+from ...semantics.symbols import Elementary, NotLifted, is_macro, position_in
 from ...semantics.vectors import Vector
-from .graph import AsFloat, Event, Graph, Kind, Node, Part, RowCall, Search, Site, Table, bounds_of, decided
+from .graph import AsFloat, Event, Graph, Kind, Macro, Node, Part, RowCall, Search, Site, Table, bounds_of, decided
 from .structures import in_row, symbols_in
 from .symbols import OPERATORS, Choice, Opaque, Scalar, Traced
 
 AS_FLOAT = AsFloat()
 LARGEST_PRODUCT = 256
 """Operations on two choices among few values are done once for every pair of values."""
-TRUTH = frozenset(
-    {np.equal, np.not_equal, np.less, np.less_equal, np.greater, np.greater_equal, np.logical_and, np.logical_or, np.logical_xor, np.logical_not, np.isnan}
-)
+TRUTH = frozenset({
+    np.equal, np.not_equal, np.less, np.less_equal, np.greater, np.greater_equal, np.logical_and, np.logical_or, np.logical_xor, np.logical_not,
+})  # fmt: skip
 PLAIN = (bool, int, float, str, type(None))
 
 
@@ -61,13 +61,13 @@ class Trace:
         """The `index`-th number of a draw site."""
         site = Site(address, index, per_scene)
         node = self.node(site, (), "float", self.number_at(site))
-        node.bounds = (0.0, 1.0)
+        node.bounds = (0.0, 1.0 - 2.0**-53)
         return Scalar(self, node, node.example)
 
     def table(self, index: Node, values: np.ndarray) -> Scalar:
         """The element of a constant array."""
         kind: Kind = "bool" if values.dtype == bool else "float"
-        example = values[index.example].item()
+        example = values[index.example].item()  # type: ignore[index]
         node = self.node(Table(values), (index,), kind, example, ("table", values.tobytes(), values.dtype.str, index))
         if kind == "float" and np.isfinite(values).all():
             node.bounds = (float(values.min()), float(values.max()))
@@ -85,7 +85,7 @@ class Trace:
         if constant is not None:
             return constant
         if function in (np.logical_and, np.logical_or) and not all(isinstance(a, Node) for a in operands):
-            fixed, other = operands if not isinstance(operands[0], Node) else operands[::-1]
+            fixed = operands[0] if not isinstance(operands[0], Node) else operands[1]
             if isinstance(fixed, bool):
                 return fixed if fixed is (function is np.logical_or) else next(a for a in arguments if isinstance(a, Traced))
         with np.errstate(all="ignore"):
@@ -129,7 +129,8 @@ class Trace:
             total *= len(choice.values)
         if len(choices) > 1 and total > LARGEST_PRODUCT:
             return NotImplemented
-        results, index = [], None
+        results: list[object] = []
+        index: Any = None
         for combination in range(total):
             rest, at = combination, {}
             for number, choice in choices.items():
@@ -157,7 +158,7 @@ class Trace:
             return symbol
         assert isinstance(symbol, Choice)
         plain = [v for v in symbol.values if not symbols_in(v)]
-        if not all(isinstance(v, (bool, int, float)) or isinstance(v, Traced) for v in symbol.values):
+        if not all(isinstance(v, (bool, int, float, Traced)) for v in symbol.values):
             raise NotLifted("a choice among things that are no numbers is used as a number")
         if len(plain) == len(symbol.values):
             if any(isinstance(v, int) and abs(v) > 2**53 for v in plain):
@@ -211,6 +212,10 @@ class Trace:
         """A function of symbols: the ones that have columns of their own, and any other row by row."""
         if function is np.where:
             return self.where(*arguments)
+        if isinstance(function, Elementary):
+            return self.elementary(function, arguments)
+        if is_macro(function):
+            return self.macro(function, arguments)
         if function is position_in:
             cumulative, value = arguments
             array = np.array(cumulative, dtype=float)
@@ -220,6 +225,21 @@ class Trace:
             node = self.node(Search(array), (operand,), "int", example, ("search", array.tobytes(), operand))
             return Scalar(self, node, example)
         return self.call(function, tuple(map(self.as_numbers, arguments)), {}, result)
+
+    def elementary(self, function: Elementary, arguments: tuple[object, ...]) -> Any:
+        """A function of the C library."""
+        operands = tuple(self.operand(a) for a in arguments)
+        example = function.safely(*(a.example if isinstance(a, Node) else a for a in operands))  # type: ignore[misc]
+        return Scalar(self, self.node(function, operands, "float", example), example)
+
+    def macro(self, function: Callable[..., object], arguments: tuple[object, ...]) -> Any:
+        """A function of numbers and vectors, as one node."""
+        shape = tuple(2 if isinstance(a, Vector) else 1 for a in arguments)
+        parts = [part for a in arguments for part in (a if isinstance(a, Vector) else (a,))]
+        operands = tuple(self.operand(part) for part in parts)
+        made = Macro(function, shape)
+        example = bool(made.call([a.example if isinstance(a, Node) else a for a in operands]))
+        return Scalar(self, self.node(made, operands, "bool", example), example)
 
     def as_numbers(self, value: object) -> object:
         """A choice among numbers as a number, in vectors as well."""
@@ -243,15 +263,16 @@ class Trace:
         if result is float and type(example) is not bool:
             example = float(example)  # type: ignore[arg-type]
         text = getattr(function, "__qualname__", repr(function))
-        call = RowCall(function, arguments, dict(keywords), type(example), text)
+        call = RowCall(function, arguments, dict(keywords), type(example), result is float, text)
         kind: Kind = "float" if type(example) is float else "bool" if type(example) is bool else "object"
         key = self.key_of(function, arguments, keywords)
         before = len(self.graph.nodes)
         node = self.node(call, (), kind, example, key)
         if node.number == before:
+            node.bounds = bounds_of_field(*arguments) if kind == "float" else None
             self.graph.events.append(Event("call", node, condition=self.coin, requirement=self.place(str(getattr(function, "__qualname__", "")))))
         if isinstance(example, Vector):
-            return Vector(self.part(node, "x", example.x), self.part(node, "y", example.y))
+            return self.vector(node, example)
         return Opaque(self, node, example) if kind == "object" else Scalar(self, node, example)
 
     def key_of(self, function: object, arguments: tuple[object, ...], keywords: Mapping[str, object]) -> object:
@@ -265,6 +286,10 @@ class Trace:
             return (type(value), value) if isinstance(value, PLAIN) else id(value)
 
         return ("call", function if not keywords else object(), *map(part, arguments))
+
+    def vector(self, node: Node, example: Vector) -> Vector:
+        """The vector that a node's object is."""
+        return Vector(self.part(node, "x", example.x), self.part(node, "y", example.y))  # type: ignore[arg-type]
 
     def part(self, node: Node, name: str, example: float) -> Scalar:
         """A number that is an attribute of a node's object."""
@@ -296,6 +321,14 @@ class Trace:
         last = self.graph.events.pop()
         assert last.kind == "guard"
         self.graph.events.append(Event("require", last.node, last.expected is holds, requirement, self.coin))
+
+
+def bounds_of_field(subject: object = None, *rest: object) -> tuple[float, float] | None:
+    """The least and greatest heading of a field with constant cells."""
+    if not (isinstance(subject, PolygonalVectorField) and subject.cells and all(isinstance(h, (int, float)) for _, h in subject.cells)):
+        return None
+    headings = [float(h) for _, h in subject.cells] + ([] if subject.defaultHeading is None else [subject.defaultHeading])  # type: ignore[arg-type]
+    return min(headings), max(headings)
 
 
 __all__ = ["Retry", "Trace", "operator"]

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ...interpreter.choosers import PER_SCENE
 from ...interpreter.streams import Stream
 from ...semantics.config import Config, State
-from ...semantics.distributions import Coin, Distribution, Normal, PointIn, Range, TruncatedNormal
-from ...semantics.distributions import Discrete, Uniform
+from ...semantics.distributions import Coin, Discrete, Distribution, Normal, PointIn, Range, TruncatedNormal, Uniform
 from ...semantics.outcome import Done, Draw, Fault, Next, Observe, Requirement, Stuck
 from ...semantics.regions import (
     CircularRegion,
@@ -28,7 +27,6 @@ from ...semantics.specials import STORED
 from ...semantics.step import place, step
 from ...semantics.symbols import NotLifted
 from ...semantics.syntax import python_expressions as p
-from ...semantics.syntax.nodes import Node as Syntax
 from ...semantics.vectors import Vector
 from .graph import Event, Graph, RowDraw, Site
 from .lifting import lift
@@ -51,14 +49,14 @@ class Mistaken(NotLifted):
     """The run that was traced ends with an error of the program; others may not."""
 
 
-class Traced_(NamedTuple):
+class Lifted(NamedTuple):
     """A program as a graph, and the state at its end, with symbols in it."""
 
     graph: Graph
     state: State
 
 
-def trace(start: Callable[[], Config], fuel: int) -> Traced_:
+def trace(start: Callable[[], Config], fuel: int) -> Lifted:
     """The graph of a program. Raises `NotLifted` with the reason if it has none."""
     reason, errors = "", 0
     for attempt in range(TRIES):
@@ -73,7 +71,7 @@ def trace(start: Callable[[], Config], fuel: int) -> Traced_:
     raise NotLifted(f"in {TRIES} runs this always failed: {reason}")
 
 
-def trace_run(config: Config, attempt: int, fuel: int) -> Traced_:
+def trace_run(config: Config, attempt: int, fuel: int) -> Lifted:
     """The graph that the run of attempt `attempt` at scene 0 of seed 0 gives."""
 
     def number_at(site: Site) -> float:
@@ -118,7 +116,7 @@ def trace_run(config: Config, attempt: int, fuel: int) -> Traced_:
                     made.require(requirement, False)
                     config = beyond
                 case Done(state=state):
-                    return Traced_(made.graph, state)
+                    return Lifted(made.graph, state)
                 case Fault(error=error):
                     raise Mistaken(f"{error}")
             if made.coin is not None and config.stack is below:
@@ -146,11 +144,11 @@ def check_unchanged(before: State, after: State) -> None:
         raise NotLifted("the condition of a soft requirement changes the scene")
 
 
-def numbers_of(draw: Draw, made: Trace) -> Callable[[], object]:
+def numbers_of(draw: Draw, made: Trace) -> Callable[[], Any]:
     """The numbers of a draw, as symbols."""
     used = 0
 
-    def uniform() -> object:
+    def uniform() -> Any:
         nonlocal used
         used += 1
         return made.site(draw.address, used - 1, draw.per_scene)
@@ -190,7 +188,7 @@ def draw_by_rows(draw: Draw, made: Trace) -> object:
     node = made.node(RowDraw(draw.distribution, draw.address, draw.per_scene), (), "object", example, object())
     requirement = Requirement("region", draw.node.span, "a region to draw a point from is not empty")
     made.graph.events.append(Event("call", node, requirement=requirement, condition=made.coin))
-    return Vector(made.part(node, "x", example.x), made.part(node, "y", example.y))
+    return made.vector(node, example)
 
 
-__all__ = ["Syntax", "Traced_", "trace"]
+__all__ = ["Lifted", "trace"]

@@ -7,10 +7,19 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 
-import numpy as np
 from scipy import special
 
-from ..symbols import either, is_finite_number, larger, plain_float, smaller
+from ..symbols import (
+    either,
+    exponential,
+    exponential_less_one,
+    is_finite_number,
+    larger,
+    logarithm,
+    logarithm_of_one_more,
+    plain_float,
+    smaller,
+)
 from .distribution import LEAST, BadParameters, Named, Numbers, Support
 
 _LOG_ROOT_TAU = math.log(2 * math.pi) / 2
@@ -109,8 +118,8 @@ class TruncatedNormal(Named):
         if least == most:  # the density does not change across the window
             return smaller(self.low + u * (self.high - self.low), self.high)
         below, above = (1.0 - u, u) if self.mirrored else (u, 1.0 - u)  # the window's probability on both sides of z
-        lost = above * plain_float(np.expm1(least - most))
-        share = either(lost > -0.5, lambda: plain_float(np.log1p(lost)), lambda: plain_float(np.log(below + above * plain_float(np.exp(least - most)))))
+        lost = above * exponential_less_one(least - most)
+        share = either(lost > -0.5, lambda: logarithm_of_one_more(lost), lambda: logarithm(below + above * exponential(least - most)))
         z = plain_float(special.ndtri_exp(most + share))
         value = self.mean + self.stdDev * (-z if self.mirrored else z)
         return smaller(larger(value, self.low), self.high)

@@ -5,7 +5,6 @@ The batch backend evaluates the same formulas on the arrays `triangles` and `cum
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from itertools import accumulate
 
@@ -46,7 +45,7 @@ class SegmentSampler:
 
     def __init__(self, segments: Sequence[Segment]) -> None:
         self.segments = tuple(segments)
-        lengths = [math.hypot(end.x - start.x, end.y - start.y) for start, end in self.segments]
+        lengths = np.hypot([end.x - start.x for start, end in self.segments], [end.y - start.y for start, end in self.segments]).tolist()
         self.cumulative: list[float] = list(accumulate(lengths))
         self.length = self.cumulative[-1] if self.cumulative else 0.0
         self._ends = self.cumulative[:-1]

@@ -1,0 +1,66 @@
+"""Blocks of scenes drawn by the compiled evaluator, run after run."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ...interpreter.streams import fold
+from ...semantics.outcome import Requirement
+from .columns import Columns
+from .fused import LEFT, PENDING, fuse
+from .graph import Node
+from .plan import Step
+
+BUDGET = 1 << 22
+"""Runs between which Python is asked whether it was interrupted."""
+
+
+class Drawn(NamedTuple):
+    """What became of the scenes of a block: `done` is the attempt that gave each (or that the interpreter must do, where `left`)."""
+
+    done: np.ndarray
+    left: np.ndarray
+    stuck: Counter[Requirement]
+    runs: int
+
+
+class Fused:
+    """A program's compiled evaluator. Raises `NotFused` if the graph has none; the first call takes seconds."""
+
+    def __init__(self, steps: Sequence[Step], outputs: Sequence[Node]) -> None:
+        self.outputs = tuple(outputs)
+        self.evaluator, self.arrays, self.events = fuse(steps, outputs)
+        self.floats = sum(node.kind == "float" for node in outputs)
+
+    def room(self, count: int) -> tuple[np.ndarray, np.ndarray]:
+        """Arrays for the results of `count` scenes: floats, and whole numbers and truth values."""
+        return np.empty((self.floats, count)), np.empty((len(self.outputs) - self.floats, count), dtype=np.int64)
+
+    def draw(self, seed: int, start: int, first: np.ndarray, live: np.ndarray, most: int, room: tuple[np.ndarray, np.ndarray]) -> Drawn:
+        """Scenes `start + live`, each from attempt `first[live]` on; `first` says afterwards where those stand that have none yet."""
+        fate = np.full(len(first), PENDING, dtype=np.int64)
+        done = np.full(len(first), -1, dtype=np.int64)
+        counts = np.zeros(len(self.events), dtype=np.int64)
+        runs = 0
+        while len(live):
+            some, _ = self.evaluator(np.uint64(fold(seed)), start, first, live, most, BUDGET, done, fate, *room, counts, *self.arrays)  # type: ignore[misc, call-arg, arg-type]
+            runs += some
+            live = live[(fate[live] == PENDING) & (first[live] < most)]
+        stuck: Counter[Requirement] = Counter()
+        for event, count in zip(self.events, counts.tolist(), strict=True):
+            if event.requirement is not None and count:
+                stuck[event.requirement] += count
+        return Drawn(done, fate == LEFT, stuck, runs)
+
+    def columns(self, room: tuple[np.ndarray, np.ndarray], kept: np.ndarray) -> Columns:
+        """The results of some scenes as the columns of the outputs."""
+        floats, whole = iter(room[0]), iter(room[1])
+        made: Columns = {}
+        for node in self.outputs:
+            column = next(floats if node.kind == "float" else whole)[kept]
+            made[node.number] = column.astype(bool) if node.kind == "bool" else column
+        return made

@@ -1,0 +1,321 @@
+"""A compiled evaluator of one program: its graph written as a function of one run after the other, which ends at the first thing that fails.
+
+It gives the same bits as the columns, which evaluate the same graph. `NotFused` says what of a graph it cannot do.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from ...interpreter.choosers import PER_SCENE
+from ...interpreter.streams import site_code
+from ...semantics.regions import PolygonalRegion
+from ...semantics.symbols import Elementary
+from ...semantics.vectors import Vector
+from .clipped import clipped_curve, curve_tests, largest_radius
+from .columns import constant_cells, field_of, has_columns, tests_of
+from .graph import AsFloat, Event, Macro, Node, Part, RowCall, RowDraw, Search, Site, Table
+from .plan import Step
+from .symbols import Traced
+
+PENDING, ACCEPTED, LEFT = 0, 1, 2
+"""What is known of a scene; LEFT: the interpreter must do the attempt that `done` says."""
+
+
+class NotFused(Exception):
+    """A graph holds something that has no compiled form; the text says what."""
+
+
+INFIX = {
+    np.add: "+", np.subtract: "-", np.multiply: "*", np.true_divide: "/", np.less: "<", np.less_equal: "<=", np.greater: ">", np.greater_equal: ">=",
+    np.equal: "==", np.not_equal: "!=", np.logical_and: "&", np.logical_or: "|", np.logical_xor: "!=",
+}
+PREFIX = {
+    np.negative: "-", np.positive: "+", np.logical_not: "not ", np.absolute: "abs", np.sqrt: "math.sqrt", np.sin: "math.sin", np.cos: "math.cos",
+}
+LIBRARY = {"hypot": 2, "atan2": 2, "exp": 1, "expm1": 1, "log": 1, "log1p": 1}
+SPECIAL = {"ndtri": "ndtri", "ndtri_exp": "ndtri_exp", "log_ndtr": "__pyx_fuse_1log_ndtr"}
+
+
+class Writer:
+    """The source of an evaluator, and what its names stand for."""
+
+    def __init__(self) -> None:
+        from . import compiled
+
+        self.compiled = compiled
+        self.lines: list[str] = []
+        self.names: dict[str, object] = {"math": math, "np": np, "philox": compiled.philox, "bisect_right": compiled.bisect_right}
+        self.arrays: dict[str, np.ndarray] = {}
+        self.blocks: set[tuple[object, ...]] = set()
+        self.macros: dict[object, str] = {}
+        self.kept: dict[int, str] = {}
+
+    def array(self, values: np.ndarray) -> str:
+        """The name of an array that is handed to the evaluator."""
+        found = self.kept.get(id(values))
+        if found is None:
+            found = self.kept[id(values)] = f"a{len(self.arrays)}"
+            self.arrays[found] = np.ascontiguousarray(values)
+        return found
+
+    def add(self, line: str, depth: int = 3) -> None:
+        """Write a line."""
+        self.lines.append("    " * depth + line)
+
+    # Nodes
+
+    def write(self, node: Node) -> None:
+        """The computation of a node."""
+        function, name = node.function, f"v{node.number}"
+        operands = [self.operand(a) for a in node.arguments]
+        match function:
+            case Site():
+                self.site(name, function)
+            case Table(values=values):
+                self.add(f"{name} = {self.array(values)}[{operands[0]}]")
+            case Search(cumulative=cumulative):
+                self.add(f"{name} = bisect_right({self.array(cumulative)}, {operands[0]})")
+            case AsFloat():
+                self.add(f"{name} = np.float64({operands[0]})")
+            case Macro():
+                self.add(f"{name} = {self.macro(function)}({', '.join(operands)})")
+            case RowCall():
+                self.call(name, function)
+            case RowDraw():
+                self.draw(name, function)
+            case Part(name=part) if isinstance(node.arguments[0], Node) and isinstance(node.arguments[0].function, RowDraw):
+                self.add(f"{name} = {operands[0]}_{part}")
+            case _:
+                self.add(f"{name} = {self.expression(function, operands)}")
+
+    def operand(self, value: object) -> str:
+        """A node's variable, or a constant."""
+        if isinstance(value, Node):
+            return f"v{value.number}"
+        if isinstance(value, bool):
+            return repr(value)
+        number = float(value)  # type: ignore[arg-type]
+        return f"({number!r})" if math.isfinite(number) else f"({'-' if number < 0 else ''}np.{'inf' if math.isinf(number) else 'nan'})"
+
+    def expression(self, function: Any, operands: Sequence[str]) -> str:
+        """An operation on numbers and truth values."""
+        if function in INFIX:
+            return f"{operands[0]} {INFIX[function]} {operands[1]}"
+        if function in PREFIX:
+            return f"{PREFIX[function]}({operands[0]})"
+        if function is np.minimum or function is np.maximum:
+            return f"{operands[0]} if {operands[0]} {'<' if function is np.minimum else '>'}= {operands[1]} else {operands[1]}"
+        if function is np.where:
+            return f"{operands[1]} if {operands[0]} else {operands[2]}"
+        if function is int:
+            return f"np.int64({operands[0]})"
+        if function is np.mod:
+            return f"np.mod({operands[0]}, {operands[1]})"
+        name = getattr(function, "__name__", "")
+        if isinstance(function, Elementary) or function is np.hypot:
+            self.names.setdefault(name, self.compiled.from_libm(name, LIBRARY[name]))
+        elif name in SPECIAL:
+            self.names.setdefault(name, self.compiled.from_scipy(SPECIAL[name]))
+        else:
+            raise NotFused(f"the function {name}" if name else "a point drawn row by row")
+        return f"{name}({', '.join(operands)})"
+
+    def site(self, name: str, site: Site) -> None:
+        """A random number; the four of a block are made together."""
+        block, word = divmod(site.index, 4)
+        key = (site.address, block, site.per_scene)
+        made = f"u{len(self.blocks)}_"
+        if key not in self.blocks:
+            self.blocks.add(key)
+            self.kept[hash(key)] = made
+            attempt = f"np.uint64({PER_SCENE})" if site.per_scene else "at"
+            targets = ", ".join(f"{made}{i}" for i in range(4))
+            self.add(f"{targets} = philox(seed, np.uint64({site_code(site.address)}), scene, {attempt}, np.uint64({block}))")
+        self.add(f"{name} = {self.kept[hash(key)]}{word}")
+
+    def macro(self, macro: Macro) -> str:
+        """The name of a compiled macro: its function traced on symbols of its own."""
+        if macro not in self.macros:
+            self.macros[macro] = f"m{len(self.macros)}"
+            self.names[self.macros[macro]] = compiled_macro(macro)
+        return self.macros[macro]
+
+    def draw(self, name: str, draw: RowDraw) -> None:
+        """A point of a curve inside a sector."""
+        found = clipped_curve(draw.distribution)
+        if found is None or not math.isfinite(largest_radius(found.radius)):
+            raise NotFused("a point drawn row by row")
+        tests = curve_tests(found.curve, largest_radius(found.radius))
+        self.site(f"{name}_u", Site(draw.address, 0, draw.per_scene))
+        self.names["clipped_point"] = self.compiled.clipped_point
+        values = [self.operand(v.node if isinstance(v, Traced) else v) for v in (found.x, found.y, found.radius, found.heading, found.angle)]
+        grid = self.kept_arrays(tests.grid, lambda: self.compiled.grid_arrays(tests.grid))
+        arrays = [self.array(a) for a in (tests.start, tests.along, *grid)]
+        self.add(f"{name}, {name}_x, {name}_y = clipped_point({', '.join([*values, f'{name}_u', *arrays])})")
+
+    # Tests on polygons
+
+    def call(self, name: str, call: RowCall) -> None:
+        """A test on a polygon or the value of a field."""
+        rule = has_columns(call)
+        if rule is None:
+            raise NotFused(call.text)
+        subject, *rest = call.structure
+        parts = [v for part in rest for v in (part if isinstance(part, Vector) else (part,))]
+        values = [self.operand(v.node if isinstance(v, Traced) else v) for v in parts]
+        if isinstance(subject, PolygonalRegion):
+            self.region(name, call, subject, values)
+        elif constant_cells(subject):
+            self.field(name, subject, values)
+        else:
+            raise NotFused(call.text)
+
+    def region(self, name: str, call: RowCall, region: PolygonalRegion, values: list[str]) -> None:
+        """Whether a point or box lies in a polygonal region."""
+        tests = tests_of(region)
+        shared = [self.array(a) for a in self.kept_arrays(tests, lambda: (tests.edges, tests.reference, tests.reference_inside))]
+        grid = [self.array(a) for a in self.kept_arrays(tests.grid, lambda: self.compiled.grid_arrays(tests.grid))]
+        scale = repr(float(tests.scale))
+        if len(values) == 2:
+            self.names["point_in"] = self.compiled.point_in
+            self.add(f"q = point_in({', '.join([*values, scale, *shared, *grid])})")
+        else:
+            self.names["box_in"] = self.compiled.box_in
+            largest = self.largest_box(call)
+            near = tests.grid_for(largest)
+            lists = [self.array(a) for a in self.kept_arrays(near, lambda: self.compiled.grid_arrays(near))]
+            self.add(f"q = box_in({', '.join([*values, scale, repr(largest), *shared, *grid, *lists])})")
+        self.add("if q == 2:")
+        self.leave()
+        self.add(f"{name} = q == 1")
+
+    def kept_arrays(self, owner: object, make: Callable[[], Sequence[np.ndarray]]) -> Sequence[np.ndarray]:
+        """The arrays of a test, made once."""
+        cache = self.names.setdefault("", {})
+        assert isinstance(cache, dict)
+        if id(owner) not in cache:
+            cache[id(owner)] = (owner, make())
+        return cache[id(owner)][1]
+
+    def largest_box(self, call: RowCall) -> float:
+        """How far from its centre a corner of the box can be, in metres: from the bounds of its sizes, or 16 m."""
+        bounds = [v.node.bounds if isinstance(v, Traced) else (0.0, float(v)) for v in call.structure[-2:]]  # type: ignore[arg-type]
+        sizes = [22.0 if b is None else b[1] for b in bounds]
+        return min(math.hypot(*sizes) / 2, 100.0) + 1e-6
+
+    def field(self, name: str, field: Any, values: list[str]) -> None:
+        """The heading of a field with constant cells."""
+        tests, headings = field_of(field)
+        self.names["first_cell"] = self.compiled.first_cell
+        grid = [self.array(a) for a in self.kept_arrays(tests.grid, lambda: self.compiled.grid_arrays(tests.grid))]
+        arrays = [self.array(a) for a in (tests.edges, tests.number)]
+        self.add(f"q = first_cell({', '.join([*values, repr(float(tests.scale)), *arrays, *grid])})")
+        self.add("if q == -2:")
+        self.leave()
+        self.add(f"{name} = {self.array(headings)}[q]")
+
+    def leave(self) -> None:
+        """The interpreter must do this run."""
+        self.add("fate[i] = 2; done[i] = attempt - 1", 4)
+        self.add("break", 4)
+
+    # Events
+
+    def event(self, event: Event, number: int) -> None:
+        """What becomes of the run."""
+        name = f"v{event.node.number}"
+        if event.kind == "call":
+            if event.node.kind == "bool":
+                return
+            fails = f"not {name}" if isinstance(event.node.function, RowDraw) else f"math.isnan({name})"
+        else:
+            fails = f"{name} != {event.expected}"
+        if event.condition is not None:
+            fails = f"v{event.condition.number} and ({fails})"
+        self.add(f"if {fails}:")
+        if event.kind == "guard":
+            self.leave()
+            return
+        self.add(f"counts[{number}] += 1", 4)
+        self.add("continue", 4)
+
+
+def fuse(steps: Sequence[Step], outputs: Sequence[Node]) -> tuple[Callable[..., int], tuple[np.ndarray, ...], list[Event]]:
+    """The evaluator of a plan, the arrays that it is called with, and the events that it counts.
+
+    evaluator(seed, start, first, live, most, budget, done, fate, floats, ints, counts, *arrays) -> (runs, scenes looked at)
+    """
+    writer = Writer()
+    events = [step.event for step in steps if step.event is not None]
+    for step in steps:
+        for node in step.nodes:
+            writer.write(node)
+        if step.event is not None:
+            writer.event(step.event, events.index(step.event))
+    places = {"float": 0, "int": 0, "bool": 0}
+    for node in outputs:
+        if node.kind == "object":
+            raise NotFused("a property that is computed row by row")
+        where = "floats" if node.kind == "float" else "ints"
+        counter = "float" if node.kind == "float" else "int"
+        writer.add(f"{where}[{places[counter]}, i] = v{node.number}")
+        places[counter] += 1
+    writer.add("fate[i] = 1; done[i] = attempt - 1")
+    writer.add("break")
+    names = list(writer.arrays)
+    head = [
+        f"def evaluator(seed, start, first, live, most, budget, done, fate, floats, ints, counts, {', '.join(names)}):",
+        "    runs = 0",
+        "    for j in range(len(live)):",
+        "        if runs >= budget:",
+        "            return runs, j",
+        "        i = live[j]",
+        "        scene = np.uint64(start + i)",
+        "        attempt = first[i]",
+        "        while True:",
+        "            if attempt >= most or runs >= budget:",
+        "                first[i] = attempt",
+        "                break",
+        "            at = np.uint64(attempt)",
+        "            attempt += 1",
+        "            runs += 1",
+    ]
+    source = "\n".join([*head, *writer.lines, "    return runs, len(live)"])
+    space: dict[str, Any] = {name: value for name, value in writer.names.items() if name}
+    exec(source, space)  # our own text
+    return writer.compiled.compile_(space["evaluator"]), tuple(writer.arrays.values()), events  # type: ignore[return-value]
+
+
+def compiled_macro(macro: Macro) -> Callable[..., object]:
+    """A macro's function, compiled: traced on symbols for its arguments, and written as code."""
+    from .trace import Trace
+
+    trace = Trace(lambda site: 0.37 + 0.01 * site.index)
+    symbols = [trace.site((), i, False) for i in range(sum(macro.shape))]
+    for symbol in symbols:
+        symbol.node.bounds = None
+    unwrapped = Macro(macro.function.__wrapped__, macro.shape)  # type: ignore[attr-defined]
+    result = unwrapped.call(symbols)
+    if trace.graph.events:
+        raise NotFused(macro.function.__name__)
+    writer = Writer()
+    arguments = [f"v{s.node.number}" for s in symbols]
+    for node in trace.graph.nodes:
+        if not isinstance(node.function, Site):
+            function, name = node.function, f"v{node.number}"
+            operands = [writer.operand(a) for a in node.arguments]
+            value = f"np.float64({operands[0]})" if isinstance(function, AsFloat) else writer.expression(function, operands)
+            writer.add(f"{name} = {value}", 1)
+    returned = writer.operand(result.node if isinstance(result, Traced) else result)
+    source = "\n".join([f"def function({', '.join(arguments)}):", *writer.lines, f"    return {returned}"])
+    space: dict[str, Any] = {name: value for name, value in writer.names.items() if name}
+    exec(source, space)  # our own text
+    return writer.compiled.compile_(space["function"])
+
+
+__all__ = ["LEFT", "PENDING", "NotFused", "fuse"]

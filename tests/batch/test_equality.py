@@ -1,0 +1,134 @@
+"""The batch backend gives the interpreter's scenes, number for number: columns and compiled code, gallery and random programs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import scenic_ref
+from scenic_ref.conformance.programs import ProgramSettings, random_programs
+from scenic_ref.inference.batch import Batch, NotLifted
+from scenic_ref.semantics.errors import ScenicError
+
+GALLERY = sorted((Path(__file__).parent.parent.parent / "examples" / "gallery").glob("*.scenic"))
+COMPILED = ("badly_parked_car", "noise", "overlapping_cars")
+FEW = {"simplest": 6, "mars_bottleneck": 8, "bumper_to_bumper": 6}
+ATTEMPTS = 60
+
+
+def batch_of(scenario: scenic_ref.Scenario) -> Batch:
+    assert scenario.rehearsed
+    return Batch(scenario.start, fuel=scenario.fuel)
+
+
+def results(scenes) -> tuple[list[str], str]:
+    """The lines of the scenes up to the first error, and its kind."""
+    lines: list[str] = []
+    try:
+        lines.extend(scene.to_line() for scene in scenes)
+    except ScenicError as error:
+        return lines, type(error).__name__
+    return lines, ""
+
+
+def one_by_one(scenario: scenic_ref.Scenario, seed: int, count: int, attempts: int) -> tuple[list[str], str]:
+    return results(scenario.sample(seed, i, max_attempts=attempts) for i in range(count))
+
+
+def from_batch(batch: Batch, seed: int, count: int, attempts: int) -> tuple[list[str], str]:
+    return results(batch.scenes(count, seed, max_attempts=attempts))
+
+
+@pytest.mark.parametrize("path", GALLERY, ids=lambda path: path.stem)
+def test_gallery_programs_give_the_same_scenes(path):
+    scenario = scenic_ref.load(path)
+    batch = batch_of(scenario)
+    count = FEW.get(path.stem, 20)
+    expected = [scene.to_line() for scene in scenario.sample_many(count, seed=31, backend="interpreter")]
+    assert [scene.to_line() for scene in batch.scenes(count, 31)] == expected
+    assert [scene.to_line() for scene in batch.scenes(count - 3, 31, start=3)] == expected[3:]
+
+
+@pytest.mark.parametrize("name", COMPILED)
+def test_compiled_code_gives_the_same_columns(name):
+    pytest.importorskip("numba")
+    scenario = scenic_ref.load(next(path for path in GALLERY if path.stem == name))
+    columns, compiled = batch_of(scenario), batch_of(scenario)
+    assert compiled.compile(), compiled.not_fused
+    for start in (0, 700):
+        one, other = columns.block(5, start, start + 700), compiled.block(5, start, start + 700)
+        assert one.attempts.tolist() == other.attempts.tolist()
+        assert one.stuck == other.stuck
+        assert one.rows.tolist() == other.rows.tolist()
+        for node in columns.outputs:
+            assert (one.columns[node.number] == other.columns[node.number]).all(), node
+
+
+@pytest.mark.parametrize("settings", [ProgramSettings(), ProgramSettings().as_finite()], ids=["any", "finite"])
+def test_random_programs_give_the_same_scenes(settings):
+    lifted = 0
+    for number, program in enumerate(random_programs(60, 808, settings)):
+        scenario = scenic_ref.loads(program.text)
+        try:
+            batch = batch_of(scenario)
+        except (NotLifted, ScenicError):
+            continue
+        lifted += 1
+        assert from_batch(batch, number, 4, ATTEMPTS) == one_by_one(scenario, number, 4, ATTEMPTS), program.text
+    assert lifted >= 48
+
+
+SHORT = {
+    "a choice of objects": "a = Object at (0, 5)\nb = Object at (9, 5), facing 1\n"
+    "ego = Object left of Uniform(a, b) by Range(1, 2), with requireVisible False",
+    "whole numbers stay whole": "ego = Object with v (Uniform(1, 2.5) * 2, min(Range(0, 3), 1), max(1, Uniform(0, 3)), abs(Uniform(-1, 2)))",
+    "a soft requirement": "x = Range(0, 1)\nrequire[0.5] x < 0.3\nrequire[0.25] Range(0, 1) < 0.5\nego = Object with v x",
+    "rows": "import math\nx = Range(0, 4)\nego = Object with v (math.exp(x), round(x), str(round(x)), x ** 3, [1, x][0], x // 0.3)",
+    "an error of some runs": "x = Uniform(0, 1, 2, 3, 4, 5, 6, 7)\nego = Object with v 1 / x",
+    "an error behind a requirement": "x = Uniform(0, 1, 2, 3)\nrequire x > 0\nego = Object with v 1 / x",
+    "a size that may be negative": "ego = Object with width Range(-0.1, 9)",
+    "random parameters": "m = Range(0, 3)\nego = Object with v (Normal(m, m), TruncatedNormal(0, 1, m, 5), Range(m, 4), Discrete({m: 1, 2: 2}))",
+    "a random region": "ego = Object in CircularRegion((Range(0, 5), 1), Range(1, 2)), with v Range(0, 1)",
+    "an intersection of random regions": "ego = Object\nObject in CircularRegion((0, 0), 9).intersect(CircularRegion((Range(3, 6), 0), 8))",
+    "a field of the program": "f = VectorField('f', lambda v: v.x / 10 + v.y)\nego = Object at (Range(0, 9), 1), facing f",
+    "mutation": "ego = Object at (0, 0)\nb = Object at (4, 4), with color (0.5, 0.5, 0.5)\nmutate ego by Range(0, 2)\nmutate b",
+    "a table of tables": "d = Uniform((1, 'a'), (2, 'b'))\nn, s = d\nego = Object with v [n, s, d]",
+    "boxes that touch a border": "workspace = Workspace(PolygonalRegion([(0, 0), (4, 0), (4, 4), (0, 4)]))\n"
+    "ego = Object at (Uniform(0.5, 1, 2, 3.5, 3.75), Uniform(0.25, 0.5, 3.5))",
+    "a wide sector": "ego = Object with viewAngle 300 deg, with viewDistance 5\nObject at (Range(-4, 4), Range(-4, 4))",
+    "points of a curve": "ego = Object facing Range(0, 6), with viewAngle 1\n"
+    "Object on (visible PolylineRegion([(-9, 3), (0, 9), (9, 3), (4, -9)], orientation=False)), with requireVisible False",
+}
+
+
+@pytest.mark.parametrize("compiled", [False, True], ids=["columns", "compiled"])
+@pytest.mark.parametrize("name", SHORT)
+def test_short_programs_give_the_same_scenes(name, compiled):
+    scenario = scenic_ref.loads(SHORT[name])
+    batch = batch_of(scenario)
+    if compiled:
+        pytest.importorskip("numba")
+        if name not in ("a soft requirement", "boxes that touch a border", "points of a curve", "random parameters"):
+            pytest.skip("compiling takes seconds")
+        assert batch.compile(), batch.not_fused
+    assert from_batch(batch, 7, 40, 200) == one_by_one(scenario, 7, 40, 200)
+
+
+def test_what_depends_on_more_than_the_numbers_is_not_lifted():
+    reasons = {
+        "ego = Uniform(Object at (0, 0), Object at (5, 5))": "ego",
+        "ego = Object with v Range(0, 1)\nprint('hello')": "prints",
+        "x = Range(0, 1)\nego = Object with v {x: 1}": "dictionary",
+        "require False\nego = Object with v Range(0, 1)": "always failed",
+    }
+    for text, reason in reasons.items():
+        scenario = scenic_ref.loads(text)
+        with pytest.raises(NotLifted, match=reason):
+            Batch(scenario.start, fuel=scenario.fuel)
+
+
+def test_runs_that_take_another_way_are_left_to_the_interpreter():
+    scenario = scenic_ref.loads("x = Range(0, 10)\nego = Object with width x - 0.001, with requireVisible False")
+    batch = batch_of(scenario)
+    with pytest.raises(ScenicError, match="at least 0"):
+        list(batch.scenes(200_000, 3))

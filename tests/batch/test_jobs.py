@@ -1,0 +1,199 @@
+"""Many scenes as jobs: whoever draws them, and however many at a time, the lines and tables are the interpreter's, byte for byte."""
+
+from __future__ import annotations
+
+import json
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scenic_ref
+from scenic_ref.inference.batch.jobs import Pace, block_of, in_order
+from scenic_ref.inference.batch.output import lines_of, table_of
+from scenic_ref.interpreter import tables
+from scenic_ref.interpreter.tables import COLUMNS, Columns, Groups, Texts, chosen, columns_of, in_first_order, joined, open_table
+from scenic_ref.semantics.errors import AttemptsExhausted
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+PROGRAMS = {
+    "values": (
+        "x = Range(0, 1)\nb = x < 0.5\nc = Uniform(1, 'two %d \"§\\n', None, (3, x))\nd = Discrete({1: 1, 2.5: 3})\n"
+        "ego = Object at (d, 0), with a [x, (x, c), {'k': x, '%': b}], with t b, with u c, with w {'inf': 1e308 * 10 * x}\n"
+        "other = Object at (9, Range(0, 3)), facing Range(-900, 900) deg, with width d, with length 2\nparam 'p%s' = x, time = c\n"
+    ),
+    "constant": "ego = Object at (1, 2), with s 'a%b'\n",
+    "rejected": "x = Range(0, 1)\nego = Object at (x, 0)\nrequire x > 0.4\nrequire[0.5] x > 0.6\n",
+}
+
+
+def scenario_of(name: str) -> scenic_ref.Scenario:
+    return scenic_ref.loads(PROGRAMS[name]) if name in PROGRAMS else scenic_ref.load(EXAMPLES / name)
+
+
+def same(one: Columns, other: Columns) -> bool:
+    """Whether two tables have the same rows, number for number and text for text."""
+
+    def bits(column: np.ndarray | Texts) -> object:
+        if isinstance(column, Texts):
+            first = in_first_order(column)
+            return list(first.values), first.codes.tolist()
+        return column.dtype, column.tobytes()
+
+    return list(one) == list(other) == list(COLUMNS) and all(bits(one[name]) == bits(other[name]) for name in COLUMNS)
+
+
+@pytest.mark.parametrize("name", [*PROGRAMS, "gallery/two_cars.scenic", "gallery/noise.scenic", "paper/mutated_taxi.scenic"])
+def test_lines_and_tables_are_those_of_the_interpreter_s_scenes(name):
+    scenario = scenario_of(name)
+    batch = scenario.batch
+    assert batch is not None
+    block = block_of(batch, 5, 3, 43)
+    scenes = [scenario.sample(5, index) for index in range(3, 43)]
+    assert lines_of(batch.template, block, 5) == [scene.to_line() for scene in scenes]
+    assert same(table_of(batch.template, block, 5), columns_of(json.loads(scene.to_line()) for scene in scenes))
+
+
+def test_runs_that_were_left_to_the_interpreter_stand_in_their_places():
+    batch = scenario_of("values").batch
+    assert batch is not None
+    whole = block_of(batch, 0, 10, 50)
+    scenes = dict(enumerate(batch.scenes_of(whole, 0), 10))
+    kept = whole.rows % 3 != 0
+    columns = {number: column[kept] for number, column in whole.columns.items()}
+    part = whole._replace(rows=whole.rows[kept], columns=columns, others={k: s for k, s in scenes.items() if k % 3 == 0})
+    assert lines_of(batch.template, part, 0) == lines_of(batch.template, whole, 0)
+    assert same(table_of(batch.template, part, 0), table_of(batch.template, whole, 0))
+
+
+def test_the_sizes_of_jobs_change_neither_scenes_nor_attempts():
+    batch = scenario_of("rejected").batch
+    assert batch is not None
+    whole = block_of(batch, 1, 0, 600)
+    parts = [block_of(batch, 1, start, min(start + 97, 600)) for start in range(0, 600, 97)]
+    assert [line for part in parts for line in lines_of(batch.template, part, 1)] == lines_of(batch.template, whole, 1)
+    assert np.concatenate([part.attempts for part in parts]).tolist() == whole.attempts.tolist()
+
+
+def test_a_scene_s_failed_requirements_are_told_as_the_interpreter_does_however_many_are_drawn():
+    scenario = scenic_ref.loads("x = Range(0, 1)\nego = Object at (0, 0)\nrequire x > 0.9\n")
+    assert scenario.batch is not None
+    block = block_of(scenario.batch, 0, 0, 200, max_attempts=5)
+    assert isinstance(block.error, AttemptsExhausted)
+    with pytest.raises(AttemptsExhausted) as alone:
+        scenario.sample(0, len(block.attempts), max_attempts=5)
+    assert (block.error.message, block.error.stuck, block.error.hint) == (alone.value.message, alone.value.stuck, alone.value.hint)
+
+
+def test_sample_many_gives_the_same_scenes_by_every_backend_and_says_why_not():
+    scenario = scenario_of("rejected")
+    lines = [[s.to_line() for s in scenario.sample_many(30, 2, start=7, backend=b)] for b in ("auto", "batch", "interpreter")]
+    assert lines[0] == lines[1] == lines[2]
+    assert scenario.not_lifted is None
+    printing = scenic_ref.loads("x = Range(0, 1)\nprint(1)\nego = Object at (x, 0)\n")
+    assert [s.index for s in printing.sample_many(12, backend="batch")] == list(range(12))
+    assert (printing.batch, printing.not_lifted) == (None, "the program prints")
+    with pytest.raises(scenic_ref.errors.UsageError, match="no backend magic"):
+        scenario.sample_many(1, backend="magic")  # type: ignore[arg-type]
+
+
+def test_jobs_grow_while_they_are_quick_and_shrink_while_they_are_slow():
+    pace = Pace(16, objects=4096)
+    sizes = []
+    for start, stop in pace.parts(5, 100):
+        sizes.append(stop - start)
+        pace.took(stop - start, 5.0 if len(sizes) > 3 else 0.0)
+    assert (sum(sizes), sizes[0], max(sizes)) == (95, 16, 16)
+    pace = Pace(8)
+    for scenes, seconds, size in ((8, 0.1, 16), (8, 0.1, 16), (16, 0.5, 16), (16, 0.1, 32), (32, 3.0, 16), (16, 3.0, 16), (32, 0.0, 32)):
+        pace.took(scenes, seconds)
+        assert pace.size == size
+
+
+def test_results_come_in_order_and_few_jobs_are_under_way():
+    lock, begun, given = threading.Lock(), [], []
+
+    def work(job: int) -> int:
+        with lock:
+            begun.append(job)
+            assert len(begun) - len(given) <= 6
+        time.sleep(0.002 * (7 * job % 5))
+        return job
+
+    with ThreadPoolExecutor(4) as pool:
+        for result in in_order(pool, work, range(40), 5):
+            given.append(result)
+    assert given == list(range(40))
+
+
+def test_an_error_in_a_job_is_raised_in_its_place_and_ends_the_rest():
+    def work(job: int) -> int:
+        return 1 // (3 - job)
+
+    with ThreadPoolExecutor(2) as pool:
+        found = in_order(pool, work, range(100), 4)
+        assert [next(found) for _ in range(3)] == [0, 0, 1]
+        with pytest.raises(ZeroDivisionError):
+            next(found)
+
+
+@pytest.fixture
+def rows() -> Columns:
+    scenario = scenario_of("values")
+    return columns_of(json.loads(s.to_line()) for s in scenario.sample_many(60, backend="interpreter"))
+
+
+def test_groups_of_rows_end_with_scenes_and_do_not_depend_on_the_pieces(rows, monkeypatch):
+    monkeypatch.setattr(tables, "ROWS_AT_ONCE", 13)
+    found = []
+    for scenes in (1, 3, 7, 60):
+        groups = Groups()
+        pieces = [chosen(rows, slice(k, k + 2 * scenes)) for k in range(0, 120, 2 * scenes)]
+        found.append([group for piece in pieces for group in groups.add(piece)] + list(groups.rest()))
+    assert [len(group["scene"]) for group in found[0]] == [14] * 8 + [8]
+    assert all(len(other) == 9 and all(map(same, found[0], other)) for other in found)
+    assert same(joined(found[0]), rows)
+
+
+@pytest.mark.parametrize("suffix", tables.SUFFIXES)
+def test_a_table_has_the_same_bytes_whatever_the_pieces(rows, suffix, tmp_path, monkeypatch):
+    if suffix == ".parquet":
+        pytest.importorskip("pyarrow")
+    monkeypatch.setattr(tables, "ROWS_AT_ONCE", 13)
+    written = []
+    for scenes in (1, 7, 60):
+        table = open_table(tmp_path / f"{scenes}{suffix}")
+        for k in range(0, 120, 2 * scenes):
+            table.add_columns(chosen(rows, slice(k, k + 2 * scenes)))
+        table.finish()
+        table.close()
+        written.append((tmp_path / f"{scenes}{suffix}").read_bytes())
+    assert written[0] == written[1] == written[2]
+    assert len(list(tmp_path.iterdir())) == 3
+
+
+def test_an_npz_table_is_read_by_numpy_alone(rows, tmp_path):
+    table = open_table(tmp_path / "scenes.npz")
+    table.add_columns(rows)
+    table.finish()
+    table.close()
+    with np.load(tmp_path / "scenes.npz") as read:
+        for name, column in rows.items():
+            if isinstance(column, Texts):
+                texts = read[f"{name}.jsonl"].decode().splitlines()
+                written = [texts[k] if name in tables.JSON_ALREADY else json.loads(texts[k]) for k in read[name]]
+                assert written == [column.values[k] for k in column.codes]
+            else:
+                assert (read[name].dtype, read[name].tobytes()) == (column.dtype, column.tobytes())
+
+
+def test_an_unfinished_table_leaves_nothing(rows, tmp_path):
+    for suffix in tables.SUFFIXES:
+        if suffix == ".parquet":
+            pytest.importorskip("pyarrow")
+        table = open_table(tmp_path / f"scenes{suffix}")
+        table.add_columns(rows)
+        table.close()
+    assert not list(tmp_path.iterdir())
