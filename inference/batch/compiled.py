@@ -13,12 +13,12 @@ from typing import Any
 
 import numba
 import numpy as np
-from numba.extending import get_cython_function_address
+from llvmlite import ir
+from numba.extending import get_cython_function_address, intrinsic
 
 from .polygons import TIE, Grid
 
 OUTSIDE, INSIDE, UNSURE = 0, 1, 2
-_LOW, _HALF = np.uint64(0xFFFFFFFF), np.uint64(32)
 _M0, _M1 = np.uint64(0xD2E7470EE14C6C93), np.uint64(0xCA5A826395121157)
 _W0, _W1 = np.uint64(0x9E3779B97F4A7C15), np.uint64(0xBB67AE8584CAA73B)
 _ZERO, _ELEVEN, _UNIT = np.uint64(0), np.uint64(11), 2.0**-53
@@ -42,13 +42,16 @@ def from_scipy(name: str) -> Callable[..., float]:
     return kind(get_cython_function_address("scipy.special.cython_special", name))
 
 
-@compile_
-def _high(a: np.uint64, b: np.uint64) -> np.uint64:
-    """The high word of the 128-bit product."""
-    a_low, a_high, b_low, b_high = a & _LOW, a >> _HALF, b & _LOW, b >> _HALF
-    middle = a_high * b_low + (a_low * b_low >> _HALF)
-    other = a_low * b_high + (middle & _LOW)
-    return a_high * b_high + (middle >> _HALF) + (other >> _HALF)
+@intrinsic
+def _high(context: Any, a: Any, b: Any) -> Any:
+    """The high word of the 128-bit product of two 64-bit words."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        wide = ir.IntType(128)
+        left, right = (builder.zext(argument, wide) for argument in arguments)
+        return builder.trunc(builder.lshr(builder.mul(left, right), ir.Constant(wide, 64)), ir.IntType(64))
+
+    return numba.uint64(numba.uint64, numba.uint64), generate
 
 
 @compile_

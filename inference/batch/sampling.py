@@ -7,6 +7,7 @@ the block nor on the order of evaluation. Runs that the graph does not describe 
 
 from __future__ import annotations
 
+import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, NamedTuple
@@ -33,6 +34,10 @@ WAVE = 1 << 14
 """Runs that are evaluated at a time: their columns fit into the caches."""
 WASTE = 0.25
 """So many of the attempts at a scene that are evaluated at a time may be expected to be in vain."""
+
+
+COMPILE_LEAST, COMPILE_NODE = 1.5, 0.012
+"""Seconds that compiling takes, by and large: at least, and for each node."""
 
 
 class Block(NamedTuple):
@@ -65,6 +70,7 @@ class Batch:
         self.steps: tuple[Step, ...] = plan(graph, self.outputs)
         self.fused: Fused | None = None
         self.not_fused = ""
+        self.spent = 0.0
 
     def compile(self) -> bool:
         """Use the compiled evaluator from now on, if there is one; else `not_fused` says why. Takes seconds."""
@@ -96,13 +102,20 @@ class Batch:
             yield block.others[index] if index in block.others else next(made)
 
     def block(self, seed: int, start: int, stop: int, *, max_attempts: int = DEFAULT_ATTEMPTS) -> Block:
-        """Scenes `start` to `stop - 1`."""
+        """Scenes `start` to `stop - 1`.
+
+        Once the columns have taken as long as compiling is expected to take, the compiled evaluator does the rest.
+        """
+        if self.spent > COMPILE_LEAST + COMPILE_NODE * len(self.graph.nodes):
+            self.compile()
+        begun = time.monotonic()
         drawing = Drawing(self, seed, start, stop, max_attempts)
         while len(drawing.pending):
             if self.fused is not None:
                 drawing.compiled(self.fused)
             else:
                 drawing.wave()
+        self.spent += 0.0 if self.fused is not None else time.monotonic() - begun
         return drawing.block()
 
 

@@ -116,11 +116,10 @@ FAULTS = (
         (
             Edit(
                 "semantics/regions/sampling.py",
-                "        chosen = min(bisect_right(self._cumulative, uniform() * self.area), len(self._cumulative) - 1)\n"
-                "        ax, ay",
+                "        ax, ay, bx, by, cx, cy = pick(",
                 "        low, high = self.triangles.reshape(-1, 2).min(0), self.triangles.reshape(-1, 2).max(0)\n"
                 "        return Vector(*(low + (high - low) * [uniform(), uniform()]).tolist())\n"
-                "        ax, ay",
+                "        ax, ay, bx, by, cx, cy = pick(",
             ),
         ),
         "ego = Object in PolygonalRegion([(0, 0), (4, 0), (0, 4)])\n",
