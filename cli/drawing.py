@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, cached_property
+from threading import get_ident
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..inference.rejection import sample
@@ -165,7 +166,11 @@ def holds_aside(condition: Node, place: Config) -> bool | None:
     return None
 
 
-@cache
 def drawing_of(source: Source) -> Drawing:
-    """The drawing of a program, loaded once per process."""
+    """The drawing of a program, loaded once per process, and once per thread where a cluster has several: they share no program."""
+    return _drawing_of(source, get_ident())
+
+
+@cache
+def _drawing_of(source: Source, thread: int) -> Drawing:
     return Drawing(source.load())

@@ -1,4 +1,4 @@
-"""Where scenes go: a file of JSON Lines that survives interruption, a pipe, a Parquet table, a terminal."""
+"""Where scenes go: a file of JSON Lines that survives interruption, a pipe, a table in a file, a terminal."""
 
 from __future__ import annotations
 
@@ -7,16 +7,25 @@ import os
 import stat
 import sys
 from abc import ABC, abstractmethod
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
+from ..inference.batch.jobs import uninterrupted
 from ..interpreter.scenes import SCHEMA
+from ..interpreter.tables import SUFFIXES
 from ..semantics.errors import UsageError
 from .drawing import Drawn
-from .workers import uninterrupted
+
+if TYPE_CHECKING:
+    from .portions import Form, Portion
 
 BINARY = getattr(os, "O_BINARY", 0)
+AT_ONCE = 1 << 16
+"""So many characters of whole lines are written at a time: as much as a pipe holds."""
+KNOWN = 32
+"""Of so many scenes that are there already are the attempts kept, for a picture of them."""
 
 
 class Earlier(NamedTuple):
@@ -27,8 +36,21 @@ class Earlier(NamedTuple):
     line: str
 
 
+class Resumed(NamedTuple):
+    """What a resumed file holds: how many scenes, the (index, attempts) of the first ones, and the last."""
+
+    count: int = 0
+    first: tuple[tuple[int, int], ...] = ()
+    last: Earlier | None = None
+
+
 class Output(ABC):
     """A place for scenes. Used in a `with`: leaving it without `finish` leaves nothing half-written."""
+
+    @property
+    def form(self) -> Form:
+        """In which form many scenes at a time are wanted."""
+        return "lines"
 
     def __enter__(self) -> Output:
         return self
@@ -36,13 +58,17 @@ class Output(ABC):
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self.close()
 
-    def earlier(self, seed: int) -> tuple[Earlier, ...]:
+    def earlier(self, seed: int) -> Resumed:
         """The scenes of `seed` that are there already. Raises `UsageError` for anything else that is there."""
         raise UsageError("only a file of JSON Lines can be resumed")
 
     @abstractmethod
     def write(self, drawn: Drawn) -> None:
         """Add a scene. Raises `UsageError` if there is no room."""
+
+    @abstractmethod
+    def write_many(self, portion: Portion) -> None:
+        """Add scenes, in the form that this output wants. Raises `UsageError` if there is no room."""
 
     def finish(self) -> None:  # noqa: B027 (most outputs have nothing to do)
         """All scenes were written."""
@@ -68,15 +94,20 @@ class LinesFile(Output):
         if not resume:
             self.cut()
 
-    def earlier(self, seed: int) -> tuple[Earlier, ...]:
-        """The whole lines of the file; a torn last line is cut off."""
+    def earlier(self, seed: int) -> Resumed:
+        """The whole lines of the file, read one by one; a torn last line is cut off."""
+        count, first, last = 0, [], None
         with open(self.path, "rb") as file:
-            data = file.read()
-        self.size = data.rfind(b"\n") + 1
-        lines = data[: self.size].split(b"\n")[:-1]
-        found = tuple(self._earlier(number, line, seed) for number, line in enumerate(lines))
+            for line in file:
+                if not line.endswith(b"\n"):
+                    break
+                last = self._earlier(count, line[:-1], seed)
+                count += 1
+                self.size += len(line)
+                if len(first) < KNOWN:
+                    first.append((last.index, last.attempts))
         self.cut()
-        return found
+        return Resumed(count, tuple(first), last)
 
     def _earlier(self, number: int, data: bytes, seed: int) -> Earlier:
         try:
@@ -95,7 +126,14 @@ class LinesFile(Output):
 
     def write(self, drawn: Drawn) -> None:
         """One line, in full or not at all."""
-        data = f"{drawn.line}\n".encode()
+        self._write(f"{drawn.line}\n".encode())
+
+    def write_many(self, portion: Portion) -> None:
+        """Whole lines."""
+        for data in together(portion.lines):
+            self._write(data)
+
+    def _write(self, data: bytes) -> None:
         with uninterrupted():
             try:
                 write_all(self.file, data)
@@ -122,7 +160,14 @@ class Pipe(Output):
 
     def write(self, drawn: Drawn) -> None:
         """One line, at once."""
-        data = f"{drawn.line}\n".encode()
+        self._write(f"{drawn.line}\n".encode())
+
+    def write_many(self, portion: Portion) -> None:
+        """Whole lines."""
+        for data in together(portion.lines):
+            self._write(data)
+
+    def _write(self, data: bytes) -> None:
         with uninterrupted():
             try:
                 write_all(sys.stdout.fileno(), data)
@@ -132,17 +177,27 @@ class Pipe(Output):
                 raise UsageError(f"standard output cannot be written: {error.strerror or error}") from None
 
 
-class Table(Output):
-    """A Parquet file, which is there only when it is complete."""
+class TableOutput(Output):
+    """A Parquet or npz file, which is there only when it is complete."""
 
     def __init__(self, path: str) -> None:
-        from ..interpreter.tables import TableFile
+        from ..interpreter.tables import open_table
 
-        self.table = TableFile(Path(path))
+        self.table = open_table(Path(path))
+
+    @property
+    def form(self) -> Form:
+        """Columns."""
+        return "table"
 
     def write(self, drawn: Drawn) -> None:
         """One row per object."""
         self.table.add(json.loads(drawn.line))
+
+    def write_many(self, portion: Portion) -> None:
+        """The rows of the objects of all scenes."""
+        if portion.columns is not None:
+            self.table.add_columns(portion.columns)
 
     def finish(self) -> None:
         """Give the table its name."""
@@ -151,6 +206,20 @@ class Table(Output):
     def close(self) -> None:
         """Remove an unfinished table."""
         self.table.close()
+
+
+def together(lines: Sequence[str]) -> Iterator[bytes]:
+    """Lines with their ends, some whole ones at a time."""
+    waiting: list[str] = []
+    length = 0
+    for line in lines:
+        if waiting and length + len(line) > AT_ONCE:
+            yield "\n".join([*waiting, ""]).encode()
+            waiting, length = [], 0
+        waiting.append(line)
+        length += len(line) + 1
+    if waiting:
+        yield "\n".join([*waiting, ""]).encode()
 
 
 def write_all(file: int, data: bytes) -> None:
@@ -168,8 +237,8 @@ def open_output(path: str | None, *, resume: bool) -> Output:
         return Terminal()
     if path is None or path == "-":
         return Pipe()
-    if path.endswith(".parquet"):
+    if path.endswith(SUFFIXES):
         if resume:
-            raise UsageError("a Parquet table cannot be resumed", hint="write JSON Lines: -o PATH.jsonl")
-        return Table(path)
+            raise UsageError("a table cannot be resumed, since it is there only when it is complete", hint="write JSON Lines: -o PATH.jsonl")
+        return TableOutput(path)
     return LinesFile(path, resume=resume)

@@ -3,27 +3,30 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Generator, Iterator
-from contextlib import ExitStack
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, ExitStack
 from pathlib import Path
 from typing import NamedTuple
 
+from ..inference.batch.jobs import Workers, cluster, processes
+from ..scenario import FEW
 from ..semantics.errors import ScenicError, UsageError
 from .drawing import Drawing, Drawn, drawing_of
 from .files import check_place
 from .options import Source
-from .outputs import Earlier, open_output
+from .outputs import Output, Resumed, open_output
+from .portions import portions
 from .progress import Progress
 from .reports import Tally, summary
 from .session import Session, tell
-from .workers import Failed, Job, draw_here, draw_in_processes
+from .workers import Failed, Job, draw_here, drawn_by
 
 MOST_PLOTTED = 16
 FORMATS = ("png", "pdf", "svg")
 
 
 class Request(NamedTuple):
-    """Which scenes to draw, and what to do with them."""
+    """Which scenes to draw, by whom, and what to do with them."""
 
     start: int
     stop: int
@@ -33,6 +36,8 @@ class Request(NamedTuple):
     plot: str | None
     workers: int
     resume: bool
+    backend: str = "auto"
+    cluster: str | None = None
 
 
 def produce(source: Source, request: Request, session: Session) -> None:
@@ -45,29 +50,81 @@ def produce(source: Source, request: Request, session: Session) -> None:
     with ExitStack() as stack:
         output = open_output(request.output, resume=request.resume)
         stack.push(output)
-        earlier = output.earlier(request.seed) if request.resume else ()
+        earlier = output.earlier(request.seed) if request.resume else Resumed()
         check_earlier(drawing, request, earlier)
-        start = max(request.start, len(earlier))
+        start = max(request.start, earlier.count)
         job = Job(source, request.seed, start, max(start, request.stop), request.max_attempts)
+        interpreted = why_interpreted(drawing, request)
         progress = stack.enter_context(Progress(request.stop - request.start, start - request.start))
-        scenes = scenes_of(drawing, job, request.workers, progress)
-        stack.callback(scenes.close)
-        known = [(e.index, e.attempts) for e in earlier]
-        for drawn in accepted(scenes, progress):
-            output.write(drawn)
-            tally.add(drawn)
-            progress.drawn(drawn.attempts)
-            if len(known) <= MOST_PLOTTED:
-                known.append((drawn.index, drawn.attempts))
+        known = list(earlier.first)
+        if interpreted is None:
+            produce_by_batch(job, request, output, tally, progress, known, stack)
+        else:
+            produce_one_by_one(drawing, job, request, output, tally, progress, known, stack)
         output.finish()
-    if earlier:
-        tell(f"{len(earlier):,} scenes were there already")
-    for line in summary(tally, request.seed, time.perf_counter() - begun, session.texts):
+    if earlier.count:
+        tell(f"{earlier.count:,} scenes were there already")
+    for line in summary(tally, request.seed, time.perf_counter() - begun, session.texts, backend_line(interpreted, tally)):
         tell(line)
     if drawing.about_time:
         tell(f"note: conditions over time are not checked, since dynamics do not run yet: {', '.join(drawing.about_time)}")
     if request.plot is not None:
         plot(drawing, request, known[: request.stop])
+
+
+def why_interpreted(drawing: Drawing, request: Request) -> str | None:
+    """Why the interpreter draws the scenes one by one; None if the batch backend draws many at a time."""
+    if request.backend == "interpreter":
+        return "as asked for"
+    if request.backend == "auto" and request.stop - request.start < FEW:
+        return f"since fewer than {FEW} scenes were asked for"
+    reason = drawing.scenario.not_lifted
+    return None if reason is None else f"since the program cannot be drawn from many at a time: {reason}"
+
+
+def backend_line(interpreted: str | None, tally: Tally) -> str:
+    """Who drew the scenes, and why not the batch backend."""
+    if interpreted is not None:
+        return f"drawn by the interpreter, {interpreted}"
+    runs = "1 run was" if tally.left == 1 else f"{tally.left:,} runs were"
+    return f"drawn by the batch backend; {runs} left to the interpreter"
+
+
+def workers_of(request: Request, scenes: int) -> AbstractContextManager[Workers] | None:
+    """Who draws the scenes, if not this process."""
+    if request.cluster is not None:
+        return cluster(request.cluster, request.workers if request.workers > 1 else None)
+    return processes(min(request.workers, scenes)) if request.workers > 1 and scenes > 1 else None
+
+
+def produce_by_batch(
+    job: Job, request: Request, output: Output, tally: Tally, progress: Progress, known: list[tuple[int, int]], stack: ExitStack
+) -> None:
+    """Draw many scenes at a time; `known` gets the attempts of the first ones. Raises the error that ends them."""
+    found = portions(job.source, job, output.form, workers_of(request, job.stop - job.start), request.workers)
+    stack.callback(found.close)
+    for portion in found:
+        output.write_many(portion)
+        tally.add_portion(portion)
+        progress.drawn(int(portion.attempts.sum()), len(portion.attempts))
+        known += enumerate(portion.attempts[: max(0, MOST_PLOTTED + 1 - len(known))].tolist(), portion.start)
+        if portion.failed is not None:
+            raise portion.failed.error
+
+
+def produce_one_by_one(
+    drawing: Drawing, job: Job, request: Request, output: Output, tally: Tally, progress: Progress, known: list[tuple[int, int]], stack: ExitStack
+) -> None:
+    """Draw the scenes with the interpreter; `known` gets the attempts of the first ones. Raises the error that ends them."""
+    workers = workers_of(request, job.stop - job.start)
+    scenes = draw_here(drawing, job, progress.stuck) if workers is None else drawn_by(workers, job, request.workers)
+    stack.callback(scenes.close)
+    for drawn in accepted(scenes, progress):
+        output.write(drawn)
+        tally.add(drawn)
+        progress.drawn(drawn.attempts)
+        if len(known) <= MOST_PLOTTED:
+            known.append((drawn.index, drawn.attempts))
 
 
 def rehearse(drawing: Drawing) -> None:
@@ -79,13 +136,6 @@ def rehearse(drawing: Drawing) -> None:
         for text in printed:
             tell(text)
         raise
-
-
-def scenes_of(drawing: Drawing, job: Job, workers: int, progress: Progress) -> Generator[Drawn | Failed]:
-    """The scenes, from this process or from several."""
-    if workers == 1 or job.stop - job.start <= 1:
-        return draw_here(drawing, job, progress.stuck)
-    return draw_in_processes(job, min(workers, job.stop - job.start))
 
 
 def accepted(scenes: Iterator[Drawn | Failed], progress: Progress) -> Iterator[Drawn]:
@@ -112,11 +162,11 @@ def check_paths(source: Source, request: Request) -> None:
         raise UsageError(f"--plot {request.plot}: pictures are written as .png, .pdf or .svg")
 
 
-def check_earlier(drawing: Drawing, request: Request, earlier: tuple[Earlier, ...]) -> None:
+def check_earlier(drawing: Drawing, request: Request, earlier: Resumed) -> None:
     """The last scene that is there must be the one that this program gives. Raises `UsageError`."""
-    if not earlier:
+    last = earlier.last
+    if last is None:
         return
-    last = earlier[-1]
     again = drawing.again(request.seed, last.index, last.attempts)
     if again is None or again.to_line() != last.line:
         raise UsageError(
@@ -137,5 +187,3 @@ def plot(drawing: Drawing, request: Request, known: list[tuple[int, int]]) -> No
         save_picture([scene for scene in shown if scene is not None], request.plot)
     except OSError as error:
         raise UsageError(f"{request.plot} cannot be written: {error.strerror or error}") from None
-
-

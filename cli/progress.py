@@ -1,4 +1,4 @@
-"""How far a run is, on a terminal: scenes, rate, attempts per scene, time left."""
+"""How far a run is, on a terminal: scenes, rate, attempts per scene, acceptance, time left."""
 
 from __future__ import annotations
 
@@ -47,9 +47,9 @@ class Progress:
         self.pending = attempts
         self.show()
 
-    def drawn(self, attempts: int) -> None:
-        """One more scene was drawn, in so many attempts."""
-        self.scenes += 1
+    def drawn(self, attempts: int, scenes: int = 1) -> None:
+        """More scenes were drawn, in so many attempts."""
+        self.scenes += scenes
         self.attempts += attempts
         self.pending = 0
         self.show()
@@ -62,7 +62,8 @@ class Progress:
         self.shown = now
         new = self.scenes - self.begun_with
         rate = f"{new / (now - self.begun):.3g}/s" if new else ""
-        each = f"{(self.attempts + self.pending) / max(new, 1):.3g} attempts each"
+        attempts = self.attempts + self.pending
+        each = f"{attempts / max(new, 1):.3g} attempts each" + (f" ({new / attempts:.2%} accepted)" if new and attempts else "")
         self.bar.update(self.task, completed=self.scenes, rate=f"{rate}  {each}")
 
     def say(self, text: str) -> None:

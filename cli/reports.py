@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from ..semantics.outcome import Requirement
     from ..semantics.syntax.nodes import Span
     from .drawing import Drawn, Softness
+    from .portions import Portion
 
 LONGEST = 60
 
@@ -25,25 +26,37 @@ class Tally:
     attempts: int = 0
     stuck: Counter[Requirement] = field(default_factory=Counter)
     soft: dict[Span, Softness] = field(default_factory=dict)
+    left: int = 0
 
     def add(self, drawn: Drawn) -> None:
         """One more scene."""
         self.scenes += 1
         self.attempts += drawn.attempts
         self.stuck.update(drawn.stuck)
-        for softness in drawn.soft:
+        self._look(drawn.soft)
+
+    def add_portion(self, portion: Portion) -> None:
+        """Many more scenes."""
+        self.scenes += len(portion.attempts)
+        self.attempts += int(portion.attempts.sum())
+        self.stuck.update(portion.stuck)
+        self.left += portion.left
+        self._look(portion.soft)
+
+    def _look(self, softnesses: Iterable[Softness]) -> None:
+        for softness in softnesses:
             before = self.soft.get(softness.span)
             self.soft[softness.span] = softness if before is None else before.plus(softness)
 
 
-def summary(tally: Tally, seed: int, seconds: float, texts: Mapping[str, str]) -> list[str]:
-    """The lines that follow a run."""
+def summary(tally: Tally, seed: int, seconds: float, texts: Mapping[str, str], backend: str) -> list[str]:
+    """The lines that follow a run; `backend` says who drew the scenes."""
     if not tally.scenes:
         return []
     scenes = "1 scene" if tally.scenes == 1 else f"{tally.scenes:,} scenes"
     each = f", {tally.attempts / tally.scenes:.3g} attempts per scene" if tally.scenes > 1 else ""
     attempts = "1 attempt" if tally.attempts == 1 else f"{tally.attempts:,} attempts"
-    lines = [f"{scenes} of seed {seed} in {attempts}{each}, {seconds:.1f} s"]
+    lines = [f"{scenes} of seed {seed} in {attempts}{each}, {seconds:.1f} s", backend]
     if tally.stuck:
         lines += requirement_lines(tally.stuck.most_common(), texts, limit=WORST)
     lines += soft_lines(tally.soft.values(), texts)

@@ -23,6 +23,8 @@ from .options import (
     read_source,
 )
 
+BACKENDS = ("batch", "interpreter", "enumerate")
+
 
 def run(
     context: typer.Context,
@@ -31,7 +33,7 @@ def run(
     seed: SeedOption = 0,
     scene: Annotated[int | None, typer.Option("--scene", metavar="K", min=0, help="Draw just scene K of the seed.")] = None,
     output: Annotated[
-        str | None, typer.Option("-o", "--output", metavar="PATH", help="Write JSON Lines (or a table, if PATH ends in .parquet); - for stdout.")
+        str | None, typer.Option("-o", "--output", metavar="PATH", help="Write JSON Lines (a table, if PATH ends in .parquet or .npz); - for stdout.")
     ] = None,
     plot: Annotated[str | None, typer.Option("--plot", metavar="PATH", help="Draw the scenes (or the probabilities), as .png, .pdf or .svg.")] = None,
     profile: ProfileOption = "paper",
@@ -44,8 +46,20 @@ def run(
     workers: Annotated[int, typer.Option("--workers", metavar="K", min=1, help="Use K processes; the scenes stay the same.")] = 1,
     resume: Annotated[bool, typer.Option("--resume", help="Go on where an interrupted run to the same PATH stopped.")] = False,
     backend: Annotated[
-        str, typer.Option("--backend", metavar="B", help="interpreter: draw scenes; enumerate: all outcomes with their exact probabilities.")
-    ] = "interpreter",
+        str | None,
+        typer.Option(
+            "--backend", metavar="B", show_default=False,
+            help="batch: draw many scenes at a time (the default for 10 or more); interpreter: draw them one by one, the same ones; "
+            "enumerate: all outcomes with their exact probabilities.",
+        ),
+    ] = None,
+    cluster: Annotated[
+        str | None,
+        typer.Option(
+            "--cluster", metavar="ADDRESS", show_default=False,
+            help="Draw the scenes on the Dask cluster at ADDRESS (host:port); local starts one on this machine.",
+        ),
+    ] = None,
     max_runs: Annotated[int, typer.Option("--max-runs", metavar="M", min=1, help="enumerate: give up after so many runs.")] = 20_000,
     discretize: Annotated[
         int | None,
@@ -57,6 +71,7 @@ def run(
     """Draw scenes of a program, or enumerate all that it can give.
 
     On a terminal the objects of each scene are shown; into a pipe, or with -o, one scene is written per line as JSON.
+    The scenes are the same whatever the backend, the number of processes, and the cluster; the report says which backend drew them.
     --backend enumerate answers every draw with every value, and gives each outcome with its exact probability.
     """
     from ..semantics.errors import UsageError
@@ -64,10 +79,10 @@ def run(
 
     session = context.obj
     session.seed = seed
-    if backend not in ("interpreter", "enumerate"):
-        raise UsageError(f"there is no backend {backend}", hint="there are interpreter and enumerate")
-    if backend == "enumerate" and (count != 1 or scene is not None or resume or workers != 1):
-        raise UsageError("an enumeration gives all outcomes at once: -n, --scene, --resume and --workers do not belong to it")
+    if backend not in (None, *BACKENDS):
+        raise UsageError(f"there is no backend {backend}", hint="there are batch, interpreter and enumerate")
+    if backend == "enumerate" and (count != 1 or scene is not None or resume or workers != 1 or cluster is not None):
+        raise UsageError("an enumeration gives all outcomes at once: -n, --scene, --resume, --workers and --cluster do not belong to it")
     if backend != "enumerate" and discretize is not None:
         raise UsageError("--discretize belongs to --backend enumerate")
     if scene is not None and count != 1:
@@ -82,4 +97,4 @@ def run(
         produce_enumeration(source, EnumerationRequest(max_runs, discretize, output, plot), session)
         return
     start, stop = (0, count) if scene is None else (scene, scene + 1)
-    produce(source, Request(start, stop, seed, max_attempts, output, plot, workers, resume), session)
+    produce(source, Request(start, stop, seed, max_attempts, output, plot, workers, resume, backend or "auto", cluster), session)

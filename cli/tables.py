@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from .drawing import Drawn
@@ -11,6 +12,8 @@ from .outputs import Output
 
 if TYPE_CHECKING:
     from rich.table import Table
+
+    from .portions import Portion
 
 MOST_SHOWN = 5
 
@@ -24,10 +27,16 @@ class Terminal(Output):
 
     def write(self, drawn: Drawn) -> None:
         """Keep the scene if it is to be shown."""
-        if len(self.scenes) < MOST_SHOWN:
-            self.scenes.append(json.loads(drawn.line))
-        else:
-            self.more += 1
+        self._keep([drawn.line])
+
+    def write_many(self, portion: Portion) -> None:
+        """Keep the scenes that are to be shown."""
+        self._keep(portion.lines)
+
+    def _keep(self, lines: Sequence[str]) -> None:
+        room = MOST_SHOWN - len(self.scenes)
+        self.scenes += map(json.loads, lines[:room])
+        self.more += len(lines[room:])
 
     def close(self) -> None:
         """Show the scenes that were drawn."""

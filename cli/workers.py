@@ -2,20 +2,13 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import os
 import pickle
-import signal
-import threading
-from collections import deque
-from collections.abc import Callable, Generator, Iterator
-from concurrent.futures import Future, ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
-from multiprocessing import connection
+from collections.abc import Callable, Generator
+from contextlib import AbstractContextManager
 from typing import NamedTuple
 
-from ..semantics.errors import InternalError, ScenicError
+from ..inference.batch.jobs import Workers, processes
+from ..semantics.errors import ScenicError
 from .drawing import Drawing, Drawn, drawing_of
 from .options import Source
 
@@ -78,51 +71,15 @@ def draw_here(drawing: Drawing, job: Job, on_attempt: Listener | None = None) ->
             return
 
 
-def end_with_parent() -> None:
-    """Let this process end when the one that started it does, however that ends."""
-    parent = multiprocessing.parent_process()
-
-    def watch() -> None:
-        if parent is not None:
-            connection.wait([parent.sentinel])
-            os._exit(1)
-
-    threading.Thread(target=watch, daemon=True).start()
+def drawn_by(workers: AbstractContextManager[Workers], job: Job, count: int) -> Generator[Drawn | Failed]:
+    """The scenes of a job, drawn by about `count` processes."""
+    chunk = max(1, min(LARGEST_CHUNK, (job.stop - job.start) // (4 * count)))
+    jobs = (job._replace(start=start, stop=min(start + chunk, job.stop)) for start in range(job.start, job.stop, chunk))
+    with workers as several:
+        for found in several.draw(work, jobs):
+            yield from found
 
 
 def draw_in_processes(job: Job, count: int) -> Generator[Drawn | Failed]:
-    """The scenes of a job, drawn by `count` processes."""
-    chunk = max(1, min(LARGEST_CHUNK, (job.stop - job.start) // (4 * count)))
-    jobs = (job._replace(start=start, stop=min(start + chunk, job.stop)) for start in range(job.start, job.stop, chunk))
-    pool = ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"), initializer=end_with_parent)
-    waiting: deque[Future[list[Drawn | Failed]]] = deque()
-    finished = False
-    try:
-        for next_job in jobs:
-            with uninterrupted():  # the process that this may start inherits the mask: only this one answers Ctrl-C
-                waiting.append(pool.submit(work, next_job))
-            if len(waiting) >= 3 * count:
-                yield from waiting.popleft().result()
-        while waiting:
-            yield from waiting.popleft().result()
-        finished = True
-    except BrokenProcessPool:
-        raise InternalError("a worker process ended without an answer", hint="was there enough memory? try fewer --workers") from None
-    finally:
-        pool.shutdown(wait=finished, cancel_futures=True)
-        if not finished:
-            for process in multiprocessing.active_children():
-                process.terminate()
-
-
-@contextmanager
-def uninterrupted() -> Iterator[None]:
-    """Ctrl-C inside has its effect afterwards, where the system can do that."""
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+    """The scenes of a job, drawn by `count` processes of this machine."""
+    return drawn_by(processes(count), job, count)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from typing import Literal
 
 from .. import __version__
 from ..interpreter.choosers import from_stream
@@ -23,10 +24,13 @@ NO_LINE = 0
 
 
 class Ourselves:
-    """The readable machine with rejection sampling and enumeration."""
+    """The readable machine with rejection sampling and enumeration; or the batch backend, where it can draw a vector's scenes."""
 
     name = f"scenic-ref {__version__}"
     dialects = tuple(DIALECTS)
+
+    def __init__(self, backend: Literal["interpreter", "batch"] = "interpreter") -> None:
+        self.backend: Literal["interpreter", "batch"] = backend
 
     def follows(self, reading: str, alternative: str) -> bool:
         """All alternatives of all readings can be followed."""
@@ -35,7 +39,7 @@ class Ourselves:
     def scenes(self, task: Task, count: int, *, seed: int, attempts: int) -> Iterator[SceneRecord]:
         """Scenes 0 to `count - 1` of the seed."""
         with told():
-            for scene in load(task).sample_many(count, seed, max_attempts=attempts):
+            for scene in load(task).sample_many(count, seed, max_attempts=attempts, backend=self.backend):
                 yield scene.to_json()
 
     def enumerated(self, task: Task) -> Enumerated | None:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
+from typing import Literal
 
+from ..inference.batch import Batch, NotLifted
+from ..inference.batch.jobs import Pace, block_of
 from ..inference.enumeration import DEFAULT_RUNS, Enumeration, enumerate_runs
 from ..inference.rejection import DEFAULT_ATTEMPTS, Sampled, sample
 from ..interpreter.checks import check
@@ -22,6 +26,10 @@ from ..semantics.readings import select
 from ..semantics.syntax import Program
 from ..simulators.worlds import WORLDS
 from .constants import constants_of
+
+Backend = Literal["auto", "interpreter", "batch"]
+FEW = 10
+"""So few scenes are not worth a graph: it takes as long to make as some scenes."""
 
 
 class Scenario:
@@ -43,7 +51,6 @@ class Scenario:
         self.directory = directory
         self.fuel = fuel
         check(program)
-
 
     @cached_property
     def settings(self) -> Settings:
@@ -88,9 +95,52 @@ class Scenario:
         assert self.rehearsed
         return enumerate_runs(self.start, max_runs=max_runs, discretize=discretize, fuel=self.fuel, on_run=on_run)
 
-    def sample_many(self, n: int, seed: int = 0, *, start: int = 0, max_attempts: int = DEFAULT_ATTEMPTS) -> Iterator[Scene]:
-        """Scenes `start` to `start + n - 1` of `seed`, one after the other."""
+    @cached_property
+    def _lifted(self) -> Batch | str:
+        """The program as a graph, or why there is none."""
+        assert self.rehearsed
+        try:
+            return Batch(self.start, fuel=self.fuel)
+        except NotLifted as reason:
+            return str(reason)
+
+    @property
+    def batch(self) -> Batch | None:
+        """The program as a graph that draws many scenes at a time; None if it cannot be made one. Raises the program's error."""
+        return self._lifted if isinstance(self._lifted, Batch) else None
+
+    @property
+    def not_lifted(self) -> str | None:
+        """Why the program cannot be made a graph, so that the interpreter draws its scenes; None if it can."""
+        return None if isinstance(self._lifted, Batch) else self._lifted
+
+    def sample_many(
+        self, n: int, seed: int = 0, *, start: int = 0, max_attempts: int = DEFAULT_ATTEMPTS, backend: Backend = "auto"
+    ) -> Iterator[Scene]:
+        """Scenes `start` to `start + n - 1` of `seed`, one after the other: the same ones whatever the backend.
+
+        "batch" draws many at a time if the program can be made a graph (else `not_lifted` says why); "auto" does so for
+        more than a few scenes. Raises `UsageError` for other backends.
+        """
+        if backend not in ("auto", "interpreter", "batch"):
+            raise UsageError(f"there is no backend {backend}", hint="there are auto, interpreter and batch")
+        if backend == "batch" or (backend == "auto" and n >= FEW):
+            batch = self.batch
+            if batch is not None:
+                return _by_batch(batch, n, seed, start, max_attempts)
         return (self.sample(seed, index, max_attempts=max_attempts) for index in range(start, start + n))
+
+
+def _by_batch(batch: Batch, n: int, seed: int, start: int, max_attempts: int) -> Iterator[Scene]:
+    """The scenes of some jobs, one after the other."""
+    pace = Pace(objects=len(batch.template.objects))
+    for first, stop in pace.parts(start, start + n):
+        begun = time.thread_time()
+        block = block_of(batch, seed, first, stop, max_attempts)
+        pace.took(stop - first, time.thread_time() - begun)
+        yield from batch.scenes_of(block, seed)
+        if block.error is not None:
+            raise block.error
 
 
 def loads(

@@ -24,7 +24,10 @@ MAY_IMPORT = {
     "testing": {"semantics", "interpreter", "inference", "scenario", "testing"},
     "cli": {*LAYERS, ""},
 }
-ONLY_IN = {"matplotlib": "interpreter/pictures.py", "pyarrow": "interpreter/tables.py", "hypothesis": "conformance/programs/strategies.py"}
+ONLY_IN = {
+    "matplotlib": "interpreter/pictures.py", "pyarrow": "interpreter/tables.py", "hypothesis": "conformance/programs/strategies.py",
+    "distributed": "inference/batch/jobs.py", "numba": "inference/batch/compiled.py", "llvmlite": "inference/batch/compiled.py",
+}
 
 
 def modules() -> list[Path]:

@@ -28,17 +28,18 @@ Given = TypeVar("Given")
 SMALLEST, LARGEST = 16, 1 << 14
 MOST_OBJECTS = 1 << 16
 """A job has at most so many objects in all its scenes: their text is what takes memory."""
-QUICK, SLOW = 0.25, 1.0
-"""Jobs that take fewer seconds are followed by larger ones, those that take more by smaller ones."""
+FIRST, GROWTH = 512, 4
+QUICK, SLOW = 0.4, 1.6
+"""Jobs that take fewer seconds of a processor are followed by larger ones, those that take more by smaller ones."""
 
 
 # Sizes
 
 
 class Pace:
-    """How many scenes a job has: few at first, then as many as are drawn in less than a second, so that results keep coming."""
+    """How many scenes a job has: few at first, then as many as are drawn in about a second, so that results keep coming."""
 
-    def __init__(self, size: int = 256, objects: int = 1) -> None:
+    def __init__(self, size: int = FIRST, objects: int = 1) -> None:
         self.largest = max(1, min(LARGEST, MOST_OBJECTS // max(objects, 1)))
         self.size = max(1, min(size, self.largest))
 
@@ -52,7 +53,7 @@ class Pace:
     def took(self, scenes: int, seconds: float) -> None:
         """A job of so many scenes took so long; one smaller than those that are made now says nothing."""
         if seconds < QUICK and scenes >= self.size:
-            self.size = min(2 * self.size, self.largest)
+            self.size = min(GROWTH * self.size, self.largest)
         elif seconds > SLOW and scenes <= self.size:
             self.size = max(self.size // 2, min(SMALLEST, self.size))
 
@@ -140,8 +141,10 @@ def cluster(address: str, count: int | None = None) -> Iterator[Workers]:
     except ImportError:
         raise UsageError("a cluster needs the package distributed", hint="pip install 'scenic-ref[cluster]'") from None
     try:
-        started = LocalCluster(n_workers=count, threads_per_worker=1, dashboard_address=None, silence_logs=50) if address == "local" else None  # type: ignore[arg-type]
-        client = Client(started or address, timeout=10)
+        with uninterrupted():  # a thread that starts processes is made here
+            options = {"n_workers": count, "threads_per_worker": 1, "dashboard_address": None, "silence_logs": 50}
+            started = LocalCluster(**options) if address == "local" else None
+            client = Client(started or address, timeout=10)
     except (OSError, ValueError) as error:
         raise UsageError(f"there is no cluster at {address}: {error}") from None
     try:

@@ -147,7 +147,7 @@ class PolygonTests:
         step = math.ceil(math.log2(max(reach, 1e-6)) * 2)
         if step not in self.near:
             bound = 2 ** (step / 2)
-            self.near[step] = Grid(self.lines, max(bound / 2, self.grid.side / 2), bound)
+            self.near[step] = Grid(self.lines, max(bound / 4, self.grid.side / 4), bound)
         return self.near[step]
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...semantics.errors import ScenicError
-from ...semantics.fields import OutsideField, PolygonalVectorField
+from ...semantics.fields import OutsideField, PolygonalVectorField, VectorField
 from ...semantics.host import DoorStuck, HostException
 from ...semantics.outcome import Requirement
 from ...semantics.regions import EmptyRegion
@@ -270,7 +270,7 @@ class Trace:
         node = self.node(call, (), kind, example, key)
         if node.number == before:
             node.bounds = bounds_of_field(*arguments) if kind == "float" else None
-            self.graph.events.append(Event("call", node, condition=self.coin, requirement=self.place(str(getattr(function, "__qualname__", "")))))
+            self.graph.events.append(Event("call", node, condition=self.coin, requirement=self.place(premise_of(arguments, text))))
         if isinstance(example, Vector):
             return self.vector(node, example)
         return Opaque(self, node, example) if kind == "object" else Scalar(self, node, example)
@@ -321,6 +321,12 @@ class Trace:
         last = self.graph.events.pop()
         assert last.kind == "guard"
         self.graph.events.append(Event("require", last.node, last.expected is holds, requirement, self.coin))
+
+
+def premise_of(arguments: tuple[object, ...], text: str) -> str:
+    """What a call supposes, in words: that a field has a value, or a region a point."""
+    fields = [a for a in arguments if isinstance(a, VectorField)]
+    return OutsideField(fields[0], Vector(0.0, 0.0)).premise if fields else text
 
 
 def bounds_of_field(subject: object = None, *rest: object) -> tuple[float, float] | None:

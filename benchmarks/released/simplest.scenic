@@ -1,0 +1,3 @@
+from gta import *
+ego = new Car
+new Car

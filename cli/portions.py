@@ -1,0 +1,107 @@
+"""Drawing scenes many at a time: what the batch backend gives for a job, as lines or as columns of a table."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Generator, Iterator
+from contextlib import AbstractContextManager
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from ..inference.batch import Batch, Block
+from ..inference.batch.jobs import FIRST, Pace, Workers, block_of
+from ..inference.batch.output import lines_of, table_of
+from ..interpreter.tables import Columns
+from ..semantics.outcome import Requirement
+from .drawing import Drawing, Softness, drawing_of
+from .options import Source
+from .workers import Failed, Job, failed
+
+Form = Literal["lines", "table"]
+MOST_LOOKED_AT = 500
+"""Of so many scenes is it found out, with the interpreter, how often a soft requirement held."""
+SMALL_PARTS = 4
+"""At first each process gets so many jobs, if there are few scenes."""
+
+
+class Portion(NamedTuple):
+    """Scenes `start` to `start + len(attempts) - 1`, as lines or as columns, how often which requirement failed, and how long that took
+    (seconds of a processor, so that other work of the machine does not count).
+
+    `left` runs were left to the interpreter. `failed` is the error that ended the job early, at the scene behind the last.
+    """
+
+    start: int
+    attempts: np.ndarray
+    lines: list[str]
+    columns: Columns | None
+    stuck: Counter[Requirement]
+    soft: tuple[Softness, ...]
+    left: int
+    seconds: float
+    failed: Failed | None
+
+
+class PortionJob(NamedTuple):
+    """What to draw, in which form; scenes before `looked` are looked at for soft requirements."""
+
+    job: Job
+    form: Form
+    looked: int
+
+
+def batch_of(drawing: Drawing) -> Batch:
+    """The graph of a program that is known to have one."""
+    batch = drawing.scenario.batch
+    assert batch is not None, drawing.scenario.not_lifted
+    return batch
+
+
+def draw_portion(drawing: Drawing, asked: PortionJob) -> Portion:
+    """The scenes of a job, in this process."""
+    begun = time.thread_time()
+    job, batch = asked.job, batch_of(drawing)
+    block = block_of(batch, job.seed, job.start, job.stop, job.max_attempts)
+    lines = lines_of(batch.template, block, job.seed) if asked.form == "lines" else []
+    columns = table_of(batch.template, block, job.seed) if asked.form == "table" and len(block.attempts) else None
+    soft = softness_of(drawing, block, job.seed, asked.looked) if drawing.has_soft_requirements else ()
+    ended = failed(block.error, []) if block.error is not None else None
+    return Portion(job.start, block.attempts + 1, lines, columns, block.stuck, soft, block.left, time.thread_time() - begun, ended)
+
+
+def softness_of(drawing: Drawing, block: Block, seed: int, stop: int) -> tuple[Softness, ...]:
+    """How often soft requirements held in the scenes of a block before scene `stop`."""
+    looked = block.attempts[: max(0, stop - block.start)].tolist()
+    return tuple(soft for place, attempt in enumerate(looked) for soft in drawing.softness(seed, block.start + place, attempt))
+
+
+def work_on_portion(asked: PortionJob) -> Portion:
+    """The scenes of a job, in a process that is given nothing else."""
+    return draw_portion(drawing_of(asked.job.source), asked)
+
+
+def portions(
+    source: Source, job: Job, form: Form, workers: AbstractContextManager[Workers] | None, count: int = 1
+) -> Generator[Portion]:
+    """The scenes of a job, in order, from this process (`workers` None) or others, about `count` of them."""
+    drawing = drawing_of(source)
+    total = job.stop - job.start
+    size = FIRST if workers is None else max(1, min(FIRST, total // (SMALL_PARTS * count)))
+    pace = Pace(size, len(batch_of(drawing).template.objects))
+    looked = job.start + MOST_LOOKED_AT
+    parts = pace.parts(job.start, job.stop)
+    asked = (PortionJob(job._replace(start=first, stop=stop), form, looked) for first, stop in parts)
+    if workers is None:
+        yield from paced((draw_portion(drawing, part) for part in asked), pace)
+        return
+    with workers as several:
+        yield from paced(several.draw(work_on_portion, asked), pace)
+
+
+def paced(found: Iterator[Portion], pace: Pace) -> Iterator[Portion]:
+    """The portions, those still to come being as large as these were quick."""
+    for portion in found:
+        pace.took(len(portion.attempts), portion.seconds)
+        yield portion

@@ -1,0 +1,57 @@
+"""What pruning did, and why not more: the results of an analysis."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Literal, NamedTuple
+
+from ...semantics.distributions import PointIn
+from ...semantics.regions import PolygonalRegion, Region
+from .recording import Address
+
+Technique = Literal["containment", "orientation", "size", "reachability", "offset"]
+TECHNIQUES: tuple[Technique, ...] = ("containment", "orientation", "size", "reachability", "offset")
+PAPER: tuple[Technique, ...] = ("containment", "orientation", "size", "reachability")
+"""The paper's own; `offset` is an addition (`algorithms.prune_by_offset`)."""
+
+
+class Finding(NamedTuple):
+    """What one technique did for the objects at one point: the areas in square metres, or (`after` is None) the assumption that fails."""
+
+    objects: str
+    technique: Technique
+    before: float | None
+    after: float | None
+    reason: str
+
+    def __str__(self) -> str:
+        if self.after is None or not self.before:
+            return f"{self.objects}: {self.technique} off: {self.reason}"
+        return f"{self.objects}: {self.technique}: {self.before:,.0f} -> {self.after:,.0f} m2 ({self.after / self.before:.1%}), {self.reason}"
+
+
+class Pruned(NamedTuple):
+    """A draw site of a point: it may be drawn uniformly from `region`, which is part of `original` and holds its value in every scene."""
+
+    address: Address
+    original: Region
+    region: PolygonalRegion
+    area_before: float
+    area_after: float
+    techniques: tuple[Technique, ...]
+
+
+class Pruning(NamedTuple):
+    """The draw sites with smaller regions, and the report."""
+
+    pruned: tuple[Pruned, ...]
+    findings: tuple[Finding, ...]
+
+    @property
+    def draws(self) -> Mapping[Address, PointIn]:
+        """The distributions to draw from instead, by address: for the tracer, and for `from_pruned_stream`."""
+        return {p.address: PointIn(p.region) for p in self.pruned}
+
+    def __str__(self) -> str:
+        return "\n".join(map(str, self.findings)) or "no object's position is random"
+

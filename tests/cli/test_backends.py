@@ -1,0 +1,173 @@
+"""`scenic-ref run`: one file, byte for byte, whatever draws the scenes: backends, processes, a cluster, an interrupted run and its continuation."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+KILLS = int(os.environ.get("SCENIC_REF_KILLS", "2"))
+"""How often a run is killed; SCENIC_REF_KILLS=20 for all of them."""
+MANY = """\
+x = Range(0, 1)
+ego = Object at (x, 0)
+Object at (5, Range(0, 3)), with c Uniform('a', 'b')
+require x > 0.3
+require[0.5] x > 0.5
+param p = x
+"""
+
+
+@pytest.mark.parametrize("suffix", ["jsonl", "parquet", "npz"])
+@pytest.mark.parametrize("program", ["random", "soft", "many"])
+def test_both_backends_write_the_same_bytes(ask, program, suffix):
+    if suffix == "parquet":
+        pytest.importorskip("pyarrow")
+    Path("many.scenic").write_text(MANY)
+    reports = []
+    for backend in ("interpreter", "batch"):
+        found = ask("run", f"{program}.scenic", "-n", 60, "--backend", backend, "-o", f"{backend}.{suffix}")
+        assert found.code == 0
+        reports.append(found.err.splitlines())
+    assert Path(f"interpreter.{suffix}").read_bytes() == Path(f"batch.{suffix}").read_bytes()
+    assert reports[0][1] == "drawn by the interpreter, as asked for"
+    assert reports[1][1] == "drawn by the batch backend; 0 runs were left to the interpreter"
+    assert reports[0][2:] == reports[1][2:]
+    assert not list(Path().glob(".*unfinished"))
+
+
+@pytest.mark.parametrize(("workers", "suffix"), [(2, "npz"), (7, "jsonl")])
+def test_the_number_of_processes_changes_neither_a_byte_nor_the_report(ask, workers, suffix):
+    one = ask("run", "random.scenic", "-n", 500, "-o", f"one.{suffix}")
+    several = ask("run", "random.scenic", "-n", 500, "-o", f"several.{suffix}", "--workers", workers)
+    assert Path(f"one.{suffix}").read_bytes() == Path(f"several.{suffix}").read_bytes()
+    assert one.err.splitlines()[1:] == several.err.splitlines()[1:]
+    assert one.err.splitlines()[0].split(",")[:2] == several.err.splitlines()[0].split(",")[:2]
+
+
+def test_a_cluster_writes_what_this_process_writes(ask):
+    pytest.importorskip("distributed")
+    ask("run", "random.scenic", "-n", 60, "-o", "one.jsonl")
+    found = ask("run", "random.scenic", "-n", 60, "-o", "cluster.jsonl", "--cluster", "local", "--workers", 2)
+    assert found.code == 0
+    assert Path("one.jsonl").read_bytes() == Path("cluster.jsonl").read_bytes()
+
+
+def test_a_cluster_that_is_not_there_is_wrong_usage(ask, monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    found = ask("run", "ok.scenic", "-n", 20, "--cluster", "local")
+    assert found.code == 2
+    assert "scenic-ref[cluster]" in found.err
+
+
+@pytest.mark.parametrize("kill", range(KILLS))
+def test_a_killed_run_resumes_to_the_same_bytes(ask, tmp_path, kill):
+    """Killed with SIGKILL as soon as a random share of the file is there, resumed, killed again, and resumed to its end."""
+    Path("many.scenic").write_text(MANY)
+    ask("run", "many.scenic", "-n", 12_000, "-o", "whole.jsonl")
+    whole = Path("whole.jsonl").read_bytes()
+    chance = random.Random(f"{kill} {os.environ.get('SCENIC_REF_SEED', '0')}")
+    command = [sys.executable, "-m", "scenic_ref", "run", "many.scenic", "-n", "12000", "-o", "killed.jsonl", "--resume"]
+    size = 0
+    for workers in ("1", "2"):
+        process = subprocess.Popen([*command, "--workers", workers], cwd=tmp_path, stderr=subprocess.DEVNULL)
+        limit = chance.uniform(size, len(whole))
+        while process.poll() is None and (not Path("killed.jsonl").exists() or os.path.getsize("killed.jsonl") < limit):
+            time.sleep(0.0005)
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+        size = os.path.getsize("killed.jsonl")
+    assert ask("run", "many.scenic", "-n", 12_000, "-o", "killed.jsonl", "--resume").code == 0
+    assert Path("killed.jsonl").read_bytes() == whole
+
+
+def test_a_run_by_the_interpreter_is_resumed_by_the_batch_backend(ask):
+    ask("run", "random.scenic", "-n", 40, "-o", "whole.jsonl", "--backend", "interpreter")
+    whole = Path("whole.jsonl").read_bytes()
+    Path("torn.jsonl").write_bytes(whole[: len(whole) // 3])
+    found = ask("run", "random.scenic", "-n", 40, "-o", "torn.jsonl", "--resume", "--plot", "picture.svg")
+    assert (found.code, Path("torn.jsonl").read_bytes()) == (0, whole)
+    assert "13 scenes were there already" in found.err
+    assert "drawn by the batch backend" in found.err
+
+
+def test_a_few_scenes_are_left_to_the_interpreter_and_more_are_not(ask):
+    assert "drawn by the interpreter, since fewer than 10 scenes were asked for" in ask("run", "random.scenic", "-n", 9).err
+    assert "drawn by the batch backend" in ask("run", "random.scenic", "-n", 10).err
+    assert ask("run", "random.scenic", "--scene", 5, "--backend", "batch").out == ask("run", "random.scenic", "--scene", 5).out
+
+
+def test_the_report_says_why_a_program_cannot_be_drawn_from_many_at_a_time(ask):
+    Path("says.scenic").write_text('print("hello")\nego = Object at (Range(0, 1), 0)\n')
+    for backend in ((), ("--backend", "batch")):
+        found = ask("run", "says.scenic", "-n", 12, *backend)
+        assert found.code == 0
+        assert found.err.count("hello") == 12
+        assert "drawn by the interpreter, since the program cannot be drawn from many at a time: the program prints" in found.err
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize(
+    ("text", "options", "code"),
+    [
+        ("x = Range(0, 1)\nego = Object at (0, 0), with width (1 / int(x < 0.9))\n", (), 1),
+        ("x = Range(0, 1)\nego = Object at (x, 0)\nrequire x > 0.7\n", ("--max-attempts", 9), 3),
+        ("x = Range(0, 1)\nego = Object at (0, 0)\nrequire x > 2\n", ("--max-attempts", 9), 3),
+    ],
+)
+def test_errors_come_at_the_same_scene_in_the_same_words(ask, text, options, code, workers):
+    Path("fails.scenic").write_text(text)
+    one_by_one = ask("run", "fails.scenic", "-n", 60, *options, "--backend", "interpreter")
+    many = ask("run", "fails.scenic", "-n", 60, *options, "--backend", "batch", "--workers", workers)
+    assert one_by_one.code == code
+    assert many == one_by_one
+
+
+def test_a_table_without_scenes_is_an_empty_table(ask):
+    numpy = pytest.importorskip("numpy")
+    for backend in ("interpreter", "batch"):
+        assert ask("run", "random.scenic", "-n", 0, "-o", f"{backend}.npz", "--backend", backend).code == 0
+    assert Path("interpreter.npz").read_bytes() == Path("batch.npz").read_bytes()
+    assert numpy.load("batch.npz")["x"].shape == (0,)
+
+
+def test_a_table_is_there_whole_or_not_at_all(ask):
+    Path("fails.scenic").write_text("x = Range(0, 1)\nego = Object at (x, 0)\nrequire x > 0.7\n")
+    for suffix in ("parquet", "npz"):
+        if suffix == "parquet":
+            pytest.importorskip("pyarrow")
+        Path(f"scenes.{suffix}").write_text("precious\n")
+        assert ask("run", "fails.scenic", "-n", 60, "--max-attempts", 3, "-o", f"scenes.{suffix}").code == 3
+        assert Path(f"scenes.{suffix}").read_text() == "precious\n"
+    assert not list(Path().glob(".*unfinished"))
+
+
+def test_soft_requirements_are_looked_at_in_the_first_scenes_of_many(ask, monkeypatch):
+    from scenic_ref.cli import portions
+
+    monkeypatch.setattr(portions, "MOST_LOOKED_AT", 25)
+    found = ask("run", "soft.scenic", "-n", 40)
+    scenes = [json.loads(line) for line in found.out.splitlines()]
+    held = sum(s["objects"][0]["properties"]["v"] < 0.1 for s in scenes[:25])
+    assert f"held in {held} of 25 scenes" in found.err
+
+
+def test_an_interrupt_ends_several_processes_at_once_and_leaves_whole_lines(ask, tmp_path):
+    command = [sys.executable, "-m", "scenic_ref", "run", "random.scenic", "-n", "10000000", "-o", "scenes.jsonl", "--workers", "2"]
+    process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
+    deadline = time.monotonic() + 60
+    while (not Path("scenes.jsonl").exists() or os.path.getsize("scenes.jsonl") < 10**6) and time.monotonic() < deadline:
+        time.sleep(0.01)
+    os.killpg(process.pid, signal.SIGINT)
+    out, err = process.communicate(timeout=60)
+    data = Path("scenes.jsonl").read_bytes()
+    assert (process.returncode, out, err.count(b"\n")) == (130, b"", 1)
+    assert data.endswith(b"\n")
+    assert all(json.loads(line)["scene"] == k for k, line in enumerate(data.splitlines()))
