@@ -20,7 +20,7 @@ from narrow import NARROW
 from scenic_ref.inference.batch.sampling import Batch
 from scenic_ref.inference.pruning import PAPER, TECHNIQUES, Pruning
 from scenic_ref.inference.pruning.analysis import prune_recorded
-from scenic_ref.inference.pruning.recording import record, recording
+from scenic_ref.inference.pruning.recording import record
 from scenic_ref.scenario import Scenario
 from scenic_ref.semantics.config import Config
 
@@ -31,8 +31,7 @@ FUEL = 5_000_000
 
 def attempts(start: Callable[[], Config], pruning: Pruning | None, n: int) -> tuple[float, float]:
     """The mean number of attempts per scene, and its standard error."""
-    with recording({} if pruning is None else pruning.draws):
-        batch = Batch(start, fuel=FUEL)
+    batch = Batch(start, fuel=FUEL, draws={} if pruning is None else pruning.draws)
     counts = np.asarray(batch.block(0, 0, n, max_attempts=10_000_000).attempts) + 1
     return float(counts.mean()), float(counts.std() / np.sqrt(n))
 

@@ -113,7 +113,7 @@ class Drawing:
         scenario = self.scenario
         printed.clear()
         found = sample(
-            scenario.start, seed, index, max_attempts=max_attempts, fuel=scenario.fuel, on_attempt=on_attempt,
+            scenario.start, seed, index, max_attempts=max_attempts, fuel=scenario.fuel, on_attempt=on_attempt, draws=scenario.draws,
             witnessed=listening if self.prints else None,
         )
         attempts = found.scene.attempts
@@ -122,8 +122,8 @@ class Drawing:
 
     def again(self, seed: int, index: int, attempts: int) -> Scene | None:
         """The scene that is known to need so many attempts, by the last of them alone; None if that attempt gets stuck."""
-        result = run(self.scenario.start(), from_stream(seed, index, attempts - 1), fuel=self.scenario.fuel)
-        return scene_of(result.state, seed, index, attempts) if isinstance(result, Accepted) else None
+        result = run(self.scenario.start(), from_stream(seed, index, attempts - 1, self.scenario.draws), fuel=self.scenario.fuel)
+        return scene_of(result.state, seed, index, attempts, pruned=bool(self.scenario.draws)) if isinstance(result, Accepted) else None
 
     def softness(self, seed: int, index: int, attempt: int) -> tuple[Softness, ...]:
         """How often each soft requirement held in an accepted attempt, which is run once more, so that looking disturbs nothing."""
@@ -138,7 +138,7 @@ class Drawing:
                     found[one.span] = found[one.span].plus(one) if one.span in found else one
 
         try:
-            run(self.scenario.start(), from_stream(seed, index, attempt), fuel=self.scenario.fuel, witness=look)
+            run(self.scenario.start(), from_stream(seed, index, attempt, self.scenario.draws), fuel=self.scenario.fuel, witness=look)
         except ScenicError:
             return ()
         return tuple(found.values())

@@ -52,21 +52,23 @@ class Source:
     params: tuple[tuple[str, str], ...] = ()
     fuel: int = DEFAULT_FUEL
     trust: bool = False
+    prune: bool = False
 
     def load(self) -> Scenario:
         """The scenario. Raises `ParseError`, `CheckError`, `UsageError`."""
         from ..scenario import loads
 
-        return loads(
+        scenario = loads(
             self.text, file=self.file, dialect=self.dialect, profile=self.profile, readings=dict(self.readings),
             params={name: literal(value) for name, value in self.params}, model=self.model, trust=self.trust,
             directory=Path(self.file).parent, fuel=self.fuel,
         )
+        return scenario.pruned() if self.prune else scenario
 
 
 def read_source(
     session: Session, file: str, *, profile: str, reading: list[str] | None, dialect: str | None, model: str | None, param: list[str] | None,
-    fuel: int, trust: bool,
+    fuel: int, trust: bool, prune: bool = False,
 ) -> Source:
     """The program in `file` under the given options. Raises `UsageError`."""
     from ..interpreter.modules import read_text
@@ -75,7 +77,7 @@ def read_source(
     text = read_text(Path(file))
     session.texts[file] = text
     return Source(
-        file, text, profile, pairs(reading, "--reading", "ID=ALT"), dialect, model, pairs(param, "-p", "NAME=VALUE"), fuel, trust
+        file, text, profile, pairs(reading, "--reading", "ID=ALT"), dialect, model, pairs(param, "-p", "NAME=VALUE"), fuel, trust, prune
     )
 
 

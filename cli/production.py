@@ -22,6 +22,7 @@ from .session import Session, tell
 from .workers import Failed, Job, draw_here, drawn_by
 
 MOST_PLOTTED = 16
+MOST_OFF = 8
 FORMATS = ("png", "pdf", "svg")
 
 
@@ -62,6 +63,9 @@ def produce(source: Source, request: Request, session: Session) -> None:
         else:
             produce_one_by_one(drawing, job, request, output, tally, progress, known, stack)
         output.finish()
+    if source.prune:
+        for line in pruning_lines(drawing):
+            tell(line)
     if earlier.count:
         tell(f"{earlier.count:,} scenes were there already")
     for line in summary(tally, request.seed, time.perf_counter() - begun, session.texts, backend_line(interpreted, tally)):
@@ -88,6 +92,15 @@ def backend_line(interpreted: str | None, tally: Tally) -> str:
         return f"drawn by the interpreter, {interpreted}"
     runs = "1 run was" if tally.left == 1 else f"{tally.left:,} runs were"
     return f"drawn by the batch backend; {runs} left to the interpreter"
+
+
+def pruning_lines(drawing: Drawing) -> list[str]:
+    """That pruning was on, and for each object what it did or which assumption fails."""
+    pruning = drawing.scenario.pruning
+    on = [str(f) for f in pruning.findings if f.after is not None]
+    off = [str(f) for f in pruning.findings if f.after is None]
+    head = "pruning was on: other scenes than without it, from the same distribution" if pruning.pruned else "pruning found nothing to prune"
+    return [head, *(f"  {line}" for line in (*on, *off[: max(0, MOST_OFF - len(on))]))]
 
 
 def workers_of(request: Request, scenes: int) -> AbstractContextManager[Workers] | None:

@@ -60,6 +60,9 @@ def run(
             help="Draw the scenes on the Dask cluster at ADDRESS (host:port); local starts one on this machine.",
         ),
     ] = None,
+    prune: Annotated[
+        bool, typer.Option("--prune", help="Draw positions from smaller regions where that is safe: other scenes, from the same distribution.")
+    ] = False,
     max_runs: Annotated[int, typer.Option("--max-runs", metavar="M", min=1, help="enumerate: give up after so many runs.")] = 20_000,
     discretize: Annotated[
         int | None,
@@ -83,12 +86,14 @@ def run(
         raise UsageError(f"there is no backend {backend}", hint="there are batch, interpreter and enumerate")
     if backend == "enumerate" and (count != 1 or scene is not None or resume or workers != 1 or cluster is not None):
         raise UsageError("an enumeration gives all outcomes at once: -n, --scene, --resume, --workers and --cluster do not belong to it")
+    if backend == "enumerate" and prune:
+        raise UsageError("an enumeration draws nothing: --prune does not belong to it")
     if backend != "enumerate" and discretize is not None:
         raise UsageError("--discretize belongs to --backend enumerate")
     if scene is not None and count != 1:
         raise UsageError("--scene draws a single scene, so -n cannot be given as well")
     source = read_source(
-        session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, fuel=fuel, trust=trust
+        session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, fuel=fuel, trust=trust, prune=prune
     )
     if backend == "enumerate":
         from .enumerating import Request as EnumerationRequest

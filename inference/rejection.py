@@ -10,7 +10,7 @@ from collections import Counter
 from collections.abc import Callable
 from typing import NamedTuple
 
-from ..interpreter.choosers import from_stream
+from ..interpreter.choosers import AS_THEY_ARE, Draws, from_stream
 from ..interpreter.running import DEFAULT_FUEL, Accepted, Chooser, Witness, run
 from ..interpreter.scenes import Scene, scene_of
 from ..semantics.config import Config
@@ -30,21 +30,22 @@ class Sampled(NamedTuple):
 
 def sample(
     start: Callable[[], Config], seed: int, index: int, *, max_attempts: int = DEFAULT_ATTEMPTS, fuel: int = DEFAULT_FUEL,
-    on_attempt: Callable[[int], None] | None = None, witnessed: Callable[[int], Witness] | None = None,
+    on_attempt: Callable[[int], None] | None = None, witnessed: Callable[[int], Witness] | None = None, draws: Draws = AS_THEY_ARE,
 ) -> Sampled:
     """Scene number `index` of `seed`. Raises `AttemptsExhausted` with the requirements that failed, and the program's errors.
 
-    `on_attempt` is told how many attempts got stuck so far; `witnessed` gives the witness of each attempt, which makes it slower.
+    `draws` are distributions that points are drawn from instead (see `inference.pruning`); `on_attempt` is told how many attempts got stuck
+    so far; `witnessed` gives the witness of each attempt, which makes it slower.
     """
     stuck: Counter[Requirement] = Counter()
     steps = 0
     for attempt in range(max_attempts):
         witness = None if witnessed is None else witnessed(attempt)
-        choose, drawn = counting(from_stream(seed, index, attempt))
+        choose, drawn = counting(from_stream(seed, index, attempt, draws))
         result = run(start(), choose, fuel=fuel, witness=witness)
         steps += result.steps
         if isinstance(result, Accepted):
-            return Sampled(scene_of(result.state, seed, index, attempt + 1), stuck, steps)
+            return Sampled(scene_of(result.state, seed, index, attempt + 1, pruned=bool(draws)), stuck, steps)
         stuck[result.requirement] += 1
         if on_attempt is not None:
             on_attempt(attempt + 1)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import MappingProxyType
 
+from ..semantics.distributions import Distribution, PointIn
 from ..semantics.outcome import Draw
 from .running import Chooser
 from .streams import Stream
@@ -12,13 +14,26 @@ PER_SCENE = (1 << 64) - 1
 """The attempt number under which draws made once per scene are numbered (reading `soft=scene`)."""
 
 
-def from_stream(seed: int, scene: int, attempt: int) -> Chooser:
-    """Answers with the numbers of (seed, scene, attempt, address): the scene does not depend on anything else."""
+Draws = Mapping[tuple[int, ...], Distribution]
+"""Distributions of points that take the place of the program's own, by address: see `inference.pruning`."""
+
+AS_THEY_ARE: Draws = MappingProxyType({})
+
+
+def replaced(draw: Draw, draws: Draws) -> Draw:
+    """The draw, from the distribution that `draws` gives for its address if it is a point's."""
+    if isinstance(draw.distribution, PointIn) and draw.address in draws:
+        return draw._replace(distribution=draws[draw.address])
+    return draw
+
+
+def from_stream(seed: int, scene: int, attempt: int, draws: Draws = AS_THEY_ARE) -> Chooser:
+    """Answers with the numbers of (seed, scene, attempt, address): the scene does not depend on anything else but `draws`."""
     stream, once = Stream(seed, scene, attempt), Stream(seed, scene, PER_SCENE)
 
     def choose(draw: Draw) -> object:
         source = once if draw.per_scene else stream
-        return draw.distribution.sample(source.at(draw.address))
+        return replaced(draw, draws).distribution.sample(source.at(draw.address))
 
     return choose
 

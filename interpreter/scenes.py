@@ -50,7 +50,10 @@ class SceneObject:
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """One scene, the one with number `index` for `seed`; `attempts` runs were needed, `weight` is 1 for rejection."""
+    """One scene, the one with number `index` for `seed`; `attempts` runs were needed, `weight` is 1 for rejection.
+
+    `pruned`: points were drawn from smaller regions, so that a seed gives other scenes than without, from the same distribution.
+    """
 
     objects: tuple[SceneObject, ...]
     ego_id: int
@@ -60,6 +63,7 @@ class Scene:
     attempts: int
     weight: float = 1.0
     workspace: Region = everywhere
+    pruned: bool = False
 
     @property
     def ego(self) -> SceneObject:
@@ -70,6 +74,7 @@ class Scene:
         """The scene as a JSON object."""
         return {
             "schema": SCHEMA, "seed": self.seed, "scene": self.index, "attempts": self.attempts, "weight": self.weight,
+            **({"pruned": True} if self.pruned else {}),
             "params": {k: json_value(v) for k, v in self.params.items()}, "ego": self.ego_id, "objects": [o.to_json() for o in self.objects],
         }
 
@@ -113,13 +118,13 @@ def stable_repr(value: object) -> str:
     return ADDRESS.sub("", repr(value))[:1000]
 
 
-def scene_of(state: State, seed: int, index: int, attempts: int, weight: float = 1.0) -> Scene:
+def scene_of(state: State, seed: int, index: int, attempts: int, weight: float = 1.0, *, pruned: bool = False) -> Scene:
     """The scene (π, O) of a finished run."""
     numbers = {instance.number: i for i, instance in enumerate(state.scene)}
     objects = tuple(_scene_object(i, instance, state) for i, instance in enumerate(state.scene))
     params = {name: unwrap(value)[0] for name, value in state.params.items()}
     workspace = workspace_of(state)
-    return Scene(objects, numbers[ego_of(state).number], params, seed, index, attempts, weight, workspace)
+    return Scene(objects, numbers[ego_of(state).number], params, seed, index, attempts, weight, workspace, pruned)
 
 
 def _scene_object(number: int, instance: Instance, state: State) -> SceneObject:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Mapping
+from copy import copy
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
@@ -12,9 +13,10 @@ from typing import Literal
 from ..inference.batch import Batch, NotLifted
 from ..inference.batch.jobs import Pace, block_of
 from ..inference.enumeration import DEFAULT_RUNS, Enumeration, enumerate_runs
+from ..inference.pruning import TECHNIQUES, Finding, Pruning, prune
 from ..inference.rejection import DEFAULT_ATTEMPTS, Sampled, sample
 from ..interpreter.checks import check
-from ..interpreter.choosers import from_stream
+from ..interpreter.choosers import AS_THEY_ARE, Draws, from_stream
 from ..interpreter.modules import library_of, read_text, with_old_imports
 from ..interpreter.parser import parse
 from ..interpreter.running import DEFAULT_FUEL, rehearse
@@ -50,6 +52,7 @@ class Scenario:
         self.trust = trust
         self.directory = directory
         self.fuel = fuel
+        self.draws: Draws = AS_THEY_ARE
         check(program)
 
     @cached_property
@@ -86,7 +89,23 @@ class Scenario:
     def sampled(self, seed: int = 0, index: int = 0, *, max_attempts: int = DEFAULT_ATTEMPTS) -> Sampled:
         """The scene with the statistics of its attempts."""
         assert self.rehearsed
-        return sample(self.start, seed, index, max_attempts=max_attempts, fuel=self.fuel)
+        return sample(self.start, seed, index, max_attempts=max_attempts, fuel=self.fuel, draws=self.draws)
+
+    @cached_property
+    def pruning(self) -> Pruning:
+        """Which points may be drawn from smaller regions, and why others may not (paper, Section "Domain-Specific Sampling Techniques")."""
+        assert self.rehearsed
+        try:
+            return prune(self.start, self.fuel)
+        except NotLifted as reason:
+            return Pruning((), tuple(Finding("all objects", technique, None, None, str(reason)) for technique in TECHNIQUES))
+
+    def pruned(self) -> Scenario:
+        """The same scenario with pruning: scenes from the same distribution in fewer attempts, though a seed gives other ones."""
+        found = copy(self)
+        found.__dict__.pop("_lifted", None)
+        found.draws = self.pruning.draws
+        return found
 
     def enumerate(
         self, *, max_runs: int = DEFAULT_RUNS, discretize: int | None = None, on_run: Callable[[int, Fraction], None] | None = None
@@ -100,7 +119,7 @@ class Scenario:
         """The program as a graph, or why there is none."""
         assert self.rehearsed
         try:
-            return Batch(self.start, fuel=self.fuel)
+            return Batch(self.start, fuel=self.fuel, draws=self.draws)
         except NotLifted as reason:
             return str(reason)
 

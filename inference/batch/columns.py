@@ -59,7 +59,7 @@ def evaluate(steps: Sequence[Step], seed: int, scenes: np.ndarray, attempts: np.
         applies = True if event.condition is None else columns[event.condition.number]
         lost = np.zeros(count, dtype=bool)
         if event.kind == "call":
-            found = failed.pop(event.node.number, None)
+            found = failed.get(event.node.number)
             if found is not None:
                 left = found.left & applies
                 lost = (found.rejected & applies) | left

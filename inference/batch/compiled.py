@@ -59,7 +59,7 @@ def philox(seed: np.uint64, code: np.uint64, scene: np.uint64, attempt: np.uint6
     """The four numbers in [0, 1) of a block, as `interpreter.streams` defines them."""
     k0, k1, c0, c1, c2, c3 = seed, code, scene, attempt, block, _ZERO
     for _ in range(10):
-        high0, low0, high1, low1 = _high(_M0, c0), _M0 * c0, _high(_M1, c2), _M1 * c2
+        high0, low0, high1, low1 = _high(_M0, c0), _M0 * c0, _high(_M1, c2), _M1 * c2  # pyright: ignore[reportCallIssue]: the first parameter is the compiler's
         c0, c1, c2, c3 = high1 ^ c1 ^ k0, low1, high0 ^ c3 ^ k1, low0
         k0, k1 = k0 + _W0, k1 + _W1
     return (c0 >> _ELEVEN) * _UNIT, (c1 >> _ELEVEN) * _UNIT, (c2 >> _ELEVEN) * _UNIT, (c3 >> _ELEVEN) * _UNIT

@@ -14,6 +14,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from ...semantics.outcome import Requirement
+from ...semantics.regions import Region
 from ...semantics.symbols import arc_tangent
 from ...semantics.vectors import Vector
 
@@ -121,10 +122,11 @@ class Event(NamedTuple):
 
 @dataclass
 class Graph:
-    """Nodes in the order in which they were made, and events."""
+    """Nodes in the order in which they were made, events, and the points that are drawn: by address, the region and the point."""
 
     nodes: list[Node] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
+    points: dict[tuple[int, ...], tuple[Region, object]] = field(default_factory=dict)
 
 
 def children(node: Node) -> list[Node]:

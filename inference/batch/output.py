@@ -42,8 +42,9 @@ def lines_of(template: Template, block: Block, seed: int) -> list[str]:
 def _lines(template: Template, block: Block, seed: int) -> list[str]:
     """The lines of the scenes in the columns of a block."""
     count = len(block.rows)
+    pruned = '"pruned": true, ' if template.pruned else ""
     pieces: list[Cells] = [f'{{"schema": "{SCHEMA}", "seed": {seed}, "scene": ', list(map(str, block.rows.tolist())), ', "attempts": ']
-    pieces += [list(map(str, attempts_of(block).tolist())), ', "weight": 1.0, "params": ', *mapping(template.params, block.columns, count)]
+    pieces += [list(map(str, attempts_of(block).tolist())), f', "weight": 1.0, {pruned}"params": ', *mapping(template.params, block.columns, count)]
     pieces += [f', "ego": {template.ego_id}, "objects": [']
     for number, o in enumerate(template.objects):
         pieces += ["" if number == 0 else ", ", *_object(number, o, block.columns, count)]

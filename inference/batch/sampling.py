@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ...interpreter.choosers import from_stream
+from ...interpreter.choosers import AS_THEY_ARE, Draws, from_stream
 from ...interpreter.running import Accepted, run
 from ...interpreter.scenes import Scene, scene_of
 from ...semantics.config import Config
@@ -58,14 +58,18 @@ class Block(NamedTuple):
 
 
 class Batch:
-    """A program as a graph, ready to be evaluated. Raises `NotLifted` with the reason if it is none."""
+    """A program as a graph, ready to be evaluated. Raises `NotLifted` with the reason if it is none.
 
-    def __init__(self, start: Callable[[], Config], *, fuel: int) -> None:
+    `draws` are distributions that points are drawn from instead (see `inference.pruning`).
+    """
+
+    def __init__(self, start: Callable[[], Config], *, fuel: int, draws: Draws = AS_THEY_ARE) -> None:
         self.start = start
         self.fuel = fuel
-        graph, state = trace(start, fuel)
+        self.draws = draws
+        graph, state = trace(start, fuel, draws)
         self.graph = graph
-        self.template: Template = template_of(state)
+        self.template: Template = template_of(state, pruned=bool(draws))
         self.outputs = list({node.number: node for node in self.template.outputs}.values())
         self.steps: tuple[Step, ...] = plan(graph, self.outputs)
         self.fused: Fused | None = None
@@ -188,12 +192,12 @@ class Drawing:
         self.left += 1
         index, attempt = place + self.start, int(self.next[place])
         try:
-            ended = run(self.batch.start(), from_stream(self.seed, index, attempt), fuel=self.batch.fuel)
+            ended = run(self.batch.start(), from_stream(self.seed, index, attempt, self.batch.draws), fuel=self.batch.fuel)
         except ScenicError as problem:
             self.fail(problem, index)
             return
         if isinstance(ended, Accepted):
-            self.others[index] = scene_of(ended.state, self.seed, index, attempt + 1)
+            self.others[index] = scene_of(ended.state, self.seed, index, attempt + 1, pruned=bool(self.batch.draws))
             self.done[place] = attempt
             self.found += 1
         else:

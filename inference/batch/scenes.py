@@ -37,6 +37,7 @@ class Template(NamedTuple):
     ego_id: int
     params: dict[str, object]
     workspace: Region
+    pruned: bool = False
 
     @property
     def outputs(self) -> list[Node]:
@@ -44,7 +45,7 @@ class Template(NamedTuple):
         return nodes_in([self.params, *(o.properties for o in self.objects)])
 
 
-def template_of(state: State) -> Template:
+def template_of(state: State, *, pruned: bool = False) -> Template:
     """The template of the state at the end of a traced run. Raises `NotLifted` where scenes have no common form."""
     numbers = {instance.number: i for i, instance in enumerate(state.scene)}
     try:
@@ -57,7 +58,7 @@ def template_of(state: State) -> Template:
     objects = tuple(
         ObjectTemplate(state.names.get(i.number), i.class_.name, {n: unwrap(v)[0] for n, v in state.objects[i.number].items()}) for i in state.scene
     )
-    return Template(objects, numbers[ego.number], {n: unwrap(v)[0] for n, v in state.params.items()}, workspace)
+    return Template(objects, numbers[ego.number], {n: unwrap(v)[0] for n, v in state.params.items()}, workspace, pruned)
 
 
 def scenes_of(template: Template, columns: Columns, seed: int, indices: np.ndarray, attempts: np.ndarray) -> Iterator[Scene]:
@@ -76,7 +77,8 @@ def scenes_of(template: Template, columns: Columns, seed: int, indices: np.ndarr
             for i, (o, position, heading, width, length, rest) in enumerate(objects)
         )
         yield Scene(
-            made, template.ego_id, {n: v[row] for n, v in params}, seed, int(indices[row]), int(attempts[row]) + 1, 1.0, template.workspace
+            made, template.ego_id, {n: v[row] for n, v in params}, seed, int(indices[row]), int(attempts[row]) + 1, 1.0, template.workspace,
+            template.pruned,
         )
 
 

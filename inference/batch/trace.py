@@ -40,6 +40,7 @@ class Trace:
         self.number_at = number_at
         self.known: dict[object, Node] = {}
         self.coin: Node | None = None
+        self.counted: set[tuple[int, Node | None]] = set()
         self.place: Callable[[str], Requirement] = lambda text: NotImplemented
         self.open = True
 
@@ -270,6 +271,8 @@ class Trace:
         node = self.node(call, (), kind, example, key)
         if node.number == before:
             node.bounds = bounds_of_field(*arguments) if kind == "float" else None
+        if not self.counted & {(node.number, None), (node.number, self.coin)}:
+            self.counted.add((node.number, self.coin))
             self.graph.events.append(Event("call", node, condition=self.coin, requirement=self.place(premise_of(arguments, text))))
         if isinstance(example, Vector):
             return self.vector(node, example)

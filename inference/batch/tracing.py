@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, NamedTuple
 
-from ...interpreter.choosers import PER_SCENE
+from ...interpreter.choosers import AS_THEY_ARE, PER_SCENE, Draws, replaced
 from ...interpreter.streams import Stream
 from ...semantics.config import Config, State
 from ...semantics.distributions import Coin, Discrete, Distribution, Normal, PointIn, Range, TruncatedNormal, Uniform
@@ -56,12 +56,12 @@ class Lifted(NamedTuple):
     state: State
 
 
-def trace(start: Callable[[], Config], fuel: int) -> Lifted:
+def trace(start: Callable[[], Config], fuel: int, draws: Draws = AS_THEY_ARE) -> Lifted:
     """The graph of a program. Raises `NotLifted` with the reason if it has none."""
     reason, errors = "", 0
     for attempt in range(TRIES):
         try:
-            return trace_run(start(), attempt, fuel)
+            return trace_run(start(), attempt, fuel, draws)
         except Retry as retry:
             reason = str(retry)
         except Mistaken as mistake:
@@ -71,7 +71,7 @@ def trace(start: Callable[[], Config], fuel: int) -> Lifted:
     raise NotLifted(f"in {TRIES} runs this always failed: {reason}")
 
 
-def trace_run(config: Config, attempt: int, fuel: int) -> Lifted:
+def trace_run(config: Config, attempt: int, fuel: int, draws: Draws = AS_THEY_ARE) -> Lifted:
     """The graph that the run of attempt `attempt` at scene 0 of seed 0 gives."""
 
     def number_at(site: Site) -> float:
@@ -105,7 +105,7 @@ def trace_run(config: Config, attempt: int, fuel: int) -> Lifted:
                             raise NotLifted("a soft requirement within another, or at the end")
                         made.coin, below, before = coin.node, config.stack[1], config.state
                 case Draw():
-                    config = outcome.resume(draw_symbol(outcome, made))
+                    config = outcome.resume(draw_symbol(replaced(outcome, draws), made))
                 case Observe(requirement=requirement, config=after):
                     if len(made.graph.events) > events and made.graph.events[-1].kind == "guard":
                         made.require(requirement, True)
@@ -159,13 +159,14 @@ def numbers_of(draw: Draw, made: Trace) -> Callable[[], Any]:
 def draw_symbol(draw: Draw, made: Trace) -> object:
     """What a draw gives: the distribution's own map of numbers, on symbols; or row by row where it takes no fixed number of them."""
     try:
-        if is_mapped(draw.distribution):
-            return draw.distribution.sample(numbers_of(draw, made))  # type: ignore[arg-type]
-        return draw_by_rows(draw, made)
+        drawn = draw.distribution.sample(numbers_of(draw, made)) if is_mapped(draw.distribution) else draw_by_rows(draw, made)
     except EmptyRegion as empty:
         raise Retry(str(empty)) from None
     except UnboundedRegion as unbounded:
         raise NotLifted(str(unbounded)) from None
+    if isinstance(draw.distribution, PointIn):
+        made.graph.points[draw.address] = (draw.distribution.region, drawn)
+    return drawn
 
 
 def is_mapped(distribution: Distribution) -> bool:

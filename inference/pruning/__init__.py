@@ -2,10 +2,9 @@
 
 from .algorithms import prune_by_containment, prune_by_heading, prune_by_offset, prune_by_reachability, prune_by_width
 from .analysis import prune
-from .choosers import from_pruned_stream, sample_pruned
 from .report import PAPER, TECHNIQUES, Finding, Pruned, Pruning, Technique
 
 __all__ = [
-    "PAPER", "TECHNIQUES", "Finding", "Pruned", "Pruning", "Technique", "from_pruned_stream", "prune", "prune_by_containment", "prune_by_heading",
-    "prune_by_offset", "prune_by_reachability", "prune_by_width", "sample_pruned",
+    "PAPER", "TECHNIQUES", "Finding", "Pruned", "Pruning", "Technique", "prune", "prune_by_containment", "prune_by_heading",
+    "prune_by_offset", "prune_by_reachability", "prune_by_width",
 ]

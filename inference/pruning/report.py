@@ -49,7 +49,7 @@ class Pruning(NamedTuple):
 
     @property
     def draws(self) -> Mapping[Address, PointIn]:
-        """The distributions to draw from instead, by address: for the tracer, and for `from_pruned_stream`."""
+        """The distributions to draw from instead, by address: for the tracer and for `from_stream`."""
         return {p.address: PointIn(p.region) for p in self.pruned}
 
     def __str__(self) -> str:

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 import scenic_ref
 from scenic_ref.inference.batch.sampling import Batch
-from scenic_ref.inference.pruning import Pruning, analysis, applicability, facts, prune, sample_pruned, scene_facts
+from scenic_ref.inference.pruning import Pruning, analysis, applicability, facts, prune, scene_facts
 from scenic_ref.inference.pruning.analysis import prune_recorded
-from scenic_ref.inference.pruning.choosers import from_pruned_stream
-from scenic_ref.inference.pruning.recording import Recorded, record, recording
-from scenic_ref.interpreter.choosers import from_trace
+from scenic_ref.inference.pruning.recording import Recorded, record
+from scenic_ref.inference.rejection import sample
+from scenic_ref.interpreter.choosers import from_stream, from_trace
 from scenic_ref.interpreter.running import Accepted, run
 from scenic_ref.interpreter.scenes import Scene
 from scenic_ref.scenario import Scenario
@@ -168,8 +168,7 @@ class Drawn:
     """Scenes of a program with pruned draws, from the batch backend."""
 
     def __init__(self, scenario: Scenario, pruning: Pruning) -> None:
-        with recording(pruning.draws):
-            self.batch = Batch(scenario.start, fuel=FUEL)
+        self.batch = Batch(scenario.start, fuel=FUEL, draws=pruning.draws)
 
     def sample_many(self, n: int, seed: int = 0, *, start: int = 0) -> list[Scene]:
         return list(self.batch.scenes(n, seed, start=start))
@@ -210,7 +209,7 @@ def test_a_smaller_region_that_is_wrong_is_told_from_the_distribution():
 def test_interpreter_and_batch_give_the_same_pruned_scenes(name):
     scenario, _, pruning = gallery(name)
     by_batch = Drawn(scenario, pruning).sample_many(4, seed=7)
-    one_by_one = [sample_pruned(scenario.start, 7, index, pruning.draws).scene for index in range(4)]
+    one_by_one = [sample(scenario.start, 7, index, draws=pruning.draws).scene for index in range(4)]
     assert [scene.attempts for scene in by_batch] == [scene.attempts for scene in one_by_one]
     assert positions(by_batch) == positions(one_by_one)
 
@@ -226,7 +225,7 @@ def test_pruned_draws_are_in_the_smaller_regions_and_others_are_as_before():
     scenario, _, pruning = gallery("single_car")
     (one,) = pruning.pruned
     seen: list[Draw] = []
-    choose, plain = from_pruned_stream(3, 4, 5, pruning.draws), from_pruned_stream(3, 4, 5, {})
+    choose, plain = from_stream(3, 4, 5, pruning.draws), from_stream(3, 4, 5)
 
     def answer(draw: Draw) -> object:
         drawn = choose(draw)
@@ -245,11 +244,5 @@ def test_pruned_draws_are_in_the_smaller_regions_and_others_are_as_before():
 
 def test_a_draw_that_is_no_point_is_never_replaced():
     scenario = scenic_ref.loads("x = Range(0, 1)\nego = Object at (x, 0)\n")
-    pruned = sample_pruned(scenario.start, 0, 0, {(0,): PointIn(scenic_ref.semantics.regions.everywhere)}).scene
-    assert pruned.to_json() == scenario.sample(0).to_json()
-
-
-def test_a_program_without_scenes_runs_out_of_attempts_as_before():
-    scenario = scenic_ref.loads(MAP + EGO + "require ego.position.x > 99\n")
-    with pytest.raises(scenic_ref.errors.AttemptsExhausted):
-        sample_pruned(scenario.start, 0, 0, {}, max_attempts=20)
+    pruned = sample(scenario.start, 0, 0, draws={(0,): PointIn(scenic_ref.semantics.regions.everywhere)}).scene
+    assert pruned.to_json() == {**scenario.sample(0).to_json(), "pruned": True}
