@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from .. import __version__
+from .bench import bench
 from .check import check
 from .conformance import conformance
 from .options import DebugOption
@@ -27,6 +28,7 @@ app.command("rules")(rules)
 app.command("readings")(readings)
 app.command("check")(check)
 app.command("conformance")(conformance)
+app.command("bench")(bench)
 
 
 def show_version(wanted: bool) -> None:

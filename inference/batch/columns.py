@@ -16,9 +16,9 @@ from ...semantics.regions import EmptyRegion, PolygonalRegion
 from ...semantics.symbols import Elementary, NotLifted
 from ...semantics.vectors import Vector
 from .clipped import Clipped, clipped_curve, curve_tests, largest_radius
-from .graph import AsFloat, Macro, Node, Part, RowCall, RowDraw, Search, Site, Table
+from .graph import AsFloat, Graph, Macro, Node, Part, RowCall, RowDraw, Search, Site, Table
 from .numbers import Numbers
-from .plan import Step
+from .plan import Step, cone
 from .polygons import FieldTests, PolygonTests
 from .structures import in_row, symbols_in
 from .symbols import Traced
@@ -80,6 +80,24 @@ def evaluate(steps: Sequence[Step], seed: int, scenes: np.ndarray, attempts: np.
     return Evaluated(fate, columns)
 
 
+def rejection_rates(graph: Graph, runs: int, seed: int = 0) -> dict[int, float]:
+    """How often each event would reject a run, were it the only one: found out with `runs` runs."""
+    scenes = np.arange(runs, dtype=np.uint64)
+    numbers, columns, failed = Numbers(seed, scenes, np.zeros_like(scenes)), dict[int, np.ndarray](), dict[int, Failed]()
+    rates: dict[int, float] = {}
+    done: set[int] = set()
+    for place, event in enumerate(graph.events):
+        for node in cone([event.node] if event.condition is None else [event.condition, event.node], done):
+            columns[node.number] = column(node, columns, numbers, failed)
+            done.add(node.number)
+        if event.kind == "call":
+            rejected = failed[event.node.number].rejected if event.node.number in failed else np.zeros(runs, dtype=bool)
+        else:
+            rejected = columns[event.node.number] != event.expected
+        rates[place] = float((rejected if event.condition is None else rejected & columns[event.condition.number]).mean())
+    return rates
+
+
 def column(node: Node, columns: Columns, numbers: Numbers, failed: dict[int, Failed]) -> np.ndarray:
     """The column of a node, those of its arguments being known."""
     function = node.function
@@ -109,8 +127,8 @@ def column(node: Node, columns: Columns, numbers: Numbers, failed: dict[int, Fai
                 return fast(node, function, columns, failed, len(numbers.scenes))
             return rows_of(node, lambda resolve, row: _called(function, resolve), columns, failed, len(numbers.scenes))
         case RowDraw():
-            found = clipped_curve(function.distribution)
-            if found is not None and math.isfinite(largest_radius(found.radius)):
+            found = is_clipped(function)
+            if found is not None:
                 return _clipped(node, function, found, columns, numbers, failed)
             return rows_of(node, lambda resolve, row: _drawn(function, resolve, numbers, row), columns, failed, len(numbers.scenes))
         case _ if function is int:
@@ -188,6 +206,19 @@ def has_columns(call: RowCall) -> Fast | None:
     if symbols_in(call.structure[0]) or (rule is _heading and not constant_cells(call.structure[0])):
         return None
     return rule
+
+
+def always_gives_a_value(function: object) -> bool:
+    """Whether a row-by-row node has columns: then each row has a value, or is rejected since there is none."""
+    if isinstance(function, RowDraw):
+        return is_clipped(function) is not None
+    return isinstance(function, RowCall) and has_columns(function) is not None
+
+
+def is_clipped(draw: RowDraw) -> Clipped | None:
+    """The curve and the sector, if the draw is that of a point of a curve in a sector of bounded radius."""
+    found = clipped_curve(draw.distribution)
+    return found if found is not None and math.isfinite(largest_radius(found.radius)) else None
 
 
 def constant_cells(field: object) -> bool:

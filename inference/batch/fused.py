@@ -16,8 +16,8 @@ from ...interpreter.streams import site_code
 from ...semantics.regions import PolygonalRegion
 from ...semantics.symbols import Elementary
 from ...semantics.vectors import Vector
-from .clipped import clipped_curve, curve_tests, largest_radius
-from .columns import constant_cells, field_of, has_columns, tests_of
+from .clipped import curve_tests, largest_radius
+from .columns import constant_cells, field_of, has_columns, is_clipped, tests_of
 from .graph import AsFloat, Event, Macro, Node, Part, RowCall, RowDraw, Search, Site, Table
 from .plan import Step
 from .symbols import Traced
@@ -147,8 +147,8 @@ class Writer:
 
     def draw(self, name: str, draw: RowDraw) -> None:
         """A point of a curve inside a sector."""
-        found = clipped_curve(draw.distribution)
-        if found is None or not math.isfinite(largest_radius(found.radius)):
+        found = is_clipped(draw)
+        if found is None:
             raise NotFused("a point drawn row by row")
         tests = curve_tests(found.curve, largest_radius(found.radius))
         self.site(f"{name}_u", Site(draw.address, 0, draw.per_scene))

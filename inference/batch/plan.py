@@ -2,18 +2,23 @@
 
 Requirements that follow each other without a guard between them may be checked in any order, since a run that fails any of them is
 rejected; a guard must be looked at after the requirements before it and before those after it. What a requirement needs is computed
-when it is checked, so that few rows are left for the costly ones.
+when it is checked. The next one is that which is cheapest for what it rejects, so that few rows are left for the costly ones.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
-from .graph import Event, Graph, Node, children
+from .graph import Event, Graph, Macro, Node, RowCall, RowDraw, Site, children
 
-ROW_COST = 300
-"""What a node that is computed row by row costs, where an operation on columns costs 1."""
+SITE_COST, POLYGON_COST, MACRO_COST, ROW_COST = 4.0, 30.0, 40.0, 1000.0
+"""What nodes cost, where an operation on numbers costs 1: draws, tests on polygons, tests of two boxes or a sector, calls row by row."""
+
+
+LEAST_REJECTED = 0.002
+"""What rejects no more runs than this comes late, the cheapest first."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,15 +30,15 @@ class Step:
     forget: tuple[Node, ...]
 
 
-def plan(graph: Graph, outputs: Sequence[Node]) -> tuple[Step, ...]:
-    """The steps of an evaluation."""
+def plan(graph: Graph, outputs: Sequence[Node], rejects: Mapping[int, float] = MappingProxyType({})) -> tuple[Step, ...]:
+    """The steps of an evaluation. `rejects` says how often an event rejects a run, by its place in the graph; half of the time if not known."""
     done: set[int] = set()
     order: list[tuple[list[Node], Event | None]] = []
     for segment in segments(graph.events):
         pending = list(segment)
         while pending:
-            costs = [cost(cone(_roots(event), done)) for event in pending]
-            event = pending.pop(costs.index(min(costs)))
+            prices = [cost(cone(_roots(graph.events[k]), done)) / max(rejects.get(k, 0.5), LEAST_REJECTED) for k in pending]
+            event = graph.events[pending.pop(prices.index(min(prices)))]
             order.append((cone(_roots(event), done), event))
             done.update(node.number for node in order[-1][0])
     order.append((cone(list(outputs), done), None))
@@ -52,15 +57,22 @@ def plan(graph: Graph, outputs: Sequence[Node]) -> tuple[Step, ...]:
     return tuple(Step(tuple(nodes), event, tuple(forgotten.get(i, ()))) for i, (nodes, event) in enumerate(order))
 
 
-def segments(events: Sequence[Event]) -> list[list[Event]]:
-    """Runs of requirements that may be checked in any order; a guard or call is alone."""
-    result: list[list[Event]] = []
-    for event in events:
-        if event.kind == "require" and result and result[-1][0].kind == "require":
-            result[-1].append(event)
+def segments(events: Sequence[Event]) -> list[list[int]]:
+    """Runs of events, by their places, that may be looked at in any order: those that only reject. Any other event is alone."""
+    result: list[list[int]] = []
+    for place, event in enumerate(events):
+        if only_rejects(event) and result and only_rejects(events[result[-1][0]]):
+            result[-1].append(place)
         else:
-            result.append([event])
+            result.append([place])
     return result
+
+
+def only_rejects(event: Event) -> bool:
+    """Whether the runs that an event ends are rejected; those that a guard or a function of Python ends take another course."""
+    from .columns import always_gives_a_value
+
+    return event.kind == "require" or (event.kind == "call" and always_gives_a_value(event.node.function))
 
 
 def _roots(event: Event) -> list[Node]:
@@ -80,12 +92,20 @@ def cone(roots: list[Node], done: set[int]) -> list[Node]:
 
 
 def cost(nodes: Sequence[Node]) -> float:
-    """A guess at the cost of computing the nodes."""
-    from .columns import has_columns
-    from .graph import RowCall, RowDraw
+    """A guess at the cost of computing the nodes; an operation on numbers costs 1."""
+    return sum(map(cost_of, nodes))
 
-    return sum(
-        ROW_COST if isinstance(n.function, RowDraw) or (isinstance(n.function, RowCall) and not has_columns(n.function)) else
-        20 if isinstance(n.function, RowCall) else 1
-        for n in nodes
-    )
+
+def cost_of(node: Node) -> float:
+    """A guess at the cost of computing a node."""
+    from .columns import always_gives_a_value
+
+    match node.function:
+        case RowDraw() | RowCall() as function:
+            return POLYGON_COST if always_gives_a_value(function) else ROW_COST
+        case Macro():
+            return MACRO_COST
+        case Site():
+            return SITE_COST
+        case _:
+            return 1.0

@@ -22,7 +22,7 @@ from ...semantics.errors import ScenicError
 from ...semantics.outcome import Requirement
 from ...semantics.symbols import NotLifted
 from ..rejection import DEFAULT_ATTEMPTS, exhausted
-from .columns import ACCEPTED, LEFT, Columns, evaluate
+from .columns import ACCEPTED, LEFT, Columns, evaluate, rejection_rates
 from .plan import Step, plan
 from .scenes import Template, scenes_of, template_of
 from .tracing import trace
@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 
 WAVE = 1 << 14
 """Runs that are evaluated at a time: their columns fit into the caches."""
+LOOKED_AT = 512
+"""Runs by which it is found out how often each requirement rejects."""
 WASTE = 0.25
 """So many of the attempts at a scene that are evaluated at a time may be expected to be in vain."""
 
@@ -71,7 +73,7 @@ class Batch:
         self.graph = graph
         self.template: Template = template_of(state, pruned=bool(draws))
         self.outputs = list({node.number: node for node in self.template.outputs}.values())
-        self.steps: tuple[Step, ...] = plan(graph, self.outputs)
+        self.steps: tuple[Step, ...] = plan(graph, self.outputs, rejection_rates(graph, LOOKED_AT))
         self.fused: Fused | None = None
         self.not_fused = ""
         self.spent = 0.0

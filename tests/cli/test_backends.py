@@ -171,3 +171,36 @@ def test_an_interrupt_ends_several_processes_at_once_and_leaves_whole_lines(ask,
     assert (process.returncode, out, err.count(b"\n")) == (130, b"", 1)
     assert data.endswith(b"\n")
     assert all(json.loads(line)["scene"] == k for k, line in enumerate(data.splitlines()))
+
+
+# Pruning
+
+
+def test_pruned_scenes_are_the_same_from_both_backends_and_say_so(ask):
+    program = Path(__file__).parent.parent.parent / "examples" / "gallery" / "single_car.scenic"
+    for backend in ("batch", "interpreter"):
+        found = ask("run", program, "-n", 12, "--prune", "--backend", backend, "-o", f"{backend}.jsonl")
+        assert found.code == 0
+        assert "pruning was on: other scenes than without it" in found.err
+        assert "ego: containment: 35,026 -> 31,935 m2" in found.err
+    assert Path("batch.jsonl").read_bytes() == Path("interpreter.jsonl").read_bytes()
+    assert all(json.loads(line)["pruned"] is True for line in Path("batch.jsonl").read_text().splitlines())
+
+
+def test_a_file_of_pruned_scenes_is_resumed_with_pruning_only(ask):
+    program = Path(__file__).parent.parent.parent / "examples" / "gallery" / "single_car.scenic"
+    assert ask("run", program, "-n", 3, "--prune", "-o", "scenes.jsonl").code == 0
+    assert ask("run", program, "-n", 5, "-o", "scenes.jsonl", "--resume").code == 2
+    assert ask("run", program, "-n", 5, "--prune", "-o", "scenes.jsonl", "--resume").code == 0
+    assert ask("run", program, "-n", 5, "--prune", "-o", "all.jsonl").code == 0
+    assert Path("scenes.jsonl").read_bytes() == Path("all.jsonl").read_bytes()
+
+
+def test_where_nothing_can_be_pruned_the_report_says_why(ask):
+    Path("plain.scenic").write_text("ego = Object at (Range(0, 1), 0)\n")
+    found = ask("run", "plain.scenic", "-n", 2, "--prune", "-o", "scenes.jsonl")
+    assert found.code == 0
+    assert "pruning found nothing to prune" in found.err
+    assert ask("run", "plain.scenic", "-n", 2, "-o", "plain.jsonl").code == 0
+    assert Path("scenes.jsonl").read_bytes() == Path("plain.jsonl").read_bytes()
+    assert ask("run", "plain.scenic", "--prune", "--backend", "enumerate").code == 2

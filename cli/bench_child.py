@@ -1,0 +1,156 @@
+"""Draws scenes with this package, in a process of its own: one program by one backend, for as long as is asked for.
+
+The process prints {"prepare": seconds, ...} once the program is ready, or {"skipped": why}; then it answers each line of standard input, a number of
+seconds, by {"scenes": ..., "attempts": ..., "seconds": ..., "peak": bytes}, as `bench_sample` does for a released implementation.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from typing import TextIO
+
+from ..inference.batch import Batch
+from ..scenario import Scenario, load
+from ..semantics.errors import ScenicError
+from .bench_sample import peak
+
+SMALLEST, LARGEST, GROWTH = 256, 1 << 14, 4
+LONG = 0.4
+"""A block that takes more seconds is not followed by larger ones, as in `inference.batch.jobs`."""
+
+Draw = Callable[[int, int], tuple[int, int]]
+"""Draws so many scenes from a number on; gives how many it drew, and in how many attempts."""
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """What a process draws: a program, by "interpreter", "numpy" or "numba", with or without pruning."""
+
+    program: str
+    backend: str
+    prune: bool = False
+    trust: bool = False
+    seed: int = 0
+
+    def text(self) -> str:
+        """The task as an argument of a process."""
+        return json.dumps(asdict(self))
+
+
+class Skipped(Exception):
+    """A program cannot be drawn by this backend; the text says why."""
+
+
+def one_by_one(scenario: Scenario, seed: int) -> Draw:
+    """The interpreter."""
+
+    def draw(start: int, count: int) -> tuple[int, int]:
+        return count, sum(scenario.sampled(seed, index).scene.attempts for index in range(start, start + count))
+
+    return draw
+
+
+def by_blocks(batch: Batch, seed: int) -> Draw:
+    """The batch backend, without making scenes of its columns."""
+
+    def draw(start: int, count: int) -> tuple[int, int]:
+        block = batch.block(seed, start, start + count)
+        if block.error is not None:
+            raise block.error
+        return count, int(block.attempts.sum()) + count
+
+    return draw
+
+
+def prepare(task: Task) -> tuple[Draw, dict[str, float]]:
+    """The program ready to be drawn, and the seconds that its parts took. Raises `Skipped`, and the program's errors."""
+    times = [time.process_time()]
+    scenario = load(task.program, trust=task.trust)
+    assert scenario.rehearsed
+    times.append(time.process_time())
+    if task.prune:
+        scenario = scenario.pruned()
+    times.append(time.process_time())
+    if task.backend == "interpreter":
+        return one_by_one(scenario, task.seed), spent(times, "load", "prune")
+    batch = scenario.batch
+    times.append(time.process_time())
+    if batch is None:
+        raise Skipped(f"the program cannot be drawn from many at a time: {scenario.not_lifted}")
+    if task.backend == "numba":
+        if not batch.compile():
+            raise Skipped(batch.not_fused)
+    else:
+        batch.not_fused = "columns are measured"  # else it would compile after some seconds
+    draw = by_blocks(batch, task.seed)
+    draw(0, 1)
+    times.append(time.process_time())
+    return draw, spent(times, "load", "prune", "trace", "compile" if task.backend == "numba" else "first")
+
+
+def spent(times: list[float], *names: str) -> dict[str, float]:
+    """The seconds of each part between points in time."""
+    return {name: after - before for name, before, after in zip(names, times, times[1:])}
+
+
+class Sampler:
+    """Draws for some seconds at a time, each time other scenes; blocks grow until they take long enough."""
+
+    def __init__(self, draw: Draw, blocks: bool) -> None:
+        self.draw = draw
+        self.size = SMALLEST if blocks else 1
+        self.growing = blocks
+        self.next = 1
+
+    def block(self) -> tuple[int, int, float]:
+        """The next block: its scenes, attempts and seconds."""
+        begun = time.process_time()
+        scenes, attempts = self.draw(self.next, self.size)
+        self.next += self.size
+        return scenes, attempts, time.process_time() - begun
+
+    def warm_up(self) -> None:
+        """Find the size of the blocks."""
+        while self.growing and self.size < LARGEST and self.block()[2] < LONG:
+            self.size *= GROWTH
+        self.growing = False
+
+    def sample(self, seconds: float) -> dict[str, float]:
+        """What was drawn in about so many seconds."""
+        self.warm_up()
+        scenes = attempts = 0
+        used = 0.0
+        while not scenes or used < seconds:
+            more, tried, took = self.block()
+            scenes, attempts, used = scenes + more, attempts + tried, used + took
+        return {"scenes": scenes, "attempts": attempts, "seconds": used, "block": self.size, "peak": peak()}
+
+
+def serve(task: Task, out: TextIO) -> None:
+    """Prepare, then answer the lines of standard input."""
+
+    def say(answer: object) -> None:
+        print(json.dumps(answer), file=out, flush=True)
+
+    try:
+        draw, times = prepare(task)
+        say({"prepare": sum(times.values()), "parts": times})
+        sampler = Sampler(draw, task.backend != "interpreter")
+        for line in sys.stdin:
+            say(sampler.sample(float(line)))
+    except Skipped as reason:
+        say({"skipped": str(reason)})
+    except ScenicError as error:
+        say({"skipped": f"{error.kind}: {error.message}"})
+
+
+def main() -> None:
+    """The process; the task is its argument."""
+    out = os.fdopen(os.dup(1), "w")
+    os.dup2(2, 1)  # what the program prints is no answer
+    serve(Task(**json.loads(sys.argv[1])), out)

@@ -1,0 +1,157 @@
+"""The course of a benchmark: programs one after the other, implementations taking turns, and what is shown and written."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..semantics.errors import UsageError
+from .bench_figures import Cell, Figures, load
+from .bench_growth import WHAT, contenders, programs
+from .bench_processes import Contender, Ours, Process, Program, released
+from .bench_tables import show
+from .files import check_place, write
+from .session import tell
+
+NO_NUMBA = "numba is not installed: the compiled evaluator is not measured (pip install 'scenic-ref[fast]')"
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """What is to be measured, and where the figures go."""
+
+    programs: tuple[str, ...]
+    seconds: float
+    repeat: int
+    against: tuple[str, ...] = ()
+    released: str | None = None
+    prune: bool = False
+    growth: bool = False
+    seed: int = 0
+    output: str | None = None
+    plot: str | None = None
+
+    def json(self) -> dict[str, object]:
+        """The options that decide the figures."""
+        return {"seconds": self.seconds, "repeat": self.repeat, "prune": self.prune, "seed": self.seed}
+
+
+def measure(request: Request) -> None:
+    """Measure all that is asked for, show it, write it. Raises `UsageError`, before anything is measured; `KeyboardInterrupt` afterwards."""
+    todo = programs_of(request)
+    check_outputs(request)
+    with tempfile.TemporaryDirectory() as directory:
+        others = [released(text).at(Path(directory)) for text in request.against]
+        if len({other.name for other in others}) < len(others):
+            raise UsageError("--against names the same implementation twice")
+        numba = importlib.util.find_spec("numba") is not None
+        if not numba:
+            tell(NO_NUMBA)
+        rivals: list[Contender] = [*ours(numba, request.prune), *others]
+        figures = Figures(tuple(r.name for r in rivals), others[0].name if others else "interpreter", load={"before": load()})
+        with telling(figures, request):
+            for number, program in enumerate(todo, 1):
+                tell(f"[{number}/{len(todo)}] {program.name}")
+                take_turns(program, rivals, request, figures.cells)
+            if request.growth:
+                measure_growth(Path(directory), numba, request, figures)
+
+
+def ours(numba: bool, prune: bool) -> Iterator[Ours]:
+    """The backends that are measured."""
+    yield Ours("interpreter")
+    for pruned in (False, True)[: 1 + prune]:
+        yield Ours("numpy", pruned)
+        if numba:
+            yield Ours("numba", pruned)
+
+
+def programs_of(request: Request) -> list[Program]:
+    """The programs, which are there and have different names. Raises `UsageError`."""
+    found: list[Program] = []
+    for path in request.programs:
+        if not Path(path).is_file():
+            raise UsageError(f"there is no file {path}")
+        name = Path(path).stem
+        if any(name == other.name for other in found):
+            raise UsageError(f"two programs are called {name}")
+        found.append(Program(name, str(Path(path).resolve()), translation(path, request.released)))
+    if found and request.released is not None and not any(p.released for p in found):
+        raise UsageError(f"--released: {request.released} holds none of the programs", hint=f"as {found[0].name}.scenic, for example")
+    return found
+
+
+def translation(path: str, directory: str | None) -> str | None:
+    """The file of a program for released implementations, None if there is none."""
+    other = Path(path) if directory is None else Path(directory) / Path(path).name
+    return str(other.resolve()) if other.is_file() else None
+
+
+def check_outputs(request: Request) -> None:
+    """Raise `UsageError` unless the files can be written."""
+    from ..interpreter.pictures import check_format
+
+    for place in (request.output, request.plot):
+        if place is not None:
+            check_place(place, {f"the program {Path(p).stem}": p for p in request.programs})
+    if request.plot is not None:
+        check_format(Path(request.plot).suffix[1:].lower())
+
+
+@contextmanager
+def telling(figures: Figures, request: Request) -> Iterator[None]:
+    """Show and write what was measured when it is all there, or when it is interrupted."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        figures.interrupted = True
+        tell("interrupted: these figures are what was measured so far")
+        finish(figures, request)
+        raise
+    finish(figures, request)
+
+
+def finish(figures: Figures, request: Request) -> None:
+    """The tables on standard output, the files."""
+    figures.load["after"] = load()
+    show(figures)
+    if request.output is not None:
+        write(request.output, json.dumps(figures.json(request.json()), indent=1) + "\n")
+    if request.plot is not None and any(cell.rate is not None for cell in figures.cells):
+        from .bench_picture import bars
+
+        write(request.plot, bars(figures, format=Path(request.plot).suffix[1:].lower()))
+
+
+def take_turns(program: Program, rivals: Sequence[Contender], request: Request, cells: list[Cell]) -> None:
+    """Measure a program by all implementations: each prepares it, then they draw in turns. `cells` gets the figures as they come."""
+    with ExitStack() as stack:
+        turns: list[tuple[Process, Cell]] = []
+        for rival in rivals:
+            cell = Cell(program.name, rival.name)
+            cells.append(cell)
+            if not isinstance(rival, Ours) and program.released is None:
+                cell.skipped = f"there is no {program.name}.scenic for it"
+                continue
+            process = stack.enter_context(Process(rival, program, request.seed))
+            cell.ready = process.ready
+            cell.skipped = process.ready.get("skipped")
+            turns.append((process, cell))
+        for _ in range(request.repeat):
+            for process, cell in turns:
+                if cell.skipped is None:
+                    cell.take(process.sample(request.seconds))
+
+
+def measure_growth(directory: Path, numba: bool, request: Request, figures: Figures) -> None:
+    """Measure the programs that grow."""
+    for kind in WHAT:
+        cells = figures.growth.setdefault(kind, [])
+        for size, program in programs(kind, directory):
+            tell(f"[growth] {size:,} {kind}")
+            take_turns(program, contenders(kind, size, numba), request, cells)

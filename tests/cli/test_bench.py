@@ -1,0 +1,175 @@
+"""`scenic-ref bench`: who is measured, what the figures are, and what is wrong usage."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from scenic_ref.cli.bench_child import Sampler, Task, prepare
+from scenic_ref.cli.bench_figures import Cell, Figures, fitted
+from scenic_ref.cli.bench_growth import many_objects, many_polygons
+from scenic_ref.cli.bench_picture import bars
+from scenic_ref.cli.bench_processes import Process
+
+from .conftest import Ask
+
+QUICK = ("--seconds", "0.02", "--repeat", "2")
+FAKE = """#!{python}
+import json, os, sys
+if sys.argv[2] == "--version":
+    print(json.dumps({{"version": "3.9.9"}}))
+    sys.exit()
+script, program, world, seed = sys.argv[1:]
+assert "PYTHONPATH" not in os.environ
+assert json.load(open(world)).keys() == {{"cells", "road", "curbs", "models", "colors", "weather"}}
+if "broken" in open(program).read():
+    sys.exit("SyntaxError: broken")
+print(json.dumps({{"prepare": 0.5}}), flush=True)
+for line in sys.stdin:
+    print(json.dumps({{"scenes": 10, "attempts": 30, "seconds": 2.0, "peak": 2**20}}), flush=True)
+"""
+
+
+@pytest.fixture
+def fake(tmp_path: Path) -> Path:
+    """The python of an environment with a released implementation that draws five scenes per second, in three attempts each."""
+    path = tmp_path / "fake_python"
+    path.write_text(FAKE.format(python=sys.executable))
+    path.chmod(0o755)
+    return path
+
+
+def cells_of(path: Path) -> dict[tuple[str, str], dict]:
+    return {(c["program"], c["implementation"]): c for c in json.loads(path.read_text())["cells"]}
+
+
+def test_all_backends_and_a_released_implementation_are_measured_side_by_side(ask: Ask, fake: Path, tmp_path: Path):
+    answer = ask("bench", "random.scenic", *QUICK, "--against", f"scenic==3.9.9={fake}", "--prune", "--json", "out.json", "--plot", "out.png")
+    assert answer.code == 0, answer.err
+    data = json.loads((tmp_path / "out.json").read_text())
+    cells = cells_of(tmp_path / "out.json")
+    assert [name for _, name in cells] == ["interpreter", "numpy", "numba", "numpy --prune", "numba --prune", "scenic==3.9.9"]
+    released = cells["random", "scenic==3.9.9"]
+    assert released["scenes per second"] == {"median": 5.0, "min": 5.0, "max": 5.0}
+    assert (released["attempts per scene"], released["peak MiB"], released["prepare seconds"], released["ratio"]) == (3.0, 1.0, 0.5, 1.0)
+    for cell in cells.values():
+        assert len(cell["samples"]) == 2
+        assert cell["ratio"] == pytest.approx(cell["scenes per second"]["median"] / 5, rel=1e-4)
+    for name in ("interpreter", "numpy", "numba"):
+        assert cells["random", name]["attempts per scene"] == pytest.approx(1 / 0.7, rel=0.2 if name != "interpreter" else 0.8)
+        assert cells["random", name]["peak MiB"] > 20
+    assert data["ratios to"] == "scenic==3.9.9"
+    assert data["geometric means"]["numba"] == {"ratio": cells["random", "numba"]["ratio"], "programs": 1}
+    assert set(data["load"]) == {"before", "after"} and data["versions"]["numpy"] and data["machine"]["processors"]
+    assert str(fake) not in (tmp_path / "out.json").read_text()
+    assert "geometric means" in answer.out and "scenic==3.9.9" in answer.out
+    assert (tmp_path / "out.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_without_a_released_implementation_ratios_are_to_the_interpreter(ask: Ask, tmp_path: Path):
+    assert ask("bench", "ok.scenic", "prints.scenic", *QUICK, "--json", "out.json").code == 0
+    cells = cells_of(tmp_path / "out.json")
+    assert cells["ok", "interpreter"]["ratio"] == 1.0
+    assert "cannot be drawn from many at a time" in cells["prints", "numpy"]["skipped"]
+    assert cells["prints", "interpreter"]["scenes per second"]["median"] > 0
+
+
+def test_a_program_that_a_released_implementation_does_not_run_is_told(ask: Ask, fake: Path, tmp_path: Path):
+    (tmp_path / "there").mkdir()
+    (tmp_path / "there" / "ok.scenic").write_text("broken\n")
+    answer = ask("bench", "ok.scenic", "random.scenic", *QUICK, "--against", f"scenic==3.9.9={fake}", "--released", "there", "--json", "out.json")
+    assert answer.code == 0
+    cells = cells_of(tmp_path / "out.json")
+    assert cells["ok", "scenic==3.9.9"]["skipped"] == "SyntaxError: broken"
+    assert cells["random", "scenic==3.9.9"]["skipped"] == "there is no random.scenic for it"
+    assert "ok, scenic==3.9.9: SyntaxError: broken" in answer.out
+
+
+def test_wrong_usage_is_told_before_anything_is_measured(ask: Ask, fake: Path, tmp_path: Path):
+    silent = tmp_path / "silent"
+    silent.write_text("#!/bin/sh\n")
+    silent.chmod(0o755)
+    for arguments, said in (
+        ((), "there is nothing to measure"),
+        (("nosuch.scenic",), "there is no file nosuch.scenic"),
+        (("ok.scenic", "--seconds", "0"), "--seconds must be a positive number"),
+        (("ok.scenic", "--against", "scenic=3.1.1"), "--against expects NAME==VERSION=PYTHON"),
+        (("ok.scenic", "--against", "other==1=/bin/sh"), "--against knows how to measure scenic only"),
+        (("ok.scenic", "--against", "scenic==3.1.1=/no/such/python"), "/no/such/python is no program that could be run"),
+        (("ok.scenic", "--against", f"scenic==3.1.1={tmp_path}"), "is no program that could be run"),
+        (("ok.scenic", "--against", f"scenic==3.1.1={silent}"), "does not tell its version of scenic"),
+        (("ok.scenic", "--against", f"scenic==3.1.1={fake}"), "holds scenic 3.9.9"),
+        (("ok.scenic", "--against", f"scenic==3.9.9={fake}", "--released", "nosuch"), "holds none of the programs"),
+        (("ok.scenic", "--json", "nosuch/out.json"), "there is no directory nosuch"),
+        (("ok.scenic", "--json", "ok.scenic"), "is the program ok"),
+        (("ok.scenic", "--plot", "out.gif"), "pictures have the formats"),
+        (("--growth", "--plot", "out.png"), "--plot draws the figures of programs"),
+    ):
+        answer = ask("bench", *arguments)
+        assert answer.code == 2, answer
+        assert said in answer.err
+        assert not answer.out
+
+
+def test_an_interrupt_shows_and_writes_what_is_measured_so_far(ask: Ask, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    asked = []
+
+    def interrupted(self: Process, seconds: float) -> dict[str, float]:
+        asked.append(seconds)
+        if len(asked) > 2:
+            raise KeyboardInterrupt
+        return {"scenes": 4, "attempts": 8, "seconds": 2.0}
+
+    monkeypatch.setattr(Process, "sample", interrupted)
+    answer = ask("bench", "ok.scenic", "random.scenic", *QUICK, "--json", "out.json")
+    assert answer.code == 130
+    assert "these figures are what was measured so far" in answer.err
+    data = json.loads((tmp_path / "out.json").read_text())
+    assert data["interrupted"]
+    assert [len(c.get("samples", [])) for c in data["cells"]] == [1, 1, 0]
+    assert {c["program"] for c in data["cells"]} == {"ok"}
+    assert "2x" not in answer.out and "numpy" in answer.out
+
+
+def test_medians_ratios_and_means_are_what_they_are_called():
+    def cell(program: str, contender: str, *rates: float) -> Cell:
+        return Cell(program, contender, {"prepare": 1.0}, [{"scenes": r, "attempts": 2 * r, "seconds": 1.0} for r in rates])
+
+    cells = [cell("a", "x", 1, 100, 4), cell("a", "y", 2), cell("b", "x", 9), cell("b", "y", 1), cell("c", "x", 7), Cell("c", "y", skipped="why")]
+    figures = Figures(("x", "y"), "y", cells)
+    assert [figures.ratio(c) for c in cells] == [2.0, 1.0, 9.0, 1.0, None, None]
+    assert figures.means() == {"x": (pytest.approx(18**0.5), 2), "y": (1.0, 2)}
+    assert cells[0].attempts == 2.0
+    assert bars(figures, format="svg") == bars(figures, format="svg")
+
+
+def test_the_power_of_growth_is_found():
+    assert fitted([(n, 3 * n**1.5) for n in (2, 10, 50)]) == pytest.approx(1.5)
+    assert fitted([(2, 1.0)]) is None
+
+
+@pytest.mark.parametrize("text", [many_objects(5), many_polygons(50)])
+def test_the_programs_that_grow_are_drawn_alike_by_the_backends_that_are_measured(text: str, tmp_path: Path):
+    path = tmp_path / "5_things.scenic"
+    path.write_text(text)
+    counts = {backend: prepare(Task(str(path), backend, trust=True))[0](0, 20) for backend in ("interpreter", "numpy", "numba")}
+    assert len(set(counts.values())) == 1
+    assert counts["numpy"][0] == 20
+
+
+def test_each_measurement_draws_other_scenes():
+    asked = []
+
+    def draw(start: int, count: int) -> tuple[int, int]:
+        asked.extend(range(start, start + count))
+        time.sleep(0.001)
+        return count, 2 * count
+
+    sampler = Sampler(draw, blocks=False)
+    first = sampler.sample(0.0)
+    assert (first["scenes"], first["attempts"]) == (1, 2)
+    sampler.sample(0.0)
+    assert asked == [1, 2]
