@@ -45,9 +45,9 @@ docs: $(VENV)/.docs
 	$(BIN)/python docs/generate.py
 	$(BIN)/mkdocs build --strict --quiet
 
-## Rules per second, and attempts per second of each gallery program
-bench: $(VENV)/.core
-	$(BIN)/python benchmarks/interpreter.py
+## Scenes per second of each gallery program, by every backend; make bench AGAINST=scenic==3.1.1=/path/to/bin/python measures a released one as well
+bench: $(VENV)/.test
+	$(BIN)/python benchmarks/batch.py $(if $(AGAINST),--against $(AGAINST)) --prune
 
 clean:
 	rm -rf $(VENV) demo site build dist *.egg-info

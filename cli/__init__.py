@@ -10,7 +10,13 @@ import os
 import sys
 
 INTERRUPTED = 130
-INTERRUPTION = "interrupted; a file of JSON Lines holds whole lines, and `run --resume` goes on with it; nothing else was written"
+
+
+def interruption(arguments: list[str]) -> str:
+    """What is said after Ctrl-C: which files there are."""
+    if arguments[:1] == ["run"] and "enumerate" not in arguments:
+        return "interrupted; a file of JSON Lines holds whole lines, and `run --resume` goes on with it; nothing else was written"
+    return "interrupted; nothing was written"
 
 
 def main() -> None:
@@ -20,7 +26,7 @@ def main() -> None:
     try:
         code = answer(sys.argv[1:])
     except KeyboardInterrupt:
-        print(INTERRUPTION, file=sys.stderr)
+        print(interruption(sys.argv[1:]), file=sys.stderr)
         code = INTERRUPTED
     sys.exit(code)
 
@@ -42,7 +48,7 @@ def answer(arguments: list[str]) -> int:
             session.hang_up()
             return 0
         if done.code == INTERRUPTED:
-            print(INTERRUPTION, file=sys.stderr)
+            print(interruption(arguments), file=sys.stderr)
         return done.code if isinstance(done.code, int) else 0 if done.code is None else 1
     except BrokenPipeError:
         session.hang_up()

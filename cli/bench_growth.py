@@ -38,6 +38,7 @@ def many_objects(count: int) -> str:
     """So many objects, all independent."""
     half = FIELD / 2
     place = f"Object at (Range({-half}, {half}), Range({-half}, {half})), with width 2, with length 4, facing Range(0, 360) deg"
+    place += ", with requireVisible False"
     return f"ego = {place}\n" + f"{place}\n" * (count - 1)
 
 
@@ -65,4 +66,5 @@ def grid(count: int) -> tuple[object, object]:
     headings = ((rows * 7 + columns * 3) % 12) * math.pi / 6
     direction = PolygonalVectorField("direction", list(zip(cells, headings.tolist())))
     union = shapely.union_all(cells)
+    assert isinstance(union, shapely.Polygon)
     return PolygonalRegion(polygon=union, orientation=direction, name="road"), direction

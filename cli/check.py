@@ -67,7 +67,8 @@ def check(
         session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, fuel=fuel, trust=trust
     )
     if samples is None:
-        given = [name for name, value in (("--reference", reference), ("--report", report), ("--junit", junit)) if value is not None]
+        options = ("alpha", "detect_tv", "reference", "report", "junit", "seed", "workers")
+        given = [f"--{name.replace('_', '-')}" for name in options if is_given(context, name)]
         if given:
             raise UsageError(f"{given[0]} belongs to --samples", hint="scenic-ref check FILE --samples PATH")
         assert source.load().rehearsed
@@ -76,6 +77,12 @@ def check(
     verdict = compared(source, samples, reference, alpha, detect_tv, seed, workers, report, junit)
     print(verdict)
     raise typer.Exit(EXIT_CODES[verdict.kind])
+
+
+def is_given(context: typer.Context, name: str) -> bool:
+    """Whether the option stands on the command line."""
+    source = context.get_parameter_source(name)
+    return source is not None and source.name == "COMMANDLINE"
 
 
 def compared(

@@ -29,8 +29,14 @@ class Ourselves:
     name = f"scenic-ref {__version__}"
     dialects = tuple(DIALECTS)
 
-    def __init__(self, backend: Literal["interpreter", "batch"] = "interpreter") -> None:
-        self.backend: Literal["interpreter", "batch"] = backend
+    backend: Literal["interpreter", "batch"] = "interpreter"
+
+    @classmethod
+    def by_batch(cls) -> Ourselves:
+        """Ourselves with the batch backend."""
+        found = cls()
+        found.backend = "batch"
+        return found
 
     def follows(self, reading: str, alternative: str) -> bool:
         """All alternatives of all readings can be followed."""

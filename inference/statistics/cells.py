@@ -72,7 +72,8 @@ class Intervals:
         """The cell of each value."""
         if not column.is_number:
             return np.full(len(column.values), self.count - 1)
-        return np.searchsorted(self.edges, opened(column.values, self.opening), side="right")
+        found = np.searchsorted(self.edges, opened(column.values, self.opening), side="right")
+        return np.where(np.isnan(column.values), self.count - 1, found)
 
     def labels(self) -> tuple[str, ...]:
         """A name for each cell."""
@@ -114,8 +115,10 @@ def cells_of(column: Column, weights: Array | None = None, levels: tuple[float, 
     few = MOST_EXACT if exact else min(FEW, len(levels) + 1)
     if not column.is_number:
         return Values(tuple(dict.fromkeys(column.values))[:MOST_EXACT], None)
+    known = ~np.isnan(column.values)
+    weights = weights[known] if weights is not None else None
     opening = opening_of(column.values) if is_angle(column.name) else None
-    values = opened(column.values, opening)
+    values = opened(column.values[known], opening)
     different = merged(np.unique(values))
     if len(different) <= few:
         return Values(tuple(f"{v:.9g}" for v in different), different, opening)

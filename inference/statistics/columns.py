@@ -20,6 +20,7 @@ from ...interpreter.scenes import OWN_FIELDS, Scene
 from .betting import Array
 
 ABSENT = "(absent)"
+OTHERWISE, A_NUMBER = " where it is no number", "(a number)"
 ANGLES = ("heading", "Heading", "bearing")
 MOST_RELATED = 12  # relations are looked at between the first so many objects
 BOX = np.array([(0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5)])
@@ -27,7 +28,7 @@ BOX = np.array([(0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5)])
 
 @dataclass(frozen=True)
 class Column:
-    """The values of one feature, in the order of the scenes: floats, or (as an object array) strings in JSON."""
+    """The values of one feature, in the order of the scenes: floats (NaN for what is no number), or (as an object array) strings in JSON."""
 
     name: str
     values: Array
@@ -74,8 +75,23 @@ def table_of(scenes: Iterable[Scene | Mapping[str, object]]) -> Table:
     """The table of scenes, given as such or as JSON objects in the scene format."""
     rows = [dict(leaves(scene.to_json() if isinstance(scene, Scene) else scene)) for scene in scenes]
     names = dict.fromkeys(name for row in rows for name in row)
-    columns = {name: array_of([row.get(name, ABSENT) for row in rows]) for name in names}
+    columns = dict(column for name in names for column in columns_of(name, [row.get(name, ABSENT) for row in rows]))
     return Table({**columns, **relations(columns, len(rows))}, len(rows))
+
+
+def columns_of(name: str, values: list[object]) -> Iterator[tuple[str, Array]]:
+    """The column of a feature; where only some values are numbers, one with NaN for the others, and one for what these are."""
+    numbers = [is_number(v) for v in values]
+    if all(numbers) or not any(numbers):
+        yield name, array_of(values)
+        return
+    yield name, array_of([v if known else math.nan for v, known in zip(values, numbers, strict=True)])
+    yield name + OTHERWISE, np.array([A_NUMBER if known else text_of(v) for v, known in zip(values, numbers, strict=True)], dtype=object)
+
+
+def is_number(value: object) -> bool:
+    """Whether a value in JSON is a number."""
+    return type(value) is float or type(value) is int
 
 
 def leaves(scene: Mapping[str, object]) -> Iterator[tuple[str, object]]:
@@ -116,7 +132,7 @@ def below(name: str, value: object) -> Iterator[tuple[str, object]]:
 
 def array_of(values: list[object]) -> Array:
     """Floats if all are numbers, otherwise each value's JSON text, numbers rounded to nine digits."""
-    if all(type(v) is float or type(v) is int for v in values):
+    if all(map(is_number, values)):
         try:
             return np.array(values, dtype=np.float64)
         except OverflowError:

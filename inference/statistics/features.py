@@ -129,11 +129,10 @@ def one_sided(a: Table, b: Table, constants: Mapping[str, object]) -> list[str]:
 
 
 def pooled(one: Column, other: Column) -> Column:
-    """The values of both; as text unless both are numbers."""
-    if one.is_number and other.is_number:
-        return Column(one.name, np.concatenate([one.values, other.values]))
-    texts = [[f"{v:.9g}" for v in c.values] if c.is_number else list(c.values) for c in (one, other)]
-    return Column(one.name, np.array(texts[0] + texts[1], dtype=object))
+    """The values of both; the numbers alone, if only one of them has numbers: what is no number then has a cell of its own."""
+    if one.is_number != other.is_number:
+        return one if one.is_number else other
+    return Column(one.name, np.concatenate([one.values, other.values]))
 
 
 def cut_of(column: Column, weights: Array | None = None) -> Cut:

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ..enumeration import Enumeration
-from .columns import Column, Table, is_angle, table_of, text_of
+from .columns import OTHERWISE, Column, Table, is_angle, table_of, text_of
 from .features import FeatureTest, assigned
 from .laws import SAME
 
@@ -21,12 +21,24 @@ def wrong_constants(table: Table, constants: Mapping[str, object], start: int = 
     for name in sorted(constants, key=lambda name: name != "objects"):
         wrong = first_other(table, name, constants[name]) if name in table.columns else None
         if wrong is not None:
-            values = (constants[name], table.columns[name].values[wrong])
-            always, seen = (f"{v:.9g}" if isinstance(v, float) else text_of(v) for v in values)
-            found.append(f"{name} is always {always}, but {seen} in sample {start + wrong + 1}")
+            always, seen = shown(constants[name]), shown(value_in(table, name, wrong))
+            what = "the number of objects" if name == "objects" else name
+            found.append(f"{what} is always {always}, but {seen} in sample {start + wrong + 1}")
             if name == "objects":
                 break  # the features of a missing object are wrong as well
     return found[:MOST_LISTED]
+
+
+def value_in(table: Table, name: str, row: int) -> object:
+    """The value of a feature in a scene; its text where it is no number though others are."""
+    value = table.columns[name].values[row]
+    otherwise = table.columns.get(name + OTHERWISE)
+    return otherwise.values[row] if otherwise is not None and isinstance(value, float) and math.isnan(value) else value
+
+
+def shown(value: object) -> str:
+    """A value, for people."""
+    return f"{value:.9g}" if isinstance(value, float) else text_of(value)
 
 
 def first_other(table: Table, name: str, value: object) -> int | None:
@@ -62,7 +74,6 @@ def off_the_law(table: Table, tests: Sequence[FeatureTest], start: int = 0) -> l
         assert test.law is not None
         wrong = np.flatnonzero(test.law[test.cells(cells)] <= 0)
         if len(wrong) and test.name in table.columns:
-            seen = table.columns[test.name].values[wrong[0]]
-            shown = f"{seen:.9g}" if isinstance(seen, float) else text_of(seen)
-            found.append(f"{test.name} is {shown} in sample {start + int(wrong[0]) + 1}, which has probability 0")
+            seen = shown(value_in(table, test.name, int(wrong[0])))
+            found.append(f"{test.name} is {seen} in sample {start + int(wrong[0]) + 1}, which has probability 0")
     return found[:MOST_LISTED]

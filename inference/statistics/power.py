@@ -14,9 +14,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from .betting import Array, one_sample_wealth, two_sample_wealth
+from .verdict import MOST
 
 QUANTILE = 2.3263478740408408  # of the standard normal, at 0.99
-MOST = 1 << 40
 
 
 class Hardest:

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 MOST_NAMED = 12
+MOST = 1 << 40
+"""More scenes than this nobody draws."""
 Kind = Literal["different", "equivalent", "inconclusive"]
 
 
@@ -89,10 +91,21 @@ class Verdict:
                     f"any of the {len(self.features):,} features would have shown with probability 0.99 (risk of a false alarm {risk})"
                 ]
             case _:
+                if self.detectable >= 1:
+                    return [f"inconclusive: so few scenes show no difference at all; for {self.detect_tv:.4g} {self._enough}"]
                 return [
                     f"inconclusive: no evidence of a difference in {sides}{burned}, but these would have shown differences of "
-                    f"{self.detectable:.2%} or more only; for {self.detect_tv:.2%} some {self.needed:,} are needed"
+                    f"{self.detectable:.2%} or more only; for {self.detect_tv:.4g} {self._enough}"
                 ]
+
+    @property
+    def enough(self) -> int:
+        """How many samples a difference of `detect_tv` needs, those that only give the cells included."""
+        return self.needed if self.exact else self.needed + min(max(math.ceil(self.needed / 7), 100), 4000)
+
+    @property
+    def _enough(self) -> str:
+        return f"some {self.enough:,} samples are needed" if self.needed < MOST else f"more than {MOST:,} samples are needed"
 
     def _why(self) -> list[str]:
         if self.impossible:

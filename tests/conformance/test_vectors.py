@@ -32,6 +32,15 @@ def test_the_vector_holds_on_ourselves(vector: Vector) -> None:
     assert (verdict.status, verdict.reason) == ("passed", "")
 
 
+SAMPLED = [v for v in VECTORS if isinstance(v.matcher, (Distribution, Support))]
+
+
+@pytest.mark.parametrize("vector", SAMPLED[::3], ids=lambda v: v.name)
+def test_the_vector_holds_on_the_batch_backend(vector: Vector) -> None:
+    verdict = judge(Ourselves.by_batch(), vector).verdict
+    assert (verdict.status, verdict.reason) == ("passed", "")
+
+
 # What the vectors cover, each of them holding by the test above
 
 

@@ -179,7 +179,8 @@ def test_too_few_scenes_are_inconclusive_and_say_how_many_are_needed():
     verdict = compare(table(1, 2_000), table(11, 2_000), detect_tv=0.01)
     assert verdict.kind == "inconclusive"
     assert verdict.needed > 100_000
-    assert f"{verdict.needed:,}" in str(verdict)
+    assert verdict.enough == verdict.needed + 4000
+    assert f"some {verdict.enough:,} samples are needed" in str(verdict)
 
 
 def test_a_dependence_that_no_marginal_shows_is_found_in_the_pair():
@@ -318,3 +319,24 @@ def test_nothing_is_tested_against_an_approximation():
     approximation = scenic_ref.loads("ego = Object with v Range(0, 1)\n").enumerate(discretize=4)
     with pytest.raises(UsageError):
         compare([scenic_ref.loads("ego = Object with v Range(0, 1)\n").sample()], approximation)
+
+
+# What is no number in a feature that is one
+
+
+def test_one_text_among_numbers_hides_no_difference():
+    source = np.random.default_rng(8)
+    right = [{"params": {"t": float(v)}, "objects": []} for v in source.uniform(0, 1, 2000)]
+    wrong = [{"params": {"t": float(v)}, "objects": []} for v in source.uniform(0, 0.5, 2000)]
+    assert compare(wrong, right).kind == "different"
+    wrong[700] = {"params": {"t": "noon"}, "objects": []}
+    assert compare(wrong, right).kind == "different"
+    texts = [{"params": {"t": str(v)}, "objects": []} for v in source.uniform(0, 1, 2000)]
+    assert compare(texts, right).kind == "different"
+
+
+def test_numbers_and_texts_that_a_program_chooses_among_are_compared():
+    scenario = scenic_ref.loads("param t = Uniform(Range(0, 1), 'noon')\nego = Object with v Range(0, 1)\n")
+    assert compare(list(scenario.sample_many(3000, 5)), scenario, detect_tv=0.2).kind == "equivalent"
+    other = scenic_ref.loads("param t = Discrete({Range(0, 1): 1, 'noon': 2})\nego = Object with v Range(0, 1)\n")
+    assert compare(list(other.sample_many(3000, 5)), scenario, detect_tv=0.2).kind == "different"
