@@ -51,7 +51,7 @@ def test_vectors_and_check_catch_the_fault(fault, tmp_path):
     machine = wrong_machine(fault, tmp_path)
     program = tmp_path / "program.scenic"
     program.write_text(fault.program)
-    drawn = run(machine, "run", str(program), "-n", str(SCENES), "--seed", "77", "-o", str(tmp_path / "scenes.jsonl"))
+    drawn = run(machine, "run", str(program), "-n", str(SCENES), "--seed", "77", "--backend", "interpreter", "-o", str(tmp_path / "scenes.jsonl"))
     assert drawn.returncode == 0, drawn.stderr
     assert same_distribution(tmp_path / "scenes.jsonl", scenic_ref.loads(fault.program)).kind == "different"
 
