@@ -163,7 +163,8 @@ class Process:
         self.running.kill()
         for stream in (self.running.stdin, self.running.stdout, self.errors):
             if stream is not None:
-                stream.close()
+                with contextlib.suppress(OSError):  # what it did not read before it ended is still to be written
+                    stream.close()
         self.running.wait()
 
     def sample(self, seconds: float) -> dict[str, Any]:

@@ -25,8 +25,9 @@ MAY_IMPORT = {
     "cli": {*LAYERS, ""},
 }
 ONLY_IN = {
-    "matplotlib": {"interpreter/pictures.py", "cli/bench_picture.py"}, "pyarrow": {"interpreter/tables.py"}, "distributed": {"inference/batch/jobs.py"},
-    "hypothesis": {"conformance/programs/strategies.py"}, "numba": {"inference/batch/compiled.py"}, "llvmlite": {"inference/batch/compiled.py"},
+    "matplotlib": {"interpreter/pictures.py", "cli/bench_picture.py"}, "pyarrow": {"interpreter/tables.py"},
+    "distributed": {"inference/batch/jobs.py"}, "hypothesis": {"conformance/programs/strategies.py"},
+    "numba": {"inference/batch/compiled.py"}, "llvmlite": {"inference/batch/compiled.py"},
 }
 
 

@@ -26,9 +26,12 @@ if sys.argv[2] == "--version":
 script, program, world, seed = sys.argv[1:]
 assert "PYTHONPATH" not in os.environ
 assert json.load(open(world)).keys() == {{"cells", "road", "curbs", "models", "colors", "weather"}}
-if "broken" in open(program).read():
+text = open(program).read()
+if "broken" in text:
     sys.exit("SyntaxError: broken")
 print(json.dumps({{"prepare": 0.5}}), flush=True)
+if "dies" in text:
+    sys.exit("RejectionException: died")
 for line in sys.stdin:
     print(json.dumps({{"scenes": 10, "attempts": 30, "seconds": 2.0, "peak": 2**20}}), flush=True)
 """
@@ -89,10 +92,13 @@ def test_without_a_released_implementation_ratios_are_to_the_interpreter(ask: As
 def test_a_program_that_a_released_implementation_does_not_run_is_told(ask: Ask, fake: Path, tmp_path: Path):
     (tmp_path / "there").mkdir()
     (tmp_path / "there" / "ok.scenic").write_text("broken\n")
-    answer = ask("bench", "ok.scenic", "random.scenic", *QUICK, "--against", f"scenic==3.9.9={fake}", "--released", "there", "--json", "out.json")
+    (tmp_path / "there" / "soft.scenic").write_text("dies\n")
+    rival = ("--against", f"scenic==3.9.9={fake}", "--released", "there")
+    answer = ask("bench", "ok.scenic", "soft.scenic", "random.scenic", *QUICK, *rival, "--json", "out.json")
     assert answer.code == 0
     cells = cells_of(tmp_path / "out.json")
     assert cells["ok", "scenic==3.9.9"]["skipped"] == "SyntaxError: broken"
+    assert cells["soft", "scenic==3.9.9"]["skipped"] == "RejectionException: died"
     assert cells["random", "scenic==3.9.9"]["skipped"] == "there is no random.scenic for it"
     assert "ok, scenic==3.9.9: SyntaxError: broken" in answer.out
 
