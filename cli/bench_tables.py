@@ -11,7 +11,7 @@ from .bench_growth import WHAT
 if TYPE_CHECKING:
     from rich.table import Table
 
-NARROWEST = 120
+NARROWEST = 140
 """Columns of the output where no terminal says how many there are."""
 
 

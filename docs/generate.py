@@ -12,7 +12,7 @@ from scenic_ref.semantics.readings import PROFILES, READINGS
 from scenic_ref.semantics.rules import CATALOGUE
 
 HERE = Path(__file__).parent / "reference"
-COMMANDS = ("run", "trace", "rules", "readings", "check", "conformance")
+COMMANDS = ("run", "trace", "rules", "readings", "check", "conformance", "bench")
 MOST_NAMED = 3
 
 

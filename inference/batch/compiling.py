@@ -11,7 +11,7 @@ import numpy as np
 from ...interpreter.streams import fold
 from ...semantics.outcome import Requirement
 from .columns import Columns
-from .fused import LEFT, PENDING, fuse
+from .fused import LEFT, PENDING, NotFused, fuse
 from .graph import Node
 from .plan import Step
 
@@ -35,6 +35,10 @@ class Fused:
         self.outputs = tuple(outputs)
         self.evaluator, self.arrays, self.events = fuse(steps, outputs)
         self.floats = sum(node.kind == "float" for node in outputs)
+        try:
+            self.call(0, 0, np.zeros(1, dtype=np.int64), np.zeros(0, dtype=np.int64), 1, self.room(1), *self.blank(1))
+        except Exception as problem:  # whatever the compiler cannot do, the columns can
+            raise NotFused(f"numba gives up ({type(problem).__name__})") from None
 
     def room(self, count: int) -> tuple[np.ndarray, np.ndarray]:
         """Arrays for the results of `count` scenes: floats, and whole numbers and truth values."""
@@ -42,19 +46,28 @@ class Fused:
 
     def draw(self, seed: int, start: int, first: np.ndarray, live: np.ndarray, most: int, room: tuple[np.ndarray, np.ndarray]) -> Drawn:
         """Scenes `start + live`, each from attempt `first[live]` on; `first` says afterwards where those stand that have none yet."""
-        fate = np.full(len(first), PENDING, dtype=np.int64)
-        done = np.full(len(first), -1, dtype=np.int64)
-        counts = np.zeros(len(self.events), dtype=np.int64)
+        done, fate, counts = self.blank(len(first))
         runs = 0
         while len(live):
-            some, _ = self.evaluator(np.uint64(fold(seed)), start, first, live, most, BUDGET, done, fate, *room, counts, *self.arrays)  # type: ignore[misc, call-arg, arg-type]
-            runs += some
+            runs += self.call(seed, start, first, live, most, room, done, fate, counts)
             live = live[(fate[live] == PENDING) & (first[live] < most)]
         stuck: Counter[Requirement] = Counter()
         for event, count in zip(self.events, counts.tolist(), strict=True):
             if event.requirement is not None and count:
                 stuck[event.requirement] += count
         return Drawn(done, fate == LEFT, stuck, runs)
+
+    def blank(self, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """For `count` scenes, of which nothing is known: the attempts that gave them, their fates, and how often each event rejected."""
+        return np.full(count, -1, dtype=np.int64), np.full(count, PENDING, dtype=np.int64), np.zeros(len(self.events), dtype=np.int64)
+
+    def call(
+        self, seed: int, start: int, first: np.ndarray, live: np.ndarray, most: int, room: tuple[np.ndarray, np.ndarray],
+        done: np.ndarray, fate: np.ndarray, counts: np.ndarray,
+    ) -> int:  # fmt: skip
+        """Let the evaluator run, for so many runs at most that one can interrupt it; how many there were."""
+        runs, _ = self.evaluator(np.uint64(fold(seed)), start, first, live, most, BUDGET, done, fate, *room, counts, *self.arrays)  # type: ignore[misc, call-arg, arg-type]
+        return runs
 
     def columns(self, room: tuple[np.ndarray, np.ndarray], kept: np.ndarray) -> Columns:
         """The results of some scenes as the columns of the outputs."""
