@@ -42,6 +42,10 @@ COMPILE_LEAST, COMPILE_NODE = 1.5, 0.012
 """Seconds that compiling takes, by and large: at least, and for each node."""
 
 
+LARGEST_COMPILED = 4000
+"""Nodes of the largest graph that is compiled: the time grows faster than their number."""
+
+
 class Block(NamedTuple):
     """Scenes `start` to `start + len(attempts) - 1`: of those in `columns` row k is scene `rows[k]`; `others` were left to the interpreter.
 
@@ -80,6 +84,8 @@ class Batch:
 
     def compile(self) -> bool:
         """Use the compiled evaluator from now on, if there is one; else `not_fused` says why. Takes seconds."""
+        if len(self.graph.nodes) > LARGEST_COMPILED:
+            self.not_fused = f"{len(self.graph.nodes):,} operations take minutes to compile"
         if self.fused is None and not self.not_fused:
             try:
                 from .compiling import Fused

@@ -129,6 +129,13 @@ def test_what_depends_on_more_than_the_numbers_is_not_lifted():
             Batch(scenario.start, fuel=scenario.fuel)
 
 
+def test_a_graph_that_would_take_minutes_is_not_compiled():
+    pytest.importorskip("numba")
+    batch = batch_of(scenic_ref.loads("ego = Object at (0, 0)\nfor i in range(60):\n    Object at (Range(0, 900), Range(0, 9)), with requireVisible False\n"))
+    assert not batch.compile()
+    assert "take minutes to compile" in batch.not_fused
+
+
 def test_runs_that_take_another_way_are_left_to_the_interpreter():
     scenario = scenic_ref.loads("x = Range(0, 10)\nego = Object with width x - 0.001, with requireVisible False")
     batch = batch_of(scenario)
