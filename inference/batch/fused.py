@@ -51,17 +51,18 @@ class Writer:
         self.lines: list[str] = []
         self.names: dict[str, object] = {"math": math, "np": np, "philox": compiled.philox, "bisect_right": compiled.bisect_right}
         self.arrays: dict[str, np.ndarray] = {}
-        self.blocks: set[tuple[object, ...]] = set()
+        self.blocks: dict[tuple[object, ...], str] = {}
         self.macros: dict[object, str] = {}
-        self.kept: dict[int, str] = {}
+        self.kept: dict[int, tuple[np.ndarray, str]] = {}  # by identity; the array is held, so that it stays the only one with it
+        self.made: dict[int, tuple[object, Sequence[np.ndarray]]] = {}
 
     def array(self, values: np.ndarray) -> str:
         """The name of an array that is handed to the evaluator."""
-        found = self.kept.get(id(values))
-        if found is None:
-            found = self.kept[id(values)] = f"a{len(self.arrays)}"
-            self.arrays[found] = np.ascontiguousarray(values)
-        return found
+        if id(values) not in self.kept:
+            name = f"a{len(self.arrays)}"
+            self.kept[id(values)] = values, name
+            self.arrays[name] = np.ascontiguousarray(values)
+        return self.kept[id(values)][1]
 
     def add(self, line: str, depth: int = 3) -> None:
         """Write a line."""
@@ -129,14 +130,12 @@ class Writer:
         """A random number; the four of a block are made together."""
         block, word = divmod(site.index, 4)
         key = (site.address, block, site.per_scene)
-        made = f"u{len(self.blocks)}_"
         if key not in self.blocks:
-            self.blocks.add(key)
-            self.kept[hash(key)] = made
+            made = self.blocks[key] = f"u{len(self.blocks)}_"
             attempt = f"np.uint64({PER_SCENE})" if site.per_scene else "at"
             targets = ", ".join(f"{made}{i}" for i in range(4))
             self.add(f"{targets} = philox(seed, np.uint64({site_code(site.address)}), scene, {attempt}, np.uint64({block}))")
-        self.add(f"{name} = {self.kept[hash(key)]}{word}")
+        self.add(f"{name} = {self.blocks[key]}{word}")
 
     def macro(self, macro: Macro) -> str:
         """The name of a compiled macro: its function traced on symbols of its own."""
@@ -196,11 +195,9 @@ class Writer:
 
     def kept_arrays(self, owner: object, make: Callable[[], Sequence[np.ndarray]]) -> Sequence[np.ndarray]:
         """The arrays of a test, made once."""
-        cache = self.names.setdefault("", {})
-        assert isinstance(cache, dict)
-        if id(owner) not in cache:
-            cache[id(owner)] = (owner, make())
-        return cache[id(owner)][1]
+        if id(owner) not in self.made:
+            self.made[id(owner)] = owner, make()
+        return self.made[id(owner)][1]
 
     def largest_box(self, call: RowCall) -> float:
         """How far from its centre a corner of the box can be, in metres: from the bounds of its sizes, or 16 m."""
@@ -286,7 +283,7 @@ def fuse(steps: Sequence[Step], outputs: Sequence[Node]) -> tuple[Callable[..., 
         "            runs += 1",
     ]
     source = "\n".join([*head, *writer.lines, "    return runs, len(live)"])
-    space: dict[str, Any] = {name: value for name, value in writer.names.items() if name}
+    space: dict[str, Any] = dict(writer.names)
     exec(source, space)  # our own text
     return writer.compiled.compile_(space["evaluator"]), tuple(writer.arrays.values()), events  # type: ignore[return-value]
 
@@ -313,7 +310,7 @@ def compiled_macro(macro: Macro) -> Callable[..., object]:
             writer.add(f"{name} = {value}", 1)
     returned = writer.operand(result.node if isinstance(result, Traced) else result)
     source = "\n".join([f"def function({', '.join(arguments)}):", *writer.lines, f"    return {returned}"])
-    space: dict[str, Any] = {name: value for name, value in writer.names.items() if name}
+    space: dict[str, Any] = dict(writer.names)
     exec(source, space)  # our own text
     return writer.compiled.compile_(space["function"])
 

@@ -14,7 +14,6 @@ from shapely.geometry.base import BaseGeometry
 TIE = 1e-9
 """Metres (and a share of the coordinates): nearer to an edge than this, rounding might decide."""
 MOST_SQUARES = 1 << 20
-EMPTY = np.zeros(0, dtype=np.int64)
 
 
 class Grid:

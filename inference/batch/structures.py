@@ -15,7 +15,6 @@ from ...semantics.vectors import Vector
 from .graph import Node
 from .symbols import Choice, Traced
 
-CONTAINERS = (list, tuple, set, frozenset, deque)
 Resolve = Callable[[Node], object]
 
 

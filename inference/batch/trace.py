@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -14,6 +13,7 @@ from ...semantics.host import DoorStuck, HostException
 from ...semantics.outcome import Requirement
 from ...semantics.regions import EmptyRegion
 from ...semantics.symbols import Elementary, NotLifted, is_macro, position_in
+from ...semantics.syntax.nodes import NOWHERE
 from ...semantics.vectors import Vector
 from .graph import AsFloat, Event, Graph, Kind, Macro, Node, Part, RowCall, Search, Site, Table, bounds_of, decided
 from .structures import in_row, symbols_in
@@ -41,7 +41,7 @@ class Trace:
         self.known: dict[object, Node] = {}
         self.coin: Node | None = None
         self.counted: set[tuple[int, Node | None]] = set()
-        self.place: Callable[[str], Requirement] = lambda text: NotImplemented
+        self.place: Callable[[str], Requirement] = lambda text: Requirement("", NOWHERE, text)
         self.open = True
 
     # Nodes
@@ -340,4 +340,4 @@ def bounds_of_field(subject: object = None, *rest: object) -> tuple[float, float
     return min(headings), max(headings)
 
 
-__all__ = ["Retry", "Trace", "operator"]
+__all__ = ["Retry", "Trace"]

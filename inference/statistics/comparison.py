@@ -23,10 +23,9 @@ from .features import Cut, FeatureTest, assigned, tests_against, tests_between, 
 from .impossible import MOST_LISTED, constants_of_law, off_the_law, wrong_constants
 from .laws import DEFAULT_ALPHA, Categorical, Continuous
 from .power import Hardest, detectable, needed
-from .verdict import Kind, Verdict
+from .verdict import BURNED_SHARE, FIRST_BLOCK, Kind, Verdict
 
 DEFAULT_TV = 0.01
-FIRST_BLOCK = (100, 4000)
 GROWTH = 1.5
 
 
@@ -134,7 +133,7 @@ def _two_samples(a: Stream, b: Stream, budget: int | None, terms: Terms) -> Verd
     available = min(known, default=None)
     if available == 0:
         raise UsageError("there are no scenes to compare")
-    burned = FIRST_BLOCK[1] if available is None else min(max(available // 8, min(FIRST_BLOCK[0], (available + 1) // 2)), FIRST_BLOCK[1])
+    burned = FIRST_BLOCK[1] if available is None else min(max(available // BURNED_SHARE, min(FIRST_BLOCK[0], (available + 1) // 2)), FIRST_BLOCK[1])
     impossible = wrong_constants(a.whole, terms.constants)
     first = a.take(burned), b.take(burned)
     tests, skipped = tests_between(*first, terms.constants)

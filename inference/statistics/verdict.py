@@ -9,6 +9,8 @@ from typing import Literal
 MOST_NAMED = 12
 MOST = 1 << 40
 """More scenes than this nobody draws."""
+FIRST_BLOCK, BURNED_SHARE = (100, 4000), 8
+"""The least and the most scenes that give the cells, and of how many one gives them."""
 Kind = Literal["different", "equivalent", "inconclusive"]
 
 
@@ -101,7 +103,7 @@ class Verdict:
     @property
     def enough(self) -> int:
         """How many samples a difference of `detect_tv` needs, those that only give the cells included."""
-        return self.needed if self.exact else self.needed + min(max(math.ceil(self.needed / 7), 100), 4000)
+        return self.needed if self.exact else self.needed + min(max(math.ceil(self.needed / (BURNED_SHARE - 1)), FIRST_BLOCK[0]), FIRST_BLOCK[1])
 
     @property
     def _enough(self) -> str:
