@@ -10,13 +10,12 @@ from functools import cache, cached_property
 from threading import get_ident
 from typing import TYPE_CHECKING, NamedTuple
 
-from ..inference.rejection import sample
 from ..interpreter.choosers import from_stream
 from ..interpreter.running import Accepted, Witness, run
 from ..interpreter.scenes import Scene, scene_of
 from ..semantics.conditions import bool_of
 from ..semantics.config import Config, Value
-from ..semantics.errors import ScenicError
+from ..semantics.errors import AttemptsExhausted, ScenicError
 from ..semantics.host import HostException
 from ..semantics.outcome import Draw, Next, Observe, Outcome, Requirement
 from ..semantics.scopes import descendants
@@ -112,21 +111,23 @@ class Drawing:
         self.rehearse(printed)
         scenario = self.scenario
         printed.clear()
-        found = sample(
-            scenario.start, seed, index, max_attempts=max_attempts, fuel=scenario.fuel, on_attempt=on_attempt, draws=scenario.draws,
-            witnessed=listening if self.prints else None,
-        )
+        witnessed = listening if self.prints else None
+        found = scenario.sampled(seed, index, max_attempts=max_attempts, on_attempt=on_attempt, witnessed=witnessed)
         attempts = found.scene.attempts
-        soft = self.softness(seed, index, attempts - 1) if self.has_soft_requirements else ()
+        soft = self.softness(seed, index, attempts) if self.has_soft_requirements else ()
         return Drawn(index, attempts, found.scene.to_line(), found.stuck, tuple(printed), soft)
 
     def again(self, seed: int, index: int, attempts: int) -> Scene | None:
         """The scene that is known to need so many attempts, by the last of them alone; None if that attempt gets stuck."""
-        result = run(self.scenario.start(), from_stream(seed, index, attempts - 1, self.scenario.draws), fuel=self.scenario.fuel)
+        if self.scenario.in_parts:
+            with suppress(AttemptsExhausted):
+                return self.scenario.sample(seed, index, max_attempts=attempts)
+            return None
+        result = self.scenario.last_run(seed, index, attempts)
         return scene_of(result.state, seed, index, attempts, pruned=bool(self.scenario.draws)) if isinstance(result, Accepted) else None
 
-    def softness(self, seed: int, index: int, attempt: int) -> tuple[Softness, ...]:
-        """How often each soft requirement held in an accepted attempt, which is run once more, so that looking disturbs nothing."""
+    def softness(self, seed: int, index: int, attempts: int) -> tuple[Softness, ...]:
+        """How often each soft requirement held in the last of so many attempts, which is run once more, so that looking disturbs nothing."""
         found: dict[Span, Softness] = {}
 
         def look(outcome: Outcome, drawn: object) -> None:
@@ -138,7 +139,7 @@ class Drawing:
                     found[one.span] = found[one.span].plus(one) if one.span in found else one
 
         try:
-            run(self.scenario.start(), from_stream(seed, index, attempt, self.scenario.draws), fuel=self.scenario.fuel, witness=look)
+            self.scenario.last_run(seed, index, attempts, witness=look)
         except ScenicError:
             return ()
         return tuple(found.values())

@@ -22,7 +22,7 @@ from .session import Session, tell
 from .workers import Failed, Job, draw_here, drawn_by
 
 MOST_PLOTTED = 16
-MOST_OFF = 8
+MOST_OFF, MOST_PARTS = 8, 12
 FORMATS = ("png", "pdf", "svg")
 
 
@@ -95,12 +95,14 @@ def backend_line(interpreted: str | None, tally: Tally) -> str:
 
 
 def pruning_lines(drawing: Drawing) -> list[str]:
-    """That pruning was on, and for each object what it did or which assumption fails."""
-    pruning = drawing.scenario.pruning
+    """That pruning was on, for each object what it did or which assumption fails, and what was drawn apart."""
+    pruning, batch = drawing.scenario.pruning, drawing.scenario.batch
     on = [str(f) for f in pruning.findings if f.after is not None]
     off = [str(f) for f in pruning.findings if f.after is None]
-    head = "pruning was on: other scenes than without it, from the same distribution" if pruning.pruned else "pruning found nothing to prune"
-    return [head, *(f"  {line}" for line in (*on, *off[: max(0, MOST_OFF - len(on))]))]
+    changed = pruning.pruned or drawing.scenario.in_parts
+    head = "pruning was on: other scenes than without it, from the same distribution" if changed else "pruning found nothing to prune"
+    parts = batch.parts if batch is not None else []
+    return [head, *(f"  {line}" for line in (*on, *off[: max(0, MOST_OFF - len(on))], *parts[:MOST_PARTS]))]
 
 
 def workers_of(request: Request, scenes: int) -> AbstractContextManager[Workers] | None:

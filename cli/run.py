@@ -61,7 +61,8 @@ def run(
         ),
     ] = None,
     prune: Annotated[
-        bool, typer.Option("--prune", help="Draw positions from smaller regions where that is safe: other scenes, from the same distribution.")
+        bool,
+        typer.Option("--prune", help="Draw from smaller regions, and parts apart, where that is safe: other scenes, from the same distribution."),
     ] = False,
     max_runs: Annotated[int, typer.Option("--max-runs", metavar="M", min=1, help="enumerate: give up after so many runs.")] = 20_000,
     discretize: Annotated[

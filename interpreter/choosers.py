@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
 from ..semantics.distributions import Distribution, PointIn
@@ -27,12 +27,16 @@ def replaced(draw: Draw, draws: Draws) -> Draw:
     return draw
 
 
-def from_stream(seed: int, scene: int, attempt: int, draws: Draws = AS_THEY_ARE) -> Chooser:
-    """Answers with the numbers of (seed, scene, attempt, address): the scene does not depend on anything else but `draws`."""
-    stream, once = Stream(seed, scene, attempt), Stream(seed, scene, PER_SCENE)
+def from_stream(seed: int, scene: int, attempt: int | Callable[[tuple[int, ...]], int], draws: Draws = AS_THEY_ARE) -> Chooser:
+    """Answers with the numbers of (seed, scene, attempt, address): the scene does not depend on anything else but `draws`.
+
+    Where rejection is factorised (see `inference.batch.components`), `attempt` says which it is for each address.
+    """
+    once = Stream(seed, scene, PER_SCENE)
+    stream = Stream(seed, scene, attempt) if isinstance(attempt, int) else None
 
     def choose(draw: Draw) -> object:
-        source = once if draw.per_scene else stream
+        source = once if draw.per_scene else stream or Stream(seed, scene, attempt(draw.address))  # type: ignore[operator]
         return replaced(draw, draws).distribution.sample(source.at(draw.address))
 
     return choose

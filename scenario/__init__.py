@@ -10,7 +10,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Literal
 
-from ..inference.batch import Batch, NotLifted
+from ..inference.batch import Batch, Block, NotLifted
 from ..inference.batch.jobs import Pace, block_of
 from ..inference.enumeration import DEFAULT_RUNS, Enumeration, enumerate_runs
 from ..inference.pruning import TECHNIQUES, Finding, Pruning, prune
@@ -19,10 +19,10 @@ from ..interpreter.checks import check
 from ..interpreter.choosers import AS_THEY_ARE, Draws, from_stream
 from ..interpreter.modules import library_of, read_text, with_old_imports
 from ..interpreter.parser import parse
-from ..interpreter.running import DEFAULT_FUEL, rehearse
-from ..interpreter.scenes import Scene
+from ..interpreter.running import DEFAULT_FUEL, Accepted, Run, Witness, rehearse, run
+from ..interpreter.scenes import Scene, scene_of
 from ..semantics.config import Config, Settings
-from ..semantics.errors import UsageError
+from ..semantics.errors import InternalError, UsageError
 from ..semantics.programs import initial, make_settings
 from ..semantics.readings import select
 from ..semantics.syntax import Program
@@ -53,6 +53,7 @@ class Scenario:
         self.directory = directory
         self.fuel = fuel
         self.draws: Draws = AS_THEY_ARE
+        self.factorised = False
         check(program)
 
     @cached_property
@@ -86,10 +87,43 @@ class Scenario:
         """Scene number `index` of `seed`."""
         return self.sampled(seed, index, max_attempts=max_attempts).scene
 
-    def sampled(self, seed: int = 0, index: int = 0, *, max_attempts: int = DEFAULT_ATTEMPTS) -> Sampled:
-        """The scene with the statistics of its attempts."""
+    def sampled(
+        self, seed: int = 0, index: int = 0, *, max_attempts: int = DEFAULT_ATTEMPTS, on_attempt: Callable[[int], None] | None = None,
+        witnessed: Callable[[int], Witness] | None = None,
+    ) -> Sampled:  # fmt: skip
+        """The scene with the statistics of its attempts. `on_attempt` and `witnessed` are those of `inference.rejection.sample`."""
         assert self.rehearsed
-        return sample(self.start, seed, index, max_attempts=max_attempts, fuel=self.fuel, draws=self.draws)
+        if not self.in_parts:
+            return sample(
+                self.start, seed, index, max_attempts=max_attempts, fuel=self.fuel, on_attempt=on_attempt, witnessed=witnessed, draws=self.draws,
+            )
+        block = self._alone(seed, index, max_attempts)
+        attempts = int(block.attempts[0])
+        ended = self.last_run(seed, index, attempts + 1, block, witness=None if witnessed is None else witnessed(attempts))
+        if not isinstance(ended, Accepted):
+            raise InternalError(f"the parts of scene {index} of seed {seed} make no scene: {ended.requirement.text}")
+        return Sampled(scene_of(ended.state, seed, index, attempts + 1, pruned=True), block.stuck, ended.steps)
+
+    def last_run(self, seed: int, index: int, attempts: int, block: Block | None = None, *, witness: Witness | None = None) -> Run:
+        """The last attempt at a scene that is known to need so many, alone; `block` is a drawing of it by the batch backend, if there is one."""
+        attempt: int | Callable[[tuple[int, ...]], int] = attempts - 1
+        if self.in_parts:
+            assert self.batch is not None
+            attempt = self.batch.attempts_of(block or self._alone(seed, index, attempts), index)
+        return run(self.start(), from_stream(seed, index, attempt, self.draws), fuel=self.fuel, witness=witness)
+
+    def _alone(self, seed: int, index: int, max_attempts: int) -> Block:
+        """A scene by the batch backend. Raises its error."""
+        assert self.batch is not None
+        block = block_of(self.batch, seed, index, index + 1, max_attempts)
+        if block.error is not None:
+            raise block.error
+        return block
+
+    @property
+    def in_parts(self) -> bool:
+        """Whether rejection is factorised and there is more than one component, so that parts of a scene are drawn apart."""
+        return self.factorised and self.batch is not None and bool(self.batch.stage.parts)
 
     @cached_property
     def pruning(self) -> Pruning:
@@ -101,10 +135,10 @@ class Scenario:
             return Pruning((), tuple(Finding("all objects", technique, None, None, str(reason)) for technique in TECHNIQUES))
 
     def pruned(self) -> Scenario:
-        """The same scenario with pruning: scenes from the same distribution in fewer attempts, though a seed gives other ones."""
+        """The same scenario with pruning and factorised rejection: scenes from the same distribution with less work, a seed giving other ones."""
         found = copy(self)
         found.__dict__.pop("_lifted", None)
-        found.draws = self.pruning.draws
+        found.draws, found.factorised = self.pruning.draws, True
         return found
 
     def enumerate(
@@ -119,7 +153,7 @@ class Scenario:
         """The program as a graph, or why there is none."""
         assert self.rehearsed
         try:
-            return Batch(self.start, fuel=self.fuel, draws=self.draws)
+            return Batch(self.start, fuel=self.fuel, draws=self.draws, factorised=self.factorised)
         except NotLifted as reason:
             return str(reason)
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,12 +19,12 @@ from ...semantics.vectors import Vector
 from .clipped import Clipped, clipped_curve, curve_tests, largest_radius
 from .graph import AsFloat, Graph, Macro, Node, Part, RowCall, RowDraw, Search, Site, Table
 from .numbers import Numbers
-from .plan import Step, cone
+from .plan import Step, cone, roots_of
 from .polygons import FieldTests, PolygonTests
 from .structures import in_row, symbols_in
 from .symbols import Traced
 
-Columns = dict[int, np.ndarray]
+Columns = Mapping[int, np.ndarray]
 ACCEPTED, LEFT = -1, -2
 """What became of a run: one that is left must be done by the interpreter; one that is rejected has the number of the step that did it."""
 
@@ -42,12 +43,12 @@ class Evaluated(NamedTuple):
     columns: Columns
 
 
-def evaluate(steps: Sequence[Step], seed: int, scenes: np.ndarray, attempts: np.ndarray) -> Evaluated:
-    """Evaluate the runs of attempt `attempts[k]` at scene `scenes[k]` of `seed`."""
+def evaluate(steps: Sequence[Step], seed: int, scenes: np.ndarray, attempts: np.ndarray, known: Columns = MappingProxyType({})) -> Evaluated:
+    """Evaluate the runs of attempt `attempts[k]` at scene `scenes[k]` of `seed`; the columns `known` are there already."""
     fate = np.full(len(scenes), ACCEPTED, dtype=np.int32)
     rows = np.arange(len(scenes))
     numbers = Numbers(seed, scenes, attempts)
-    columns: Columns = {}
+    columns = dict(known)
     failed: dict[int, Failed] = {}
     for number, step in enumerate(steps):
         for node in step.nodes:
@@ -87,7 +88,7 @@ def rejection_rates(graph: Graph, runs: int, seed: int = 0) -> dict[int, float]:
     rates: dict[int, float] = {}
     done: set[int] = set()
     for place, event in enumerate(graph.events):
-        for node in cone([event.node] if event.condition is None else [event.condition, event.node], done):
+        for node in cone(roots_of(event), done):
             columns[node.number] = column(node, columns, numbers, failed)
             done.add(node.number)
         if event.kind == "call":

@@ -18,12 +18,12 @@ from ...semantics.symbols import Elementary
 from ...semantics.vectors import Vector
 from .clipped import curve_tests, largest_radius
 from .columns import constant_cells, field_of, has_columns, is_clipped, tests_of
+from .components import Stage
 from .graph import AsFloat, Event, Macro, Node, Part, RowCall, RowDraw, Search, Site, Table
-from .plan import Step
 from .symbols import Traced
 
-PENDING, ACCEPTED, LEFT = 0, 1, 2
-"""What is known of a scene; LEFT: the interpreter must do the attempt that `done` says."""
+PENDING, ACCEPTED, LEFT, EXHAUSTED = 0, 1, 2, 3
+"""What is known of a scene; LEFT: others must do the attempt that comes next; EXHAUSTED: a part of it has had all attempts."""
 
 
 class NotFused(Exception):
@@ -55,6 +55,9 @@ class Writer:
         self.macros: dict[object, str] = {}
         self.kept: dict[int, tuple[np.ndarray, str]] = {}  # by identity; the array is held, so that it stays the only one with it
         self.made: dict[int, tuple[object, Sequence[np.ndarray]]] = {}
+        self.depth = 1
+        self.stage = 0
+        self.owners: dict[tuple[int, ...], int] = {}
 
     def array(self, values: np.ndarray) -> str:
         """The name of an array that is handed to the evaluator."""
@@ -64,9 +67,9 @@ class Writer:
             self.arrays[name] = np.ascontiguousarray(values)
         return self.kept[id(values)][1]
 
-    def add(self, line: str, depth: int = 3) -> None:
-        """Write a line."""
-        self.lines.append("    " * depth + line)
+    def add(self, line: str, inner: int = 0) -> None:
+        """Write a line, in the block that is being written, or in one inside."""
+        self.lines.append("    " * (self.depth + inner) + line)
 
     # Nodes
 
@@ -132,7 +135,7 @@ class Writer:
         key = (site.address, block, site.per_scene)
         if key not in self.blocks:
             made = self.blocks[key] = f"u{len(self.blocks)}_"
-            attempt = f"np.uint64({PER_SCENE})" if site.per_scene else "at"
+            attempt = f"np.uint64({PER_SCENE})" if site.per_scene else f"at{self.owners.get(site.address, 0)}"
             targets = ", ".join(f"{made}{i}" for i in range(4))
             self.add(f"{targets} = philox(seed, np.uint64({site_code(site.address)}), scene, {attempt}, np.uint64({block}))")
         self.add(f"{name} = {self.blocks[key]}{word}")
@@ -217,9 +220,9 @@ class Writer:
         self.add(f"{name} = {self.array(headings)}[q]")
 
     def leave(self) -> None:
-        """The interpreter must do this run."""
-        self.add("fate[i] = 2; done[i] = attempt - 1", 4)
-        self.add("break", 4)
+        """Others must do this run."""
+        self.add(f"fate[i] = {LEFT}; out = True", 1)
+        self.add("break", 1)
 
     # Events
 
@@ -238,49 +241,74 @@ class Writer:
         if event.kind == "guard":
             self.leave()
             return
-        self.add(f"counts[{number}] += 1", 4)
-        self.add("continue", 4)
+        self.add(f"counts[{number}] += 1", 1)
+        self.add("continue", 1)
+
+    # Stages
+
+    def attempts(self, stage: Stage, events: list[Event], found: Callable[[], None]) -> None:
+        """A loop over the attempts at a stage, its parts in loops of their own; `found` writes what is done with the first that is accepted."""
+        number, over = stage.number, "" if stage.number else " or runs >= budget"
+        self.add("while True:")
+        self.depth += 1
+        self.add(f"if c{number} >= most{over}:")
+        if number:
+            self.add(f"fate[i] = {EXHAUSTED}; out = True", 1)
+        self.add("break", 1)
+        self.add(f"at{number} = np.uint64(c{number})")
+        self.add(f"c{number} += 1")
+        self.add("runs += 1")
+        self.owners |= dict.fromkeys(stage.own, number)
+        for part in stage.parts:
+            self.attempts(part, events, lambda: None)
+            self.add("if out:")
+            self.add("break", 1)
+        for step in stage.steps:
+            for node in step.nodes:
+                self.write(node)
+            if step.event is not None:
+                self.event(step.event, len(events))
+                events.append(step.event)
+        found()
+        self.add("break")
+        self.depth -= 1
 
 
-def fuse(steps: Sequence[Step], outputs: Sequence[Node]) -> tuple[Callable[..., int], tuple[np.ndarray, ...], list[Event]]:
+def fuse(stage: Stage) -> tuple[Callable[..., tuple[int, int]], tuple[np.ndarray, ...], list[Event]]:
     """The evaluator of a plan, the arrays that it is called with, and the events that it counts.
 
-    evaluator(seed, start, first, live, most, budget, done, fate, floats, ints, counts, *arrays) -> (runs, scenes looked at)
+    evaluator(seed, start, first, live, most, budget, fate, floats, ints, counts, *arrays) -> (runs, scenes looked at)
     """
     writer = Writer()
-    events = [step.event for step in steps if step.event is not None]
-    for step in steps:
-        for node in step.nodes:
-            writer.write(node)
-        if step.event is not None:
-            writer.event(step.event, events.index(step.event))
-    places = {"float": 0, "int": 0, "bool": 0}
-    for node in outputs:
-        if node.kind == "object":
-            raise NotFused("a property that is computed row by row")
-        where = "floats" if node.kind == "float" else "ints"
-        counter = "float" if node.kind == "float" else "int"
-        writer.add(f"{where}[{places[counter]}, i] = v{node.number}")
-        places[counter] += 1
-    writer.add("fate[i] = 1; done[i] = attempt - 1")
-    writer.add("break")
-    names = list(writer.arrays)
+    events: list[Event] = []
+
+    def results() -> None:
+        places = {"floats": 0, "ints": 0}
+        for node in stage.outputs:
+            if node.kind == "object":
+                raise NotFused("a property that is computed row by row")
+            where = "floats" if node.kind == "float" else "ints"
+            writer.add(f"{where}[{places[where]}, i] = v{node.number}")
+            places[where] += 1
+        writer.add(f"fate[i] = {ACCEPTED}")
+
+    numbers = range(len(stage.all))
+    writer.depth = 2
+    writer.add("if runs >= budget:")
+    writer.add("return runs, j", 1)
+    writer.add("i = live[j]")
+    writer.add("scene = np.uint64(start + i)")
+    writer.add("out = False")
+    for number in numbers:
+        writer.add(f"c{number} = first[{number}, i]")
+    writer.attempts(stage, events, results)
+    writer.add(f"took = 1 if fate[i] == {ACCEPTED} or fate[i] == {LEFT} else 0")
+    for number in numbers:
+        writer.add(f"first[{number}, i] = c{number} - took")
     head = [
-        f"def evaluator(seed, start, first, live, most, budget, done, fate, floats, ints, counts, {', '.join(names)}):",
+        f"def evaluator(seed, start, first, live, most, budget, fate, floats, ints, counts, {', '.join(writer.arrays)}):",
         "    runs = 0",
         "    for j in range(len(live)):",
-        "        if runs >= budget:",
-        "            return runs, j",
-        "        i = live[j]",
-        "        scene = np.uint64(start + i)",
-        "        attempt = first[i]",
-        "        while True:",
-        "            if attempt >= most or runs >= budget:",
-        "                first[i] = attempt",
-        "                break",
-        "            at = np.uint64(attempt)",
-        "            attempt += 1",
-        "            runs += 1",
     ]
     source = "\n".join([*head, *writer.lines, "    return runs, len(live)"])
     space: dict[str, Any] = dict(writer.names)
@@ -307,7 +335,7 @@ def compiled_macro(macro: Macro) -> Callable[..., object]:
             function, name = node.function, f"v{node.number}"
             operands = [writer.operand(a) for a in node.arguments]
             value = f"np.float64({operands[0]})" if isinstance(function, AsFloat) else writer.expression(function, operands)
-            writer.add(f"{name} = {value}", 1)
+            writer.add(f"{name} = {value}")
     returned = writer.operand(result.node if isinstance(result, Traced) else result)
     source = "\n".join([f"def function({', '.join(arguments)}):", *writer.lines, f"    return {returned}"])
     space: dict[str, Any] = dict(writer.names)

@@ -7,7 +7,7 @@ when it is checked. The next one is that which is cheapest for what it rejects, 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -30,16 +30,22 @@ class Step:
     forget: tuple[Node, ...]
 
 
-def plan(graph: Graph, outputs: Sequence[Node], rejects: Mapping[int, float] = MappingProxyType({})) -> tuple[Step, ...]:
-    """The steps of an evaluation. `rejects` says how often an event rejects a run, by its place in the graph; half of the time if not known."""
-    done: set[int] = set()
+def plan(
+    graph: Graph, outputs: Sequence[Node], rejects: Mapping[int, float] = MappingProxyType({}), events: Sequence[int] | None = None,
+    known: Collection[int] = (),
+) -> tuple[Step, ...]:  # fmt: skip
+    """The steps of an evaluation, of all events or of those at some places of the graph, where the nodes `known` need not be computed.
+
+    `rejects` says how often an event rejects a run, by its place in the graph; half of the time if not known.
+    """
+    done = set(known)
     order: list[tuple[list[Node], Event | None]] = []
-    for segment in segments(graph.events):
+    for segment in segments(graph.events, range(len(graph.events)) if events is None else sorted(events)):
         pending = list(segment)
         while pending:
-            prices = [cost(cone(_roots(graph.events[k]), done)) / max(rejects.get(k, 0.5), LEAST_REJECTED) for k in pending]
+            prices = [cost(cone(roots_of(graph.events[k]), done)) / max(rejects.get(k, 0.5), LEAST_REJECTED) for k in pending]
             event = graph.events[pending.pop(prices.index(min(prices)))]
-            order.append((cone(_roots(event), done), event))
+            order.append((cone(roots_of(event), done), event))
             done.update(node.number for node in order[-1][0])
     order.append((cone(list(outputs), done), None))
     last: dict[int, int] = {}
@@ -47,7 +53,7 @@ def plan(graph: Graph, outputs: Sequence[Node], rejects: Mapping[int, float] = M
         for node in nodes:
             for child in (node, *children(node)):
                 last[child.number] = position
-        for root in _roots(event) if event is not None else outputs:
+        for root in roots_of(event) if event is not None else outputs:
             last[root.number] = position
     for node in outputs:
         last[node.number] = len(order)
@@ -57,11 +63,11 @@ def plan(graph: Graph, outputs: Sequence[Node], rejects: Mapping[int, float] = M
     return tuple(Step(tuple(nodes), event, tuple(forgotten.get(i, ()))) for i, (nodes, event) in enumerate(order))
 
 
-def segments(events: Sequence[Event]) -> list[list[int]]:
+def segments(events: Sequence[Event], places: Iterable[int]) -> list[list[int]]:
     """Runs of events, by their places, that may be looked at in any order: those that only reject. Any other event is alone."""
     result: list[list[int]] = []
-    for place, event in enumerate(events):
-        if only_rejects(event) and result and only_rejects(events[result[-1][0]]):
+    for place in places:
+        if only_rejects(events[place]) and result and only_rejects(events[result[-1][0]]):
             result[-1].append(place)
         else:
             result.append([place])
@@ -75,7 +81,8 @@ def only_rejects(event: Event) -> bool:
     return event.kind == "require" or (event.kind == "call" and always_gives_a_value(event.node.function))
 
 
-def _roots(event: Event) -> list[Node]:
+def roots_of(event: Event) -> list[Node]:
+    """The nodes that decide about an event."""
     return [event.node] if event.condition is None else [event.condition, event.node]
 
 

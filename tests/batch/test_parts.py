@@ -162,7 +162,7 @@ def graph_of(text: str):
 
 def test_cheap_requirements_come_first_but_none_passes_a_guard():
     graph, _ = graph_of(PROGRAM)
-    kinds = [[graph.events[k].kind for k in segment] for segment in segments(graph.events)]
+    kinds = [[graph.events[k].kind for k in segment] for segment in segments(graph.events, range(len(graph.events)))]
     assert kinds == [["require", "require"], ["guard"], ["require", "require"]]  # the last one: ego is visible from itself
     steps = plan(graph, [])
     lines = [step.event.requirement.span.line if step.event.requirement else None for step in steps if step.event]
