@@ -15,13 +15,12 @@ from dataclasses import asdict, dataclass
 from typing import TextIO
 
 from ..inference.batch import Batch
+from ..inference.batch.jobs import GROWTH, LARGEST, QUICK
 from ..scenario import Scenario, load
 from ..semantics.errors import ScenicError
 from .bench_sample import peak
 
-SMALLEST, LARGEST, GROWTH = 256, 1 << 14, 4
-LONG = 0.4
-"""A block that takes more seconds is not followed by larger ones, as in `inference.batch.jobs`."""
+SMALLEST = 256
 
 Draw = Callable[[int, int], tuple[int, int]]
 """Draws so many scenes from a number on; gives how many it drew, and in how many attempts."""
@@ -86,7 +85,7 @@ def prepare(task: Task) -> tuple[Draw, dict[str, float]]:
         if not batch.compile():
             raise Skipped(batch.not_fused)
     else:
-        batch.not_fused = "columns are measured"  # else it would compile after some seconds
+        batch.may_compile = False
     draw = by_blocks(batch, task.seed)
     draw(0, 1)
     times.append(time.process_time())
@@ -116,7 +115,7 @@ class Sampler:
 
     def warm_up(self) -> None:
         """Find the size of the blocks."""
-        while self.growing and self.size < LARGEST and self.block()[2] < LONG:
+        while self.growing and self.size < LARGEST and self.block()[2] < QUICK:
             self.size *= GROWTH
         self.growing = False
 

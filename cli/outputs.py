@@ -7,7 +7,7 @@ import os
 import stat
 import sys
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, NamedTuple
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 BINARY = getattr(os, "O_BINARY", 0)
 AT_ONCE = 1 << 16
-"""So many characters of whole lines are written at a time: as much as a pipe holds."""
+"""So many bytes of whole lines are written at a time: as much as a pipe holds."""
 KNOWN = 32
 """Of so many scenes that are there already are the attempts kept, for a picture of them."""
 
@@ -130,10 +130,10 @@ class LinesFile(Output):
 
     def write_many(self, portion: Portion) -> None:
         """Whole lines."""
-        for data in together(portion.lines):
+        for data in in_pieces(portion.lines):
             self._write(data)
 
-    def _write(self, data: bytes) -> None:
+    def _write(self, data: bytes | memoryview) -> None:
         with uninterrupted():
             try:
                 write_all(self.file, data)
@@ -164,10 +164,10 @@ class Pipe(Output):
 
     def write_many(self, portion: Portion) -> None:
         """Whole lines."""
-        for data in together(portion.lines):
+        for data in in_pieces(portion.lines):
             self._write(data)
 
-    def _write(self, data: bytes) -> None:
+    def _write(self, data: bytes | memoryview) -> None:
         with uninterrupted():
             try:
                 write_all(sys.stdout.fileno(), data)
@@ -208,21 +208,16 @@ class TableOutput(Output):
         self.table.close()
 
 
-def together(lines: Sequence[str]) -> Iterator[bytes]:
+def in_pieces(lines: bytes) -> Iterator[memoryview]:
     """Lines with their ends, some whole ones at a time."""
-    waiting: list[str] = []
-    length = 0
-    for line in lines:
-        if waiting and length + len(line) > AT_ONCE:
-            yield "\n".join([*waiting, ""]).encode()
-            waiting, length = [], 0
-        waiting.append(line)
-        length += len(line) + 1
-    if waiting:
-        yield "\n".join([*waiting, ""]).encode()
+    start = 0
+    while start < len(lines):
+        end = lines.rfind(b"\n", start, start + AT_ONCE) + 1 or lines.find(b"\n", start) + 1 or len(lines)
+        yield memoryview(lines)[start:end]
+        start = end
 
 
-def write_all(file: int, data: bytes) -> None:
+def write_all(file: int, data: bytes | memoryview) -> None:
     """Write all bytes to a file descriptor."""
     view = memoryview(data)
     while view:

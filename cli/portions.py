@@ -27,15 +27,15 @@ SMALL_PARTS = 4
 
 
 class Portion(NamedTuple):
-    """Scenes `start` to `start + len(attempts) - 1`, as lines or as columns, how often which requirement failed, and how long that took
-    (seconds of a processor, so that other work of the machine does not count).
+    """Scenes `start` to `start + len(attempts) - 1`, as lines (in one text, which is quickly sent) or as columns, how often which requirement
+    failed, and how long that took (seconds of a processor, so that other work of the machine does not count).
 
     `left` runs were left to the interpreter. `failed` is the error that ended the job early, at the scene behind the last.
     """
 
     start: int
     attempts: np.ndarray
-    lines: list[str]
+    lines: bytes
     columns: Columns | None
     stuck: Counter[Requirement]
     soft: tuple[Softness, ...]
@@ -45,11 +45,15 @@ class Portion(NamedTuple):
 
 
 class PortionJob(NamedTuple):
-    """What to draw, in which form; scenes before `looked` are looked at for soft requirements."""
+    """What to draw, in which form; scenes before `looked` are looked at for soft requirements.
+
+    About `ahead` more scenes will be asked for of each process.
+    """
 
     job: Job
     form: Form
     looked: int
+    ahead: int
 
 
 def batch_of(drawing: Drawing) -> Batch:
@@ -63,8 +67,8 @@ def draw_portion(drawing: Drawing, asked: PortionJob) -> Portion:
     """The scenes of a job, in this process."""
     begun = time.thread_time()
     job, batch = asked.job, batch_of(drawing)
-    block = block_of(batch, job.seed, job.start, job.stop, job.max_attempts)
-    lines = lines_of(batch.template, block, job.seed) if asked.form == "lines" else []
+    block = block_of(batch, job.seed, job.start, job.stop, job.max_attempts, asked.ahead)
+    lines = "".join(f"{line}\n" for line in lines_of(batch.template, block, job.seed)).encode() if asked.form == "lines" else b""
     columns = table_of(batch.template, block, job.seed) if asked.form == "table" and len(block.attempts) else None
     soft = softness_of(drawing, block, job.seed, asked.looked) if drawing.has_soft_requirements else ()
     ended = failed(block.error, []) if block.error is not None else None
@@ -92,7 +96,7 @@ def portions(
     pace = Pace(size, len(batch_of(drawing).template.objects))
     looked = job.start + MOST_LOOKED_AT
     parts = pace.parts(job.start, job.stop)
-    asked = (PortionJob(job._replace(start=first, stop=stop), form, looked) for first, stop in parts)
+    asked = (PortionJob(job._replace(start=first, stop=stop), form, looked, (job.stop - stop) // count) for first, stop in parts)
     if workers is None:
         yield from paced((draw_portion(drawing, part) for part in asked), pace)
         return

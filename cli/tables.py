@@ -31,9 +31,9 @@ class Terminal(Output):
 
     def write_many(self, portion: Portion) -> None:
         """Keep the scenes that are to be shown."""
-        self._keep(portion.lines)
+        self._keep(portion.lines.splitlines())
 
-    def _keep(self, lines: Sequence[str]) -> None:
+    def _keep(self, lines: Sequence[str | bytes]) -> None:
         room = MOST_SHOWN - len(self.scenes)
         self.scenes += map(json.loads, lines[:room])
         self.more += len(lines[room:])

@@ -189,7 +189,7 @@ def _by_batch(batch: Batch, n: int, seed: int, start: int, max_attempts: int) ->
     pace = Pace(objects=len(batch.template.objects))
     for first, stop in pace.parts(start, start + n):
         begun = time.thread_time()
-        block = block_of(batch, seed, first, stop, max_attempts)
+        block = block_of(batch, seed, first, stop, max_attempts, start + n - stop)
         pace.took(stop - first, time.thread_time() - begun)
         yield from batch.scenes_of(block, seed)
         if block.error is not None:

@@ -222,6 +222,7 @@ def is_clipped(draw: RowDraw) -> Clipped | None:
     return found if found is not None and math.isfinite(largest_radius(found.radius)) else None
 
 
+@lru_cache(maxsize=64)
 def constant_cells(field: object) -> bool:
     """Whether a polygonal field has a constant heading in each cell and none outside."""
     return isinstance(field, PolygonalVectorField) and bool(field.cells) and all(isinstance(h, (int, float)) for _, h in field.cells)

@@ -16,9 +16,8 @@ import numpy as np
 from llvmlite import ir
 from numba.extending import get_cython_function_address, intrinsic
 
-from .polygons import TIE, Grid
+from .polygons import INSIDE, OUTSIDE, TIE, UNSURE, Grid
 
-OUTSIDE, INSIDE, UNSURE = 0, 1, 2
 _M0, _M1 = np.uint64(0xD2E7470EE14C6C93), np.uint64(0xCA5A826395121157)
 _W0, _W1 = np.uint64(0x9E3779B97F4A7C15), np.uint64(0xBB67AE8584CAA73B)
 _ZERO, _ELEVEN, _UNIT = np.uint64(0), np.uint64(11), 2.0**-53
@@ -130,16 +129,20 @@ def point_in(
 def box_in(
     x: float, y: float, heading: float, width: float, length: float, scale: float, largest: float, edges: np.ndarray, reference: np.ndarray,
     reference_inside: np.ndarray, frame: np.ndarray, starts: np.ndarray, lists: np.ndarray,
-    near_frame: np.ndarray, near_starts: np.ndarray, near_lists: np.ndarray,
+    near_frame: np.ndarray, near_starts: np.ndarray, near_lists: np.ndarray, known: np.ndarray,
 ) -> int:  # fmt: skip
-    """Whether a box is in a polygon: see `PolygonTests.contains_box`. The lists hold the edges within `largest` metres."""
-    found = point_in(x, y, scale, edges, reference, reference_inside, frame, starts, lists)
-    if found != INSIDE:
-        return found
+    """Whether a box is in a polygon: see `PolygonTests.contains_box`. The near lists hold the edges within `largest` metres of squares,
+    and `known` says where those without any are.
+    """
     hw, hl = width / 2, length / 2
     if not (hw > TIE * scale and hl > TIE * scale and hw * hw + hl * hl <= largest * largest):
         return UNSURE
     square = square_of(near_frame, x, y)
+    if known[square] != UNSURE:
+        return int(known[square])
+    found = point_in(x, y, scale, edges, reference, reference_inside, frame, starts, lists)
+    if found != INSIDE:
+        return found
     first, last = near_starts[square], near_starts[square + 1]
     if first < last:
         c, s = math.cos(heading), math.sin(heading)
@@ -163,10 +166,13 @@ def box_in(
 
 @compile_
 def first_cell(
-    x: float, y: float, scale: float, edges: np.ndarray, number: np.ndarray, frame: np.ndarray, starts: np.ndarray, lists: np.ndarray
-) -> int:
+    x: float, y: float, scale: float, edges: np.ndarray, number: np.ndarray, frame: np.ndarray, starts: np.ndarray, lists: np.ndarray,
+    known: np.ndarray,
+) -> int:  # fmt: skip
     """The first cell of a field that holds a point: see `FieldTests.first`; -1 for none, -2 if an edge is too near."""
     square = square_of(frame, x, y)
+    if known[square] != -2:
+        return int(known[square])
     eps = TIE * scale
     for k in range(starts[square], starts[square + 1]):
         cell = lists[k]

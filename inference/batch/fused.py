@@ -189,8 +189,8 @@ class Writer:
         else:
             self.names["box_in"] = self.compiled.box_in
             largest = self.largest_box(call)
-            near = tests.grid_for(largest)
-            lists = [self.array(a) for a in self.kept_arrays(near, lambda: self.compiled.grid_arrays(near))]
+            near, known = tests.grid_for(largest)
+            lists = [self.array(a) for a in (*self.kept_arrays(near, lambda: self.compiled.grid_arrays(near)), known)]
             self.add(f"q = box_in({', '.join([*values, scale, repr(largest), *shared, *grid, *lists])})")
         self.add("if q == 2:")
         self.leave()
@@ -214,7 +214,7 @@ class Writer:
         self.names["first_cell"] = self.compiled.first_cell
         grid = [self.array(a) for a in self.kept_arrays(tests.grid, lambda: self.compiled.grid_arrays(tests.grid))]
         arrays = [self.array(a) for a in (tests.edges, tests.number)]
-        self.add(f"q = first_cell({', '.join([*values, repr(float(tests.scale)), *arrays, *grid])})")
+        self.add(f"q = first_cell({', '.join([*values, repr(float(tests.scale)), *arrays, *grid, self.array(tests.known)])})")
         self.add("if q == -2:")
         self.leave()
         self.add(f"{name} = {self.array(headings)}[q]")

@@ -29,7 +29,7 @@ SMALLEST, LARGEST = 16, 1 << 14
 MOST_OBJECTS = 1 << 16
 """A job has at most so many objects in all its scenes: their text is what takes memory."""
 FIRST, GROWTH = 512, 4
-QUICK, SLOW = 0.4, 1.6
+QUICK, SLOW = 1.0, 4.0
 """Jobs that take fewer seconds of a processor are followed by larger ones, those that take more by smaller ones."""
 
 
@@ -37,7 +37,7 @@ QUICK, SLOW = 0.4, 1.6
 
 
 class Pace:
-    """How many scenes a job has: few at first, then as many as are drawn in about a second, so that results keep coming."""
+    """How many scenes a job has: few at first, then as many as are drawn in a few seconds, so that results keep coming."""
 
     def __init__(self, size: int = FIRST, objects: int = 1) -> None:
         self.largest = max(1, min(LARGEST, MOST_OBJECTS // max(objects, 1)))
@@ -58,9 +58,9 @@ class Pace:
             self.size = max(self.size // 2, min(SMALLEST, self.size))
 
 
-def block_of(batch: Batch, seed: int, start: int, stop: int, max_attempts: int = DEFAULT_ATTEMPTS) -> Block:
+def block_of(batch: Batch, seed: int, start: int, stop: int, max_attempts: int = DEFAULT_ATTEMPTS, ahead: int = 0) -> Block:
     """Scenes `start` to `stop - 1`; where attempts are exhausted, the error tells of the attempts at that scene alone, as the interpreter's does."""
-    block = batch.block(seed, start, stop, max_attempts=max_attempts)
+    block = batch.block(seed, start, stop, max_attempts=max_attempts, ahead=ahead)
     if not isinstance(block.error, AttemptsExhausted):
         return block
     index = block.start + len(block.attempts)

@@ -14,6 +14,10 @@ from shapely.geometry.base import BaseGeometry
 TIE = 1e-9
 """Metres (and a share of the coordinates): nearer to an edge than this, rounding might decide."""
 MOST_SQUARES = 1 << 20
+FINE = 8.0
+"""The squares of a grid are so much smaller than what it holds, so that most hold no edge."""
+OUTSIDE, INSIDE, UNSURE = 0, 1, 2
+"""Where a point, a box or a square is."""
 
 
 class Grid:
@@ -39,6 +43,13 @@ class Grid:
         self.lists = np.full((len(squares) + 1, self.most), -1, dtype=np.int64)
         self.lists[square, np.arange(len(square)) - starts[square]] = shape
         self.counts = np.concatenate([counts, [0]])
+        self.squares = squares
+
+    @property
+    def centres(self) -> tuple[np.ndarray, np.ndarray]:
+        """A point inside each square but the last."""
+        column, row = np.tile(np.arange(self.columns), self.rows), np.repeat(np.arange(self.rows), self.columns)
+        return self.west + (column + 0.4817294) * self.side, self.south + (row + 0.5290163) * self.side
 
     def square_of(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """The number of the square in which a point lies; the last number for points beyond all squares."""
@@ -66,13 +77,10 @@ class PolygonTests:
         west, south, east, north = shape.bounds
         self.scale = 1 + max(map(abs, shape.bounds))
         self.size = max(east - west, north - south, 1e-9)
-        self.grid = Grid(self.lines, self.size / max(4.0, math.sqrt(len(self.edges)) * 2), 0.0)
-        grid = self.grid
-        column, row = np.tile(np.arange(grid.columns), grid.rows), np.repeat(np.arange(grid.rows), grid.columns)
-        self.reference = np.stack([grid.west + (column + 0.4817294) * grid.side, grid.south + (row + 0.5290163) * grid.side], axis=1)
-        self.reference_inside = np.append(shapely.intersects_xy(shape, self.reference[:, 0], self.reference[:, 1]), False)
-        self.reference = np.append(self.reference, [[0.0, 0.0]], axis=0)
-        self.near: dict[int, Grid] = {}
+        self.grid = Grid(self.lines, self.size / max(4.0, math.sqrt(len(self.edges)) * FINE), 0.0)
+        self.reference = np.append(np.stack(self.grid.centres, axis=1), [[0.0, 0.0]], axis=0)
+        self.reference_inside = np.append(shapely.intersects_xy(shape, *self.grid.centres), False)
+        self.near: dict[int, tuple[Grid, np.ndarray]] = {}
 
     def contains_point(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Whether each point is in the closed polygon: how often the way from a known point of its square crosses an edge."""
@@ -108,12 +116,15 @@ class PolygonTests:
         with np.errstate(invalid="ignore"):
             reach = np.hypot(half_width, half_length)
             small = (reach < self.size) & (half_width > TIE * self.scale) & (half_length > TIE * self.scale)
-        inside = self.contains_point(x, y)
-        tie = inside & ~small
-        rows = np.flatnonzero(inside & small)
+        tie, inside = ~small, np.zeros(len(x), dtype=bool)
+        rows = np.flatnonzero(small)
         if len(rows):
-            grid = self.grid_for(float(reach[rows].max()))
+            grid, known = self.grid_for(float(reach[rows].max()))
             square = grid.square_of(x, y)
+            inside[rows] = known[square[rows]] == INSIDE
+            rows = rows[known[square[rows]] == UNSURE]
+            inside[rows] = self.contains_point(x[rows], y[rows])
+            rows = rows[inside[rows]]
             cosine, sine = np.cos(heading), np.sin(heading)
             eps = 4 * TIE * self.scale
             for k in range(grid.most):
@@ -130,7 +141,7 @@ class PolygonTests:
                 gap = np.maximum(gap, (np.abs(mx * hy - my * hx) - hw * np.abs(hy) - hl * np.abs(hx)) / half)
                 inside[rows[gap < -eps]] = False
                 tie[rows[np.abs(gap) <= eps]] = True
-        for row in np.flatnonzero(tie & inside):
+        for row in np.flatnonzero(tie & (inside | ~small)):
             inside[row] = self.covers_box(x[row], y[row], heading[row], width[row], length[row])
         return inside
 
@@ -141,12 +152,14 @@ class PolygonTests:
 
         return bool(self.shape.covers(box_shape(Vector(float(x), float(y)), float(heading), float(width), float(length))))
 
-    def grid_for(self, reach: float) -> Grid:
-        """A grid with the edges within `reach` metres of each square."""
+    def grid_for(self, reach: float) -> tuple[Grid, np.ndarray]:
+        """A grid with the edges within `reach` metres of each square, and where squares with none are (INSIDE, OUTSIDE; else UNSURE)."""
         step = math.ceil(math.log2(max(reach, 1e-6)) * 2)
         if step not in self.near:
             bound = 2 ** (step / 2)
-            self.near[step] = Grid(self.lines, max(bound / 4, self.grid.side / 4), bound)
+            grid = Grid(self.lines, max(bound / 4, self.size / math.sqrt(len(self.edges)) / 8), bound)
+            known = np.where(shapely.intersects_xy(self.shape, *grid.centres), INSIDE, OUTSIDE)
+            self.near[step] = grid, np.append(np.where(grid.counts[:-1] > 0, UNSURE, known), OUTSIDE).astype(np.int8)
         return self.near[step]
 
 
@@ -158,7 +171,8 @@ class FieldTests:
         bounds = shapely.bounds(self.polygons)
         self.scale = 1 + float(np.abs(bounds).max())
         extent = np.maximum(bounds[:, 2] - bounds[:, 0], bounds[:, 3] - bounds[:, 1])
-        self.grid = Grid(self.polygons, float(np.median(extent)) / 2, 0.0)
+        self.grid = Grid(self.polygons, float(np.median(extent)) / FINE, 0.0)
+        self.known = self.where_known()
         edges = [edges_of(p) for p in polygons]
         self.most = max(map(len, edges))
         self.edges = np.zeros((len(edges), self.most, 4))
@@ -166,11 +180,21 @@ class FieldTests:
         for i, e in enumerate(edges):
             self.edges[i, : len(e)] = e
 
+    def where_known(self) -> np.ndarray:
+        """By square: the first polygon that holds a point of it, if it is the same for all (-1 for none), else -2."""
+        first = self.grid.lists[:-1, 0].copy() if self.grid.most else np.full(len(self.grid.squares), -1)
+        there = np.flatnonzero(first >= 0)
+        shapely.prepare(self.polygons)
+        covered = shapely.covers(self.polygons[first[there]], self.grid.squares[there])  # the squares with a margin
+        first[there[~covered]] = -2
+        return np.append(first, -1).astype(np.int32)
+
     def first(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """The number of the first polygon (closed) that holds each point, or -1."""
-        result = np.full(len(x), -1, dtype=np.int64)
         square = self.grid.square_of(x, y)
-        rows = np.arange(len(x))
+        known = self.known[square]
+        result = np.maximum(known, -1).astype(np.int64)
+        rows = np.flatnonzero(known == -2)
         for k in range(self.grid.most):
             rows = rows[(result[rows] < 0) & (self.grid.counts[square[rows]] > k)]
             if not len(rows):

@@ -40,9 +40,11 @@ LOOKED_AT = 512
 """Runs by which it is found out how often each requirement rejects."""
 WASTE = 0.25
 """So many of the attempts at a scene that are evaluated at a time may be expected to be in vain."""
+FEW = 512
+"""Fewer runs than this take no less time."""
 
 
-COMPILE_LEAST, COMPILE_NODE = 1.5, 0.012
+COMPILE_LEAST, COMPILE_NODE = 1.5, 0.01
 """Seconds that compiling takes, by and large: at least, and for each node."""
 
 
@@ -79,6 +81,9 @@ class Batch:
     `draws` are distributions that points are drawn from instead (see `inference.pruning`); with `factorised`, components are drawn apart.
     """
 
+    may_compile = True
+    """Whether `block` goes over to compiled code by itself."""
+
     def __init__(self, start: Callable[[], Config], *, fuel: int, draws: Draws = AS_THEY_ARE, factorised: bool = False) -> None:
         self.start = start
         self.fuel = fuel
@@ -93,7 +98,7 @@ class Batch:
         self.stage = stages(graph, whole, self.outputs, rejects)
         self.fused: Fused | None = None
         self.not_fused = ""
-        self.spent = 0.0
+        self.spent, self.drawn = 0.0, 0  # seconds and scenes, on columns
 
     def compile(self) -> bool:
         """Use the compiled evaluator from now on, if there is one; else `not_fused` says why. Takes seconds."""
@@ -139,12 +144,12 @@ class Batch:
         for index in range(block.start, block.start + len(block.attempts)):
             yield block.others[index] if index in block.others else next(made)
 
-    def block(self, seed: int, start: int, stop: int, *, max_attempts: int = DEFAULT_ATTEMPTS) -> Block:
-        """Scenes `start` to `stop - 1`.
+    def block(self, seed: int, start: int, stop: int, *, max_attempts: int = DEFAULT_ATTEMPTS, ahead: int = 0) -> Block:
+        """Scenes `start` to `stop - 1`; about `ahead` more will be asked for, as far as is known.
 
-        Once the columns have taken as long as compiling is expected to take, the compiled evaluator does the rest.
+        Once the columns have taken as long as compiling is expected to take, or will, the compiled evaluator does the rest.
         """
-        if self.spent > COMPILE_LEAST + COMPILE_NODE * len(self.graph.nodes):
+        if self.may_compile and self.spent * (1 + ahead / max(self.drawn, 1)) > COMPILE_LEAST + COMPILE_NODE * len(self.graph.nodes):
             self.compile()
         begun = time.monotonic()
         drawing = Drawing(self, seed, start, stop, max_attempts)
@@ -153,7 +158,9 @@ class Batch:
                 drawing.compiled(self.fused)
             else:
                 drawing.wave()
-        self.spent += 0.0 if self.fused is not None else time.monotonic() - begun
+        if self.fused is None:
+            self.spent += time.monotonic() - begun
+            self.drawn += stop - start
         return drawing.block()
 
 
@@ -200,7 +207,7 @@ class Drawing:
             return found, left, {}
         rate = max(self.found[number], 1) / self.tried[number] if self.tried[number] else 1.0
         room = self.max_attempts - int(self.next[number, scenes_at].max())
-        width = 1 if stage.parts else int(max(1, min(WAVE // count, 2 * WASTE / rate, room)))
+        width = 1 if stage.parts else int(max(1, min(WAVE // count, max(2 * WASTE / rate, FEW // count), room)))
         scenes = np.repeat(scenes_at, width)
         attempts = self.next[number, scenes] + np.tile(np.arange(width), count)
         numbers = (scenes + self.start).astype(np.uint64), attempts.astype(np.uint64)

@@ -107,7 +107,7 @@ def test_jobs_grow_while_they_are_quick_and_shrink_while_they_are_slow():
         pace.took(stop - start, 5.0 if len(sizes) > 3 else 0.0)
     assert (sum(sizes), sizes[0], max(sizes)) == (95, 16, 16)
     pace = Pace(8)
-    for scenes, seconds, size in ((8, 0.1, 32), (8, 0.1, 32), (32, 0.5, 32), (32, 0.1, 128), (128, 3.0, 64), (16, 3.0, 32), (64, 0.0, 128)):
+    for scenes, seconds, size in ((8, 0.1, 32), (8, 0.1, 32), (32, 1.5, 32), (32, 0.1, 128), (128, 5.0, 64), (16, 5.0, 32), (64, 0.0, 128)):
         pace.took(scenes, seconds)
         assert pace.size == size
 
