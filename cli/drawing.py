@@ -29,6 +29,7 @@ from ..semantics.values import plain
 from .options import Source
 
 if TYPE_CHECKING:
+    from ..inference.batch import Block
     from ..scenario import Scenario
 
 MOST_PRINTED = 10_000
@@ -126,8 +127,11 @@ class Drawing:
         result = self.scenario.last_run(seed, index, attempts)
         return scene_of(result.state, seed, index, attempts, pruned=bool(self.scenario.draws)) if isinstance(result, Accepted) else None
 
-    def softness(self, seed: int, index: int, attempts: int) -> tuple[Softness, ...]:
-        """How often each soft requirement held in the last of so many attempts, which is run once more, so that looking disturbs nothing."""
+    def softness(self, seed: int, index: int, attempts: int, block: Block | None = None) -> tuple[Softness, ...]:
+        """How often each soft requirement held in the last of so many attempts, which is run once more, so that looking disturbs nothing.
+
+        `block` is a drawing that has the scene, if there is one.
+        """
         found: dict[Span, Softness] = {}
 
         def look(outcome: Outcome, drawn: object) -> None:
@@ -139,7 +143,7 @@ class Drawing:
                     found[one.span] = found[one.span].plus(one) if one.span in found else one
 
         try:
-            self.scenario.last_run(seed, index, attempts, witness=look)
+            self.scenario.last_run(seed, index, attempts, block, witness=look)
         except ScenicError:
             return ()
         return tuple(found.values())

@@ -78,7 +78,7 @@ def draw_portion(drawing: Drawing, asked: PortionJob) -> Portion:
 def softness_of(drawing: Drawing, block: Block, seed: int, stop: int) -> tuple[Softness, ...]:
     """How often soft requirements held in the scenes of a block before scene `stop`."""
     looked = block.attempts[: max(0, stop - block.start)].tolist()
-    return tuple(soft for place, attempt in enumerate(looked) for soft in drawing.softness(seed, block.start + place, attempt + 1))
+    return tuple(soft for place, attempt in enumerate(looked) for soft in drawing.softness(seed, block.start + place, attempt + 1, block))
 
 
 def work_on_portion(asked: PortionJob) -> Portion:

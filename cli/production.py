@@ -22,7 +22,7 @@ from .session import Session, tell
 from .workers import Failed, Job, draw_here, drawn_by
 
 MOST_PLOTTED = 16
-MOST_OFF, MOST_PARTS = 8, 12
+MOST_FINDINGS, MOST_PARTS = 16, 16
 FORMATS = ("png", "pdf", "svg")
 
 
@@ -98,11 +98,23 @@ def pruning_lines(drawing: Drawing) -> list[str]:
     """That pruning was on, for each object what it did or which assumption fails, and what was drawn apart."""
     pruning, batch = drawing.scenario.pruning, drawing.scenario.batch
     on = [str(f) for f in pruning.findings if f.after is not None]
-    off = [str(f) for f in pruning.findings if f.after is None]
+    reasons: dict[tuple[str, str], list[str]] = {}
+    for finding in pruning.findings:
+        if finding.after is None:
+            reasons.setdefault((finding.objects, finding.reason), []).append(finding.technique)
+    off = [f"{objects}: {', '.join(techniques)} off: {reason}" for (objects, reason), techniques in reasons.items()]
     changed = pruning.pruned or drawing.scenario.in_parts
     head = "pruning was on: other scenes than without it, from the same distribution" if changed else "pruning found nothing to prune"
     parts = batch.parts if batch is not None else []
-    return [head, *(f"  {line}" for line in (*on, *off[: max(0, MOST_OFF - len(on))], *parts[:MOST_PARTS]))]
+    shown = [*shortened([*on, *off], MOST_FINDINGS), *shortened(parts, MOST_PARTS)]
+    if drawing.scenario.in_parts:
+        shown.append("the attempts of a scene are those at the part with most; stuck attempts are counted for each part")
+    return [head, *(f"  {line}" for line in shown)]
+
+
+def shortened(lines: list[str], most: int) -> list[str]:
+    """The first lines, and how many more there are."""
+    return lines if len(lines) <= most else [*lines[: most - 1], f"... and {len(lines) - most + 1} more lines; `scenario.pruning` has all"]
 
 
 def workers_of(request: Request, scenes: int) -> AbstractContextManager[Workers] | None:

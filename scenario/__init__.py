@@ -91,7 +91,11 @@ class Scenario:
         self, seed: int = 0, index: int = 0, *, max_attempts: int = DEFAULT_ATTEMPTS, on_attempt: Callable[[int], None] | None = None,
         witnessed: Callable[[int], Witness] | None = None,
     ) -> Sampled:  # fmt: skip
-        """The scene with the statistics of its attempts. `on_attempt` and `witnessed` are those of `inference.rejection.sample`."""
+        """The scene with the statistics of its attempts. `on_attempt` and `witnessed` are those of `inference.rejection.sample`.
+
+        Where parts are drawn apart, the graph finds the attempts, which `on_attempt` is not told of; only the last run is witnessed, and its
+        steps are those that are given.
+        """
         assert self.rehearsed
         if not self.in_parts:
             return sample(

@@ -61,6 +61,8 @@ def evaluate(steps: Sequence[Step], seed: int, scenes: np.ndarray, attempts: np.
         lost = np.zeros(count, dtype=bool)
         if event.kind == "call":
             found = failed.get(event.node.number)
+            if event.node.number in known:
+                found = without_value(columns[event.node.number])
             if found is not None:
                 left = found.left & applies
                 lost = (found.rejected & applies) | left
@@ -79,6 +81,14 @@ def evaluate(steps: Sequence[Step], seed: int, scenes: np.ndarray, attempts: np.
             columns = {name: values[kept] for name, values in columns.items()}
             failed = {name: Failed(f.rejected[kept], f.left[kept]) for name, f in failed.items()}
     return Evaluated(fate, columns)
+
+
+def without_value(column: np.ndarray) -> Failed | None:
+    """The rows of a node that was computed elsewhere in which it has no value, which rejects them; truth values are always there."""
+    if column.dtype.kind != "f":
+        return None
+    missing = np.isnan(column if column.ndim == 1 else column[:, 0])
+    return Failed(missing, np.zeros(len(missing), dtype=bool))
 
 
 def rejection_rates(graph: Graph, runs: int, seed: int = 0) -> dict[int, float]:

@@ -80,6 +80,8 @@ WORTH = 0.8
 """A part stays apart if the expected cost of all is at most this share of what it is without."""
 NEVER = 1 / 1024
 """The probability with which a requirement is taken to hold that no run has met."""
+LEAST = 1e-100
+"""No probability is taken to be smaller."""
 
 
 def worthwhile(graph: Graph, component: Component, rejects: Mapping[int, float]) -> Component:
@@ -93,7 +95,7 @@ def worthwhile(graph: Graph, component: Component, rejects: Mapping[int, float])
     best = joined(component.own, component.events, parts)
     for part in parts:
         if part not in best.parts:
-            break  # the only one that was left, so that it is part of the whole already
+            continue  # it was the only one that was left, so that it is part of the whole already
         others = [p for p in best.parts if p is not part]
         without = joined(best.own | part.own, (*best.events, *part.events), [*others, *part.parts])
         if WORTH * expense(graph, without, rejects) < expense(graph, best, rejects):
@@ -112,7 +114,7 @@ def expense(graph: Graph, component: Component, rejects: Mapping[int, float]) ->
         nodes = cone(roots_of(graph.events[k]), known)
         known.update(node.number for node in nodes)
         total += alive * cost(nodes)
-        alive *= 1 - rate(k)
+        alive = max(alive * (1 - rate(k)), LEAST)
     return total / alive
 
 
@@ -147,13 +149,19 @@ def stages(graph: Graph, whole: Component, outputs: Sequence[Node], rejects: Map
 
     def make(component: Component, outputs: Sequence[Node]) -> Stage:
         number = next(numbers)
-        inside = [computed(graph, [part]) for part in component.parts]
+        inside = [computed(graph, [part]) | sites(graph, part.addresses) for part in component.parts]
         known = set[int]().union(*inside)
         needed = frontier([*outputs, *(root for k in component.events for root in roots_of(graph.events[k]))], known)
         parts = [make(part, [n for n in needed if n.number in there]) for part, there in zip(component.parts, inside, strict=True)]
         return Stage(number, component.own, plan(graph, outputs, rejects, component.events, known), tuple(outputs), tuple(parts))
 
     return make(whole, outputs)
+
+
+def sites(graph: Graph, addresses: Collection[Address]) -> set[int]:
+    """The numbers that are drawn at some addresses, by their nodes: they are of the attempt of the component that the address belongs to."""
+    drawn = (n for n in graph.nodes if isinstance(n.function, (Site, RowDraw)) and not n.function.per_scene)
+    return {n.number for n in drawn if n.function.address in addresses}  # type: ignore[union-attr]
 
 
 def frontier(roots: Sequence[Node], known: Collection[int]) -> list[Node]:
@@ -177,7 +185,9 @@ def report(graph: Graph, chosen: Component, places: Sequence[tuple[str, Sequence
         for part in component.parts:
             inside = [name for name, home in homes if home and home <= part.addresses]
             which = ", ".join(inside[:MOST_NAMED]) + (", ..." if len(inside) > MOST_NAMED else "")
-            yield f"{'  ' * depth}{counted(len(part.addresses), 'draw')}, {counted(len(part.events), 'requirement')}{which and ': ' + which}"
+            lines_of = sorted({e.requirement.span.line for k in part.events if (e := graph.events[k]).requirement and e.requirement.span.line})
+            where = f" (line{'s' * (len(lines_of) > 1)} {', '.join(map(str, lines_of[:MOST_NAMED]))})" if lines_of else ""
+            yield f"{'  ' * depth}{counted(len(part.addresses), 'draw')}, {counted(len(part.events), 'requirement')}{where}{which and ': ' + which}"
             yield from lines(part, depth + 1)
 
     return ["drawn apart, each again until what is required of it alone holds:", *lines(chosen, 1)]

@@ -23,7 +23,9 @@ from .graph import AsFloat, Event, Macro, Node, Part, RowCall, RowDraw, Search, 
 from .symbols import Traced
 
 PENDING, ACCEPTED, LEFT, EXHAUSTED = 0, 1, 2, 3
-"""What is known of a scene; LEFT: others must do the attempt that comes next; EXHAUSTED: a part of it has had all attempts."""
+"""What is known of a scene; LEFT: the interpreter must do the attempt that comes next (or, where there are parts, columns the whole scene);
+EXHAUSTED: a part of it has had all attempts.
+"""
 
 
 class NotFused(Exception):
@@ -343,4 +345,4 @@ def compiled_macro(macro: Macro) -> Callable[..., object]:
     return writer.compiled.compile_(space["function"])
 
 
-__all__ = ["LEFT", "PENDING", "NotFused", "fuse"]
+__all__ = ["ACCEPTED", "EXHAUSTED", "LEFT", "PENDING", "NotFused", "fuse"]

@@ -12,7 +12,7 @@ import signal
 import threading
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator
-from concurrent.futures import CancelledError, Executor, Future, ProcessPoolExecutor
+from concurrent.futures import CancelledError, Executor, Future, InvalidStateError, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from multiprocessing import connection
@@ -116,11 +116,22 @@ def processes(count: int) -> Iterator[Workers]:
         finished = True
     finally:
         results = getattr(pool, "_result_queue", None)
+        if not finished:
+            threading.excepthook = without_cancelled(threading.excepthook)
         pool.shutdown(wait=finished, cancel_futures=True)
         if not finished:
             for process in set(multiprocessing.active_children()) - before:
                 process.terminate()
             give_up_reading(results)
+
+
+def without_cancelled(before: Callable[[threading.ExceptHookArgs], object]) -> Callable[[threading.ExceptHookArgs], object]:
+    """What is told of exceptions in threads, but for that of a pool's thread that finds its jobs cancelled already when its processes are ended."""
+
+    def told(problem: threading.ExceptHookArgs) -> object:
+        return None if problem.exc_type is InvalidStateError else before(problem)
+
+    return told
 
 
 def give_up_reading(results: object) -> None:

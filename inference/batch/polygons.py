@@ -13,7 +13,7 @@ from shapely.geometry.base import BaseGeometry
 
 TIE = 1e-9
 """Metres (and a share of the coordinates): nearer to an edge than this, rounding might decide."""
-MOST_SQUARES = 1 << 20
+MOST_SQUARES = 1 << 18
 FINE = 8.0
 """The squares of a grid are so much smaller than what it holds, so that most hold no edge."""
 OUTSIDE, INSIDE, UNSURE = 0, 1, 2
@@ -43,7 +43,6 @@ class Grid:
         self.lists = np.full((len(squares) + 1, self.most), -1, dtype=np.int64)
         self.lists[square, np.arange(len(square)) - starts[square]] = shape
         self.counts = np.concatenate([counts, [0]])
-        self.squares = squares
 
     @property
     def centres(self) -> tuple[np.ndarray, np.ndarray]:
@@ -141,7 +140,9 @@ class PolygonTests:
                 gap = np.maximum(gap, (np.abs(mx * hy - my * hx) - hw * np.abs(hy) - hl * np.abs(hx)) / half)
                 inside[rows[gap < -eps]] = False
                 tie[rows[np.abs(gap) <= eps]] = True
-        for row in np.flatnonzero(tie & (inside | ~small)):
+        large = np.flatnonzero(~small)
+        inside[large] = self.contains_point(x[large], y[large])
+        for row in np.flatnonzero(tie & inside):
             inside[row] = self.covers_box(x[row], y[row], heading[row], width[row], length[row])
         return inside
 
@@ -172,7 +173,7 @@ class FieldTests:
         self.scale = 1 + float(np.abs(bounds).max())
         extent = np.maximum(bounds[:, 2] - bounds[:, 0], bounds[:, 3] - bounds[:, 1])
         self.grid = Grid(self.polygons, float(np.median(extent)) / FINE, 0.0)
-        self.known = self.where_known()
+        self.known = self.where_known()  # by square
         edges = [edges_of(p) for p in polygons]
         self.most = max(map(len, edges))
         self.edges = np.zeros((len(edges), self.most, 4))
@@ -182,10 +183,14 @@ class FieldTests:
 
     def where_known(self) -> np.ndarray:
         """By square: the first polygon that holds a point of it, if it is the same for all (-1 for none), else -2."""
-        first = self.grid.lists[:-1, 0].copy() if self.grid.most else np.full(len(self.grid.squares), -1)
+        grid = self.grid
+        first = grid.lists[:-1, 0].copy() if grid.most else np.full(len(grid.counts) - 1, -1)
         there = np.flatnonzero(first >= 0)
+        west, south = grid.west + there % grid.columns * grid.side, grid.south + there // grid.columns * grid.side
+        margin = TIE * self.scale
         shapely.prepare(self.polygons)
-        covered = shapely.covers(self.polygons[first[there]], self.grid.squares[there])  # the squares with a margin
+        squares = shapely.box(west - margin, south - margin, west + grid.side + margin, south + grid.side + margin)
+        covered = shapely.covers(self.polygons[first[there]], squares)
         first[there[~covered]] = -2
         return np.append(first, -1).astype(np.int32)
 

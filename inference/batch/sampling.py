@@ -229,16 +229,19 @@ class Drawing:
         """A part of some scenes, drawn until it is accepted; anything at all for those where attempts are exhausted."""
         columns: dict[int, np.ndarray] = {n.number: np.zeros(len(places), dtype=n.kind) for n in stage.outputs}
         waiting = np.flatnonzero(~self.exhausted[places])
-        while len(waiting):
+        while True:
+            out = self.next[stage.number, places[waiting]] >= self.max_attempts
+            self.exhausted[places[waiting[out]]] = True
+            waiting = waiting[~self.exhausted[places[waiting]]]
+            if not len(waiting):
+                return columns
             here = places[waiting]
             found, _, made = self.attempt(stage, here)
             for name, column in made.items():
                 if columns[name].shape[1:] != column.shape[1:]:  # points are rows of two numbers
                     columns[name] = np.zeros((len(places), *column.shape[1:]), dtype=column.dtype)
                 columns[name][waiting[found]] = column
-            self.exhausted[here[~found & (self.next[stage.number, here] >= self.max_attempts)]] = True
-            waiting = waiting[~found & ~self.exhausted[here]]
-        return columns
+            waiting = waiting[~found]
 
     def again(self, stage: Stage, places: np.ndarray) -> None:
         """The parts of a stage that failed will be drawn anew, from their next attempts on."""
@@ -264,15 +267,26 @@ class Drawing:
         self.exhausted |= drawn.exhausted
         self.accept(np.flatnonzero(drawn.accepted), fused.columns(room, drawn.accepted))
         left = np.flatnonzero(drawn.left)
-        if len(self.stages) > 1 and len(left):
-            self.next[:, left] = 0
-            self.pending = left
-            while len(self.pending):
-                self.wave()
-            left = left[:0]
-        for place in left.tolist():
-            self.interpret(place)
+        if len(self.stages) > 1:
+            self.on_columns(left, fused)
+        else:
+            for place in left.tolist():
+                self.interpret(place)
         self.go_on()
+
+    def on_columns(self, left: np.ndarray, fused: Fused) -> None:
+        """Draw scenes from the first attempt on again, which the compiled code has left; what it did for them does not count."""
+        if not len(left):
+            return
+        self.next[:, left] = 0
+        before = fused.draw(self.seed, self.start, self.next.copy(), left, self.max_attempts, fused.room(self.next.shape[1]))
+        self.runs -= before.runs
+        self.stuck -= before.stuck
+        others = np.setdiff1d(self.pending, left)
+        self.pending = left
+        while len(self.pending):
+            self.wave()
+        self.pending = others
 
     def accept(self, places: np.ndarray, columns: Columns) -> None:
         """These scenes are drawn, by the attempts that came next."""
@@ -320,6 +334,7 @@ class Drawing:
         columns = {node.number: np.concatenate([c[node.number] for _, c in self.pieces] or [empty])[order] for node in self.batch.outputs}
         others = {index: scene for index, scene in self.others.items() if index < self.stop}
         attempts = self.next[:, : self.stop - self.start]
+        assert len(order) + len(others) == attempts.shape[1]
         return Block(self.start, attempts, rows[order], columns, others, self.stuck, self.runs, self.left, self.error)
 
 

@@ -9,6 +9,7 @@ import scenic_ref
 from scenic_ref.conformance.programs import ProgramSettings, random_programs
 from scenic_ref.inference.batch import Batch, NotLifted, sampling
 from scenic_ref.inference.batch.components import Component, components, obstacle, worthwhile
+from scenic_ref.inference.batch.graph import Site
 from scenic_ref.inference.batch.sampling import Drawing
 from scenic_ref.inference.batch.tracing import trace
 from scenic_ref.inference.enumeration import content_of
@@ -219,3 +220,81 @@ def test_ties_are_drawn_on_columns(always):
     assert columns.stage.parts
     assert compiled.compile(), compiled.not_fused
     assert [s.to_line() for s in compiled.scenes(300, 2)] == [s.to_line() for s in columns.scenes(300, 2)]
+
+# Found by reading
+
+
+FIELD = """
+cells = [(PolygonalRegion([(0, 0), (4, 0), (4, 4), (0, 4)]), 1.0)]
+d = PolygonalVectorField("d", [(region.polygon, heading) for region, heading in cells])
+px = Range(0, 8)
+qx = Range(0, 8)
+require[0.5] (d at px @ 1) > 0
+require[0.5] not ((d at qx @ 1) > (d at px @ 1))
+ego = Object at px @ 1, with other qx, with requireVisible False
+"""
+"""The value of a field is needed under a coin in a part, and under another one around it."""
+SOME_NUMBERS = """
+p = Point in PolygonalRegion([(2, 8), (0, 8), (2, 4), (2, 4), (8, 8)])
+y = Range(0, 1)
+require p.position.y < 5.2
+require y < 0.3
+require p.position.x + y > 3
+ego = Object at p, with v y, with requireVisible False
+"""
+"""A requirement of a part needs some of the numbers of a draw only."""
+SUM = "x = Range(0, 1)\ny = Range(0, 1)\nrequire x < 0.5\nrequire y < 0.5\nrequire x + y < 0.4\nego = Object with v (x, y)"
+
+
+def lines(batch: Batch, count: int, seed: int, attempts: int) -> list[str]:
+    """The lines of the scenes, one block for each, or the error."""
+    found: list[str] = []
+    for k in range(count):
+        try:
+            found += [scene.to_line() for scene in batch.scenes(1, seed, start=k, max_attempts=attempts)]
+        except AttemptsExhausted:
+            found.append("exhausted")
+    return found
+
+
+@pytest.mark.parametrize("text", [FIELD, SOME_NUMBERS, SUM], ids=["field", "some numbers", "sum"])
+@pytest.mark.parametrize("attempts", [3, 10_000])
+def test_columns_compiled_code_and_interpreter_agree_to_the_last_attempt(text, attempts, always):
+    scenario = scenic_ref.loads(text.replace("px @ 1", "(px, 1)").replace("qx @ 1", "(qx, 1)")).pruned()
+    batch = scenario.batch
+    assert batch is not None
+    assert batch.stage.parts
+    for stage in batch.stage.all:
+        sites = [n.function for step in stage.steps for n in step.nodes if isinstance(n.function, Site) and not n.function.per_scene]
+        assert all(site.address in stage.own for site in sites)
+    columns = lines(batch, 150, 1, attempts)
+    assert ("exhausted" in columns) == (attempts == 3)
+    for k in range(25):
+        if columns[k] != "exhausted":
+            assert scenario.sample(1, k, max_attempts=attempts).to_line() == columns[k]
+    pytest.importorskip("numba")
+    assert batch.compile(), batch.not_fused
+    assert lines(batch, 150, 1, attempts) == columns
+
+
+def test_no_scene_is_lost_where_the_compiled_code_leaves_some(always):
+    pytest.importorskip("numba")
+    text = "workspace = Workspace(PolygonalRegion([(0, 0), (8, 0), (8, 4), (0, 4)]))\n" + "".join(
+        f"{name} = Object at (Uniform(0.5, 1, 2, 3.5, 9, {x}), Uniform(0.25, 1.5, 2)), with requireVisible False\n"
+        for name, x in (("ego", 7.75), ("other", 7.25))
+    )
+    scenario = scenic_ref.loads(text)
+    columns, compiled = factorised(scenario), factorised(scenario)
+    assert compiled.compile(), compiled.not_fused
+    for attempts in (1, 2, 4, 1000):
+        for start in range(0, 120, 12):
+            one, other = (b.block(5, start, start + 12, max_attempts=attempts) for b in (columns, compiled))
+            assert one.attempts_by_stage.tolist() == other.attempts_by_stage.tolist()
+            assert (one.error is None) == (other.error is None)
+            if one.error is None:
+                assert one.stuck == other.stuck
+
+
+def test_many_requirements_that_always_reject_have_a_price():
+    text = "x = Range(0, 1)\ny = Range(0, 1)\n" + "".join(f"require {v} < 0.0001 + {i} / 1e9\n" for v in "xy" for i in range(120))
+    assert factorised(scenic_ref.loads(text + "ego = Object with v x")).stage.parts == ()
