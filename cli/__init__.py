@@ -16,6 +16,8 @@ def interruption(arguments: list[str]) -> str:
     """What is said after Ctrl-C: which files there are."""
     if arguments[:1] == ["run"] and "enumerate" not in arguments:
         return "interrupted; a file of JSON Lines holds whole lines, and `run --resume` goes on with it; nothing else was written"
+    if arguments[:1] == ["simulate"]:
+        return "interrupted; the simulations that were over are written, as whole lines"
     return "interrupted" if arguments[:1] == ["bench"] else "interrupted; nothing was written"
 
 

@@ -14,6 +14,7 @@ from .options import DebugOption
 from .readings import readings
 from .rules import rules
 from .run import run
+from .simulate import simulate
 from .trace import trace
 
 app = typer.Typer(
@@ -23,6 +24,7 @@ app = typer.Typer(
 """The command line as a Typer application."""
 
 app.command("run")(run)
+app.command("simulate")(simulate)
 app.command("trace")(trace)
 app.command("rules")(rules)
 app.command("readings")(readings)

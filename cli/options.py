@@ -53,6 +53,7 @@ class Source:
     fuel: int = DEFAULT_FUEL
     trust: bool = False
     prune: bool = False
+    scenario: str | None = None
 
     def load(self) -> Scenario:
         """The scenario. Raises `ParseError`, `CheckError`, `UsageError`."""
@@ -61,14 +62,14 @@ class Source:
         scenario = loads(
             self.text, file=self.file, dialect=self.dialect, profile=self.profile, readings=dict(self.readings),
             params={name: literal(value) for name, value in self.params}, model=self.model, trust=self.trust,
-            directory=Path(self.file).parent, fuel=self.fuel,
+            directory=Path(self.file).parent, fuel=self.fuel, scenario=self.scenario,
         )
         return scenario.pruned() if self.prune else scenario
 
 
 def read_source(
     session: Session, file: str, *, profile: str, reading: list[str] | None, dialect: str | None, model: str | None, param: list[str] | None,
-    fuel: int, trust: bool, prune: bool = False,
+    fuel: int, trust: bool, prune: bool = False, scenario: str | None = None,
 ) -> Source:
     """The program in `file` under the given options. Raises `UsageError`."""
     from ..interpreter.modules import read_text
@@ -77,7 +78,8 @@ def read_source(
     text = read_text(Path(file))
     session.texts[file] = text
     return Source(
-        file, text, profile, pairs(reading, "--reading", "ID=ALT"), dialect, model, pairs(param, "-p", "NAME=VALUE"), fuel, trust, prune
+        file, text, profile, pairs(reading, "--reading", "ID=ALT"), dialect, model, pairs(param, "-p", "NAME=VALUE"), fuel, trust, prune,
+        scenario,
     )
 
 

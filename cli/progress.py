@@ -17,8 +17,9 @@ INTERVAL = 0.1
 class Progress:
     """The progress bar of a run of `total` scenes, of which `done` are there; silent if standard error is no terminal."""
 
-    def __init__(self, total: int, done: int = 0) -> None:
+    def __init__(self, total: int, done: int = 0, *, what: str = "scenes") -> None:
         self.total = total
+        self.what = what
         self.scenes = self.begun_with = done
         self.attempts = 0
         self.pending = 0
@@ -32,7 +33,7 @@ class Progress:
             from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
             from rich.progress import Progress as Bar
 
-            columns = (TextColumn("scenes"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"), TimeRemainingColumn(compact=True))
+            columns = (TextColumn(self.what), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"), TimeRemainingColumn(compact=True))
             self.bar = Bar(*columns, console=Console(stderr=True), transient=True)
             self.bar.start()
             self.task = self.bar.add_task("", total=self.total, completed=self.scenes, rate="")

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from ..semantics.config import Config, State
 from ..semantics.errors import FuelExhausted, RandomBranch, RunError, ScenicError
-from ..semantics.outcome import Done, Draw, Fault, Next, Observe, Outcome, Requirement, Stuck
+from ..semantics.outcome import Act, Done, Draw, Fault, Finish, Next, Observe, Outcome, Requirement, Stuck
 from ..semantics.regions import EmptyRegion, UnboundedRegion
 from ..semantics.step import place, step
 from ..semantics.vectors import Vector
@@ -38,12 +38,12 @@ class Rejected(NamedTuple):
 Run = Accepted | Rejected
 
 
-def run(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL, witness: Witness | None = None) -> Run:
-    """Drive one run to its end. Raises the program's error, or `FuelExhausted` after `fuel` steps."""
+def drive(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL, witness: Witness | None = None) -> tuple[Done | Act | Finish | Stuck, int]:
+    """Drive the machine until it has something to say, and in how many steps. Raises the program's error, or `FuelExhausted` after `fuel` steps."""
     for steps in range(fuel):
         outcome = step(config)
         kind = type(outcome)
-        if kind is Next:
+        if kind is Next or kind is Observe:
             config = outcome.config  # type: ignore[union-attr]
             if witness is not None:
                 witness(outcome, None)
@@ -51,33 +51,33 @@ def run(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL, witness: W
             try:
                 drawn = choose(outcome)  # type: ignore[arg-type]
             except EmptyRegion as empty:
-                return _rejected(Stuck(outcome.rule, Requirement("region", outcome.node.span, str(empty))), steps, witness)  # type: ignore[union-attr]
+                outcome = Stuck(outcome.rule, Requirement("region", outcome.node.span, str(empty)))  # type: ignore[union-attr]
+                if witness is not None:
+                    witness(outcome, None)
+                return outcome, steps
             except UnboundedRegion as unbounded:
                 raise RunError(str(unbounded), outcome.node.span, rule=outcome.rule) from None  # type: ignore[union-attr]
             if witness is not None:
                 witness(outcome, drawn)
             config = outcome.resume(drawn)  # type: ignore[union-attr]
-        elif kind is Observe:
-            if witness is not None:
-                witness(outcome, None)
-            config = outcome.config  # type: ignore[union-attr]
-        elif kind is Done:
-            if witness is not None:
-                witness(outcome, None)
-            return Accepted(outcome.state, steps)  # type: ignore[union-attr]
-        elif kind is Stuck:
-            return _rejected(outcome, steps, witness)  # type: ignore[arg-type]
         elif kind is Fault:
             raise outcome.error  # type: ignore[union-attr]
+        else:
+            if witness is not None:
+                witness(outcome, None)
+            return outcome, steps  # type: ignore[return-value]
     raise FuelExhausted(
         f"the program took {fuel:,} steps without ending: is this an endless loop?", place(config), hint="raise --fuel if it really is that long"
     )
 
 
-def _rejected(outcome: Stuck, steps: int, witness: Witness | None) -> Rejected:
-    if witness is not None:
-        witness(outcome, None)
-    return Rejected(outcome.requirement, steps)
+def run(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL, witness: Witness | None = None) -> Run:
+    """Drive the generation of a scene to its end. Raises the program's error, or `FuelExhausted` after `fuel` steps."""
+    outcome, steps = drive(config, choose, fuel=fuel, witness=witness)
+    if isinstance(outcome, Stuck):
+        return Rejected(outcome.requirement, steps)
+    assert isinstance(outcome, Done)
+    return Accepted(outcome.state, steps)
 
 
 def rehearse(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL) -> None:
@@ -119,4 +119,4 @@ def can_be_true(coin: Draw) -> bool:
     return any(value for value, _ in coin.distribution.support() or ())
 
 
-__all__ = ["DEFAULT_FUEL", "Accepted", "Chooser", "Rejected", "Run", "ScenicError", "Witness", "rehearse", "run"]
+__all__ = ["DEFAULT_FUEL", "Accepted", "Chooser", "Rejected", "Run", "ScenicError", "Witness", "drive", "rehearse", "run"]

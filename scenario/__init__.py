@@ -15,17 +15,20 @@ from ..inference.batch.jobs import Pace, block_of
 from ..inference.enumeration import DEFAULT_RUNS, Enumeration, enumerate_runs
 from ..inference.pruning import TECHNIQUES, Finding, Pruning, prune
 from ..inference.rejection import DEFAULT_ATTEMPTS, Sampled, sample
+from ..inference.simulation import SampledRun, sample_simulation
 from ..interpreter.checks import check
 from ..interpreter.choosers import AS_THEY_ARE, Draws, from_stream
 from ..interpreter.modules import library_of, read_text, with_old_imports
 from ..interpreter.parser import parse
 from ..interpreter.running import DEFAULT_FUEL, Accepted, Run, Witness, rehearse, run
 from ..interpreter.scenes import Scene, scene_of
+from ..interpreter.simulating import Simulator
 from ..semantics.config import Config, Settings
 from ..semantics.errors import InternalError, UsageError
 from ..semantics.programs import initial, make_settings
 from ..semantics.readings import select
 from ..semantics.syntax import Program
+from ..simulators import by_name
 from ..simulators.worlds import WORLDS
 from .constants import constants_of
 
@@ -38,12 +41,13 @@ class Scenario:
     """A loaded program.
 
     `profile` and `readings` choose among the readings of the paper; `params` are global parameters that win over the
-    program's own; `model` is the world model that replaces the program's (or is added, if it names none).
+    program's own; `model` is the world model that replaces the program's (or is added, if it names none). `scenario` is the modular scenario
+    to begin with, else `Main` if there is one, else the program itself.
     """
 
     def __init__(
         self, program: Program, *, profile: str = "paper", readings: Mapping[str, str] | None = None, params: Mapping[str, object] | None = None,
-        model: str | None = None, trust: bool = False, directory: Path | None = None, fuel: int = DEFAULT_FUEL,
+        model: str | None = None, trust: bool = False, directory: Path | None = None, fuel: int = DEFAULT_FUEL, scenario: str | None = None,
     ) -> None:
         self.program = program
         self.readings = select(profile, readings)
@@ -52,6 +56,7 @@ class Scenario:
         self.trust = trust
         self.directory = directory
         self.fuel = fuel
+        self.scenario = scenario
         self.draws: Draws = AS_THEY_ARE
         self.factorised = False
         check(program)
@@ -65,7 +70,7 @@ class Scenario:
         )
         if self.model is not None and isinstance(library.get(self.model), Exception):
             raise UsageError(f"the world model: {library[self.model]}", hint=getattr(library[self.model], "hint", ""))
-        return make_settings(self.readings, library, self.params, self.model)  # type: ignore[arg-type]
+        return make_settings(self.readings, library, self.params, self.model, self.scenario)  # type: ignore[arg-type]
 
     def start(self) -> Config:
         """The configuration that every run begins with."""
@@ -128,6 +133,22 @@ class Scenario:
     def in_parts(self) -> bool:
         """Whether rejection is factorised and there is more than one component, so that parts of a scene are drawn apart."""
         return self.factorised and self.batch is not None and bool(self.batch.stage.parts)
+
+    def simulate(
+        self, simulator: str | Simulator = "still", steps: int = 100, seed: int = 0, index: int = 0, *, timestep: float | None = None,
+        max_attempts: int = DEFAULT_ATTEMPTS, on_attempt: Callable[[int], None] | None = None,
+        witnessed: Callable[[int], Witness] | None = None,
+    ) -> SampledRun:  # fmt: skip
+        """Simulation number `index` of `seed`, of at most `steps` time steps; rejected runs are discarded whole (reading `rejected-simulation`).
+
+        `simulator` is one of `simulators.SIMULATORS` by name (`timestep`, in seconds, is then that of the simulation), or a simulator itself.
+        """
+        assert self.rehearsed
+        found = by_name(simulator, timestep) if isinstance(simulator, str) else simulator
+        return sample_simulation(
+            self.start, found, steps, seed, index, max_attempts=max_attempts, fuel=self.fuel,
+            retry=self.readings["rejected-simulation"] == "retry", on_attempt=on_attempt, witnessed=witnessed,
+        )  # fmt: skip
 
     @cached_property
     def pruning(self) -> Pruning:
@@ -203,20 +224,23 @@ def _by_batch(batch: Batch, n: int, seed: int, start: int, max_attempts: int) ->
 def loads(
     text: str, *, file: str = "<string>", dialect: str | None = None, profile: str = "paper", readings: Mapping[str, str] | None = None,
     params: Mapping[str, object] | None = None, model: str | None = None, trust: bool = False, directory: Path | None = None,
-    fuel: int = DEFAULT_FUEL,
+    fuel: int = DEFAULT_FUEL, scenario: str | None = None,
 ) -> Scenario:
     """The scenario of a program text. Raises `ParseError`, `CheckError`, `UsageError`."""
     program = parse(text, file, dialect)
-    return Scenario(program, profile=profile, readings=readings, params=params, model=model, trust=trust, directory=directory, fuel=fuel)
+    return Scenario(
+        program, profile=profile, readings=readings, params=params, model=model, trust=trust, directory=directory, fuel=fuel, scenario=scenario
+    )
 
 
 def load(
     path: str | Path, *, dialect: str | None = None, profile: str = "paper", readings: Mapping[str, str] | None = None,
     params: Mapping[str, object] | None = None, model: str | None = None, trust: bool = False, fuel: int = DEFAULT_FUEL,
+    scenario: str | None = None,
 ) -> Scenario:
     """The scenario of a program file; modules next to it can be imported."""
     where = Path(path)
     return loads(
         read_text(where), file=str(path), dialect=dialect, profile=profile, readings=readings, params=params, model=model, trust=trust,
-        directory=where.parent, fuel=fuel,
+        directory=where.parent, fuel=fuel, scenario=scenario,
     )

@@ -9,6 +9,8 @@ from collections.abc import Mapping
 from . import regions
 from .classes import BUILT_IN_CLASSES
 from .distributions import BadParameters, Discrete, Normal, Range, TruncatedNormal, Uniform
+from .dynamics.guards import EXCEPTIONS as GUARD_VIOLATIONS
+from .dynamics.queries import Clock
 from .expressions import BINARY, Entries, Pairs
 from .fields import PolygonalVectorField, VectorField
 from .scopes import Scope
@@ -75,9 +77,9 @@ EXCEPTIONS: Mapping[str, object] = {
     name: value
     for name, value in vars(python).items()
     if isinstance(value, type) and issubclass(value, Exception) and not issubclass(value, Warning)
-}
+} | GUARD_VIOLATIONS
 
-BUILTINS: Mapping[str, object] = {**HOST, **EXCEPTIONS, **GEOMETRY, **BUILT_IN_CLASSES, **CONSTRUCTORS, **SPECIAL_VALUES}
+BUILTINS: Mapping[str, object] = {**HOST, **EXCEPTIONS, **GEOMETRY, **BUILT_IN_CLASSES, **CONSTRUCTORS, **SPECIAL_VALUES, "simulation": Clock()}
 
 
 def builtin_scope() -> Scope:

@@ -11,6 +11,7 @@ from .conditions import random_branch
 from .config import Stack, State, value
 from .distributions import BadParameters
 from .draws import draw
+from .dynamics.queries import Clock, Closest, distance_to_closest
 from .errors import RunError
 from .expressions import elements
 from .fields import VectorField
@@ -20,8 +21,10 @@ from .kinds import kind_name
 from .outcome import Next, Outcome
 from .premises import premises
 from .regions import BadRegion, Region
+from .scopes import Scope, function_names
 from .specials import HOST_RULES, SPECIALS, STORED, call_container_method, container_method
 from .syntax import python_expressions as p
+from .syntax.dynamics import ScenarioDefinition
 from .syntax.nodes import Node
 from .values import Constructor, Dynamic, Function, Instance, Method, Random, ScenicClass, Special, plain, unwrap, wrap
 from .vectors import Vector
@@ -74,6 +77,10 @@ def apply(node: Node, function: object, arguments: tuple[object, ...], keywords:
             )
         case Dynamic():
             return value("E-Call-Dynamic", invocation(function, arguments, keywords), stack, state, node)
+        case Clock():
+            return value("E-Call", function, stack, state, node)
+        case Closest():
+            return value("E-Call", distance_to_closest(function, arguments, node, state), stack, state, node)
         case Instance():
             raise HostException(TypeError(f"an instance of {function.class_.name} is not callable"))
         case Random() if isinstance(function.value, (Function, Method, Constructor, Special)):
@@ -90,8 +97,10 @@ def apply(node: Node, function: object, arguments: tuple[object, ...], keywords:
 
 def invocation(dynamic: Dynamic, arguments: tuple[object, ...], keywords: Mapping[str, object]) -> Dynamic:
     """A behavior, monitor or scenario with its arguments, checked against its parameters."""
-    bind(dynamic.definition.name, dynamic.definition.parameters, dynamic.defaults, arguments, keywords)  # type: ignore[attr-defined]
-    return Dynamic(dynamic.definition, dynamic.scope, dynamic.defaults, (arguments, dict(keywords)))
+    definition = dynamic.definition
+    bound = bind(definition.name, definition.parameters, dynamic.defaults, arguments, keywords)  # type: ignore[attr-defined]
+    space = Scope("function", dynamic.scope, function_names(definition), bound) if isinstance(definition, ScenarioDefinition) else None
+    return Dynamic(definition, dynamic.scope, dynamic.defaults, (arguments, dict(keywords)), space)
 
 
 def call_host(node: Node, function: object, arguments: tuple[object, ...], keywords: Mapping[str, object], stack: Stack, state: State) -> Outcome:

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 from .outcome import Change, Next
 from .scopes import Scope
 from .syntax.nodes import NOWHERE, Node, Span
-from .values import Instance, Origin
+from .values import Dynamic, Instance, Origin
 
 if TYPE_CHECKING:
+    from .dynamics.simulation import Declared, Simulation
     from .host import Door
     from .outcome import Outcome
     from .syntax import Program
@@ -28,6 +29,7 @@ class Settings(NamedTuple):
     params: Mapping[str, object] = {}
     model: str | None = None
     euler_steps: int = 4
+    scenario: str | None = None
 
 
 class State(NamedTuple):
@@ -37,7 +39,9 @@ class State(NamedTuple):
     Objects among them in the order of creation (O proper). `ego` and `workspace` are the two variables that all modules
     share. `prefix` and `draws` address the next draw; `modules` holds what was imported in this run; `late` the
     requirements that wait for the end, each with the state at its statement (reading `require-time=end`); `dynamic`
-    those for the policy; `handling` the exceptions being handled, innermost last; `depth` counts open calls, `made` the instances.
+    those for the policy, with their scopes; `handling` the exceptions being handled, innermost last; `depth` counts open calls, `made` the
+    instances. `initial` is the modular scenario that the run began with, if it is one, and `simulation` what there is while it runs (None:
+    the scene is being generated).
     """
 
     sigma: Scope
@@ -52,10 +56,12 @@ class State(NamedTuple):
     draws: int = 0
     modules: Mapping[str, object] = {}
     late: tuple[tuple[Node, State], ...] = ()
-    dynamic: tuple[Node, ...] = ()
+    dynamic: tuple[Declared, ...] = ()
     handling: tuple[BaseException, ...] = ()
     depth: int = 0
     made: int = 0
+    initial: Dynamic | None = None
+    simulation: Simulation | None = None
 
     @property
     def address(self) -> tuple[int, ...]:
@@ -90,9 +96,11 @@ PASS = Value(None)
 
 
 class Abrupt(NamedTuple):
-    """A statement left its block: by `break`, `continue`, `return` (with a value) or an exception (with the draw it depends on)."""
+    """A statement left its block: by `break`, `continue`, `return` (with a value), `abort`, `terminate`, or an exception (with the draw that
+    it depends on).
+    """
 
-    kind: Literal["break", "continue", "return", "raise"]
+    kind: Literal["break", "continue", "return", "raise", "abort", "terminate"]
     value: object = None
     span: Span = NOWHERE
     origin: Origin | None = None

@@ -8,7 +8,6 @@ from typing import NamedTuple
 from .assignment import bind_target, done
 from .conditions import random_branch, truth
 from .config import PASS, Abrupt, Config, Stack, State, Value, reduce
-from .errors import Gap, RunError
 from .expressions import elements
 from .functions import make_function
 from .host import HostException, host
@@ -228,9 +227,11 @@ class Afterwards(NamedTuple):
 
 
 def try_statement(node: s.Try, stack: Stack, state: State) -> Outcome:
-    """`try` with `except`, `else`, `finally`; `interrupt when` is for behaviors."""
+    """`try` with `except`, `else`, `finally`; one with `interrupt when` is a rule of its own."""
     if node.interrupts:
-        raise Gap("`interrupt when` outside behaviors, monitors and compose blocks", node.span)
+        from .dynamics.interrupts import try_interrupt
+
+        return try_interrupt(node, stack, state)
     outer = (Finally(node.final), stack) if node.final else stack
     return block(node.body, (Handling(node), outer), state)
 
@@ -344,8 +345,3 @@ def conclude_assert(node: s.Assert, values: list[object], stack: Stack, state: S
         return done("S-Assert", node, stack, state)
     exception = AssertionError(*([] if node.message is None else [plain(values[1])]))
     return Next("S-Assert", Config(Abrupt("raise", exception, node.span), stack, state), node)
-
-
-def not_executable(node: Node, stack: Stack, state: State) -> Outcome:
-    """A dynamic statement met while a scene is generated: the static checks let none through."""
-    raise RunError(f"{type(node).__name__} belongs to behaviors, monitors and compose blocks", node.span)

@@ -101,6 +101,12 @@ class UncaughtException(RunError):
         self.exception = exception
 
 
+class SimulatorError(RunError):
+    """A simulator raised an exception, or gave numbers that are none."""
+
+    kind = "simulator error"
+
+
 class ImportRefused(RunError):
     """The import runs arbitrary Python code and `--trust` was not given, or reaches a private name."""
 

@@ -13,6 +13,7 @@ from typing import NamedTuple
 from .classes import canonical
 from .conditions import bool_of, combine, random_branch
 from .config import Stack, State, Value, value
+from .dynamics.queries import Clock, Closest, attribute_of_clock
 from .errors import RunError
 from .host import LARGEST_INTEGER_BITS, LARGEST_SEQUENCE, HostException, check_private, host, raw
 from .kinds import has_kind, kind_name
@@ -20,7 +21,7 @@ from .operations import membership
 from .outcome import Next, Outcome
 from .premises import axiom, premises
 from .regions import Region
-from .scopes import MISSING
+from .scopes import MISSING, Scope
 from .symbols import Symbol
 from .syntax import expressions as e
 from .syntax import python_expressions as p
@@ -185,6 +186,8 @@ def get_attribute(subject: object, node: p.Attribute, state: State) -> object:
     """The attribute of a value that is not wrapped."""
     name = node.name
     match subject:
+        case Clock():
+            return attribute_of_clock(name, node, state)
         case Instance():
             return instance_attribute(subject, name, state)
         case Module():
@@ -197,6 +200,8 @@ def get_attribute(subject: object, node: p.Attribute, state: State) -> object:
             if found is None:
                 raise HostException(AttributeError(f"class {subject.name} has no attribute {name}; a property needs an instance"))
             return found
+        case Dynamic(space=Scope() as space) if name in space.bindings:
+            return space.bindings[name]
         case Function() | Method() | Dynamic():
             if name == "__name__" and isinstance(subject, Function):
                 return subject.name
@@ -218,6 +223,8 @@ def instance_attribute(instance: Instance, name: str, state: State) -> object:
     if result is not MISSING:
         return result
     found = instance.class_.method(name)
+    if found is None and name == "distanceToClosest":
+        return Closest(instance)
     if found is None:
         raise HostException(AttributeError(f"{instance.class_.name} has no property {name}"))
     if isinstance(found, (property, staticmethod)):
@@ -391,8 +398,3 @@ def conclude_seconds(node: e.Seconds, values: list[object], stack: Stack, state:
     if not has_kind(plain(values[0]), "scalar"):
         raise RunError(f"`seconds` expects a scalar, not {kind_name(values[0])}", node.span, rule="E-Seconds")
     return value("E-Seconds", values[0], stack, state, node)
-
-
-def in_initial_scenario(node: e.InInitialScenario, stack: Stack, state: State) -> Outcome:
-    """`in initial scenario`: true for the scenario that the run began with."""
-    return value("E-InInitialScenario", True, stack, state, node)

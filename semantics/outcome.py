@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from .errors import ScenicError
@@ -87,4 +87,20 @@ class Fault(NamedTuple):
     error: ScenicError
 
 
-Outcome = Next | Draw | Observe | Done | Stuck | Fault
+class Act(NamedTuple):
+    """The policy has chosen the actions of a time step: those of each agent, by its number; agents that take none are left out."""
+
+    rule: str
+    actions: Mapping[int, tuple[object, ...]]
+    state: State
+
+
+class Finish(NamedTuple):
+    """The policy says that the scenario ends, and why: all requirements are satisfied."""
+
+    rule: str
+    reason: str
+    state: State
+
+
+Outcome = Next | Draw | Observe | Done | Stuck | Fault | Act | Finish

@@ -16,7 +16,7 @@ from .outcome import Next, Outcome
 from .scopes import MISSING, Scope
 from .syntax.nodes import Node
 from .syntax.python_expressions import Constant, Name
-from .values import Origin
+from .values import Origin, plain
 
 Conclusion = Callable[..., Outcome]
 """Gets the node, the values of its premises, the stack and the state: `conclude(node, values, stack, state)`."""
@@ -60,7 +60,8 @@ def axiom(expression: Node, state: State) -> object:
     if kind is Constant:
         return expression.value  # type: ignore[attr-defined]
     if kind is Name:
-        return variable(expression, state)  # type: ignore[arg-type]
+        found = variable(expression, state)  # type: ignore[arg-type]
+        return found if state.simulation is None else plain(found)
     return NOT_AN_AXIOM
 
 

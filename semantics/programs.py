@@ -18,9 +18,11 @@ from .termination import Finishing
 from .values import Instance, plain
 
 
-def make_settings(readings: dict[str, str], library: dict[str, object], params: dict[str, object], model: str | None) -> Settings:
+def make_settings(
+    readings: dict[str, str], library: dict[str, object], params: dict[str, object], model: str | None, scenario: str | None = None
+) -> Settings:  # fmt: skip
     """What stays the same during a run."""
-    return Settings(readings=readings, library=library, machine=step, door=Door(enter), params=params, model=model)  # type: ignore[arg-type]
+    return Settings(readings=readings, library=library, machine=step, door=Door(enter), params=params, model=model, scenario=scenario)  # type: ignore[arg-type]
 
 
 def initial(program: Program, settings: Settings) -> Config:

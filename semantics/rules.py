@@ -1,6 +1,6 @@
 """The catalogue of rules: every inference rule, equation and algorithm of the paper, with its own name and its function.
 
-Ids are `<judgement>-<name>`: E expression, O operator, P specifier, R resolution, S statement, T termination. The
+Ids are `<judgement>-<name>`: E expression, O operator, P specifier, R resolution, S statement, T termination, D dynamics. The
 catalogue lists what the paper defines and, marked `inherited`, what it takes over from Python "essentially without change".
 """
 
@@ -27,6 +27,7 @@ from . import (
     statements,
     termination,
 )
+from .dynamics import actions, guards, interrupts, invocations, policy, queries, scenarios
 from .syntax import expressions as e
 from .syntax import specifiers as q
 
@@ -127,7 +128,7 @@ _PAPER = [
     Rule("E-Branch", "conditional branching may not depend on random variables", 'Section "Syntax of Scenic"', conditions.random_branch),
     Rule("E-ObjectDefinition", "Object Definitions", EXPRESSIONS, object_definitions.construct),
     Rule("E-Seconds", "E seconds", 'Section "Stateful Behaviors"', expressions.seconds),
-    Rule("E-InInitialScenario", "in initial scenario", 'Section "Compositional Scenarios"', expressions.in_initial_scenario),
+    Rule("E-InInitialScenario", "in initial scenario", 'Section "Compositional Scenarios"', queries.in_initial_scenario),
     Rule("R-ResolveSpecifiers", "resolveSpecifiers", ALGORITHM, resolution.resolve_specifiers),
     Rule("R-SpecifiedTwice", "property P specified twice", ALGORITHM + ", gather all specified properties", resolution.resolve_specifiers),
     Rule(
@@ -185,8 +186,45 @@ _INHERITED = [
     ("S-Import", "import", definitions.import_statement),
 ]
 
+PROCEDURE = 'Section "Semantics of Scenic", "Dynamic Constructs"'
+ACTIONS = 'Section "Statements", "Actions"'
+INVOKING = 'Section "Statements", "Invoking Other Behaviors and Scenarios"'
+INTERRUPTS = 'Section "Statements", "Interrupts"'
+GUARDS = 'Section "Dynamic Scenarios", "Preconditions and Invariants"'
+TERMINATION = 'Section "Statements", "Termination Conditions"'
+MODULAR = 'Section "Statements", "Modular Scenarios"'
+
+_DYNAMIC = [
+    Rule("D-Policy-1", "run the compose blocks", PROCEDURE, policy.compose_blocks),
+    Rule("D-Policy-2", "check all require always conditions", PROCEDURE, policy.always_conditions),
+    Rule("D-Policy-3", "run all monitors", PROCEDURE, policy.monitors),
+    Rule("D-Policy-4", "if the flag is set, terminate", PROCEDURE, policy.check_flag),
+    Rule("D-Policy-5", "run all the behaviors", PROCEDURE, policy.behaviors),
+    Rule("D-Policy-6", "repeat step 4", PROCEDURE, policy.check_flag),
+    Rule("D-Policy-7", "return the choice of actions", PROCEDURE, policy.actions),
+    Rule("D-Always", "require always B", PROCEDURE + ", step 2", policy.always_conditions),
+    Rule("D-Eventually", "require eventually B", PROCEDURE + ", step 4", policy.unsatisfied),
+    Rule("D-Take", "take actions", ACTIONS, actions.take),
+    Rule("D-Wait", "wait", ACTIONS, actions.wait),
+    Rule("D-Terminate", "terminate", TERMINATION, actions.terminate),
+    Rule("D-TerminateWhen", "terminate when B", TERMINATION, scenarios.check_termination),
+    Rule("D-Do", "do B", INVOKING, invocations.do),
+    Rule("D-Do-Return", "the end of an invocation", INVOKING, invocations.returned),
+    Rule("D-Choose", "do choose, do shuffle", 'Section "Compositional Scenarios", "Random Selection of Scenarios"', invocations.choose),
+    Rule("D-Try", "try ... interrupt when B", INTERRUPTS, interrupts.try_interrupt),
+    Rule("D-Interrupt", "an interrupt condition becomes true", INTERRUPTS, interrupts.interrupt),
+    Rule("D-Abort", "abort", INTERRUPTS, interrupts.abort),
+    Rule("D-Precondition", "precondition: B", GUARDS, guards.resume_guarding),
+    Rule("D-Invariant", "invariant: B", GUARDS, guards.resume_guarding),
+    Rule("D-Guard", "the simulation is only rejected if the exception propagates out to the top level", GUARDS, policy.unwind_step),
+    Rule("D-Setup", "the setup block of a scenario", MODULAR, scenarios.enter_setup),
+    Rule("D-Scenario-End", "the end of a compose block", MODULAR, scenarios.resume_stepping),
+    Rule("D-Override", "override object specifiers", 'Section "Statements", "Overrides"', scenarios.override),
+]
+
 CATALOGUE: tuple[Rule, ...] = (
-    *_PAPER, *_specifier_rules(), *_operator_rules(), *(Rule(i, name, PYTHON, function, inherited=True) for i, name, function in _INHERITED),
+    *_PAPER, *_DYNAMIC, *_specifier_rules(), *_operator_rules(),
+    *(Rule(i, name, PYTHON, function, inherited=True) for i, name, function in _INHERITED),
 )
 """Every rule, those of the paper first."""
 

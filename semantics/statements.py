@@ -7,6 +7,7 @@ from typing import NamedTuple
 from .assignment import done
 from .config import PASS, Abrupt, Config, Stack, State, reduce
 from .distributions import BadParameters, Coin
+from .dynamics.simulation import Declared
 from .errors import RunError
 from .host import host, is_user_made
 from .kinds import is_object, is_scalar, kind_name
@@ -143,7 +144,12 @@ def conclude_mutate(node: s.Mutate, values: list[object], stack: Stack, state: S
 
 def dynamic_requirement(node: Node, stack: Stack, state: State) -> Outcome:
     """`require always`, `require eventually`, `terminate when`: conditions that the policy monitors, not the scene."""
-    return Next("S-Dynamic", Config(PASS, stack, state._replace(dynamic=(*state.dynamic, node))), node)
+    return Next("S-Dynamic", Config(PASS, stack, declared(node, state)), node)
+
+
+def declared(node: Node, state: State) -> State:
+    """The scenario that is set up has declared this."""
+    return state._replace(dynamic=(*state.dynamic, Declared(node, state.sigma)))
 
 
 def dynamic_definition(node: d.BehaviorDefinition | d.MonitorDefinition | d.ScenarioDefinition, stack: Stack, state: State) -> Outcome:
@@ -154,7 +160,9 @@ def dynamic_definition(node: d.BehaviorDefinition | d.MonitorDefinition | d.Scen
 def conclude_definition(
     node: d.BehaviorDefinition | d.MonitorDefinition | d.ScenarioDefinition, values: list[object], stack: Stack, state: State
 ) -> Outcome:
-    """Bind the name."""
+    """Bind the name; a monitor is declared as well, since it runs from its definition on (reading `monitor-structure`)."""
     defaults = {q.name: v for q, v in zip(node.parameters, values, strict=True) if q.default is not None}
     state.sigma.bind(node.name, Dynamic(node, state.sigma, defaults))
+    if isinstance(node, d.MonitorDefinition):
+        state = declared(node, state)
     return done("S-Definition", node, stack, state, Change("σ", node.name, None))

@@ -26,6 +26,8 @@ from . import (
 )
 from .config import Abrupt, Config, Stack, State, Value
 from .distributions import BadParameters
+from .dynamics import actions, guards, interrupts, invocations, policy, processes, queries, scenarios
+from .dynamics.guards import GuardViolation
 from .errors import RunError, ScenicError, UncaughtException
 from .fields import OutsideField
 from .host import DoorStuck, HostException
@@ -36,6 +38,7 @@ from .syntax import expressions as e
 from .syntax import python_expressions as p
 from .syntax import statements as s
 from .syntax.nodes import NOWHERE, Node, Span
+from .values import plain
 
 REDUCE: Mapping[type, Callable[..., Outcome]] = {
     # expressions inherited from Python
@@ -75,7 +78,7 @@ REDUCE: Mapping[type, Callable[..., Outcome]] = {
     e.SideOf: operations.side_of,
     e.Seconds: expressions.seconds,
     e.IntervalOrPair: draws.interval_or_pair,
-    e.InInitialScenario: expressions.in_initial_scenario,
+    e.InInitialScenario: queries.in_initial_scenario,
     # object definitions
     e.ObjectDefinition: object_definitions.object_definition,
     e.ObjectOrValue: object_definitions.object_definition,
@@ -115,15 +118,15 @@ REDUCE: Mapping[type, Callable[..., Outcome]] = {
     d.RequireEventually: statements.dynamic_requirement,
     d.RequireMonitor: statements.dynamic_requirement,
     d.TerminateWhen: statements.dynamic_requirement,
-    # dynamic statements have no place in the generation of a scene
-    d.Take: control.not_executable,
-    d.Wait: control.not_executable,
-    d.Terminate: control.not_executable,
-    d.Do: control.not_executable,
-    d.DoChoose: control.not_executable,
-    d.DoShuffle: control.not_executable,
-    d.Abort: control.not_executable,
-    d.Override: control.not_executable,
+    # dynamic statements
+    d.Take: actions.take,
+    d.Wait: actions.wait,
+    d.Terminate: actions.terminate,
+    d.Do: invocations.do,
+    d.DoChoose: invocations.pick,
+    d.DoShuffle: invocations.pick,
+    d.Abort: interrupts.abort,
+    d.Override: scenarios.override,
 }
 
 RESUME: Mapping[type, Callable[..., Outcome]] = {
@@ -156,6 +159,23 @@ RESUME: Mapping[type, Callable[..., Outcome]] = {
     termination.Mutating: termination.resume_mutating,
     termination.Late: termination.resume_late,
     termination.Checking: termination.resume_checking,
+    guards.Guarding: guards.resume_guarding,
+    interrupts.Entering: interrupts.resume_entering,
+    interrupts.Interrupting: interrupts.resume_interrupting,
+    interrupts.Interruptible: interrupts.resume_interruptible,
+    invocations.Beginning: invocations.resume_beginning,
+    invocations.Invoked: invocations.resume_invoked,
+    invocations.Together: invocations.resume_together,
+    invocations.Enabling: invocations.resume_enabling,
+    invocations.Starting: invocations.resume_starting,
+    invocations.Shuffling: invocations.resume_shuffling,
+    processes.Coroutine: processes.resume_coroutine,
+    scenarios.Setting: scenarios.resume_setting,
+    scenarios.SetUp: scenarios.resume_set_up,
+    scenarios.Scenarios: scenarios.resume_scenarios,
+    scenarios.Stepping: scenarios.resume_stepping,
+    scenarios.Ending: scenarios.resume_ending,
+    policy.Step: policy.resume_step,
 }
 
 UNWIND: Mapping[type, Callable[..., Outcome]] = {
@@ -170,6 +190,13 @@ UNWIND: Mapping[type, Callable[..., Outcome]] = {
     statements.Coined: statements.unwind_coined,
     definitions.ClassBody: definitions.unwind_class_body,
     definitions.ModuleBody: definitions.unwind_module_body,
+    guards.Guarding: guards.unwind_guarding,
+    interrupts.Interruptible: interrupts.unwind_interruptible,
+    invocations.Invoked: invocations.unwind_invoked,
+    processes.Coroutine: processes.unwind_coroutine,
+    scenarios.Scenarios: scenarios.unwind_scenarios,
+    scenarios.Ending: scenarios.unwind_ending,
+    policy.Step: policy.unwind_step,
 }
 
 
@@ -180,7 +207,10 @@ def step(config: Config) -> Outcome:
     try:
         if kind is Value:
             frame, rest = stack
-            return RESUME[type(frame)](frame, control_.value, rest, state)  # type: ignore[union-attr]
+            result = control_.value  # type: ignore[union-attr]
+            if state.simulation is not None:  # whatever is drawn while a scenario runs may decide its course
+                result = plain(result)
+            return RESUME[type(frame)](frame, result, rest, state)
         if kind is Abrupt:
             return unwind(control_, stack, state)  # type: ignore[arg-type]
         return REDUCE[kind](control_, stack, state)
@@ -210,6 +240,8 @@ def unwind(abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
         if rule is not None:
             return rule(frame, abrupt, stack, state)
     exception = abrupt.value
+    if isinstance(exception, GuardViolation):
+        return Stuck("D-Guard", Requirement("guard", abrupt.span, str(exception)))
     assert isinstance(exception, BaseException)
     return Fault(UncaughtException(f"{type(exception).__name__}: {exception}".rstrip(": "), abrupt.span, exception=exception))
 

@@ -10,6 +10,7 @@ from typing import NamedTuple
 from . import geometry
 from .config import PASS, Config, Stack, State, Value
 from .distributions import BadParameters, Normal
+from .dynamics.initial import begin_initial, main_scenario
 from .errors import RunError
 from .kinds import Reader, View, is_scalar, kind_name
 from .operators import can_see_object, object_is_in
@@ -17,10 +18,9 @@ from .outcome import Done, Draw, Next, Observe, Outcome, Requirement, Stuck
 from .regions import Region, everywhere
 from .statements import enforce
 from .symbols import larger, number, smaller
-from .syntax.dynamics import ScenarioDefinition
 from .syntax.nodes import NOWHERE
 from .syntax.python_expressions import Constant
-from .values import Dynamic, Instance, Origin, Random, plain
+from .values import Instance, Origin, Random, plain
 from .vectors import Vector
 
 POSE = 3  # x, y and heading
@@ -35,12 +35,14 @@ class Finishing(NamedTuple):
 class Mutating(NamedTuple):
     """Frame of Step 1: the noise for `component` of object number `index` is next; `noise` holds what was drawn for it.
 
-    The components are x, y, the heading and, under the reading `mutate-color=yes`, those of the color.
+    The components are x, y, the heading and, under the reading `mutate-color=yes`, those of the color. Objects before number `since` were
+    there already, when a sub-scenario made others (reading `dynamic-objects`).
     """
 
     index: int
     component: int = 0
     noise: tuple[object, ...] = ()
+    since: int = 0
 
 
 class Premise(NamedTuple):
@@ -67,16 +69,16 @@ class Late(NamedTuple):
 
     index: int
     end: State | None = None
+    since: int = 0
 
 
 def resume_finishing(frame: Finishing, result: object, stack: Stack, state: State) -> Outcome:
-    """⟨pass, σ, π, O⟩: the program has been reduced; a program without ego is ill-formed."""
+    """⟨pass, σ, π, O⟩: the program has been reduced, and then the setup of its main scenario; a program without ego is ill-formed."""
+    if state.initial is None:
+        main = main_scenario(state)
+        if main is not None:
+            return begin_initial(main, (frame, stack), state)
     if state.ego is None:
-        scenarios = [v for v in state.sigma.bindings.values() if isinstance(v, Dynamic) and isinstance(v.definition, ScenarioDefinition)]
-        if scenarios:
-            raise RunError(
-                "this program is made of scenarios, and modular scenarios do not run yet", scenarios[0].definition.span, rule="S-Definition"
-            )
         raise RunError(
             "the program never assigns ego, the object from whose point of view the scene is", NOWHERE, rule="T-Mutate", hint="write ego = Object ..."
         )
@@ -91,9 +93,9 @@ def mutate_objects(frame: Mutating, stack: Stack, state: State) -> Outcome:
     """
     reader = Reader(state)
     while frame.index < len(state.scene) and not reader.property(state.scene[frame.index], "mutationScale"):
-        frame = Mutating(frame.index + 1)
+        frame = Mutating(frame.index + 1, since=frame.since)
     if frame.index == len(state.scene):
-        return Next("T-Mutate", Config(PASS, (Late(0), stack), state._replace(draws=state.draws + 1)))
+        return Next("T-Mutate", Config(PASS, (Late(0, since=frame.since), stack), state._replace(draws=state.draws + 1)))
     instance = state.scene[frame.index]
     scale = reader.property(instance, "mutationScale")
     if frame.component == POSE + len(color_of(instance, reader)):
@@ -146,7 +148,7 @@ def apply_noise(frame: Mutating, instance: Instance, stack: Stack, state: State)
     if tints:
         color = color_of(instance, reader)
         moved["color"] = reader.wrap(tuple(smaller(1.0, larger(0.0, c + t)) for c, t in zip(color, tints, strict=True)))  # type: ignore[operator]
-    return mutate_objects(Mutating(frame.index + 1), stack, state.with_properties(instance, moved))
+    return mutate_objects(Mutating(frame.index + 1, since=frame.since), stack, state.with_properties(instance, moved))
 
 
 def resume_late(frame: Late, result: object, stack: Stack, state: State) -> Outcome:
@@ -156,8 +158,8 @@ def resume_late(frame: Late, result: object, stack: Stack, state: State) -> Outc
         state = state._replace(sigma=end.sigma, ego=end.ego, workspace=end.workspace, objects={**state.objects, **end.objects})
     if frame.index < len(state.late):
         node, captured = state.late[frame.index]
-        return enforce(node, (Late(frame.index + 1, state), stack), as_captured(captured, state))  # type: ignore[arg-type]
-    return check_default_requirements(Checking(0, premises_of_step_two(state)), stack, state)
+        return enforce(node, (Late(frame.index + 1, state, frame.since), stack), as_captured(captured, state))  # type: ignore[arg-type]
+    return check_default_requirements(Checking(0, premises_of_step_two(state, frame.since)), stack, state._replace(late=()))
 
 
 def as_captured(captured: State, state: State) -> State:
@@ -179,7 +181,7 @@ def resume_checking(frame: Checking, result: object, stack: Stack, state: State)
 def check_default_requirements(frame: Checking, stack: Stack, state: State) -> Outcome:
     """Termination, Step 2: boundingBox(o_i) ⊆ workspace; no collisions; visible from ego. One premise per step."""
     if frame.index == len(frame.premises):
-        return Done("T-Check", state)
+        return Next("T-Check", Config(PASS, stack, state)) if stack else Done("T-Check", state)
     premise = frame.premises[frame.index]
     after = Config(PASS, (Checking(frame.index + 1, frame.premises), stack), state)
     return Observe("T-Check", premise.requirement, after) if holds(premise, state) else Stuck("T-Check", premise.requirement, after)
@@ -203,10 +205,11 @@ def holds(premise: Premise, state: State) -> bool:
             )
 
 
-def premises_of_step_two(state: State) -> tuple[Premise, ...]:
+def premises_of_step_two(state: State, since: int = 0) -> tuple[Premise, ...]:
     """The premises of the rule, in its order: containment of all, collisions of all pairs, visibility of all.
 
-    Which ones there are depends on properties that are constants of the program in all but odd cases.
+    Which ones there are depends on properties that are constants of the program in all but odd cases. Those about objects before number
+    `since` alone are left out.
     """
     reader = Reader(state)
     ego = reader.plain(state.ego)
@@ -214,16 +217,20 @@ def premises_of_step_two(state: State) -> tuple[Premise, ...]:
     names = {o.number: state.names.get(o.number) or f"{o.class_.name} (object {i})" for i, o in enumerate(state.scene)}
     bounded = workspace_of(state) is not everywhere
     found: list[Premise] = []
-    for o in state.scene:
+    new = state.scene[since:]
+    made = {o.number for o in new}
+    for o in new:
         if bounded:
             found.append(premise("containment", o, o, f"{names[o.number]} is contained in the workspace"))
         if reader.property(o, "regionContainedIn") is not None:
             found.append(premise("regionContainedIn", o, o, f"{names[o.number]} is contained in its regionContainedIn"))
     solid = [o for o in state.scene if not reader.property(o, "allowCollisions")]
     for j, second in enumerate(solid):
+        if second.number not in made:
+            continue
         found += [premise("collision", o, second, f"{names[o.number]} and {names[second.number]} do not intersect") for o in solid[:j]]
     found += [
-        premise("visibility", o, ego, f"{names[o.number]} is visible from ego") for o in state.scene if reader.property(o, "requireVisible")
+        premise("visibility", o, ego, f"{names[o.number]} is visible from ego") for o in new if reader.property(o, "requireVisible")
     ]
     return tuple(found)
 

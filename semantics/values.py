@@ -225,6 +225,8 @@ class Dynamic:
     scope: Scope
     defaults: Mapping[str, object]
     arguments: tuple[tuple[object, ...], Mapping[str, object]] | None = None
+    space: Scope | None = None
+    """The variables of a scenario with arguments: it is one instance, which others can refer to."""
 
     def __repr__(self) -> str:
         name = getattr(self.definition, "name", "")

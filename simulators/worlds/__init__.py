@@ -25,9 +25,17 @@ def gta_map() -> Mapping[str, object]:
     }
 
 
+def driving_actions() -> Mapping[str, object]:
+    """The actions of the paper's examples."""
+    from ..actions import ACTIONS
+
+    return ACTIONS
+
+
 WORLDS: Mapping[str, Callable[[], str | Mapping[str, object]]] = {
     "scenic.simulators.gta.model": lambda: _text("gta/model.scenic"),
     "scenic.simulators.gta.map": gta_map,
+    "scenic.domains.driving.actions": driving_actions,
     "gtaLib": lambda: "from scenic.simulators.gta.model import *\n",
     "mars": lambda: _text("mars/mars.scenic"),
     "scenic.simulators.webots.mars.model": lambda: "from mars import *\n",

@@ -1,0 +1,72 @@
+"""`scenic-ref simulate`: run dynamic scenarios in a simulator."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from .options import (
+    DEFAULT_ATTEMPTS,
+    DEFAULT_FUEL,
+    AttemptsOption,
+    DebugOption,
+    DialectOption,
+    FileArgument,
+    FuelOption,
+    ModelOption,
+    ParamOption,
+    ProfileOption,
+    ReadingOption,
+    SeedOption,
+    TrustOption,
+    read_source,
+)
+
+
+def simulate(
+    context: typer.Context,
+    file: FileArgument,
+    simulator: Annotated[
+        str, typer.Option("--simulator", metavar="NAME", help="still (nothing moves, any value is an action) or kinematic (vehicles without forces).")
+    ] = "still",
+    steps: Annotated[int, typer.Option("--steps", metavar="N", min=0, help="The time limit: so many time steps.")] = 100,
+    timestep: Annotated[
+        float | None, typer.Option("--dt", metavar="S", help="The time step in seconds.", show_default="1 for still, 0.1 for kinematic")
+    ] = None,
+    count: Annotated[int, typer.Option("-n", metavar="N", min=1, help="How many simulations.")] = 1,
+    seed: SeedOption = 0,
+    run: Annotated[int | None, typer.Option("--run", metavar="K", min=0, help="Simulation K of the seed alone.")] = None,
+    scenario: Annotated[
+        str | None, typer.Option("--scenario", metavar="NAME", help="The modular scenario to begin with.", show_default="Main, if there is one")
+    ] = None,
+    output: Annotated[
+        str | None, typer.Option("-o", "--output", metavar="PATH", help="Write one simulation per line as JSON (- for standard output).")
+    ] = None,
+    profile: ProfileOption = "paper",
+    reading: ReadingOption = None,
+    dialect: DialectOption = None,
+    model: ModelOption = None,
+    param: ParamOption = None,
+    max_attempts: AttemptsOption = DEFAULT_ATTEMPTS,
+    fuel: FuelOption = DEFAULT_FUEL,
+    trust: TrustOption = False,
+    debug: DebugOption = False,
+) -> None:
+    """Run simulations of a program: a scene, then time steps in which the agents act.
+
+    A run that violates a requirement is discarded, scene and all, and another is begun. On a terminal the end of each simulation is shown;
+    into a pipe, or with -o, one simulation is written per line as JSON, as soon as it is over. --fuel limits each time step.
+    """
+    from ..semantics.errors import UsageError
+    from .simulating import Request, produce_simulations
+
+    session = context.obj
+    session.seed = seed
+    if run is not None and count != 1:
+        raise UsageError("--run asks for a single simulation, so -n cannot be given as well")
+    source = read_source(
+        session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, fuel=fuel, trust=trust, scenario=scenario
+    )
+    first = 0 if run is None else run
+    produce_simulations(source, Request(first, first + count, seed, max_attempts, simulator, steps, timestep, output), session)

@@ -1,0 +1,69 @@
+"""Rejection sampling of simulations: the first run, scene and policy, that violates no requirement (reading `rejected-simulation`)."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from typing import NamedTuple
+
+from ..interpreter.choosers import from_stream
+from ..interpreter.running import DEFAULT_FUEL, Witness
+from ..interpreter.simulating import Failed, Simulated, Simulator, simulate_once
+from ..semantics.config import Config
+from ..semantics.dynamics.processes import DYNAMIC
+from ..semantics.errors import AttemptsExhausted
+from .rejection import DEFAULT_ATTEMPTS, counting
+
+RETRIES = 100
+"""Simulations of one scene under the reading `rejected-simulation=retry`, as in the released implementations."""
+
+
+class SampledRun(NamedTuple):
+    """A simulation, the runs that it took, and what failed in the others: requirements, with the time step (None: in the scene)."""
+
+    simulation: Simulated
+    attempts: int
+    stuck: Counter[Failed]
+
+
+def sample_simulation(
+    start: Callable[[], Config], simulator: Simulator, steps: int, seed: int, index: int, *, max_attempts: int = DEFAULT_ATTEMPTS,
+    fuel: int = DEFAULT_FUEL, retry: bool = False, on_attempt: Callable[[int], None] | None = None,
+    witnessed: Callable[[int], Witness] | None = None,
+) -> SampledRun:  # fmt: skip
+    """Simulation number `index` of `seed`, of at most `steps` time steps. Raises `AttemptsExhausted`, and the errors of the program and simulator.
+
+    With `retry`, a scene keeps its numbers while its simulations are rejected, up to `RETRIES` times.
+    """
+    stuck: Counter[Failed] = Counter()
+    scene, first = 0, 0  # the attempt that the scene's numbers are of, and the one with which its simulations began
+    for attempt in range(max_attempts):
+
+        def number(address: tuple[int, ...], scene: int = scene, attempt: int = attempt) -> int:
+            return attempt if address[:1] == (DYNAMIC,) else scene
+
+        witness = None if witnessed is None else witnessed(attempt)
+        chooser, drawn = counting(from_stream(seed, index, number))
+        found = simulate_once(start(), chooser, simulator, steps, seed=seed, index=index, attempt=scene, fuel=fuel, witness=witness)
+        if isinstance(found, Simulated):
+            return SampledRun(found, attempt + 1, stuck)
+        stuck[found] += 1
+        if on_attempt is not None:
+            on_attempt(attempt + 1)
+        if not drawn:
+            text = f"no simulation is possible, since nothing is drawn before this fails {found.place}: {found.requirement.text}"
+            raise exhausted(text, attempt + 1, stuck)
+        if not retry or found.step is None or attempt + 1 - first >= RETRIES:
+            scene = first = attempt + 1
+    worst, count = stuck.most_common(1)[0]
+    text = f"no simulation in {max_attempts:,} attempts: most often ({count:,} times) this failed {worst.place}: {worst.requirement.text}"
+    raise exhausted(text, max_attempts, stuck)
+
+
+def exhausted(text: str, attempts: int, stuck: Counter[Failed]) -> AttemptsExhausted:
+    """The error when no simulation was found; it counts requirements, whatever the time step."""
+    counted: Counter[object] = Counter()
+    for failed, often in stuck.items():
+        counted[failed.requirement] += often
+    place = stuck.most_common(1)[0][0].requirement.span
+    return AttemptsExhausted(text, place, attempts=attempts, stuck=tuple(counted.most_common()))

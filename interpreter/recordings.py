@@ -1,0 +1,46 @@
+"""Simulations as JSON, one a line: the scene, and for each time step the objects, the actions and the events."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
+
+from .scenes import json_value
+from .simulating import Moment, Simulated
+
+SCHEMA = "scenic-ref/simulation/1"
+
+
+def to_json(run: Simulated, attempts: int) -> dict[str, object]:
+    """A simulation that took so many attempts, in the simulation format."""
+    return {
+        "schema": SCHEMA, "seed": run.scene.seed, "run": run.scene.index, "attempts": attempts, "timestep": run.timestep,
+        "scene": run.scene.to_json(), "steps": [moment_json(moment) for moment in run.moments], "result": run.result, "reason": run.reason,
+    }
+
+
+def to_line(run: Simulated, attempts: int) -> str:
+    """One line of a JSON Lines file. Raises `ValueError` for numbers that JSON does not have."""
+    return json.dumps(to_json(run, attempts), allow_nan=False, ensure_ascii=False)
+
+
+def moment_json(moment: Moment) -> dict[str, object]:
+    """A time step."""
+    return {
+        "step": moment.step,
+        "objects": [{"id": k, **{name: json_value(value) for name, value in pose.items()}} for k, pose in enumerate(moment.objects)],
+        "actions": actions_json(moment.actions), "events": list(moment.events),
+    }
+
+
+def actions_json(actions: Mapping[int, tuple[object, ...]]) -> dict[str, object]:
+    """The actions of each agent that takes some."""
+    return {str(id): [action_json(action) for action in taken] for id, taken in sorted(actions.items())}
+
+
+def action_json(action: object) -> object:
+    """An action with its arguments, or a plain value."""
+    if is_dataclass(action) and not isinstance(action, type):
+        return {"action": type(action).__name__, "args": [json_value(getattr(action, f.name)) for f in fields(action)]}
+    return json_value(action)

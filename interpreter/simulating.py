@@ -1,0 +1,188 @@
+"""The loop of a simulation: the policy chooses actions, a simulator executes them for one time step, and its objects are read back.
+
+A simulator is anything with the methods of `Simulator`. A run that fails a requirement is rejected whole, scene and policy (reading
+`rejected-simulation`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple, Protocol, TypeVar
+
+from ..semantics.config import Config, State
+from ..semantics.dynamics.policy import after_one_step, begin, policy, unsatisfied
+from ..semantics.errors import RunError, ScenicError, SimulatorError
+from ..semantics.outcome import Act, Done, Finish, Requirement, Stuck
+from ..semantics.syntax.nodes import NOWHERE
+from ..semantics.values import plain
+from ..semantics.vectors import Vector
+from .running import DEFAULT_FUEL, Chooser, Witness, drive
+from .scenes import Scene, scene_of
+
+Given = TypeVar("Given")
+Pose = Mapping[str, object]
+"""Properties of an object that the simulator updates: `position` (a `Vector`, metres), `heading` (radians), `speed` (metres per second), ..."""
+
+
+class Body(NamedTuple):
+    """An object as a simulator sees it: its number in the scene, the name of its class, and its properties."""
+
+    id: int
+    class_name: str
+    properties: Mapping[str, object]
+
+
+class Simulator(Protocol):
+    """What moves the objects; one is used for one simulation after the other.
+
+    `timestep` is in seconds; `properties` are the names of those that `read` gives. Whatever it raises ends the simulation with an error.
+    """
+
+    timestep: float
+    properties: frozenset[str]
+
+    def create(self, bodies: Sequence[Body]) -> None:
+        """Begin a simulation with these objects, or add further ones to it: `bodies` are the new ones, in the order of their numbers."""
+
+    def check(self, body: Body, action: object) -> str | None:
+        """Why this object cannot take this action, None if it can."""
+
+    def step(self, actions: Mapping[int, Sequence[object]]) -> Sequence[str]:
+        """Let the objects take their actions, by number, and let one time step pass. What happened, such as a collision, in words."""
+        ...
+
+    def read(self, id: int) -> Pose:
+        """The properties of an object now."""
+        ...
+
+    def destroy(self) -> None:
+        """The simulation is over."""
+
+
+class Moment(NamedTuple):
+    """A time step: the objects at its start, the actions taken in it, and what happened."""
+
+    step: int
+    objects: tuple[Pose, ...]
+    actions: Mapping[int, tuple[object, ...]]
+    events: tuple[str, ...]
+
+
+class Simulated(NamedTuple):
+    """A simulation that was accepted: its scene, its time steps, how it ended ("terminated" or "time limit") and why."""
+
+    scene: Scene
+    moments: tuple[Moment, ...]
+    result: str
+    reason: str
+    timestep: float
+
+
+class Failed(NamedTuple):
+    """A simulation that was rejected: the requirement, and the time step in which it failed (None: while the scene was generated)."""
+
+    requirement: Requirement
+    step: int | None
+
+    @property
+    def place(self) -> str:
+        """When it failed, in words."""
+        return "in the scene" if self.step is None else f"in time step {self.step}"
+
+
+def simulate_once(
+    config: Config, choose: Chooser, simulator: Simulator, steps: int, *, seed: int = 0, index: int = 0, attempt: int = 0,
+    fuel: int = DEFAULT_FUEL, witness: Witness | None = None,
+) -> Simulated | Failed:  # fmt: skip
+    """One run: a scene, then at most `steps` time steps. Raises the program's error, and `SimulatorError` for the simulator's."""
+    generated, _ = drive(config, choose, fuel=fuel, witness=witness)
+    if isinstance(generated, Stuck):
+        return Failed(generated.requirement, None)
+    assert isinstance(generated, Done)
+    scene = scene_of(generated.state, seed, index, attempt + 1)
+    state = begin(generated.state, simulator.timestep, simulator.properties)
+    moments: list[Moment] = []
+    known = 0
+    try:
+        for number in range(steps):
+            known = create_new(simulator, state, known)
+            outcome, _ = drive(policy(state), choose, fuel=fuel, witness=witness)
+            if isinstance(outcome, Stuck):
+                return Failed(outcome.requirement, number)
+            if isinstance(outcome, Finish):
+                moments.append(Moment(number, poses(outcome.state, simulator), {}, ()))
+                return Simulated(scene, tuple(moments), "terminated", outcome.reason, simulator.timestep)
+            assert isinstance(outcome, Act)
+            state = outcome.state
+            known = create_new(simulator, state, known)
+            ids = {instance.number: k for k, instance in enumerate(state.scene)}
+            actions = {ids[n]: taken for n, taken in outcome.actions.items()}
+            check_actions(simulator, state, actions)
+            before = poses(state, simulator)
+            events = guarded(simulator.step, actions)
+            moments.append(Moment(number, before, actions, tuple(events)))
+            state = after_one_step(read_back(simulator, state))
+    finally:
+        simulator.destroy()
+    missed = unsatisfied(state)
+    if missed is not None:
+        return Failed(missed, steps)
+    moments.append(Moment(steps, poses(state, simulator), {}, ()))
+    return Simulated(scene, tuple(moments), "time limit", f"{steps:,} time steps have passed", simulator.timestep)
+
+
+# Between the machine and the simulator
+
+
+def create_new(simulator: Simulator, state: State, known: int) -> int:
+    """Tell the simulator of the objects from number `known` on; how many there are now."""
+    if len(state.scene) > known:
+        new = [body_of(k, state) for k in range(known, len(state.scene))]
+        guarded(simulator.create, new)
+    return len(state.scene)
+
+
+def body_of(id: int, state: State) -> Body:
+    """An object for the simulator."""
+    instance = state.scene[id]
+    return Body(id, instance.class_.name, {name: plain(value) for name, value in state.objects[instance.number].items()})
+
+
+def poses(state: State, simulator: Simulator) -> tuple[Pose, ...]:
+    """The properties of all objects that the simulator updates, as far as they have them."""
+    return tuple(
+        {name: state.objects[i.number][name] for name in sorted(simulator.properties) if name in state.objects[i.number]} for i in state.scene
+    )
+
+
+def check_actions(simulator: Simulator, state: State, actions: Mapping[int, tuple[object, ...]]) -> None:
+    """Each action is checked against the agent that takes it. Raises `RunError`."""
+    for id, taken in actions.items():
+        body = body_of(id, state)
+        for action in taken:
+            reason = guarded(simulator.check, body, action)
+            if reason is not None:
+                raise RunError(f"{state.scene[id]!r} cannot take the action {action!r}: {reason}", state.scene[id].span, rule="D-Take")
+
+
+def read_back(simulator: Simulator, state: State) -> State:
+    """The state with what the simulator says of the objects. Raises `SimulatorError` for numbers that are none."""
+    for id, instance in enumerate(state.scene):
+        pose = guarded(simulator.read, id)
+        for name, value in pose.items():
+            numbers = (value.x, value.y) if isinstance(value, Vector) else (value,)
+            if any(isinstance(n, float) and not math.isfinite(n) for n in numbers):
+                raise SimulatorError(f"the simulator says that the {name} of {instance!r} is {value}", instance.span)
+        state = state.with_properties(instance, pose)
+    return state
+
+
+def guarded(operation: Callable[..., Given], *arguments: object) -> Given:
+    """What the simulator answers; whatever it raises is a `SimulatorError`."""
+    try:
+        return operation(*arguments)
+    except ScenicError:
+        raise
+    except Exception as problem:
+        raise SimulatorError(f"the simulator failed: {type(problem).__name__}: {problem}", NOWHERE) from problem

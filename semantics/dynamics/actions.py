@@ -1,0 +1,34 @@
+"""`take`, `wait` and `terminate` (Section "Statements", "Actions" and "Termination Conditions")."""
+
+from __future__ import annotations
+
+from ..config import Abrupt, Config, Stack, State, Value
+from ..outcome import Next, Outcome
+from ..premises import premises
+from ..syntax import dynamics as d
+from ..values import unwrap
+from .invocations import runner
+from .processes import suspend
+
+
+def take(node: d.Take, stack: Stack, state: State) -> Outcome:
+    """`take A1, ..., An`: "the behavior is suspended until one time step has elapsed"."""
+    return premises(node, node.actions, conclude_take, stack, state)
+
+
+def conclude_take(node: d.Take, values: list[object], stack: Stack, state: State) -> Outcome:
+    """The actions of this time step, those in lists and tuples one by one; a monitor's are ignored (reading `take-in-monitor`)."""
+    actions: list[object] = []
+    for value in (unwrap(v)[0] for v in values):
+        actions.extend(value if isinstance(value, (list, tuple)) else [value])
+    return suspend(tuple(actions) if runner(stack).kind == "behavior" else (), Value(None), stack, state, "D-Take", node)
+
+
+def wait(node: d.Wait, stack: Stack, state: State) -> Outcome:
+    """`wait`: no actions are taken in this time step."""
+    return suspend((), Value(None), stack, state, "D-Wait", node)
+
+
+def terminate(node: d.Terminate, stack: Stack, state: State) -> Outcome:
+    """`terminate`: the scenario ends; which one depends on where the statement stands (reading `terminate-who`)."""
+    return Next("D-Terminate", Config(Abrupt("terminate", None, node.span), stack, state), node)

@@ -1,0 +1,199 @@
+"""`try` with `interrupt when`, and time limits and `until`, which are short for it (Sections "Dynamic Scenarios" and "Statements", "Interrupts").
+
+While a coroutine is in such a statement, its conditions are checked at the start of every time step: those of outer statements first, and
+in one statement from the last clause back to the one that is running. The first that is true takes over: what it interrupts, with all
+that is inside, is suspended until the handler completes, and then goes on in the same time step (reading `interrupt-recheck`).
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import NamedTuple
+
+from ..conditions import truth
+from ..config import PASS, Abrupt, Config, Stack, State, Value
+from ..control import Finally, Handling, block
+from ..outcome import Next, Outcome
+from ..scopes import Scope
+from ..syntax import dynamics as d
+from ..syntax import statements as s
+from ..syntax.nodes import NOWHERE, Expression, Node
+from ..syntax.python_expressions import Constant
+from .guards import guarded
+from .processes import Coroutine, Suspended, pushed, restored
+
+BODY = -1
+TRUE = Constant(value=True)
+
+
+class Deadline(NamedTuple):
+    """A condition: so many steps or seconds of the simulation have passed."""
+
+    time: float
+    unit: str
+
+
+class Clause(NamedTuple):
+    """A condition, and the block that runs when it is true."""
+
+    condition: Expression | Deadline
+    block: s.Block
+
+
+class Interruptible(NamedTuple):
+    """Frame of a statement with interrupts: clause `current` is running (BODY: the body); `waiting` are those that it interrupted, each
+    with the clause that it belongs to, the last one suspended last.
+    """
+
+    node: Node
+    clauses: tuple[Clause, ...]
+    sigma: Scope
+    handling: tuple[BaseException, ...]
+    depth: int
+    first_step: int
+    current: int = BODY
+    waiting: tuple[tuple[int, Suspended], ...] = ()
+
+
+class Interrupting(NamedTuple):
+    """Frame: the condition of clause `clause` of the statement `process.frames[place]` is being reduced."""
+
+    process: Suspended
+    place: int
+    clause: int
+
+
+# Statements
+
+
+def try_interrupt(node: s.Try, stack: Stack, state: State) -> Outcome:
+    """`try: ... interrupt when B: ... except E: ...`: the conditions are checked before the body begins (reading `interrupt-first-step`)."""
+    outer: Stack = (Finally(node.final), stack) if node.final else stack
+    if node.handlers or node.otherwise:
+        outer = (Handling(node), outer)
+    clauses = tuple(Clause(i.condition, i.body) for i in node.interrupts)
+    return interruptible(node, clauses, node.body, outer, state)
+
+
+def interruptible(node: Node, clauses: tuple[Clause, ...], body: s.Block, stack: Stack, state: State) -> Outcome:
+    """Begin a statement with interrupts."""
+    assert state.simulation is not None
+    frame = Interruptible(node, clauses, state.sigma, state.handling, state.depth, state.simulation.step)
+    whole = s.If(test=TRUE, then=body, span=body[0].span if body else NOWHERE)
+    if state.reading("interrupt-first-step") == "later-steps":
+        return Next("D-Try", Config(whole, (frame, stack), state), node)
+    fresh = Suspended(whole, (frame,), state.sigma, state.handling, state.depth, begun=False)
+    return Next("D-Try", Config(PASS, (Entering(fresh), stack), state), node)
+
+
+class Entering(NamedTuple):
+    """Frame: a statement with interrupts begins, and its conditions are checked for the first time."""
+
+    process: Suspended
+
+
+def resume_entering(frame: Entering, result: object, stack: Stack, state: State) -> Outcome:
+    """Check the conditions."""
+    return check_interrupts(frame.process, stack, state)
+
+
+def abort(node: d.Abort, stack: Stack, state: State) -> Outcome:
+    """`abort`: the statement with interrupts around it ends at once."""
+    return Next("D-Abort", Config(Abrupt("abort", None, node.span), stack, state), node)
+
+
+# The start of a time step
+
+
+def check_interrupts(process: Suspended, stack: Stack, state: State, place: int | None = None, clause: int | None = None) -> Outcome:
+    """Look at the conditions of the statements that a coroutine is in, outermost first; let it go on if none is true.
+
+    `place` and `clause` say where to go on looking.
+    """
+    place = len(process.frames) - 1 if place is None else place
+    while place >= 0:
+        frame = process.frames[place]
+        if isinstance(frame, Interruptible):
+            clause = len(frame.clauses) - 1 if clause is None else clause
+            while clause > frame.current:
+                condition = frame.clauses[clause].condition
+                if not isinstance(condition, Deadline):
+                    asked = (Interrupting(process, place, clause), stack)
+                    return Next("", Config(condition, asked, state._replace(sigma=frame.sigma, handling=frame.handling, depth=frame.depth)))
+                if has_passed(condition, frame, state):
+                    return interrupt(process, place, clause, stack, state)
+                clause -= 1
+        place, clause = place - 1, None
+    return go_on(process, stack, state)
+
+
+def resume_interrupting(frame: Interrupting, result: object, stack: Stack, state: State) -> Outcome:
+    """A condition was reduced: interrupt, or look at the next."""
+    statement = frame.process.frames[frame.place]
+    assert isinstance(statement, Interruptible)
+    condition = statement.clauses[frame.clause].condition
+    assert isinstance(condition, Expression)
+    if truth(result, condition, state, "the condition of an interrupt"):
+        return interrupt(frame.process, frame.place, frame.clause, stack, state)
+    return check_interrupts(frame.process, stack, state, frame.place, frame.clause - 1)
+
+
+def has_passed(deadline: Deadline, frame: Interruptible, state: State) -> bool:
+    """Whether so many steps or seconds have passed since the statement began."""
+    assert state.simulation is not None
+    steps = state.simulation.step - frame.first_step
+    return steps >= deadline.time if deadline.unit == "steps" else steps * state.simulation.timestep >= deadline.time * (1 - ROUNDING)
+
+
+ROUNDING = 1e-9
+"""Seconds that are multiples of the time step may differ from them by so little."""
+
+
+def interrupt(process: Suspended, place: int, clause: int, stack: Stack, state: State) -> Outcome:
+    """Suspend what the statement is running, and begin a handler."""
+    frame = process.frames[place]
+    assert isinstance(frame, Interruptible)
+    interrupted = process._replace(frames=process.frames[:place])
+    handling = frame._replace(current=clause, waiting=(*frame.waiting, (frame.current, interrupted)))
+    own = state._replace(sigma=frame.sigma, handling=frame.handling, depth=frame.depth)
+    return block(frame.clauses[clause].block, (handling, pushed(process.frames[place + 1 :], stack)), own, "D-Interrupt", frame.node)
+
+
+def resume_interruptible(frame: Interruptible, result: object, stack: Stack, state: State) -> Outcome:
+    """The body is done, and so is the statement; or a handler is, and what it interrupted goes on."""
+    if not frame.waiting:
+        return Next("", Config(PASS, stack, state))
+    clause, interrupted = frame.waiting[-1]
+    rest = frame._replace(current=clause, waiting=frame.waiting[:-1])
+    return go_on(interrupted, (rest, stack), state)
+
+
+def unwind_interruptible(frame: Interruptible, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
+    """`abort` ends the statement; all else passes through. What was interrupted is given up, and scenarios in it end."""
+    from .scenarios import give_up
+
+    control = PASS if abrupt.kind == "abort" else abrupt
+    return give_up(tuple(process for _, process in frame.waiting), Config(control, stack, state))
+
+
+def go_on(process: Suspended, stack: Stack, state: State) -> Outcome:
+    """Check the invariants of the behavior or scenario that the coroutine is in, then go on where it was."""
+    from .invocations import guards_on_resumption
+
+    whole = pushed(process.frames, stack)
+    guards = guards_on_resumption(whole, state) if process.begun else ()
+    return guarded(guards, partial(continued, process.control), whole, restored(process, state))
+
+
+def continued(control: Node | Value | Abrupt, stack: Stack, state: State) -> Outcome:
+    """The coroutine goes on."""
+    return Next("", Config(control, stack, state))
+
+
+def innermost_frames(stack: Stack) -> list[object]:
+    """The frames of the running coroutine, innermost first."""
+    frames: list[object] = []
+    while stack and not isinstance(stack[0], Coroutine):
+        frames.append(stack[0])
+        stack = stack[1]
+    return frames

@@ -1,0 +1,385 @@
+"""`do`: behaviors invoke behaviors, and compose blocks scenarios, one or several at a time (Section "Statements", "Invoking Other Behaviors and
+Scenarios"); `do choose` and `do shuffle` pick among those whose preconditions hold (Section "Compositional Scenarios").
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import NamedTuple
+
+from ..calls import invocation
+from ..conditions import truth
+from ..config import PASS, Abrupt, Config, Stack, State, Value
+from ..distributions import BadParameters, Discrete
+from ..errors import RunError
+from ..functions import LARGEST_DEPTH, bind
+from ..kinds import is_scalar, kind_name
+from ..outcome import Draw, Next, Outcome, Requirement, Stuck
+from ..premises import premises
+from ..scopes import Scope, function_names
+from ..syntax import dynamics as d
+from ..syntax import statements as s
+from ..syntax.nodes import NOWHERE, Expression, Node
+from ..values import Dynamic, plain
+from .guards import Guards, InvariantViolation, PreconditionViolation, guarded
+from .interrupts import TRUE, Clause, Deadline, Interruptible, check_interrupts
+from .processes import Coroutine, Ended, Suspended, Who, Yielded, run_for_one_step, suspend
+
+
+class Invoked(NamedTuple):
+    """Frame of a behavior that runs: below it is whoever invoked it, in the scope `caller`."""
+
+    behavior: Dynamic
+    scope: Scope
+    caller: Scope
+    node: Node
+
+
+class Together(NamedTuple):
+    """Frame of behaviors that run at the same time for one agent: those still running, by their place in the statement."""
+
+    children: tuple[tuple[int, Suspended], ...]
+    who: Who
+    index: int
+    actions: tuple[object, ...]
+    left: tuple[tuple[int, Suspended], ...]
+    terminates: bool
+
+
+# Values
+
+
+def with_arguments(value: object, node: Node, state: State) -> Dynamic:
+    """A behavior or scenario that can run: one without parentheses has the default arguments (reading `bare-behavior`)."""
+    found = plain(value)
+    if not isinstance(found, Dynamic):
+        raise RunError(f"`do` invokes behaviors and scenarios, not {kind_name(found)}", node.span, rule="D-Do")
+    return found if found.arguments is not None else invocation(found, (), {})
+
+
+def scope_of(dynamic: Dynamic, more: dict[str, object]) -> Scope:
+    """A new scope with the arguments as variables, and `more`."""
+    definition = dynamic.definition
+    assert dynamic.arguments is not None
+    bound = bind(definition.name, definition.parameters, dynamic.defaults, *dynamic.arguments)  # type: ignore[attr-defined]
+    return Scope("function", dynamic.scope, function_names(definition), {**bound, **more})
+
+
+def guards_of(dynamic: Dynamic, scope: Scope) -> tuple[Guards, Guards]:
+    """The preconditions and the invariants."""
+    definition = dynamic.definition
+    assert isinstance(definition, (d.BehaviorDefinition, d.ScenarioDefinition))
+    return (
+        Guards(definition.name, "precondition", definition.preconditions, scope, PreconditionViolation),
+        Guards(definition.name, "invariant", definition.invariants, scope, InvariantViolation),
+    )
+
+
+def guards_on_resumption(stack: Stack, state: State) -> tuple[Guards, ...]:
+    """The invariants that are checked when the coroutine on the stack goes on: those of the innermost behavior or scenario.
+
+    Under the reading `invariant-of-caller=every-step`, those of all callers as well, from the outermost one on.
+    """
+    from .scenarios import compose_guards
+
+    found: list[Guards] = []
+    while stack:
+        frame, stack = stack
+        if isinstance(frame, Invoked):
+            found.append(guards_of(frame.behavior, frame.scope)[1])
+        elif isinstance(frame, Coroutine):
+            if frame.who.kind == "compose":
+                found.append(compose_guards(frame.who.number, state))
+            break
+    return tuple(reversed(found)) if state.reading("invariant-of-caller") == "every-step" else tuple(found[:1])
+
+
+# do
+
+
+def do(node: d.Do, stack: Stack, state: State) -> Outcome:
+    """`do B1, ..., Bn [for T | until C]`."""
+    amount = node.limit.amount if isinstance(node.limit, d.TimeLimit) else None
+    return premises(node, [*node.invocations, amount], conclude_do, stack, state)
+
+
+def conclude_do(node: d.Do, values: list[object], stack: Stack, state: State) -> Outcome:
+    """Begin the invocations, inside a statement with an interrupt if there is a limit (Section "Dynamic Scenarios": they are short for one)."""
+    *invocations, amount = values
+    return limited(node, Begin(node, tuple(with_arguments(v, node, state) for v in invocations)), amount, stack, state)
+
+
+def limited(node: d.Do | d.DoChoose | d.DoShuffle, task: Begin | Picking, amount: object, stack: Stack, state: State) -> Outcome:
+    """A task within the limit of its statement. Scenarios are set up first, so that the limit may be about them, as in the paper's listing."""
+    from .scenarios import begin_scenarios
+
+    limit = node.limit
+    if limit is None:
+        return resume_beginning(Beginning(), task, stack, state)
+    condition: Expression | Deadline
+    if isinstance(limit, d.Until):
+        condition = limit.condition
+    else:
+        time = plain(amount)
+        if not is_scalar(time):
+            raise RunError(f"the time of `for` is a number, not {kind_name(time)}", node.span, rule="D-Do")
+        condition = Deadline(float(time), limit.unit)  # type: ignore[arg-type]
+    until = Clause(condition, (d.Abort(span=node.span),))
+    if isinstance(task, Begin) and runner(stack).kind == "compose":
+        check_kinds(task, "compose")
+        return begin_scenarios(node, task.invocations, stack, state, until)
+    return within(node, until, Value(task), Beginning(), stack, state)
+
+
+def within(node: Node, until: Clause, control: Value, task: object, stack: Stack, state: State) -> Outcome:
+    """Go on with the frame `task` unless the limit is reached, now or later."""
+    assert state.simulation is not None
+    frame = Interruptible(node, (until,), state.sigma, state.handling, state.depth, state.simulation.step)
+    return check_interrupts(Suspended(control, (task, frame), state.sigma, state.handling, state.depth, begun=False), stack, state)
+
+
+class Begin(NamedTuple):
+    """The value that lets the frame `Beginning` begin these invocations."""
+
+    node: Node
+    invocations: tuple[Dynamic, ...]
+
+
+class Beginning(NamedTuple):
+    """Frame that begins invocations, or a choice among some."""
+
+
+def resume_beginning(frame: Beginning, result: object, stack: Stack, state: State) -> Outcome:
+    """The limit has not passed: begin."""
+    if isinstance(result, Picking):
+        return enable(Enabling(result, 0, 0, (), state.sigma), stack, state)
+    assert isinstance(result, Begin)
+    return invoke(result.node, result.invocations, stack, state)
+
+
+def runner(stack: Stack) -> Who:
+    """Whose coroutine it is that runs."""
+    while not isinstance(stack[0], Coroutine):
+        stack = stack[1]
+    return stack[0].who
+
+
+def invoke(node: Node, invocations: tuple[Dynamic, ...], stack: Stack, state: State) -> Outcome:
+    """Begin behaviors (in a behavior) or scenarios (in a compose block)."""
+    from .scenarios import begin_scenarios
+
+    who = runner(stack)
+    check_kinds(Begin(node, invocations), who.kind)
+    if who.kind == "compose":
+        return begin_scenarios(node, invocations, stack, state)
+    if who.kind != "behavior":
+        raise RunError(f"a {who.kind} has no agent that could run {invocations[0]!r}", node.span, rule="D-Do")
+    if len(invocations) == 1:
+        return run_behavior(node, invocations[0], who, stack, state)
+    children = tuple((k, beginning(b, node, who, state)) for k, b in enumerate(invocations))
+    return run_together(Together(children, who, 0, (), (), terminates=False), stack, state)
+
+
+def check_kinds(task: Begin, runs: str) -> None:
+    """Compose blocks invoke scenarios, all else behaviors."""
+    wanted, word = (d.ScenarioDefinition, "scenario") if runs == "compose" else (d.BehaviorDefinition, "behavior")
+    for one in task.invocations:
+        if not isinstance(one.definition, wanted):
+            raise RunError(f"{one!r} is no {word}: here `do` invokes {word}s", task.node.span, rule="D-Do")
+
+
+def run_behavior(node: Node, behavior: Dynamic, who: Who, stack: Stack, state: State) -> Outcome:
+    """Check the preconditions and invariants of a behavior, then run its body."""
+    from .simulation import agent_of
+
+    if state.depth >= LARGEST_DEPTH:
+        raise RunError(f"{behavior!r} invokes itself too deeply ({LARGEST_DEPTH} invocations are open)", node.span, rule="D-Do")
+    scope = scope_of(behavior, {"self": agent_of(who, state)})
+    return guarded(guards_of(behavior, scope), partial(enter_behavior, node, behavior, scope), stack, state)
+
+
+def enter_behavior(node: Node, behavior: Dynamic, scope: Scope, stack: Stack, state: State) -> Outcome:
+    """The guards hold: the body."""
+    body: s.Block = behavior.definition.body  # type: ignore[attr-defined]
+    frame = Invoked(behavior, scope, state.sigma, node)
+    return Next("D-Do", Config(as_statement(body), (frame, stack), state._replace(sigma=scope, depth=state.depth + 1)), node)
+
+
+def as_statement(body: s.Block) -> Node:
+    """A block as one statement."""
+    return s.If(test=TRUE, then=body, span=body[0].span if body else NOWHERE)
+
+
+def resume_invoked(frame: Invoked, result: object, stack: Stack, state: State) -> Outcome:
+    """The behavior ended: "when the do statement returns, the invariants of the calling behavior are checked"."""
+    return returned(stack, left(frame, state))
+
+
+def returned(stack: Stack, state: State) -> Outcome:
+    """A `do` statement returns."""
+    guards = guards_on_resumption(stack, state)[-1:]
+    return guarded(guards, partial(passed, "D-Do-Return"), stack, state)
+
+
+def passed(rule: str, stack: Stack, state: State) -> Outcome:
+    """The statement is reduced to `pass`."""
+    return Next(rule, Config(PASS, stack, state))
+
+
+def left(frame: Invoked, state: State) -> State:
+    """Back in the scope of the caller."""
+    return state._replace(sigma=frame.caller, depth=state.depth - 1)
+
+
+def unwind_invoked(frame: Invoked, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
+    """`return` ends the behavior; all else goes on."""
+    if abrupt.kind == "return":
+        return resume_invoked(frame, None, stack, state)
+    return Next("", Config(abrupt, stack, left(frame, state)))
+
+
+# Several behaviors at a time
+
+
+def beginning(behavior: Dynamic, node: Node, who: Who, state: State) -> Suspended:
+    """A coroutine that will run a behavior."""
+    return Suspended(Value(Begin(node, (behavior,))), (Beginning(),), state.sigma, (), state.depth, begun=False)
+
+
+def run_together(frame: Together, stack: Stack, state: State) -> Outcome:
+    """Run the next of the behaviors for one time step; when all have, their actions together are those of this step."""
+    if frame.index < len(frame.children):
+        place, process = frame.children[frame.index]
+        return run_for_one_step(process, frame.who._replace(part=frame.who.part * PARTS + place + 1), (frame, stack), state)
+    if frame.terminates:
+        return Next("", Config(Abrupt("terminate"), stack, state))
+    if not frame.left:
+        return returned(stack, state)
+    again = Together(frame.left, frame.who, 0, (), (), terminates=False)
+    return suspend(frame.actions, Value(None), (again, stack), state, "")
+
+
+PARTS = 64
+"""At most so many behaviors are invoked by one statement: their draws are numbered apart."""
+
+
+def resume_together(frame: Together, result: object, stack: Stack, state: State) -> Outcome:
+    """A behavior has run for one time step (or, the value being None, a new step begins)."""
+    place = frame.children[frame.index][0] if frame.index < len(frame.children) else 0
+    match result:
+        case Yielded(actions=actions, rest=rest):
+            frame = frame._replace(index=frame.index + 1, actions=(*frame.actions, *actions), left=(*frame.left, (place, rest)))
+        case Ended(terminates=terminates):
+            frame = frame._replace(index=frame.index + 1, terminates=frame.terminates or terminates)
+        case _:
+            pass
+    return run_together(frame, stack, state)
+
+
+# do choose, do shuffle
+
+
+class Picking(NamedTuple):
+    """What is chosen from: the invocations that are left, with their weights."""
+
+    node: d.DoChoose | d.DoShuffle
+    options: tuple[tuple[Dynamic, object], ...]
+
+
+class Enabling(NamedTuple):
+    """Frame: precondition number `condition` of option number `index` is being reduced; `enabled` are those whose preconditions all hold."""
+
+    picking: Picking
+    index: int
+    condition: int
+    enabled: tuple[int, ...]
+    outer: Scope
+
+
+class Shuffling(NamedTuple):
+    """Frame: one of the invocations of `do shuffle` is running; the others follow."""
+
+    picking: Picking
+
+
+def pick(node: d.DoChoose | d.DoShuffle, stack: Stack, state: State) -> Outcome:
+    """`do choose A, B`, `do shuffle {A: 2, B: 1}`: the invocations, their weights (1 if there are none) and the limit."""
+    amount = node.limit.amount if isinstance(node.limit, d.TimeLimit) else None
+    return premises(node, [*node.invocations, *node.weights, amount], conclude_pick, stack, state)
+
+
+def conclude_pick(node: d.DoChoose | d.DoShuffle, values: list[object], stack: Stack, state: State) -> Outcome:
+    """Look whose preconditions hold."""
+    count = len(node.invocations)
+    weights = [plain(w) for w in values[count:-1]] or [1] * count
+    options = tuple((with_arguments(v, node, state), w) for v, w in zip(values, weights))
+    return limited(node, Picking(node, options), values[-1], stack, state)
+
+
+def enable(frame: Enabling, stack: Stack, state: State) -> Outcome:
+    """The next precondition, or the choice."""
+    from .simulation import agent_of
+
+    options = frame.picking.options
+    while frame.index < len(options):
+        dynamic, _ = options[frame.index]
+        conditions = dynamic.definition.preconditions  # type: ignore[attr-defined]
+        if frame.condition < len(conditions):
+            who = runner(stack)
+            scope = scope_of(dynamic, {"self": agent_of(who, state)} if who.kind == "behavior" else {})
+            return Next("", Config(conditions[frame.condition], (frame, stack), state._replace(sigma=scope)))
+        frame = frame._replace(index=frame.index + 1, condition=0, enabled=(*frame.enabled, frame.index))
+    return choose(frame, stack, state)
+
+
+def resume_enabling(frame: Enabling, result: object, stack: Stack, state: State) -> Outcome:
+    """A precondition was reduced: one that does not hold disables its option."""
+    dynamic, _ = frame.picking.options[frame.index]
+    condition = dynamic.definition.preconditions[frame.condition]  # type: ignore[attr-defined]
+    holds = truth(result, condition, state, "a precondition")
+    after = frame._replace(condition=frame.condition + 1) if holds else frame._replace(index=frame.index + 1, condition=0)
+    return enable(after, stack, state._replace(sigma=frame.outer))
+
+
+def choose(frame: Enabling, stack: Stack, state: State) -> Outcome:
+    """One of the enabled options, with a probability proportional to its weight (reading `choose-weights`); none rejects the simulation."""
+    picking, node = frame.picking, frame.picking.node
+    if not frame.enabled:
+        word = "choose" if isinstance(node, d.DoChoose) else "shuffle"
+        return Stuck("D-Choose", Requirement("precondition", node.span, f"one of those to {word} from on line {node.span.line} is enabled"))
+    try:
+        distribution = Discrete(tuple((k, picking.options[k][1]) for k in frame.enabled))  # type: ignore[arg-type]
+    except BadParameters as bad:
+        raise RunError(str(bad), node.span, rule="D-Choose") from None
+
+    def resume(chosen: object) -> Config:
+        after = state._replace(draws=state.draws + 1)
+        return Config(Value(Chosen(picking, plain(chosen))), (Starting(), stack), after)  # type: ignore[arg-type]
+
+    return Draw("D-Choose", state.address, distribution, node, resume)
+
+
+class Chosen(NamedTuple):
+    """The value that lets the frame `Starting` begin an option."""
+
+    picking: Picking
+    option: int
+
+
+class Starting(NamedTuple):
+    """Frame that begins the option that was drawn."""
+
+
+def resume_starting(frame: Starting, result: object, stack: Stack, state: State) -> Outcome:
+    """Run the option; `do shuffle` draws again among the rest afterwards."""
+    assert isinstance(result, Chosen)
+    picking, k = result.picking, result.option
+    if isinstance(picking.node, d.DoShuffle) and len(picking.options) > 1:
+        rest = picking._replace(options=tuple(o for j, o in enumerate(picking.options) if j != k))
+        stack = (Shuffling(rest), stack)
+    return invoke(picking.node, (picking.options[k][0],), stack, state)
+
+
+def resume_shuffling(frame: Shuffling, result: object, stack: Stack, state: State) -> Outcome:
+    """One has ended: draw among the others whose preconditions hold now."""
+    return enable(Enabling(frame.picking, 0, 0, (), state.sigma), stack, state)

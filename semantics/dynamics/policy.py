@@ -1,0 +1,241 @@
+"""The policy: from the state of a simulation to the actions of its agents, in the seven steps of Section "Semantics of Scenic", "Dynamic Constructs".
+
+"A function mapping the history of past scenes to the choice of actions": the history is in the state, as what the coroutines still have to do.
+A step that fails a requirement discards the simulation (`Stuck`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from ..conditions import truth
+from ..config import PASS, Abrupt, Config, Stack, State, Value
+from ..errors import RunError
+from ..kinds import kind_name
+from ..outcome import Act, Finish, Next, Observe, Outcome, Requirement, Stuck
+from ..syntax import dynamics as d
+from ..syntax.nodes import Node
+from ..values import Dynamic, plain
+from .guards import GuardViolation
+from .invocations import Begin, Beginning, with_arguments
+from .processes import Ended, Suspended, Who, Yielded, address_of, run_for_one_step
+from .scenarios import Over, as_before, end_scenario, scenario_from, step_of_scenario
+from .simulation import TOP, Agent, Declared, Running, Simulation, simulation_of, with_agent, with_scenario, with_simulation
+
+DEFAULT_TIMESTEP = 0.1
+"""Seconds."""
+
+
+class Step(NamedTuple):
+    """Frame of a step of the policy: what comes `next` in it is the thing at that place; `outer` is the state to evaluate in."""
+
+    number: int
+    next: int = 0
+    outer: State | None = None
+
+
+# The beginning, and the time between
+
+
+def begin(state: State, timestep: float = DEFAULT_TIMESTEP, fixed: frozenset[str] = frozenset()) -> State:
+    """The state of a simulation before its first time step, from that at the end of the generation of a scene.
+
+    `timestep` is in seconds; `fixed` are the properties that the simulator updates.
+    """
+    top = scenario_from(TOP, state.initial, state.sigma, state.dynamic, 0)  # type: ignore[arg-type]
+    simulation = Simulation(0, timestep, {TOP: top}, fixed=fixed)
+    objects = {number: {name: plain(value) for name, value in properties.items()} for number, properties in state.objects.items()}
+    return state._replace(simulation=simulation, objects=objects, dynamic=(), handling=(), depth=0)
+
+
+def policy(state: State) -> Config:
+    """The configuration that computes the actions of a time step: it ends with `Act`, `Finish` or `Stuck`."""
+    return Config(PASS, (Step(1), ()), with_simulation(state, active=(), flag=""))
+
+
+def after_one_step(state: State) -> State:
+    """The state in the next time step; the simulator has updated the objects."""
+    return with_simulation(state, step=simulation_of(state).step + 1)
+
+
+# The seven steps
+
+
+def resume_step(frame: Step, result: object, stack: Stack, state: State) -> Outcome:
+    """Go on with the policy's step."""
+    return STEPS[frame.number](frame, result, stack, state)
+
+
+def compose_blocks(frame: Step, result: object, stack: Stack, state: State) -> Outcome:
+    """Step 1: run the compose blocks of all running scenarios for one time step; remember in a flag if the top-level scenario is over."""
+    if result is None:
+        return step_of_scenario(TOP, (frame, stack), state)
+    reason = result.reason if isinstance(result, Over) else ""
+    return following(frame, "D-Policy-1", stack, flagged(reason, state))
+
+
+def always_conditions(frame: Step, result: object, stack: Stack, state: State) -> Outcome:
+    """Step 2: check all `require always` conditions of running scenarios; and see which `require eventually` conditions hold now."""
+    if frame.outer is not None:
+        number, place, declared = list(conditions(state))[frame.next]
+        state = as_before(frame.outer, state)
+        holds = truth(result, declared.node.condition, state, "a requirement")  # type: ignore[attr-defined]
+        frame = Step(frame.number, frame.next + 1)
+        if isinstance(declared.node, d.RequireAlways):
+            requirement = Requirement("always", declared.node.span, f"`require always` on line {declared.node.span.line}")
+            after = Config(PASS, (frame, stack), state)
+            return Observe("D-Always", requirement, after) if holds else Stuck("D-Always", requirement)
+        if holds:
+            running = simulation_of(state).scenarios[number]
+            state = with_scenario(state, running._replace(satisfied=running.satisfied | {place}))
+    todo = list(conditions(state))
+    if frame.next < len(todo):
+        number, place, declared = todo[frame.next]
+        part = 2 * place + isinstance(declared.node, d.RequireEventually)
+        prefix = address_of(Who("condition", number, CONDITIONS + part), state)
+        inner = state._replace(sigma=declared.scope, prefix=prefix, draws=0)
+        return Next("", Config(declared.node.condition, (frame._replace(outer=state), stack), inner))  # type: ignore[attr-defined]
+    return forget(frame, stack, state)
+
+
+CONDITIONS = 1 << 20
+"""The draws of requirements are numbered apart from those of termination conditions."""
+
+
+def conditions(state: State) -> Iterator[tuple[int, int, Declared]]:
+    """What step 2 looks at: the scenario, the place among its kind, and the requirement."""
+    simulation = simulation_of(state)
+    for number in dict.fromkeys(simulation.active):
+        running = simulation.scenarios[number]
+        yield from ((number, place, one) for place, one in enumerate(running.always))
+        yield from ((number, place, one) for place, one in enumerate(running.eventually))
+
+
+def forget(frame: Step, stack: Stack, state: State) -> Outcome:
+    """Scenarios that are over leave; one with a `require eventually` that never held discards the simulation (reading `eventually-window`)."""
+    simulation = simulation_of(state)
+    for running in simulation.scenarios.values():
+        if running.over:
+            missed = never_held(running)
+            if missed is not None:
+                return Stuck("D-Eventually", missed)
+    left = {number: running for number, running in simulation.scenarios.items() if not running.over}
+    return following(frame, "D-Policy-2", stack, with_simulation(state, scenarios=left))
+
+
+def monitors(frame: Step, result: object, stack: Stack, state: State) -> Outcome:
+    """Step 3: run all monitors of running scenarios for one time step, "as above"."""
+    todo = [(number, place) for number in active(state) for place in range(len(simulation_of(state).scenarios[number].monitors))]
+    if result is not None:
+        number, place = todo[frame.next]
+        running = simulation_of(state).scenarios[number]
+        rest = result.rest if isinstance(result, Yielded) else None
+        kept = (*running.monitors[:place], rest, *running.monitors[place + 1 :])
+        state = with_scenario(state, running._replace(monitors=kept))
+        if isinstance(result, Ended) and result.terminates:
+            state = ended_by_monitor(number, state)
+        frame = Step(frame.number, frame.next + 1)
+    while frame.next < len(todo):
+        number, place = todo[frame.next]
+        process = simulation_of(state).scenarios[number].monitors[place]
+        if process is not None and not simulation_of(state).scenarios[number].over:
+            return run_for_one_step(process, Who("monitor", number, place), (frame, stack), state)
+        frame = Step(frame.number, frame.next + 1)
+    return following(frame, "D-Policy-3", stack, state)
+
+
+def ended_by_monitor(number: int, state: State) -> State:
+    """`terminate` in a monitor ends the scenario that declares it (reading `terminate-who`): the top level by the flag."""
+    if number == TOP:
+        return flagged("a monitor executed `terminate`", state)
+    return end_scenario(number, state)
+
+
+def check_flag(frame: Step, result: object, stack: Stack, state: State) -> Outcome:
+    """Steps 4 and 6: if the flag is set, all `require eventually` conditions must have been satisfied at some time; then terminate."""
+    simulation = simulation_of(state)
+    if not simulation.flag:
+        return following(frame, f"D-Policy-{frame.number}", stack, state)
+    missed = unsatisfied(state)
+    return Stuck("D-Eventually", missed) if missed is not None else Finish(f"D-Policy-{frame.number}", simulation.flag, state)
+
+
+def unsatisfied(state: State) -> Requirement | None:
+    """A `require eventually` that never held."""
+    return next((missed for r in simulation_of(state).scenarios.values() if (missed := never_held(r)) is not None), None)
+
+
+def never_held(running: Running) -> Requirement | None:
+    """The first `require eventually` of a scenario that never held while it ran."""
+    for place, declared in enumerate(running.eventually):
+        if place not in running.satisfied:
+            return Requirement("eventually", declared.node.span, f"`require eventually` on line {declared.node.span.line}")
+    return None
+
+
+def behaviors(frame: Step, result: object, stack: Stack, state: State) -> Outcome:
+    """Step 5: run all the behaviors of dynamic agents for one time step, gathering their actions."""
+    if frame.next == 0 and result is None:
+        state = with_simulation(state, agents={n: a._replace(actions=()) for n, a in simulation_of(state).agents.items()})
+    if result is not None:
+        instance = state.scene[frame.next]
+        agent = simulation_of(state).agents[instance.number]
+        if isinstance(result, Yielded):
+            state = with_agent(state, agent._replace(process=result.rest, actions=result.actions))
+        else:
+            state = with_agent(state, agent._replace(process=None, ended=True))
+            if isinstance(result, Ended) and result.terminates:
+                state = flagged(f"the behavior of {instance!r} executed `terminate`", state)
+        frame = Step(frame.number, frame.next + 1)
+    stopped = simulation_of(state).flag and state.reading("behaviors-after-terminate") == "stop"
+    while frame.next < len(state.scene) and not stopped:
+        instance = state.scene[frame.next]
+        agent = simulation_of(state).agents.get(instance.number, Agent(instance))
+        behavior = plain(state.objects[instance.number].get("behavior"))
+        if behavior is not None and not agent.ended:
+            process = agent.process or first_step(behavior, instance.span, state)
+            who = Who("behavior", instance.number)
+            return run_for_one_step(process, who, (frame, stack), with_agent(state, agent))
+        frame = Step(frame.number, frame.next + 1)
+    return following(frame, "D-Policy-5", stack, state)
+
+
+def first_step(behavior: object, span: object, state: State) -> Suspended:
+    """The course of an agent's behavior before its first time step."""
+    node = Node(span=span)  # type: ignore[arg-type]
+    if not isinstance(behavior, Dynamic) or not isinstance(behavior.definition, d.BehaviorDefinition):
+        raise RunError(f"the property behavior is a behavior, not {kind_name(behavior)}", node.span, rule="D-Policy-5")
+    return Suspended(Value(Begin(node, (with_arguments(behavior, node, state),))), (Beginning(),), state.sigma, begun=False)
+
+
+def actions(frame: Step, result: object, stack: Stack, state: State) -> Outcome:
+    """Step 7: return the choice of actions selected by the dynamic agents."""
+    chosen = {number: agent.actions for number, agent in simulation_of(state).agents.items() if agent.actions}
+    return Act("D-Policy-7", chosen, state)
+
+
+STEPS = {1: compose_blocks, 2: always_conditions, 3: monitors, 4: check_flag, 5: behaviors, 6: check_flag, 7: actions}
+
+
+def following(frame: Step, rule: str, stack: Stack, state: State) -> Outcome:
+    """A step of the policy is done: on with the next."""
+    return Next(rule, Config(PASS, (Step(frame.number + 1), stack), state))
+
+
+def flagged(reason: str, state: State) -> State:
+    """Remember that the scenario is to end; the first reason counts."""
+    return with_simulation(state, flag=simulation_of(state).flag or reason)
+
+
+def active(state: State) -> list[int]:
+    """The scenarios that run in this time step and are not over."""
+    simulation = simulation_of(state)
+    return [n for n in dict.fromkeys(simulation.active) if n in simulation.scenarios and not simulation.scenarios[n].over]
+
+
+def unwind_step(frame: Step, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
+    """An exception that nothing caught: a guard that is violated discards the simulation, any other is the program's error."""
+    if isinstance(abrupt.value, GuardViolation):
+        return Stuck("D-Guard", Requirement("guard", abrupt.span, str(abrupt.value)))
+    return Next("", Config(abrupt, stack, state))

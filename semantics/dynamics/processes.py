@@ -1,0 +1,122 @@
+"""Coroutines: behaviors, monitors and compose blocks run until they take an action or wait, and go on where they were one time step later.
+
+A suspended coroutine is a value: what is left to do, the context around it, and its own part of the state. It is resumed by putting its frames
+back onto the stack. Before that the interrupts of the `try` statements around it are checked, from the outermost one inwards, and then
+the invariants of the behavior or scenario that it is in (Section "Statements", "Actions" and "Interrupts").
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ..config import PASS, Abrupt, Config, Stack, State, Value
+from ..outcome import Next, Outcome
+from ..scopes import Scope
+from ..syntax.nodes import Node
+
+DYNAMIC = -1
+"""The first number of the addresses of draws that are made while a scenario runs; those of the scene begin with a number that is at least 0."""
+
+
+class Who(NamedTuple):
+    """Whose coroutine it is: "behavior" of an object, "monitor" or "compose" of a scenario; `number` tells it from others of its kind."""
+
+    kind: str
+    number: int
+    part: int = 0
+
+
+KINDS = ("behavior", "monitor", "compose", "condition", "setup")
+
+
+class Suspended(NamedTuple):
+    """A coroutine that waits for the next time step; one that has not `begun` waits for its first."""
+
+    control: Node | Value | Abrupt
+    frames: tuple[object, ...]
+    sigma: Scope
+    handling: tuple[BaseException, ...] = ()
+    depth: int = 0
+    begun: bool = True
+
+
+class Yielded(NamedTuple):
+    """What a coroutine did in a time step: it took these actions, and `rest` is what will go on."""
+
+    actions: tuple[object, ...]
+    rest: Suspended
+
+
+class Ended(NamedTuple):
+    """A coroutine has come to its end; `terminates`: by the statement `terminate`."""
+
+    terminates: bool = False
+
+
+class Coroutine(NamedTuple):
+    """Frame at the bottom of a coroutine that runs: whose it is, and the state of those who run it."""
+
+    who: Who
+    sigma: Scope
+    handling: tuple[BaseException, ...]
+    depth: int
+    prefix: tuple[int, ...]
+    draws: int
+
+
+def address_of(who: Who, state: State) -> tuple[int, ...]:
+    """Where the draws of a coroutine are numbered in this time step."""
+    assert state.simulation is not None
+    return (DYNAMIC, state.simulation.step, KINDS.index(who.kind), who.number, who.part)
+
+
+def run_for_one_step(process: Suspended, who: Who, stack: Stack, state: State) -> Outcome:
+    """Let a coroutine go on until it yields or ends; the frame below gets a `Yielded` or an `Ended`."""
+    from .interrupts import check_interrupts
+
+    frame = Coroutine(who, state.sigma, state.handling, state.depth, state.prefix, state.draws)
+    inner = state._replace(prefix=address_of(who, state), draws=0)
+    return check_interrupts(process, (frame, stack), inner)
+
+
+def pushed(frames: tuple[object, ...], stack: Stack) -> Stack:
+    """The stack with frames on it, the first one innermost."""
+    for frame in reversed(frames):
+        stack = (frame, stack)
+    return stack
+
+
+def restored(process: Suspended, state: State) -> State:
+    """The state with the coroutine's own part."""
+    return state._replace(sigma=process.sigma, handling=process.handling, depth=process.depth)
+
+
+def suspend(actions: tuple[object, ...], control: Node | Value, stack: Stack, state: State, rule: str, node: Node | None = None) -> Outcome:
+    """Take the frames of the running coroutine off the stack; `control` is what it will go on with."""
+    frames: list[object] = []
+    while not isinstance(stack[0], Coroutine):
+        frame, stack = stack
+        frames.append(frame)
+    rest = Suspended(control, tuple(frames), state.sigma, state.handling, state.depth)
+    return Next(rule, Config(Value(Yielded(actions, rest)), stack, state), node)
+
+
+def resume_coroutine(frame: Coroutine, result: object, stack: Stack, state: State) -> Outcome:
+    """The coroutine yielded, or its block is reduced to `pass`."""
+    done = result if isinstance(result, Yielded) else Ended()
+    return Next("", Config(Value(done), stack, back(frame, state)))
+
+
+def back(frame: Coroutine, state: State) -> State:
+    """The state of those who run the coroutine."""
+    return state._replace(sigma=frame.sigma, handling=frame.handling, depth=frame.depth, prefix=frame.prefix, draws=frame.draws)
+
+
+def unwind_coroutine(frame: Coroutine, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
+    """`return` ends it, `terminate` as well; an exception goes on to those who run it."""
+    if abrupt.kind == "raise":
+        return Next("", Config(abrupt, stack, back(frame, state)))
+    return Next("", Config(Value(Ended(abrupt.kind == "terminate")), stack, back(frame, state)))
+
+
+__all__ = ["PASS", "Coroutine", "Ended", "Suspended", "Who", "Yielded", "run_for_one_step", "suspend"]

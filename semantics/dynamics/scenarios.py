@@ -1,0 +1,329 @@
+"""Modular scenarios (Section "Compositional Scenarios"): their setup, their course, their end; `override`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from functools import partial
+from typing import NamedTuple
+
+from ..conditions import truth
+from ..config import PASS, Abrupt, Config, Stack, State, Value
+from ..control import block
+from ..errors import RunError
+from ..kinds import is_object, kind_name
+from ..outcome import Change, Next, Outcome
+from ..premises import premises
+from ..scopes import Scope
+from ..syntax import dynamics as d
+from ..syntax import specifiers as q
+from ..syntax.nodes import Node
+from ..termination import Mutating, mutate_objects
+from ..values import Dynamic, Instance, plain
+from .guards import Guards, InvariantViolation, guarded
+from .interrupts import Clause, Interruptible
+from .invocations import as_statement, guards_of, returned, within
+from .processes import Coroutine, Ended, Suspended, Who, Yielded, address_of, run_for_one_step, suspend
+from .simulation import Agent, Declared, Override, Running, simulation_of, with_agent, with_scenario, with_simulation
+
+
+class Setting(NamedTuple):
+    """Frame of the setup block of scenario number `index` among those that `do` invokes; objects from number `objects` on are its own."""
+
+    node: Node
+    invocations: tuple[Dynamic, ...]
+    index: int
+    begun: tuple[int, ...]
+    outer: Scope
+    declared: tuple[Declared, ...]
+    objects: int
+    until: Clause | None
+
+
+class Scenarios(NamedTuple):
+    """Frame of scenarios that were invoked together: number `index` is next in this time step, `left` go on in the next."""
+
+    node: Node
+    numbers: tuple[int, ...]
+    index: int = 0
+    left: tuple[int, ...] = ()
+
+
+class Stepping(NamedTuple):
+    """Frame: the compose block of a scenario is running for one time step."""
+
+    number: int
+
+
+class Ending(NamedTuple):
+    """Frame: termination condition number `index` of a scenario is being reduced."""
+
+    number: int
+    index: int
+    outer: State
+
+
+class Over(NamedTuple):
+    """A scenario has come to its end in this time step, and why."""
+
+    reason: str
+
+
+class Going(NamedTuple):
+    """A scenario goes on in the next time step."""
+
+
+# Beginning
+
+
+def begin_scenarios(node: Node, invocations: tuple[Dynamic, ...], stack: Stack, state: State, until: Clause | None = None) -> Outcome:
+    """`do S1, ..., Sn` in a compose block: set them up one after the other, then run them for one time step unless they are to end already."""
+    return set_up(Setting(node, invocations, 0, (), state.sigma, state.dynamic, 0, until), stack, state)
+
+
+def set_up(frame: Setting, stack: Stack, state: State) -> Outcome:
+    """Check the guards of the next scenario, and run its setup block."""
+    if frame.index == len(frame.invocations):
+        after = state._replace(sigma=frame.outer, dynamic=frame.declared)
+        scenarios = Scenarios(frame.node, frame.begun)
+        if frame.until is not None:
+            return within(frame.node, frame.until, Value(None), scenarios, stack, after)
+        return run_scenarios(scenarios, stack, after)
+    scenario = frame.invocations[frame.index]
+    scope = scenario.space
+    assert scope is not None
+    return guarded(guards_of(scenario, scope), partial(enter_setup, frame, scope), stack, state)
+
+
+def enter_setup(frame: Setting, scope: Scope, stack: Stack, state: State) -> Outcome:
+    """The guards hold: the setup block, "which runs once when the scenario begins to execute"."""
+    definition = frame.invocations[frame.index].definition
+    assert isinstance(definition, d.ScenarioDefinition)
+    here = frame._replace(objects=len(state.scene))
+    return block(definition.setup or (), (here, stack), state._replace(sigma=scope, dynamic=()), "D-Setup", frame.node)
+
+
+def resume_setting(frame: Setting, result: object, stack: Stack, state: State) -> Outcome:
+    """The block ended: mutate its objects and check the default requirements about them (reading `dynamic-objects`)."""
+    if len(state.scene) > frame.objects:
+        following = (SetUp(frame), stack)
+        return mutate_objects(Mutating(frame.objects, since=frame.objects), following, state)
+    return resume_set_up(SetUp(frame), None, stack, state)
+
+
+class SetUp(NamedTuple):
+    """Frame: the objects of a scenario meet the default requirements."""
+
+    setting: Setting
+
+
+def resume_set_up(frame: SetUp, result: object, stack: Stack, state: State) -> Outcome:
+    """The scenario is running: on with the next one."""
+    setting, simulation = frame.setting, simulation_of(state)
+    scenario, number = setting.invocations[setting.index], simulation.begun
+    running = scenario_from(number, scenario, state.sigma, state.dynamic, simulation.step)
+    if number in simulation.scenarios:  # what its setup overrode
+        running = running._replace(overrides=simulation.scenarios[number].overrides)
+    state = with_scenario(with_simulation(state, begun=number + 1), running)
+    state = state._replace(dynamic=setting.declared, sigma=setting.outer)
+    return set_up(setting._replace(index=setting.index + 1, begun=(*setting.begun, number)), stack, state)
+
+
+def scenario_from(number: int, dynamic: Dynamic | None, scope: Scope, declared: Iterable[Declared], step: int) -> Running:
+    """A scenario whose setup is done, with what it declared."""
+    found: dict[type, list[Declared]] = {kind: [] for kind in (d.RequireAlways, d.RequireEventually, d.TerminateWhen, d.MonitorDefinition)}
+    for one in declared:
+        found[type(one.node)].append(one)
+    definition = None if dynamic is None else dynamic.definition
+    compose = definition.compose if isinstance(definition, d.ScenarioDefinition) else None
+    return Running(
+        number, dynamic, scope, None if compose is None else Suspended(as_statement(compose), (), scope, begun=False),
+        tuple(found[d.RequireAlways]), tuple(found[d.RequireEventually]), tuple(found[d.TerminateWhen]),
+        tuple(monitor(m) for m in found[d.MonitorDefinition]), first_step=step,
+    )  # fmt: skip
+
+
+def monitor(declared: Declared) -> Suspended:
+    """A monitor before its first time step: it "runs in parallel with the scenario" from its definition on (reading `monitor-structure`)."""
+    node = declared.node
+    assert isinstance(node, d.MonitorDefinition)
+    return Suspended(as_statement(node.body), (), declared.scope, begun=False)
+
+
+# One time step
+
+
+def run_scenarios(frame: Scenarios, stack: Stack, state: State) -> Outcome:
+    """Run the next of the scenarios for one time step; "do does not return until the sub-scenario terminates"."""
+    if frame.index < len(frame.numbers):
+        return step_of_scenario(frame.numbers[frame.index], (frame, stack), state)
+    if not frame.left:
+        return returned(stack, state)
+    return suspend((), Value(None), (Scenarios(frame.node, frame.left), stack), state, "")
+
+
+def resume_scenarios(frame: Scenarios, result: object, stack: Stack, state: State) -> Outcome:
+    """A scenario has run for one time step (or, the value being None, a new step begins)."""
+    number = frame.numbers[frame.index] if frame.index < len(frame.numbers) else 0
+    if isinstance(result, Going):
+        frame = frame._replace(index=frame.index + 1, left=(*frame.left, number))
+    elif isinstance(result, Over):
+        frame = frame._replace(index=frame.index + 1)
+        state = end_scenario(number, state)
+    return run_scenarios(frame, stack, state)
+
+
+def unwind_scenarios(frame: Scenarios, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
+    """The `do` statement is left otherwise: its scenarios end."""
+    for number in frame.numbers:
+        state = end_scenario(number, state)
+    return Next("", Config(abrupt, stack, state))
+
+
+def step_of_scenario(number: int, stack: Stack, state: State) -> Outcome:
+    """The compose block for one time step, then the termination conditions; the frame below gets `Going` or `Over`."""
+    simulation = simulation_of(state)
+    running = simulation.scenarios.get(number)
+    if running is None or running.over:
+        return Next("", Config(Value(Over("a monitor executed `terminate`")), stack, state))
+    state = with_simulation(state, active=(*simulation.active, number))
+    if running.compose is not None:
+        return run_for_one_step(running.compose, Who("compose", number), (Stepping(number), stack), state)
+    guards = (compose_guards(number, state),) if running.dynamic is not None and running.first_step < simulation.step else ()
+    return guarded(guards, partial(check_termination, number, 0), stack, state)
+
+
+def compose_guards(number: int, state: State) -> Guards:
+    """The invariants of a scenario."""
+    running = simulation_of(state).scenarios[number]
+    if running.dynamic is None:
+        return Guards("", "invariant", (), running.scope, InvariantViolation)
+    return guards_of(running.dynamic, running.scope)[1]
+
+
+def resume_stepping(frame: Stepping, result: object, stack: Stack, state: State) -> Outcome:
+    """The compose block waits, or it is finished, and with it the scenario."""
+    running = simulation_of(state).scenarios[frame.number]
+    if isinstance(result, Yielded):
+        return check_termination(frame.number, 0, stack, with_scenario(state, running._replace(compose=result.rest)))
+    assert isinstance(result, Ended)
+    reason = "`terminate` was executed" if result.terminates else "its compose block is finished"
+    return Next("D-Scenario-End", Config(Value(Over(reason)), stack, state))
+
+
+def check_termination(number: int, index: int, stack: Stack, state: State) -> Outcome:
+    """`terminate when B`: the scenario ends in the time step in which B is true."""
+    running = simulation_of(state).scenarios[number]
+    if index == len(running.terminations):
+        return Next("", Config(Value(Going()), stack, state))
+    declared = running.terminations[index]
+    assert isinstance(declared.node, d.TerminateWhen)
+    prefix = address_of(Who("condition", number, index), state)
+    inner = state._replace(sigma=declared.scope, prefix=prefix, draws=0)
+    return Next("", Config(declared.node.condition, (Ending(number, index, state), stack), inner))
+
+
+def resume_ending(frame: Ending, result: object, stack: Stack, state: State) -> Outcome:
+    """A termination condition was reduced."""
+    node = simulation_of(state).scenarios[frame.number].terminations[frame.index].node
+    assert isinstance(node, d.TerminateWhen)
+    after = as_before(frame.outer, state)
+    if not truth(result, node.condition, state, "a termination condition"):
+        return check_termination(frame.number, frame.index + 1, stack, after)
+    return Next("D-TerminateWhen", Config(Value(Over(f"the termination condition on line {node.span.line} is true")), stack, after), node)
+
+
+def unwind_ending(frame: Ending, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
+    """The condition raised an exception."""
+    return Next("", Config(abrupt, stack, as_before(frame.outer, state)))
+
+
+def as_before(outer: State, state: State) -> State:
+    """The state with the scope and the numbering of draws of another."""
+    return state._replace(sigma=outer.sigma, prefix=outer.prefix, draws=outer.draws)
+
+
+# The end
+
+
+def end_scenario(number: int, state: State) -> State:
+    """The scenario is over, and all that it runs: "properties overridden by a scenario revert to their original values", in reverse order."""
+    running = simulation_of(state).scenarios.get(number)
+    if running is None or running.over:
+        return state
+    for inner in scenarios_in([running.compose] if running.compose is not None else []):
+        state = end_scenario(inner, state)
+    for override in reversed(running.overrides):
+        state = reverted(override, state)
+    return with_scenario(state, running._replace(over=True, overrides=(), compose=None))
+
+
+def reverted(override: Override, state: State) -> State:
+    """The object has its properties again, and goes on with the behavior that was suspended."""
+    state = state.with_properties(override.object, override.properties)
+    return state if override.agent is None else with_agent(state, override.agent)
+
+
+def scenarios_in(processes: Iterable[Suspended]) -> Iterator[int]:
+    """The scenarios that suspended compose blocks are running."""
+    for process in processes:
+        for frame in process.frames:
+            if isinstance(frame, Scenarios):
+                yield from frame.numbers
+            elif isinstance(frame, Interruptible):
+                yield from scenarios_in(p for _, p in frame.waiting)
+
+
+def give_up(processes: tuple[Suspended, ...], config: Config) -> Outcome:
+    """Coroutines that will not go on: the scenarios that they were running end."""
+    state = config.state
+    for number in scenarios_in(processes):
+        state = end_scenario(number, state)
+    return Next("", config._replace(state=state))
+
+
+# override
+
+
+def override(node: d.Override, stack: Stack, state: State) -> Outcome:
+    """`override object with p v, ...`: the properties have these values until the scenario ends."""
+    for specifier in node.specifiers:
+        if not isinstance(specifier, q.WithSpecifier):
+            text = "only `with` can stand in `override`: position and heading are updated by the simulator"
+            raise RunError(text, specifier.span, rule="D-Override")
+    return premises(node, [node.object, *(s.value for s in node.specifiers if isinstance(s, q.WithSpecifier))], conclude_override, stack, state)
+
+
+def conclude_override(node: d.Override, values: list[object], stack: Stack, state: State) -> Outcome:
+    """Remember the old values; a behavior is suspended, and the new one begins."""
+    target, *assigned = (plain(v) for v in values)
+    if not (isinstance(target, Instance) and is_object(target)):
+        raise RunError(f"only Objects can be overridden, not {kind_name(target)}", node.span, rule="D-Override")
+    if state.simulation is None:
+        raise RunError("`override` needs a scenario that runs: the initial one sets the properties themselves", node.span, rule="D-Override")
+    changes: dict[str, object] = {}
+    for specifier, value in zip(node.specifiers, assigned, strict=True):
+        assert isinstance(specifier, q.WithSpecifier)
+        if specifier.property in simulation_of(state).fixed:
+            raise RunError(f"{specifier.property} is updated by the simulator: it cannot be overridden", specifier.span, rule="D-Override")
+        if specifier.property not in state.objects[target.number]:
+            raise RunError(f"{target!r} has no property {specifier.property}", specifier.span, rule="D-Override")
+        changes[specifier.property] = value
+    old = {name: state.objects[target.number][name] for name in changes}
+    agent = simulation_of(state).agents.get(target.number, Agent(target)) if "behavior" in changes else None
+    state = remembered(Override(target, old, agent), stack, state.with_properties(target, changes))
+    state = with_agent(state, Agent(target)) if agent is not None else state
+    return Next("D-Override", Config(PASS, stack, state), node, Change("O", repr(target), changes, target))
+
+
+def remembered(override: Override, stack: Stack, state: State) -> State:
+    """The override belongs to the scenario that is set up, or whose compose block runs."""
+    while stack:
+        frame, stack = stack
+        if isinstance(frame, Setting):
+            number = simulation_of(state).begun
+            waiting = simulation_of(state).scenarios.get(number, Running(number, None, state.sigma, None))
+            return with_scenario(state, waiting._replace(overrides=(*waiting.overrides, override)))
+        if isinstance(frame, Coroutine) and frame.who.kind == "compose":
+            running = simulation_of(state).scenarios[frame.who.number]
+            return with_scenario(state, running._replace(overrides=(*running.overrides, override)))
+    raise RunError("`override` stands in no scenario", rule="D-Override")

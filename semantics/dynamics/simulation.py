@@ -1,0 +1,114 @@
+"""What the state holds while a scenario runs: the time, the scenarios that are running, and the agents with their behaviors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, NamedTuple
+
+from ..errors import RunError
+from ..scopes import Scope
+from ..syntax.nodes import Node
+from ..values import Dynamic, Instance
+
+if TYPE_CHECKING:
+    from ..config import State
+    from .processes import Suspended, Who
+
+TOP = 0
+"""The number of the top-level scenario."""
+
+
+class Declared(NamedTuple):
+    """A condition or monitor that a scenario declared, with the scope of its variables."""
+
+    node: Node
+    scope: Scope
+
+
+class Override(NamedTuple):
+    """What `override` replaced: properties of an object, and the course of its behavior if that is one of them."""
+
+    object: Instance
+    properties: Mapping[str, object]
+    agent: Agent | None
+
+
+class Running(NamedTuple):
+    """A scenario that is running: the top-level one, whose `dynamic` is None unless it is a modular one, or one that a compose block invoked.
+
+    `compose` is its compose block, None if it has none; `over` once it has ended, in the time step in which it did; `satisfied` are the
+    conditions of `require eventually` that held at some time, by their place.
+    """
+
+    number: int
+    dynamic: Dynamic | None
+    scope: Scope
+    compose: Suspended | None
+    always: tuple[Declared, ...] = ()
+    eventually: tuple[Declared, ...] = ()
+    terminations: tuple[Declared, ...] = ()
+    monitors: tuple[Suspended | None, ...] = ()
+    satisfied: frozenset[int] = frozenset()
+    overrides: tuple[Override, ...] = ()
+    first_step: int = 0
+    over: bool = False
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        return "the top-level scenario" if self.dynamic is None else repr(self.dynamic)
+
+
+class Agent(NamedTuple):
+    """An object that takes actions: the course of its behavior (None before it begins, and `ended` after its end), the actions of this time step."""
+
+    instance: Instance
+    process: Suspended | None = None
+    ended: bool = False
+    actions: tuple[object, ...] = ()
+
+
+class Simulation(NamedTuple):
+    """The time in steps, how many seconds a step has, the scenarios by number (in the order in which they began), and the agents.
+
+    `active` are the scenarios that run in this time step, `flag` says why the scenario is to end, once it is ("" until then), `fixed` are the
+    properties that the simulator updates.
+    """
+
+    step: int
+    timestep: float
+    scenarios: Mapping[int, Running]
+    agents: Mapping[int, Agent] = {}
+    active: tuple[int, ...] = ()
+    flag: str = ""
+    begun: int = 1
+    fixed: frozenset[str] = frozenset()
+
+
+def simulation_of(state: State) -> Simulation:
+    """The simulation that a state belongs to."""
+    assert isinstance(state.simulation, Simulation)
+    return state.simulation
+
+
+def with_simulation(state: State, **changes: object) -> State:
+    """The state with some parts of its simulation replaced."""
+    return state._replace(simulation=simulation_of(state)._replace(**changes))  # type: ignore[arg-type]
+
+
+def with_scenario(state: State, running: Running) -> State:
+    """The state in which a scenario has become this."""
+    return with_simulation(state, scenarios={**simulation_of(state).scenarios, running.number: running})
+
+
+def with_agent(state: State, agent: Agent) -> State:
+    """The state in which an agent has become this."""
+    return with_simulation(state, agents={**simulation_of(state).agents, agent.instance.number: agent})
+
+
+def agent_of(who: Who, state: State) -> Instance:
+    """The object whose behavior a coroutine is."""
+    agent = simulation_of(state).agents.get(who.number)
+    if agent is None:
+        raise RunError("there is no agent here: `self` belongs to behaviors", rule="D-Do")
+    return agent.instance

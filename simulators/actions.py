@@ -1,0 +1,195 @@
+"""The actions of the paper's examples: what an agent can do in a time step, whatever simulator carries it out.
+
+Throttle, brake and steering stay as they are set until they are set again. Which agents can take which is said by `Action.reason_against`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ..interpreter.simulating import Body
+from ..semantics.kinds import kind_name
+from ..semantics.vectors import Vector
+
+
+def is_number(value: object) -> bool:
+    """Whether a value is a finite number."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def in_range(value: object, low: float, high: float, what: str) -> str | None:
+    """Why a value is no number from `low` to `high`, None if it is."""
+    if not is_number(value):
+        return f"the {what} is a number, not {kind_name(value)}"
+    return None if low <= value <= high else f"the {what} is between {low:g} and {high:g}, not {value}"  # type: ignore[operator]
+
+
+VEHICLES = "drives"
+PEDESTRIANS = "walks"
+
+
+def drives(body: Body) -> bool:
+    """Whether an object is a vehicle: its property `drives` says so, or its class is a car's."""
+    return bool(body.properties.get(VEHICLES, body.class_name in CARS))
+
+
+def walks(body: Body) -> bool:
+    """Whether an object is a pedestrian: its property `walks` says so, or its class is a pedestrian's."""
+    return bool(body.properties.get(PEDESTRIANS, body.class_name == "Pedestrian"))
+
+
+CARS = ("Car", "EgoCar", "NPCCar", "Vehicle", "Truck", "Rover")
+
+
+@dataclass(frozen=True, slots=True)
+class Action:
+    """An action; `reason_against` says why a body cannot take it."""
+
+    def reason_against(self, body: Body) -> str | None:
+        """Why this object cannot take the action, None if it can."""
+        return None
+
+
+@dataclass(frozen=True, slots=True)
+class DrivingAction(Action):
+    """An action of a vehicle."""
+
+    def reason_against(self, body: Body) -> str | None:
+        """Only vehicles drive."""
+        return None if drives(body) else f"only vehicles can (a {body.class_name} with property {VEHICLES} True is one)"
+
+
+@dataclass(frozen=True, slots=True)
+class SetThrottleAction(DrivingAction):
+    """The throttle, from 0 to 1."""
+
+    throttle: float
+
+    def __post_init__(self) -> None:
+        """Check the number."""
+        refuse(in_range(self.throttle, 0, 1, "throttle"))
+
+
+@dataclass(frozen=True, slots=True)
+class SetBrakeAction(DrivingAction):
+    """The brake, from 0 to 1."""
+
+    brake: float
+
+    def __post_init__(self) -> None:
+        """Check the number."""
+        refuse(in_range(self.brake, 0, 1, "brake"))
+
+
+@dataclass(frozen=True, slots=True)
+class SetSteerAction(DrivingAction):
+    """The steering, from -1 (left) to 1 (right)."""
+
+    steer: float
+
+    def __post_init__(self) -> None:
+        """Check the number."""
+        refuse(in_range(self.steer, -1, 1, "steering"))
+
+
+@dataclass(frozen=True, slots=True)
+class SetHandBrakeAction(DrivingAction):
+    """The hand brake, on or off."""
+
+    handbrake: bool
+
+
+@dataclass(frozen=True, slots=True)
+class SetReverseAction(DrivingAction):
+    """The reverse gear, in or not."""
+
+    reverse: bool
+
+
+@dataclass(frozen=True, slots=True)
+class SetPositionAction(Action):
+    """The object is at this position at once (metres)."""
+
+    position: Vector
+
+    def __post_init__(self) -> None:
+        """A pair is a vector."""
+        object.__setattr__(self, "position", vector(self.position, "position"))
+
+
+@dataclass(frozen=True, slots=True)
+class SetVelocityAction(Action):
+    """The object moves with this velocity (metres per second) until it gets another."""
+
+    velocity: Vector
+
+    def __post_init__(self) -> None:
+        """A pair is a vector."""
+        object.__setattr__(self, "velocity", vector(self.velocity, "velocity"))
+
+
+@dataclass(frozen=True, slots=True)
+class SetSpeedAction(Action):
+    """The object moves with this speed (metres per second) along its heading until it gets another."""
+
+    speed: float
+
+    def __post_init__(self) -> None:
+        """Check the number."""
+        refuse(None if is_number(self.speed) else f"the speed is a number, not {kind_name(self.speed)}")
+
+
+@dataclass(frozen=True, slots=True)
+class WalkingAction(Action):
+    """An action of a pedestrian."""
+
+    def reason_against(self, body: Body) -> str | None:
+        """Only pedestrians walk."""
+        return None if walks(body) else f"only pedestrians can (a {body.class_name} with property {PEDESTRIANS} True is one)"
+
+
+@dataclass(frozen=True, slots=True)
+class SetWalkingDirectionAction(WalkingAction):
+    """The direction in which a pedestrian walks, as a heading (radians, anticlockwise from North)."""
+
+    heading: float
+
+    def __post_init__(self) -> None:
+        """Check the number."""
+        refuse(None if is_number(self.heading) else f"the heading is a number, not {kind_name(self.heading)}")
+
+
+@dataclass(frozen=True, slots=True)
+class SetWalkingSpeedAction(WalkingAction):
+    """How fast a pedestrian walks (metres per second)."""
+
+    speed: float
+
+    def __post_init__(self) -> None:
+        """Check the number."""
+        refuse(in_range(self.speed, 0, math.inf, "speed"))
+
+
+def vector(value: object, what: str) -> Vector:
+    """A vector, or a pair of numbers as one. Raises `ValueError`."""
+    parts = (value.x, value.y) if isinstance(value, Vector) else value
+    if not (isinstance(parts, tuple) and len(parts) == 2 and all(map(is_number, parts))):
+        raise ValueError(f"the {what} is a vector, not {kind_name(value)}")
+    return Vector(float(parts[0]), float(parts[1]))
+
+
+def refuse(reason: str | None) -> None:
+    """Raise `ValueError` with the reason, if there is one."""
+    if reason is not None:
+        raise ValueError(reason)
+
+
+ACTIONS = {
+    a.__name__: a
+    for a in (
+        SetThrottleAction, SetBrakeAction, SetSteerAction, SetHandBrakeAction, SetReverseAction, SetPositionAction, SetVelocityAction,
+        SetSpeedAction, SetWalkingDirectionAction, SetWalkingSpeedAction,
+    )
+}
+"""The actions by name."""

@@ -1,0 +1,62 @@
+"""`scenic-ref simulate`."""
+
+from __future__ import annotations
+
+import json
+
+PROGRAM = """
+behavior B():
+    x = Range(0, 1)
+    take x
+    require x < 0.5
+    take 2
+ego = Object at (0, 0), with behavior B
+terminate when simulation.currentTime == 3
+scenario Other():
+    setup:
+        Object at (5, 0)
+"""
+
+
+def test_simulations_are_lines_of_json_and_the_report_says_what_rejected(ask, tmp_path):
+    (tmp_path / "p.scenic").write_text(PROGRAM)
+    done = ask("simulate", "p.scenic", "-n", "5", "-o", "runs.jsonl")
+    assert done.code == 0
+    runs = [json.loads(line) for line in (tmp_path / "runs.jsonl").read_text().splitlines()]
+    assert [run["run"] for run in runs] == [0, 1, 2, 3, 4]
+    assert all(run["result"] == "terminated" and run["steps"][1]["actions"] == {"0": [2]} for run in runs)
+    assert "5 simulations of seed 0 in" in done.err
+    assert "the requirement on line 5 (in time step 1)" in done.err
+    alone = ask("simulate", "p.scenic", "--run", "3")
+    assert json.loads(alone.out) == runs[3]
+
+
+def test_the_scenario_can_be_named(ask, tmp_path):
+    (tmp_path / "p.scenic").write_text(PROGRAM)
+    counts = [len(json.loads(ask("simulate", "p.scenic", *more).out)["scene"]["objects"]) for more in ((), ("--scenario", "Other"))]
+    assert counts == [1, 2]
+    assert ask("simulate", "p.scenic", "--scenario", "Nobody").code == 2
+
+
+def test_wrong_usage(ask, tmp_path):
+    (tmp_path / "p.scenic").write_text(PROGRAM)
+    for arguments, message in (
+        (("--simulator", "carla"), "there are still, kinematic"),
+        (("--simulator", "kinematic", "--dt", "0"), "positive number of seconds"),
+        (("--run", "1", "-n", "2"), "--run asks for a single simulation"),
+        (("-o", "runs.parquet"), "written as JSON Lines"),
+        (("-o", "nowhere/runs.jsonl"), "there is no directory"),
+        (("-o", "p.scenic"), "the program itself"),
+    ):
+        done = ask("simulate", "p.scenic", *arguments)
+        assert done.code == 2
+        assert message in done.err
+
+
+def test_an_error_in_the_middle_leaves_whole_lines(ask, tmp_path):
+    (tmp_path / "p.scenic").write_text("behavior B():\n    take 1 / (Uniform(0, 1, 1, 1) + 0)\nego = Object at (0, 0), with behavior B")
+    done = ask("simulate", "p.scenic", "-n", "50", "--steps", "1", "-o", "runs.jsonl")
+    assert done.code == 1
+    assert "ZeroDivisionError" in done.err
+    for line in (tmp_path / "runs.jsonl").read_text().splitlines():
+        json.loads(line)

@@ -1,0 +1,181 @@
+"""Modular scenarios: setup, compose, composition, `override`, the initial scenario (paper, Section "Compositional Scenarios" and "Statements")."""
+
+from __future__ import annotations
+
+import pytest
+import scenic_ref
+from scenic_ref.interpreter.simulating import Failed, Simulated
+from scenic_ref.semantics.errors import RunError, UsageError
+
+from .worlds import LIMIT, actions, simulated
+
+NOW = "simulation.currentTime"
+
+
+def main(compose: str, before: str = "", setup: str = "ego = Object at (0, 0), with x 0") -> str:
+    """A program with a scenario Main of these blocks."""
+
+    def block(text: str) -> str:
+        return "".join(f"        {line}\n" for line in text.split("\n"))
+
+    return f"{before}\nscenario Main():\n    setup:\n{block(setup)}" + (f"    compose:\n{block(compose)}" if compose else "")
+
+
+def steps_and_objects(text: str, steps: int = 10, **options: object) -> list[object]:
+    """How many objects there are at the start of each time step, and how the run ended."""
+    run = simulated(text, steps, **options)  # type: ignore[arg-type]
+    return ["rejected"] if isinstance(run, Failed) else [*(len(moment.objects) for moment in run.moments), run.result]
+
+
+PARKED = "scenario Parked(x=10):\n    setup:\n        car = Object at (x, 0)\n"
+
+
+def test_the_initial_scenario_is_main_or_the_one_that_is_named():
+    text = "ego = Object at (0, 0)\nscenario Other():\n    setup:\n        Object at (5, 0)\n"
+    assert steps_and_objects(text, 1) == [1, 1, LIMIT]
+    assert steps_and_objects(text, 1, scenario="Other") == [2, 2, LIMIT]
+    assert steps_and_objects(main("", PARKED), 1) == [1, 1, LIMIT]
+    assert steps_and_objects(main("", PARKED, "ego = Object at (0, 0)\nObject at (3, 0)"), 1) == [2, 2, LIMIT]
+    with pytest.raises(UsageError, match="no scenario Nobody"):
+        simulated(text, 1, scenario="Nobody")
+
+
+def test_parallel_composition_runs_scenarios_at_the_same_time():
+    text = main("do Parked(), Parked(20)", PARKED)
+    assert steps_and_objects(text, 3) == [3, 3, 3, 3, LIMIT]
+
+
+def test_sequential_composition_and_time_limits():
+    text = main("while True:\n    do Parked(10 * (1 + simulation.currentTime)) for 2 seconds", PARKED)
+    assert steps_and_objects(text, 6) == [2, 2, 3, 3, 4, 4, 4, LIMIT]
+    text = main("do Parked() for 2 seconds\nwait", PARKED)
+    assert steps_and_objects(text, 6) == [2, 2, 2, 2, "terminated"]
+
+
+def test_variables_of_a_sub_scenario_can_be_read_even_by_the_condition_that_ends_it():
+    compose = f"sub = Parked(15)\ndo sub until sub.car.position.x == 15 and {NOW} == 2\nrequire sub.car.position.x == 15\nwait"
+    assert steps_and_objects(main(compose, PARKED)) == [2, 2, 2, 2, "terminated"]
+    assert steps_and_objects(main("sub = Parked()\ndo sub until sub.car.position.x == 10", PARKED)) == [2, "terminated"]
+
+
+def test_setup_runs_when_the_scenario_begins_to_execute():
+    text = main("sub = Parked()\nwait\nwait\ndo sub for 1 steps", PARKED)
+    assert steps_and_objects(text) == [1, 1, 2, 2, "terminated"]
+
+
+def test_a_scenario_without_compose_block_only_checks_its_conditions():
+    sub = f"scenario Sub():\n    setup:\n        terminate when {NOW} == 2\n"
+    assert steps_and_objects(main("do Sub()\nwait", sub)) == [1, 1, 1, 1, "terminated"]
+    sub = f"scenario Sub():\n    setup:\n        require always {NOW} < 2\n"
+    assert steps_and_objects(main("do Sub()", sub)) == ["rejected"]
+    assert steps_and_objects(main("do Sub() for 2 steps", sub)) == [1, 1, 1, "terminated"]
+
+
+def test_conditions_count_while_their_scenario_is_running():
+    sub = f"scenario Sub():\n    setup:\n        require eventually {NOW} == 3\n        terminate when {NOW} == {{}}\n"
+    assert steps_and_objects(main("wait\ndo Sub()\nwait", sub.replace("{}", "2"))) == ["rejected"]
+    assert steps_and_objects(main("wait\ndo Sub()\nwait", sub.replace("{}", "3")))[-1] == "terminated"
+
+
+def test_terminate_ends_the_scenario_that_it_stands_in():
+    sub = "scenario Sub():\n    compose:\n        wait\n        terminate\n"
+    assert steps_and_objects(main("do Sub()\nwait", sub)) == [1, 1, 1, "terminated"]
+    sub = "scenario Sub():\n    setup:\n        monitor End:\n            wait\n            terminate\n"
+    assert steps_and_objects(main("do Sub()\nwait", sub)) == [1, 1, 1, 1, "terminated"]
+
+
+def test_preconditions_and_invariants_of_scenarios():
+    sub = "scenario Sub():\n    precondition: ego.x == 0\n    invariant: ego.x < 2\n"
+    sub += "    compose:\n        wait\n        ego.x = ego.x + 1\n        wait\n        wait\n"
+    assert steps_and_objects(main("do Sub()", sub))[-1] == "terminated"
+    assert steps_and_objects(main("ego.x = 1\ndo Sub()", sub)) == ["rejected"]
+    caught = "try:\n    do Sub()\ninterrupt when False:\n    pass\nexcept PreconditionViolation:\n    wait"
+    assert steps_and_objects(main("ego.x = 1\n" + caught, sub)) == [1, 1, "terminated"]
+    sub = sub.replace("ego.x + 1", "ego.x + 2")
+    assert steps_and_objects(main("do Sub()", sub)) == ["rejected"]
+
+
+def test_objects_created_while_running_obey_the_default_requirements_and_mutation():
+    assert steps_and_objects(main("do Parked(0.5)", PARKED)) == ["rejected"]
+    noisy = "scenario Noisy():\n    setup:\n        car = Object at (30, 0)\n        mutate car by 0.01\n"
+    run = simulated(main("do Noisy()", noisy), 1, seed=3)
+    assert isinstance(run, Simulated)
+    scenario = scenic_ref.loads(main("do Noisy() for 1 steps\nrequire sub_moved()", noisy + "def sub_moved():\n    return True\n"))
+    assert scenario.rehearsed
+
+
+def test_interrupts_switch_between_scenarios():
+    following = "scenario Following():\n    setup:\n        leadCar = Object at (10, 0)\n"
+    following += "scenario Other(target):\n    setup:\n        Object at (target.position.x + 10, 0)\n"
+    compose = f"following = Following()\ntry:\n    do following\ninterrupt when {NOW} == 2:\n    do Other(following.leadCar) for 2 steps"
+    assert steps_and_objects(main(compose, following), 5) == [2, 2, 3, 3, 3, 3, LIMIT]
+
+
+def test_scenarios_that_are_interrupted_do_not_run():
+    sub = f"scenario Sub():\n    setup:\n        require always {NOW} not in (1, 2)\n"
+    compose = f"try:\n    do Sub()\ninterrupt when {NOW} == 1:\n    wait\n    wait"
+    assert steps_and_objects(main(compose, sub), 5)[-1] == LIMIT
+    assert steps_and_objects(main("do Sub()", sub), 5) == ["rejected"]
+
+
+# override
+
+GO = "behavior Go(n):\n    k = 0\n    while True:\n        k += 1\n        take (n, k)\n".replace("take (n, k)", "take f'{n}{k}'")
+OVER = GO + "scenario Over(target):\n    setup:\n        override target with behavior Go('b'), with x 3\n"
+WITH_GO = "ego = Object at (0, 0), with x 0, with behavior Go('a')"
+
+
+def test_override_lasts_until_the_scenario_ends_and_the_behavior_goes_on():
+    text = main("wait\ndo Over(ego) for 2 steps\nrequire ego.x == 0\nwait\nwait", OVER, WITH_GO)
+    assert actions(text) == ["a1", "b1", "b2", "a2", "a3", "terminated"]
+
+
+def test_override_ends_with_an_interrupted_or_aborted_scenario():
+    compose = f"try:\n    do Over(ego)\ninterrupt when {NOW} == 2:\n    abort\nwait\nwait"
+    assert actions(main(compose, OVER, WITH_GO)) == ["b1", "b2", "a1", "a2", "terminated"]
+
+
+def test_two_overrides_are_reverted_in_reverse_order():
+    sub = "scenario Sub():\n    setup:\n        override ego with x 1\n        override ego with x 2\n"
+    assert actions(main("do Sub() for 1 steps\nrequire ego.x == 0\nwait", sub)) == [None, None, "terminated"]
+
+
+def test_override_in_a_compose_block_is_reverted_with_its_scenario():
+    sub = GO + "scenario Sub():\n    compose:\n        override ego with behavior Go('c')\n        wait\n        wait\n"
+    assert actions(main("do Sub()\nwait", sub, WITH_GO)) == ["c1", "c2", "a1", "terminated"]
+
+
+def test_what_cannot_be_overridden_is_an_error():
+    sub = "scenario Sub():\n    setup:\n        override ego {}\n"
+    for specifier, message in (("at (1, 1)", "only `with`"), ("with nothing 1", "has no property nothing")):
+        with pytest.raises(RunError, match=message):
+            actions(main("do Sub()", sub.replace("{}", specifier)))
+
+
+# The initial scenario, choice
+
+
+def test_in_initial_scenario():
+    both = "scenario {}():\n    setup:\n        if in initial scenario:\n            ego = Object at (0, 0)\n"
+    both += "        else:\n            Object at (10, 0)\n"
+    assert steps_and_objects(both.replace("{}", "Main"), 1) == [1, 1, LIMIT]
+    assert steps_and_objects(main("do Sub()", both.replace("{}", "Sub")), 1) == [2, 2, LIMIT]
+
+
+def test_do_choose_of_the_paper():
+    parts = "".join(f"scenario {n}():\n    precondition: {ok}\n    setup:\n        Object at ({10 * k}, 0)\n" for k, (n, ok) in enumerate(
+        (("A", True), ("B", True), ("C", False)), 1))  # fmt: skip
+    text = main("do choose {A: 2, B: 1, C: 1}", parts)
+    found = []
+    for seed in range(300):
+        run = simulated(text, 1, seed=seed)
+        assert isinstance(run, Simulated)
+        found.append(len(run.moments[0].objects))
+    assert set(found) == {2}
+    assert steps_and_objects(main("do choose C, C", parts), 1) == ["rejected"]
+
+
+def test_scenarios_are_first_class_values():
+    choice = "def pickNext(position):\n    return Parked(20 if position.x == 0 else 30)\n"
+    text = main("chosen = pickNext(ego.position)\ndo chosen for 1 steps", PARKED + choice)
+    assert steps_and_objects(text) == [2, 2, "terminated"]
