@@ -71,7 +71,7 @@ def produce(source: Source, request: Request, session: Session) -> None:
     for line in summary(tally, request.seed, time.perf_counter() - begun, session.texts, backend_line(interpreted, tally)):
         tell(line)
     if drawing.about_time:
-        tell(f"note: conditions over time are not checked, since dynamics do not run yet: {', '.join(drawing.about_time)}")
+        tell(f"note: conditions over time are not checked in a scene (`scenic-ref simulate` does): {', '.join(drawing.about_time)}")
     if request.plot is not None:
         plot(drawing, request, known[: request.stop])
 

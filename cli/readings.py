@@ -63,7 +63,7 @@ def explained(reading: Reading, selected: str) -> list[str]:
     from .columns import paragraph
 
     kinds = {"conflict": "the paper contradicts itself", "silence": "the formal rules are silent"}
-    about = {"policy": "; it concerns behaviors and the policy, which do not run yet", "pruning": "; it concerns pruning"}
+    about = {"policy": "; it concerns behaviors and the policy", "pruning": "; it concerns pruning"}
     lines = [f"{reading.id} ({kinds.get(reading.kind, reading.kind)}{about.get(reading.about, '')})", "", *paragraph("question", reading.question)]
     for number, place in enumerate(reading.places):
         lines += paragraph("" if number else "places", place)

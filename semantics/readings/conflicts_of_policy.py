@@ -36,7 +36,7 @@ CONFLICTS_OF_POLICY: tuple[Reading, ...] = (
         ),
         alternatives={"execution": "when it begins to execute; its variables cannot be read before"},
         consequence="Concerns scenarios while they run: making an instance that `do` never runs creates no objects, as `do choose` needs.",
-        code=(),
+        code=("semantics.dynamics.scenarios.enter_setup",),
         probe=Probe(
             "scenario Sub():\n    setup:\n        car = Object at (5, 0)\nscenario Main():\n    setup:\n        ego = Object at (0, 0)\n"
             "    compose:\n"
@@ -104,14 +104,14 @@ CONFLICTS_OF_POLICY: tuple[Reading, ...] = (
             "the first statement of the body assigns",
         ),
         alternatives={
-            "every-step": "yes, from the first step on; that listing works only with the assignment moved before `try`",
+            "every-step": "yes, from the first step on; that listing works only under `later-steps`",
             "later-steps": "no, from the second step on",
         },
         consequence="Concerns behaviors and compose blocks: `do B until C` with C true at once runs nothing under the first (reading "
             "`do-until-zero`).",
-        code=(),
+        code=("semantics.dynamics.interrupts.interruptible",),
         probe=Probe(
-            "ego = Object at (0, 0), with behavior Twice\nbehavior Twice():\n    try:\n        take 1\n    interrupt when True:\n        abort",
+            "behavior Twice():\n    try:\n        take 1\n    interrupt when True:\n        abort\nego = Object at (0, 0), with behavior Twice",
             {"every-step": "no action in the first time step", "later-steps": "action 1 in the first time step"},
         ),
     ),
@@ -126,10 +126,10 @@ CONFLICTS_OF_POLICY: tuple[Reading, ...] = (
         ),
         alternatives={"on-return": "when the `do` statement returns, not in between", "every-step": "in every time step"},
         consequence="Concerns behaviors and scenarios; the released implementations do one for `do` and the other for `do ... for`.",
-        code=(),
+        code=("semantics.dynamics.invocations.guards_on_resumption",),
         probe=Probe(
-            "ego = Object at (0, 0), with x 0, with behavior Outer\nbehavior Inner():\n    self.x = 1\n    wait\n    self.x = 0\n    wait\n"
-            "behavior Outer():\n    invariant: self.x == 0\n    do Inner()",
+            "behavior Inner():\n    self.x = 1\n    wait\n    self.x = 0\n    wait\n"
+            "behavior Outer():\n    invariant: self.x == 0\n    do Inner()\nego = Object at (0, 0), with x 0, with behavior Outer",
             {"on-return": "no violation", "every-step": "InvariantViolation in the second time step: the simulation is rejected"},
         ),
     ),

@@ -21,10 +21,10 @@ SILENCES_OF_POLICY: tuple[Reading, ...] = (
             "rest",
         },
         consequence="Concerns scenarios.",
-        code=(),
+        code=("semantics.dynamics.invocations.choose",),
         probe=Probe(
             "scenario A():\n    compose:\n        wait\nscenario B():\n    precondition: False\n"
-            "scenario C():\n    compose:\n        do A() for 2 steps\n"
+            "scenario C():\n    compose:\n        wait\n        wait\n"
             "scenario Main():\n    setup: ego = Object at (0, 0)\n    compose:\n        do choose {A: 2, B: 5, C: 1}",
             {"renormalised": "A with probability 2/3, C with probability 1/3"},
         ),
@@ -37,7 +37,7 @@ SILENCES_OF_POLICY: tuple[Reading, ...] = (
         places=(PROCEDURE, SECTION_4_4 + ', "Requirements"'),
         alternatives={"whole": "every step in which the scenario that declares them is running, its first and its last included"},
         consequence="Concerns requirements on simulations.",
-        code=(),
+        code=("semantics.dynamics.policy.always_conditions",),
         probe=Probe(
             "ego = Object at (0, 0)\nrequire eventually ego.position.x == 0\nterminate when True",
             {"whole": "accepted: the first step, which is also the last, counts"},
@@ -54,7 +54,7 @@ SILENCES_OF_POLICY: tuple[Reading, ...] = (
             "sub-scenario: that one",
         },
         consequence="Concerns behaviors, monitors and scenarios.",
-        code=(),
+        code=("semantics.dynamics.policy.ended_by_monitor",),
         probe=Probe(
             "scenario Sub():\n    compose:\n        wait\n        terminate\nscenario Main():\n    setup:\n        ego = Object at (0, 0)\n"
             "    compose:\n"
@@ -71,10 +71,10 @@ SILENCES_OF_POLICY: tuple[Reading, ...] = (
         alternatives={"all": "all agents run, then the flag is looked at", "stop": "the agents after the one that terminates do not run"},
         profiles={"scenic-2.1": "stop"},
         consequence="Concerns behaviors: a `require` in a later agent's behavior may still reject the simulation under `all` only.",
-        code=(),
+        code=("semantics.dynamics.policy.behaviors",),
         probe=Probe(
-            "ego = Object at (0, 0), with behavior End\nother = Object at (5, 0), with behavior Fail\nbehavior End():\n    terminate\n"
-            "behavior Fail():\n    require False\n    wait",
+            "behavior End():\n    terminate\nbehavior Fail():\n    require False\n    wait\n"
+            "ego = Object at (0, 0), with behavior End\nother = Object at (5, 0), with behavior Fail",
             {"all": "rejected always", "stop": "accepted, with one time step"},
         ),
     ),
@@ -87,10 +87,10 @@ SILENCES_OF_POLICY: tuple[Reading, ...] = (
         alternatives={"next-step": "no, at the start of each time step only; the interrupted block goes on in the same step if no time has passed "
             "since"},
         consequence="Concerns behaviors: a handler that takes no action cannot loop within one step.",
-        code=(),
+        code=("semantics.dynamics.interrupts.resume_interruptible",),
         probe=Probe(
-            "ego = Object at (0, 0), with behavior Drive\nbehavior Drive():\n    try:\n        while True:\n            take 1\n"
-            "    interrupt when True:\n        pass",
+            "behavior Drive():\n    try:\n        while True:\n            take 1\n    interrupt when True:\n        pass\n"
+            "ego = Object at (0, 0), with behavior Drive",
             {"next-step": "action 1 in every time step"},
         ),
     ),
@@ -100,11 +100,14 @@ SILENCES_OF_POLICY: tuple[Reading, ...] = (
         about="policy",
         question="Does `do B for 0 steps` or `do B until True` run anything?",
         places=(SECTION_4_4 + ', "Invoking Other Behaviors and Scenarios"', DYNAMIC + ': `until` is a shorthand for an interrupt that aborts'),
-        alternatives={"nothing": "no: the condition is checked before the first step"},
+        alternatives={
+            "nothing": "no: the condition is checked before the first step; a scenario is set up before, so that the condition may be about it",
+        },
         consequence="Concerns behaviors and scenarios.",
-        code=(),
+        code=("semantics.dynamics.invocations.limited",),
         probe=Probe(
-            "ego = Object at (0, 0), with behavior Outer\nbehavior Inner():\n    take 1\nbehavior Outer():\n    do Inner() until True\n    take 2",
+            "behavior Inner():\n    take 1\nbehavior Outer():\n    do Inner() until True\n    take 2\n"
+            "ego = Object at (0, 0), with behavior Outer",
             {"nothing": "action 2 in the first time step"},
         ),
     ),
@@ -116,10 +119,11 @@ SILENCES_OF_POLICY: tuple[Reading, ...] = (
         places=(DYNAMIC + ', "Preconditions and Invariants"', SECTION_4_4 + ', "Interrupts": "checked as usual" when the handler completes'),
         alternatives={"on-resume": "no; it is checked when the behavior resumes"},
         consequence="Concerns behaviors: collision avoidance may leave the lane that lane following insists on.",
-        code=(),
+        code=("semantics.dynamics.interrupts.go_on",),
         probe=Probe(
-            "ego = Object at (0, 0), with x 0, with behavior Outer\nbehavior Inner():\n    invariant: self.x != 1\n    while True:\n        wait\n"
-            "behavior Outer():\n    try:\n        do Inner()\n    interrupt when self.x == 0:\n        self.x = 1\n        wait\n        self.x = 2",
+            "behavior Inner():\n    invariant: self.x != 1\n    while True:\n        wait\nbehavior Outer():\n    try:\n        do Inner()\n"
+            "    interrupt when self.x == 0:\n        self.x = 1\n        wait\n        self.x = 2\n"
+            "ego = Object at (0, 0), with x 0, with behavior Outer",
             {"on-resume": "no violation"},
         ),
     ),
@@ -139,11 +143,10 @@ SILENCES_OF_POLICY: tuple[Reading, ...] = (
         },
         profiles={"scenic-2.1": "retry", "scenic-3": "retry"},
         consequence="Concerns simulations: under `retry` a scene is as frequent as if no dynamic requirement existed.",
-        code=(),
+        code=("inference.simulation.sample_simulation",),
         probe=Probe(
-            "p = Uniform(0.25, 0.75)\nego = Object at (0, 0), with p p, with behavior Toss\nbehavior Toss():\n    require Range(0, 1) < self.p\n"
-            "    wait\n"
-            "terminate when False",
+            "behavior Toss():\n    require Range(0, 1) < self.p\n    wait\n"
+            "p = Uniform(0.25, 0.75)\nego = Object at (0, 0), with p p, with behavior Toss",
             {"discard": "P(p = 0.75) = 3/4", "retry": "P(p = 0.75) = 1/2"},
         ),
     ),
@@ -155,11 +158,25 @@ SILENCES_OF_POLICY: tuple[Reading, ...] = (
         places=(COMPOSITIONAL + ', "Modular Scenarios": "as usual"', 'Figure "Semantics of statements", rules "Termination"'),
         alternatives={"setup-end": "yes, when its `setup` block ends"},
         consequence="Concerns scenarios: a parked car that would stand in another one rejects the simulation.",
-        code=(),
+        code=("semantics.dynamics.scenarios.resume_setting",),
         probe=Probe(
             "scenario Sub():\n    setup:\n        Object at (0, 0)\nscenario Main():\n    setup:\n        ego = Object at (0, 0)\n    compose:\n"
             "        do Sub()",
             {"setup-end": "rejected always: the two objects intersect"},
+        ),
+    ),
+    Reading(
+        id="time-limit",
+        kind="silence",
+        about="policy",
+        question="Must `require eventually` hold when a simulation ends because its time limit is reached?",
+        places=(DYNAMIC + ', "Terminating the Scenario": "unless a time limit is specified"', PROCEDURE + ", steps 4 and 6"),
+        alternatives={"required": "yes, as when the scenario terminates: a simulation in which it never held is discarded"},
+        consequence="Concerns simulations with a time limit.",
+        code=("interpreter.simulating.simulate_once",),
+        probe=Probe(
+            "ego = Object at (0, 0)\nrequire eventually simulation.currentTime > 1000",
+            {"required": "rejected always, with a limit of 1000 seconds or less"},
         ),
     ),
     Reading(
@@ -170,7 +187,7 @@ SILENCES_OF_POLICY: tuple[Reading, ...] = (
         places=(SECTION_4_4 + ', "Overrides"',),
         alternatives={"reverse": "both are reverted when that scenario ends, in reverse order: to the value before the first"},
         consequence="Concerns scenarios.",
-        code=(),
+        code=("semantics.dynamics.scenarios.end_scenario",),
         probe=Probe(
             "scenario Sub():\n    setup:\n        override ego with x 1\n        override ego with x 2\nscenario Main():\n    setup:\n"
             "        ego = Object at (0, 0), with x 0\n    compose:\n        do Sub() for 1 steps\n        require ego.x == 0\n        wait",
@@ -185,9 +202,9 @@ SILENCES_OF_POLICY: tuple[Reading, ...] = (
         places=(PROCEDURE + ", step 1",),
         alternatives={"first": "yes: the procedure begins with step 1 on the initial scene"},
         consequence="Concerns simulations: a condition that holds at once ends the simulation before any action.",
-        code=(),
+        code=("semantics.dynamics.scenarios.check_termination",),
         probe=Probe(
-            "ego = Object at (0, 0), with behavior Go\nbehavior Go():\n    while True:\n        take 1\nterminate when True",
+            "behavior Go():\n    while True:\n        take 1\nego = Object at (0, 0), with behavior Go\nterminate when True",
             {"first": "a simulation without actions"},
         ),
     ),
@@ -202,7 +219,7 @@ SILENCES_OF_POLICY: tuple[Reading, ...] = (
         ),
         alternatives={"no-arguments": "B(): an instance of its own for every object, or every `do`, with the default arguments"},
         consequence="Concerns behaviors and scenarios: two agents given the same name do not share its state.",
-        code=(),
+        code=("semantics.dynamics.invocations.with_arguments",),
         probe=Probe(
             "behavior Go(speed=3):\n    take speed\nego = Object at (0, 0), with behavior Go\nother = Object at (5, 0), with behavior Go(4)",
             {"no-arguments": "actions 3 and 4 in the first time step"},
