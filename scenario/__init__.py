@@ -13,6 +13,7 @@ from typing import Literal
 from ..inference.batch import Batch, Block, NotLifted
 from ..inference.batch.jobs import Pace, block_of
 from ..inference.enumeration import DEFAULT_RUNS, Enumeration, enumerate_runs
+from ..inference.histories import Histories, enumerate_simulations
 from ..inference.pruning import TECHNIQUES, Finding, Pruning, prune
 from ..inference.rejection import DEFAULT_ATTEMPTS, Sampled, sample
 from ..inference.simulation import SampledRun, sample_simulation
@@ -149,6 +150,14 @@ class Scenario:
             self.start, found, steps, seed, index, max_attempts=max_attempts, fuel=self.fuel,
             retry=self.readings["rejected-simulation"] == "retry", on_attempt=on_attempt, witnessed=witnessed,
         )  # fmt: skip
+
+    def enumerate_simulations(
+        self, simulator: str | Simulator = "still", steps: int = 10, *, timestep: float | None = None, max_runs: int = DEFAULT_RUNS
+    ) -> Histories:  # fmt: skip
+        """The exact distribution of simulations of at most `steps` time steps; see `inference.histories.enumerate_simulations`."""
+        assert self.rehearsed
+        found = by_name(simulator, timestep) if isinstance(simulator, str) else simulator
+        return enumerate_simulations(self.start, found, steps, max_runs=max_runs, fuel=self.fuel)
 
     @cached_property
     def pruning(self) -> Pruning:

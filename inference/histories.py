@@ -1,0 +1,90 @@
+"""Enumeration of simulations: the exact probability of every history of a finite program in a deterministic simulator."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter, defaultdict
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import NamedTuple
+
+from ..interpreter.recordings import to_json
+from ..interpreter.running import DEFAULT_FUEL
+from ..interpreter.simulating import Failed, Simulated, Simulator, simulate_once
+from ..semantics.config import Config
+from ..semantics.errors import RunsExhausted, UsageError
+from .enumeration import DEFAULT_RUNS, Choice, Runner, following
+from .simulation import exhausted
+
+
+class History(NamedTuple):
+    """A simulation, and the exact probability of just this one: its scene, its actions, its end."""
+
+    probability: Fraction
+    simulation: Simulated
+
+
+@dataclass(frozen=True)
+class Histories:
+    """The exact distribution of the simulations of a program, the most likely first; their probabilities add up to 1.
+
+    `acceptance` is the probability that a run is accepted, `stuck` that it fails at each requirement in each time step.
+    """
+
+    outcomes: tuple[History, ...]
+    acceptance: Fraction
+    stuck: Mapping[Failed, Fraction]
+    runs: int
+
+    def law(self, read: Callable[[Simulated], Hashable]) -> dict[Hashable, Fraction]:
+        """The distribution of `read(simulation)`."""
+        found: dict[Hashable, Fraction] = defaultdict(Fraction)
+        for probability, simulation in self.outcomes:
+            found[read(simulation)] += probability
+        return dict(found)
+
+
+def enumerate_simulations(
+    start: Callable[[], Config], simulator: Simulator, steps: int, *, max_runs: int = DEFAULT_RUNS, fuel: int = DEFAULT_FUEL
+) -> Histories:
+    """The exact distribution of simulations of at most `steps` time steps, in a simulator that is deterministic.
+
+    Raises `UsageError` at a draw that is not finite or is made once per scene (reading `soft=scene`), `RunsExhausted` when there are more than
+    `max_runs` runs, `AttemptsExhausted` if none is accepted, and the errors of the program and simulator.
+    """
+    masses: dict[str, Fraction] = defaultdict(Fraction)
+    simulations: dict[str, Simulated] = {}
+    stuck: dict[Failed, Fraction] = defaultdict(Fraction)
+    prefix: list[Choice] | None = []
+    runs, covered = 0, Fraction(0)
+    while prefix is not None:
+        if runs == max_runs:
+            text = f"the program has more than {max_runs:,} runs: those made cover {float(covered):.3g} of the probability"
+            raise RunsExhausted(text, runs=max_runs, covered=covered)
+        runner = Runner(prefix, None)
+        ended = simulate_once(start(), runner.choose, simulator, steps, fuel=fuel)
+        if runner.coins:
+            raise UsageError("simulations are enumerated under the reading soft=run only")
+        runs, covered = runs + 1, covered + runner.probability
+        if isinstance(ended, Simulated):
+            key = content_of(ended)
+            simulations.setdefault(key, ended)
+            masses[key] += runner.probability
+        else:
+            stuck[ended] += runner.probability
+        prefix = following(runner.choices)
+    acceptance = sum(masses.values(), Fraction(0))
+    if not masses:
+        raise exhausted(f"no simulation is possible: all {runs:,} runs fail", runs, Counter(dict.fromkeys(stuck, 1)))
+    ranked = sorted(masses, key=lambda key: -masses[key])
+    outcomes = tuple(History(masses[key] / acceptance, simulations[key]) for key in ranked)
+    return Histories(outcomes, acceptance, dict(stuck), runs)
+
+
+def content_of(simulation: Simulated) -> str:
+    """What a simulation says, whatever its number: those with the same content are one outcome."""
+    found = to_json(simulation, 1)
+    scene = found["scene"]
+    assert isinstance(scene, dict)
+    return json.dumps([scene["params"], scene["ego"], scene["objects"], found["steps"], found["result"], found["reason"]], allow_nan=False)
