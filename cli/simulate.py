@@ -28,11 +28,14 @@ def simulate(
     context: typer.Context,
     file: FileArgument,
     simulator: Annotated[
-        str, typer.Option("--simulator", metavar="NAME", help="still (nothing moves, any value is an action) or kinematic (vehicles without forces).")
+        str,
+        typer.Option(
+            "--simulator", metavar="NAME", help="still (nothing moves, any value is an action), kinematic (no forces) or pymunk (collisions)."
+        ),
     ] = "still",
     steps: Annotated[int, typer.Option("--steps", metavar="N", min=0, help="The time limit: so many time steps.")] = 100,
     timestep: Annotated[
-        float | None, typer.Option("--dt", metavar="S", help="The time step in seconds.", show_default="1 for still, 0.1 for kinematic")
+        float | None, typer.Option("--dt", metavar="S", help="The time step in seconds.", show_default="1 for still, 0.1 for others")
     ] = None,
     count: Annotated[int, typer.Option("-n", metavar="N", min=1, help="How many simulations.")] = 1,
     seed: SeedOption = 0,

@@ -20,7 +20,13 @@ def _kinematic(timestep: float | None) -> Simulator:
     return Kinematic(0.1 if timestep is None else timestep)
 
 
-SIMULATORS: Mapping[str, Callable[[float | None], Simulator]] = {"still": _still, "kinematic": _kinematic}
+def _pymunk(timestep: float | None) -> Simulator:
+    from .physics import Physics
+
+    return Physics(0.1 if timestep is None else timestep)
+
+
+SIMULATORS: Mapping[str, Callable[[float | None], Simulator]] = {"still": _still, "kinematic": _kinematic, "pymunk": _pymunk}
 """The simulators by name; each is made with its time step in seconds, or with its own."""
 
 

@@ -48,9 +48,9 @@ class Moving:
 
     @property
     def speed(self) -> float:
-        """Along the heading for vehicles, of the velocity for others."""
-        along = self.vy * math.cos(self.heading) - self.vx * math.sin(self.heading)
-        return along if self.vehicle else math.hypot(self.vx, self.vy)
+        """The length of the velocity; negative for a vehicle that moves backwards."""
+        backwards = self.vehicle and self.vy * math.cos(self.heading) < self.vx * math.sin(self.heading)
+        return -math.hypot(self.vx, self.vy) if backwards else math.hypot(self.vx, self.vy)
 
     def run(self, speed: float, heading: float) -> None:
         """Let the velocity be this speed along a heading."""

@@ -27,6 +27,7 @@ MAY_IMPORT = {
 ONLY_IN = {
     "matplotlib": {"interpreter/pictures.py", "cli/bench_picture.py"}, "pyarrow": {"interpreter/tables.py"},
     "distributed": {"inference/batch/jobs.py"}, "hypothesis": {"conformance/programs/strategies.py"},
+    "pymunk": {"simulators/physics.py"},
     "numba": {"inference/batch/compiled.py"}, "llvmlite": {"inference/batch/compiled.py"},
 }
 

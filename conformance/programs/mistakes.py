@@ -254,6 +254,7 @@ MISTAKES: tuple[Mistake, ...] = (
 )  # fmt: skip
 
 UNREACHABLE: dict[str, str] = {
+    "SimulatorError": "it is the fault of a simulator, not of the program",
     "SpecifiedTwiceOptionally": "only position specifiers specify another property optionally, and two of them specify the position twice",
 }
 """Errors of programs that no program gives, and why."""

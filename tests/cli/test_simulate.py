@@ -41,7 +41,7 @@ def test_the_scenario_can_be_named(ask, tmp_path):
 def test_wrong_usage(ask, tmp_path):
     (tmp_path / "p.scenic").write_text(PROGRAM)
     for arguments, message in (
-        (("--simulator", "carla"), "there are still, kinematic"),
+        (("--simulator", "carla"), "there are still, kinematic, pymunk"),
         (("--simulator", "kinematic", "--dt", "0"), "positive number of seconds"),
         (("--run", "1", "-n", "2"), "--run asks for a single simulation"),
         (("-o", "runs.parquet"), "written as JSON Lines"),

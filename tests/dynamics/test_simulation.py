@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import math
+import subprocess
+import sys
 
 import pytest
 import scenic_ref
@@ -13,6 +15,7 @@ from scenic_ref.interpreter.simulating import Simulated
 from scenic_ref.semantics.errors import AttemptsExhausted, RunError, SimulatorError, UsageError
 from scenic_ref.semantics.vectors import Vector
 from scenic_ref.simulators import actions as a
+from scenic_ref.simulators import by_name
 from scenic_ref.simulators.kinematic import Kinematic
 from scenic_ref.simulators.still import Still
 
@@ -43,7 +46,7 @@ def test_a_simulation_is_a_function_of_program_seed_and_number():
 
 
 def test_when_a_requirement_failed_is_known():
-    scenario = scenic_ref.loads("x = Range(0, 1)\nego = Object at (x, 0)\nrequire x < 0.5\nrequire always simulation.currentTime < 3")
+    scenario = scenic_ref.loads("x = Range(0, 1)\nego = Object at (x, 0)\nrequire x < 0.9\nrequire always simulation.currentTime < 3")
     with pytest.raises(AttemptsExhausted, match=r"in time step 3: `require always` on line 4"):
         scenario.simulate("still", 5, max_attempts=40)
     with pytest.raises(AttemptsExhausted, match="nothing is drawn before this fails in time step 0"):
@@ -112,7 +115,7 @@ def test_pedestrians_walk_and_objects_keep_their_velocity():
     expected = [(1, 2), (1, 2.15), (1, 2.3), (1.15, 2.3), (1.3, 2.3)]
     assert [(p.x, p.y) for p in positions] == [pytest.approx(e) for e in expected]  # type: ignore[attr-defined]
     run = drive("take SetVelocityAction((3, 0))", 2, "Pedestrian")
-    assert run.moments[2].objects[0]["velocity"] == (3, 0)
+    assert run.moments[2].objects[0]["velocity"] == Vector(3.0, 0.0)
 
 
 def test_an_action_that_the_agent_cannot_take_is_an_error():
@@ -184,3 +187,97 @@ def test_contract_of_the_actions():
     with pytest.raises(ValueError, match="steering is between"):
         a.SetSteerAction(2)
     assert Kinematic().properties == {"position", "heading", "speed", "velocity", "angularSpeed"}
+
+
+# pymunk
+
+TWO_CARS = CAR + """
+behavior Go(throttle, steer=0):
+    while True:
+        take SetThrottleAction(throttle), SetSteerAction(steer)
+ego = Car at (0, 0), with behavior Go(1)
+other = Car at (0, 30)
+third = Car at (50, 0), with behavior Go(0.6, 0.3)
+"""
+
+
+def by_pymunk(text: str, steps: int, **options: object) -> Simulated:
+    pytest.importorskip("pymunk")
+    return scenic_ref.loads(text).simulate("pymunk", steps, **options).simulation  # type: ignore[arg-type]
+
+
+def test_collisions_are_reported_once_and_push_cars_apart():
+    run = by_pymunk(TWO_CARS, 60)
+    told = [(moment.step, event) for moment in run.moments for event in moment.events]
+    assert [event for _, event in told] == ["collision of objects 0 and 1"]
+    (step, _), = told
+    before, after = run.moments[step], run.moments[step + 2]
+    assert before.objects[1]["speed"] == 0
+    assert after.objects[1]["speed"] > 3  # type: ignore[operator]
+    gaps = [moment.objects[1]["position"].y - moment.objects[0]["position"].y for moment in run.moments]  # type: ignore[attr-defined]
+    assert min(gaps) > 4.5 - 16.2 / 60  # no deeper than what an internal step covers
+
+
+def test_the_same_seed_gives_the_same_trajectory_in_another_process(tmp_path):
+    pytest.importorskip("pymunk")
+    (tmp_path / "p.scenic").write_text(TWO_CARS.replace("(50, 0)", "(Range(40, 60), 0)"))
+    command = [sys.executable, "-m", "scenic_ref", "simulate", "p.scenic", "--simulator", "pymunk", "--steps", "80", "-n", "2"]
+    first, again = (subprocess.run(command, cwd=tmp_path, capture_output=True, check=True).stdout for _ in range(2))
+    assert first == again
+    assert first.count(b"\n") == 2
+
+
+def test_throttle_brake_drag_and_steering():
+    """At full throttle the speed approaches 50 m/s as tanh; brakes and tyres have limits."""
+    car = CAR + "behavior B():\n{}\nego = Car at (0, 0), facing 0.5, with behavior B\n"
+    run = by_pymunk(car.format("    while True:\n        take SetThrottleAction(1)"), 100)
+    speeds = [moment.objects[0]["speed"] for moment in run.moments]
+    assert speeds[100] == pytest.approx(50 * math.tanh(5.6 * 10 / 50), rel=0.01)
+    run = by_pymunk(car.format("    take SetSpeedAction(20), SetBrakeAction(1)"), 40)
+    speeds = [moment.objects[0]["speed"] for moment in run.moments]
+    assert speeds[0] == 0
+    assert speeds[10] == pytest.approx(20 - 6.8 - 0.1 - 0.6, abs=0.1)  # brakes, rolling, drag at 16 m/s
+    assert speeds[40] == 0
+    run = by_pymunk(car.format("    take SetSpeedAction(5), SetThrottleAction(0.02), SetSteerAction(1)"), 60)
+    last = run.moments[-1].objects[0]
+    radius = last["speed"] / abs(last["angularSpeed"])  # type: ignore[operator, arg-type]
+    assert radius == pytest.approx(0.6 * 4.5 / math.tan(math.radians(35)), rel=0.15)
+    run = by_pymunk(car.format("    take SetSpeedAction(30), SetSteerAction(1)"), 10)
+    assert abs(run.moments[-1].objects[0]["angularSpeed"]) < 9.81 / 25  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("speed", [10, 25, 40])
+def test_nothing_passes_through_a_thin_wall(speed):
+    text = CAR + "class Wall:\n    width: 20\n    length: 0.1\nclass Stone:\n    width: 0.1\n    length: 0.1\n"
+    text += f"ego = Stone at (0, 0), with velocity (0, {speed})\nWall at (0, 7.3)\n"
+    run = by_pymunk(text, 20)
+    assert [event for moment in run.moments for event in moment.events] == ["collision of objects 0 and 1"]
+    assert run.moments[-1].objects[0]["position"].y < 7.3  # type: ignore[attr-defined]
+
+
+def test_rocks_stand_still_and_pedestrians_walk():
+    text = CAR + "class Rock:\n    width: 1\n    length: 1\nbehavior W():\n    take SetWalkingDirectionAction(0), SetWalkingSpeedAction(1.5)\n"
+    text += "ego = Pedestrian at (0, 0), with behavior W\nRock at (0, 6)\n"
+    run = by_pymunk(text, 80)
+    assert run.moments[-1].objects[1]["position"] == Vector(0.0, 6.0)
+    assert run.moments[20].objects[0]["speed"] == pytest.approx(1.5)
+    assert run.moments[-1].objects[0]["position"].y < 6 - 0.5 - 0.375 + 0.02  # type: ignore[attr-defined]
+    with pytest.raises(SimulatorError, match="stands still cannot be given a velocity"):
+        by_pymunk(CAR + "class Rock:\n    width: 1\nbehavior B():\n    take SetSpeedAction(1)\nego = Rock at (0, 0), with behavior B", 3)
+
+
+@pytest.mark.parametrize("name", ["still", "kinematic", "pymunk"])
+def test_the_contract_of_simulators(name):
+    """What any simulator must do: declared properties come back, new objects are taken in, it can be used again, NaN is never read."""
+    if name == "pymunk":
+        pytest.importorskip("pymunk")
+    simulator = by_name(name)
+    assert simulator.timestep > 0
+    text = "class Car:\n    width: 2\nscenario Sub():\n    setup:\n        Car at (9, 0)\nscenario Main():\n    setup:\n        ego = Car at (0, 0)\n"
+    scenario = scenic_ref.loads(text + "    compose:\n        wait\n        do Sub() for 2 steps\n        wait")
+    first, again = (scenario.simulate(simulator, 9).simulation for _ in range(2))
+    assert to_line(first, 1) == to_line(again, 1)
+    assert [len(moment.objects) for moment in first.moments] == [1, 2, 2, 2, 2]
+    for moment in first.moments[1:-1]:
+        for pose in moment.objects:
+            assert set(pose) == simulator.properties

@@ -73,7 +73,7 @@ FAULTS = (
                 '    return Next("T-Mutate", Config(PASS, (Late(0), stack), state))\n',
             ),
             Edit(
-                "semantics/termination.py", 'return Next("T-Mutate", Config(PASS, (Late(0), stack), state._replace(draws=state.draws + 1)))',
+                "semantics/termination.py", 'return Next("T-Mutate", Config(PASS, (Late(0, since=frame.since), stack), state._replace(draws=state.draws + 1)))',
                 'return Next("T-Mutate", Config(PASS, stack, state._replace(draws=state.draws + 1)))',
             ),
         ),

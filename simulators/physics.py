@@ -1,0 +1,215 @@
+"""A simulator with collisions, seen from above, by pymunk (extra `dynamics`). The only file that imports pymunk.
+
+Objects are boxes. Vehicles have throttle, brake and drag along their heading, tyres that hold them sideways up to a limit, and turn as a
+bicycle does; pedestrians walk; what has neither engine nor legs, nor a velocity to begin with, stands still for good. A run has a space of its
+own, bodies in the order of the scene, fixed time steps and no randomness, so that equal actions give equal trajectories, bit for bit, on one
+machine.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from ..interpreter.simulating import Body, Pose
+from ..semantics.errors import UsageError
+from ..semantics.vectors import Vector
+from . import actions as a
+
+BRAKING, ACCELERATION = 6.8, 5.6
+"""Metres per second squared, at full brake and full throttle."""
+DRAG = ACCELERATION / 50.0**2
+"""Per metre: at full throttle a vehicle reaches 50 m/s."""
+ROLLING = 0.1
+"""Metres per second squared by which a vehicle that is left alone slows down."""
+GRIP = 0.9 * 9.81
+"""Metres per second squared that tyres can turn or hold."""
+STEERING, WHEELBASE, YAWING = math.radians(35), 0.6, 8.0
+"""The largest angle of the front wheels; the wheelbase as a share of the length; radians per second squared by which the yaw rate can change."""
+WALKING = 3.0
+"""Metres per second squared by which a pedestrian changes its velocity."""
+MASS = 160.0
+"""Kilograms per square metre, about that of a car."""
+SLOP = 0.01
+"""Metres by which objects that touch may overlap."""
+SUBSTEP, FASTEST = 1 / 60, 40.0
+"""The longest internal step in seconds, and the speed up to which nothing passes through anything."""
+
+
+class Moving:
+    """An object: its body, what kind it is, and how its controls are set."""
+
+    def __init__(self, body: Any, length: float, vehicle: bool, pedestrian: bool) -> None:
+        self.body, self.length, self.vehicle, self.pedestrian = body, length, vehicle, pedestrian
+        self.throttle = self.brake = self.steer = 0.0
+        self.handbrake = self.reverse = False
+        self.walking: tuple[float, float] | None = None
+
+    def along(self) -> float:
+        """The speed along the heading, in metres per second."""
+        x, y = self.body.velocity
+        return y * math.cos(self.body.angle) - x * math.sin(self.body.angle)
+
+    def run(self, speed: float, heading: float) -> None:
+        """Let the velocity be this speed along a heading."""
+        self.body.velocity = (-speed * math.sin(heading), speed * math.cos(heading))
+
+
+class Physics:
+    """The simulator; `timestep` is in seconds. Raises `UsageError` if pymunk is not installed."""
+
+    properties = frozenset({"position", "heading", "speed", "velocity", "angularSpeed"})
+
+    def __init__(self, timestep: float = 0.1) -> None:
+        if not (timestep > 0 and math.isfinite(timestep)):
+            raise ValueError(f"the time step is a positive number of seconds, not {timestep}")
+        try:
+            import pymunk
+        except ImportError:
+            raise UsageError("the simulator pymunk needs the package pymunk", hint="pip install 'scenic-ref[dynamics]'") from None
+        self.pymunk = pymunk
+        self.timestep = timestep
+        self.destroy()
+
+    def create(self, bodies: Sequence[Body]) -> None:
+        """Objects begin with their property `velocity`, else `speed` along their heading, else at rest; others pass through `allowCollisions`."""
+        for body in bodies:
+            position, heading = body.properties["position"], float(body.properties["heading"])  # type: ignore[arg-type]
+            width, length = float(body.properties["width"]), float(body.properties["length"])  # type: ignore[arg-type]
+            velocity, speed = body.properties.get("velocity"), body.properties.get("speed")
+            pushed = isinstance(velocity, Vector) and bool(velocity.x or velocity.y)
+            moves = pushed or (a.is_number(speed) and speed != 0)
+            vehicle, pedestrian = a.drives(body), a.walks(body)
+            made = self.body_of(width, length, still=not (vehicle or pedestrian or moves), turns=not pedestrian)
+            made.position, made.angle = (position.x, position.y), heading  # type: ignore[union-attr]
+            moving = Moving(made, length, vehicle, pedestrian)
+            if pushed:
+                made.velocity = (velocity.x, velocity.y)
+            elif moves:
+                moving.run(float(speed), heading)  # type: ignore[arg-type]
+            if vehicle:
+                made.velocity_func = lambda _, gravity, damping, dt, moving=moving: drive(moving, dt)
+            elif pedestrian:
+                made.velocity_func = lambda _, gravity, damping, dt, moving=moving: walk(moving, dt)
+            shape = self.pymunk.Poly.create_box(made, (width, length))
+            shape.friction, shape.elasticity = 0.6, 0.1
+            shape.sensor = bool(body.properties.get("allowCollisions", False))
+            self.space.add(made, shape)
+            self.ids[shape] = body.id
+            self.moving[body.id] = moving
+            self.smallest = min(self.smallest, max(min(width, length), 1e-3))
+
+    def body_of(self, width: float, length: float, *, still: bool, turns: bool) -> Any:
+        """A body without its place."""
+        if still:
+            return self.pymunk.Body(body_type=self.pymunk.Body.STATIC)
+        mass = max(MASS * width * length, 1e-3)
+        return self.pymunk.Body(mass, self.pymunk.moment_for_box(mass, (width, length)) if turns else math.inf)
+
+    def check(self, body: Body, action: object) -> str | None:
+        """Whether it is one of our actions, and this object can take it."""
+        if not isinstance(action, a.Action):
+            return f"it is none of {', '.join(a.ACTIONS)}"
+        return action.reason_against(body)
+
+    def step(self, actions: Mapping[int, Sequence[object]]) -> Sequence[str]:
+        """The actions, then as many internal steps as are needed that nothing passes through anything; collisions that begin are told."""
+        for id, taken in actions.items():
+            for action in taken:
+                self.take(self.moving[id], action)
+        count = math.ceil(self.timestep / min(SUBSTEP, self.smallest / FASTEST) - 1e-9)
+        self.met = []
+        for _ in range(count):
+            self.space.step(self.timestep / count)
+        return [f"collision of objects {one} and {other}" for one, other in dict.fromkeys(self.met)]
+
+    def take(self, moving: Moving, action: object) -> None:
+        """The effect of an action on the controls of an object."""
+        body = moving.body
+        match action:
+            case a.SetThrottleAction(throttle=throttle):
+                moving.throttle = float(throttle)
+            case a.SetBrakeAction(brake=brake):
+                moving.brake = float(brake)
+            case a.SetSteerAction(steer=steer):
+                moving.steer = float(steer)
+            case a.SetHandBrakeAction(handbrake=handbrake):
+                moving.handbrake = bool(handbrake)
+            case a.SetReverseAction(reverse=reverse):
+                moving.reverse = bool(reverse)
+            case a.SetPositionAction(position=position):
+                body.position = (position.x, position.y)
+                self.space.reindex_shapes_for_body(body)
+            case a.SetVelocityAction(velocity=velocity):
+                self.push(moving, (velocity.x, velocity.y))
+            case a.SetSpeedAction(speed=speed):
+                self.push(moving, (-speed * math.sin(body.angle), speed * math.cos(body.angle)))
+            case a.SetWalkingDirectionAction(heading=heading):
+                speed = math.hypot(*(moving.walking or body.velocity))
+                moving.walking = (-speed * math.sin(heading), speed * math.cos(heading))
+                body.angle = float(heading)
+            case a.SetWalkingSpeedAction(speed=speed):
+                moving.walking = (-speed * math.sin(body.angle), speed * math.cos(body.angle))
+            case _:
+                raise AssertionError(action)
+
+    def push(self, moving: Moving, velocity: tuple[float, float]) -> None:
+        """Give an object a velocity; what stood still for good cannot have one."""
+        if moving.body.body_type == self.pymunk.Body.STATIC:
+            raise ValueError("an object that stands still cannot be given a velocity: let it begin with one")
+        moving.body.velocity = velocity
+        moving.walking = velocity if moving.pedestrian else None
+
+    def read(self, id: int) -> Pose:
+        """Where the object is, and how it moves."""
+        moving = self.moving[id]
+        body = moving.body
+        speed = moving.along() if moving.vehicle else math.hypot(*body.velocity)
+        return {
+            "position": Vector(body.position.x, body.position.y), "heading": body.angle, "speed": speed,
+            "velocity": Vector(body.velocity.x, body.velocity.y), "angularSpeed": body.angular_velocity,
+        }  # fmt: skip
+
+    def destroy(self) -> None:
+        """Begin with an empty space."""
+        self.space: Any = self.pymunk.Space()
+        self.space.collision_slop = SLOP
+        self.space.on_collision(begin=self.meet)
+        self.ids: dict[Any, int] = {}
+        self.moving: dict[int, Moving] = {}
+        self.met: list[tuple[int, int]] = []
+        self.smallest = math.inf
+
+    def meet(self, arbiter: Any, space: Any, data: Any) -> None:
+        """Two objects touch."""
+        one, other = (self.ids[shape] for shape in arbiter.shapes)
+        self.met.append((min(one, other), max(one, other)))
+
+
+def drive(moving: Moving, dt: float) -> None:
+    """The change of a vehicle's velocity in `dt` seconds: engine, brake and drag along it, tyres across it, the yaw rate of a bicycle."""
+    body = moving.body
+    sine, cosine = math.sin(body.angle), math.cos(body.angle)
+    x, y = body.velocity
+    along, across = y * cosine - x * sine, x * cosine + y * sine
+    brake = max(float(moving.handbrake), moving.brake)
+    along += (-moving.throttle if moving.reverse else moving.throttle) * ACCELERATION * dt if brake == 0 else 0.0
+    slower = (BRAKING * brake + (ROLLING if moving.throttle == 0 else 0.0) + DRAG * along * along) * dt
+    along = math.copysign(max(0.0, abs(along) - slower), along)
+    across = math.copysign(max(0.0, abs(across) - GRIP * dt), across)
+    body.velocity = (across * cosine - along * sine, along * cosine + across * sine)
+    wanted = -along * math.tan(moving.steer * STEERING) / (WHEELBASE * moving.length)
+    limit = GRIP / max(abs(along), 1e-6)
+    change = min(max(wanted, -limit), limit) - body.angular_velocity
+    body.angular_velocity += min(max(change, -YAWING * dt), YAWING * dt)
+
+
+def walk(moving: Moving, dt: float) -> None:
+    """The change of a pedestrian's velocity in `dt` seconds, towards that with which it wants to walk."""
+    x, y = moving.body.velocity
+    to_x, to_y = moving.walking or (0.0, 0.0)
+    far = math.hypot(to_x - x, to_y - y)
+    share = min(1.0, WALKING * dt / far) if far else 0.0
+    moving.body.velocity = (x + (to_x - x) * share, y + (to_y - y) * share)
+    moving.body.angular_velocity = 0.0
