@@ -78,14 +78,14 @@ class Physics:
             position, heading = body.properties["position"], float(body.properties["heading"])  # type: ignore[arg-type]
             width, length = float(body.properties["width"]), float(body.properties["length"])  # type: ignore[arg-type]
             velocity, speed = body.properties.get("velocity"), body.properties.get("speed")
-            pushed = isinstance(velocity, Vector) and bool(velocity.x or velocity.y)
-            moves = pushed or (a.is_number(speed) and speed != 0)
+            pushed = (velocity.x, velocity.y) if isinstance(velocity, Vector) else (0.0, 0.0)
+            moves = pushed != (0.0, 0.0) or (a.is_number(speed) and speed != 0)
             vehicle, pedestrian = a.drives(body), a.walks(body)
             made = self.body_of(width, length, still=not (vehicle or pedestrian or moves), turns=not pedestrian)
             made.position, made.angle = (position.x, position.y), heading  # type: ignore[union-attr]
             moving = Moving(made, length, vehicle, pedestrian)
-            if pushed:
-                made.velocity = (velocity.x, velocity.y)
+            if pushed != (0.0, 0.0):
+                made.velocity = pushed
             elif moves:
                 moving.run(float(speed), heading)  # type: ignore[arg-type]
             if vehicle:

@@ -36,6 +36,7 @@ WORLDS: Mapping[str, Callable[[], str | Mapping[str, object]]] = {
     "scenic.simulators.gta.model": lambda: _text("gta/model.scenic"),
     "scenic.simulators.gta.map": gta_map,
     "scenic.domains.driving.actions": driving_actions,
+    "street": lambda: _text("street.scenic"),
     "gtaLib": lambda: "from scenic.simulators.gta.model import *\n",
     "mars": lambda: _text("mars/mars.scenic"),
     "scenic.simulators.webots.mars.model": lambda: "from mars import *\n",
