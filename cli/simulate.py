@@ -46,6 +46,9 @@ def simulate(
     output: Annotated[
         str | None, typer.Option("-o", "--output", metavar="PATH", help="Write one simulation per line as JSON (- for standard output).")
     ] = None,
+    html: Annotated[
+        str | None, typer.Option("--html", metavar="PATH", help="Also write a page that plays the simulations again (at most 50).")
+    ] = None,
     profile: ProfileOption = "paper",
     reading: ReadingOption = None,
     dialect: DialectOption = None,
@@ -72,4 +75,4 @@ def simulate(
         session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, fuel=fuel, trust=trust, scenario=scenario
     )
     first = 0 if run is None else run
-    produce_simulations(source, Request(first, first + count, seed, max_attempts, simulator, steps, timestep, output), session)
+    produce_simulations(source, Request(first, first + count, seed, max_attempts, simulator, steps, timestep, output, html), session)

@@ -6,6 +6,7 @@ import sys
 import time
 from collections import Counter
 from contextlib import ExitStack
+from pathlib import Path
 from typing import NamedTuple
 
 from ..inference.simulation import SampledRun
@@ -20,6 +21,7 @@ from .options import Source
 from .outputs import Output, open_output
 from .production import rehearse
 from .progress import Progress
+from .replaying import MOST, write_page
 from .reports import requirement_lines
 from .session import Session, tell
 
@@ -35,6 +37,7 @@ class Request(NamedTuple):
     steps: int
     timestep: float | None
     output: str | None
+    html: str | None = None
 
 
 def produce_simulations(source: Source, request: Request, session: Session) -> None:
@@ -43,6 +46,8 @@ def produce_simulations(source: Source, request: Request, session: Session) -> N
         check_place(request.output, {"the program itself": source.file})
         if request.output.endswith((".parquet", ".npz")):
             raise UsageError("simulations are written as JSON Lines", hint="-o PATH.jsonl")
+    if request.html is not None:
+        check_place(request.html, {"the program itself": source.file, "the output": request.output})
     simulator = by_name(request.simulator, request.timestep)
     drawing = drawing_of(source)
     rehearse(drawing)
@@ -50,6 +55,7 @@ def produce_simulations(source: Source, request: Request, session: Session) -> N
     begun = time.perf_counter()
     stuck: Counter[Failed] = Counter()
     attempts = 0
+    kept: list[SampledRun] = []
     with ExitStack() as stack:
         output = None if shown else stack.enter_context(open_output(request.output, resume=False))
         progress = stack.enter_context(Progress(request.stop - request.start, what="simulations"))
@@ -58,11 +64,15 @@ def produce_simulations(source: Source, request: Request, session: Session) -> N
                 simulator, request.steps, request.seed, index, max_attempts=request.max_attempts, on_attempt=progress.stuck,
             )  # fmt: skip
             write(output, run, index)
+            if request.html is not None and len(kept) < MOST:
+                kept.append(run)
             progress.drawn(run.attempts)
             stuck += run.stuck
             attempts += run.attempts
         if output is not None:
             output.finish()
+    if request.html is not None:
+        write_page(request.html, Path(source.file).name, kept)
     for line in summary(request, attempts, stuck, time.perf_counter() - begun, session):
         tell(line)
 

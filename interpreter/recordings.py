@@ -6,8 +6,8 @@ import json
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 
-from .scenes import json_value
-from .simulating import Moment, Simulated
+from .scenes import OWN_FIELDS, json_value
+from .simulating import Body, Moment, Simulated
 
 SCHEMA = "scenic-ref/simulation/1"
 
@@ -16,7 +16,8 @@ def to_json(run: Simulated, attempts: int) -> dict[str, object]:
     """A simulation that took so many attempts, in the simulation format."""
     return {
         "schema": SCHEMA, "seed": run.scene.seed, "run": run.scene.index, "attempts": attempts, "timestep": run.timestep,
-        "scene": run.scene.to_json(), "steps": [moment_json(moment) for moment in run.moments], "result": run.result, "reason": run.reason,
+        "scene": run.scene.to_json(), "created": [body_json(body) for body in run.created],
+        "steps": [moment_json(moment) for moment in run.moments], "result": run.result, "reason": run.reason,
     }
 
 
@@ -25,12 +26,17 @@ def to_line(run: Simulated, attempts: int) -> str:
     return json.dumps(to_json(run, attempts), allow_nan=False, ensure_ascii=False)
 
 
+def body_json(body: Body) -> dict[str, object]:
+    """An object that was made while the scenario ran, as it was then."""
+    return {"id": body.id, "class": body.class_name, **{name: json_value(body.properties[name]) for name in OWN_FIELDS}}
+
+
 def moment_json(moment: Moment) -> dict[str, object]:
     """A time step."""
     return {
         "step": moment.step,
         "objects": [{"id": k, **{name: json_value(value) for name, value in pose.items()}} for k, pose in enumerate(moment.objects)],
-        "actions": actions_json(moment.actions), "events": list(moment.events),
+        "actions": actions_json(moment.actions), "events": list(moment.events), "doing": {str(id): text for id, text in sorted(moment.doing.items())},
     }
 
 

@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
 from typing import NamedTuple, Protocol, TypeVar
 
 from ..semantics.config import Config, State
 from ..semantics.dynamics.policy import after_one_step, begin, policy, unsatisfied
+from ..semantics.dynamics.simulation import doing, satisfied, simulation_of
 from ..semantics.errors import RunError, ScenicError, SimulatorError
-from ..semantics.outcome import Act, Done, Finish, Requirement, Stuck
+from ..semantics.outcome import Act, Done, Finish, Next, Outcome, Requirement, Stuck
 from ..semantics.syntax.nodes import NOWHERE
 from ..semantics.values import plain
 from ..semantics.vectors import Vector
@@ -61,22 +63,26 @@ class Simulator(Protocol):
 
 
 class Moment(NamedTuple):
-    """A time step: the objects at its start, the actions taken in it, and what happened."""
+    """A time step: the objects at its start, the actions taken in it, what happened, and which behavior each agent is in, on which line."""
 
     step: int
     objects: tuple[Pose, ...]
     actions: Mapping[int, tuple[object, ...]]
     events: tuple[str, ...]
+    doing: Mapping[int, str] = MappingProxyType({})
 
 
 class Simulated(NamedTuple):
-    """A simulation that was accepted: its scene, its time steps, how it ended ("terminated" or "time limit") and why."""
+    """A simulation that was accepted: its scene, its time steps, how it ended ("terminated" or "time limit") and why; `timestep` is in seconds,
+    and `created` are the objects that scenarios made on the way, as they were then.
+    """
 
     scene: Scene
     moments: tuple[Moment, ...]
     result: str
     reason: str
     timestep: float
+    created: tuple[Body, ...] = ()
 
 
 class Failed(NamedTuple):
@@ -103,25 +109,35 @@ def simulate_once(
     scene = scene_of(generated.state, seed, index, attempt + 1)
     state = begin(generated.state, simulator.timestep, simulator.properties)
     moments: list[Moment] = []
-    known = 0
+    told: list[str] = []
+    witness = listening(told, witness)
+    held: set[int] = set()
+    first = len(state.scene)
+    made: list[Body] = []
     try:
+        made += create_new(simulator, state, 0)
         for number in range(steps):
-            known = create_new(simulator, state, known)
+            told.clear()
             outcome, _ = drive(policy(state), choose, fuel=fuel, witness=witness)
             if isinstance(outcome, Stuck):
                 return Failed(outcome.requirement, number)
+            now = satisfied(outcome.state)  # type: ignore[union-attr]
+            told += [f"`require eventually` on line {line} is satisfied" for line in sorted(now - held)]
+            held |= now
             if isinstance(outcome, Finish):
-                moments.append(Moment(number, poses(outcome.state, simulator), {}, ()))
-                return Simulated(scene, tuple(moments), "terminated", outcome.reason, simulator.timestep)
+                moments.append(Moment(number, poses(outcome.state, simulator), {}, tuple(told)))
+                return Simulated(scene, tuple(moments), "terminated", outcome.reason, simulator.timestep, tuple(made[first:]))
             assert isinstance(outcome, Act)
             state = outcome.state
-            known = create_new(simulator, state, known)
+            made += create_new(simulator, state, len(made))
             ids = {instance.number: k for k, instance in enumerate(state.scene)}
             actions = {ids[n]: taken for n, taken in outcome.actions.items()}
             check_actions(simulator, state, actions)
             before = poses(state, simulator)
             events = guarded(simulator.step, actions)
-            moments.append(Moment(number, before, actions, tuple(events)))
+            agents = simulation_of(state).agents
+            doings = {ids[n]: text for n, agent in agents.items() if (text := doing(agent))}
+            moments.append(Moment(number, before, actions, (*told, *events), doings))
             state = after_one_step(read_back(simulator, state))
     finally:
         simulator.destroy()
@@ -129,18 +145,39 @@ def simulate_once(
     if missed is not None:
         return Failed(missed, steps)
     moments.append(Moment(steps, poses(state, simulator), {}, ()))
-    return Simulated(scene, tuple(moments), "time limit", f"{steps:,} time steps have passed", simulator.timestep)
+    reason = f"{steps:,} time steps have passed"
+    return Simulated(scene, tuple(moments), "time limit", reason, simulator.timestep, tuple(made[first:]))
+
+
+TOLD = {
+    "D-Interrupt": "interrupt", "D-Abort": "abort", "D-Setup": "a scenario begins", "D-Scenario-End": "a scenario ends",
+    "D-TerminateWhen": "a termination condition is true", "D-Terminate": "terminate", "D-Override": "override",
+}  # fmt: skip
+"""Rules that are events of a time step."""
+
+
+def listening(told: list[str], witness: Witness | None) -> Witness:
+    """A witness that writes down what happens in a time step, and tells another one."""
+
+    def look(outcome: Outcome, drawn: object) -> None:
+        if type(outcome) is Next and outcome.rule in TOLD:
+            line = outcome.node.span.line if outcome.node is not None else 0
+            told.append(TOLD[outcome.rule] + (f" (line {line})" if line else ""))
+        if witness is not None:
+            witness(outcome, drawn)
+
+    return look
 
 
 # Between the machine and the simulator
 
 
-def create_new(simulator: Simulator, state: State, known: int) -> int:
-    """Tell the simulator of the objects from number `known` on; how many there are now."""
-    if len(state.scene) > known:
-        new = [body_of(k, state) for k in range(known, len(state.scene))]
+def create_new(simulator: Simulator, state: State, known: int) -> list[Body]:
+    """Tell the simulator of the objects from number `known` on, which are given."""
+    new = [body_of(k, state) for k in range(known, len(state.scene))]
+    if new:
         guarded(simulator.create, new)
-    return len(state.scene)
+    return new
 
 
 def body_of(id: int, state: State) -> Body:

@@ -156,7 +156,9 @@ def interrupt(process: Suspended, place: int, clause: int, stack: Stack, state: 
     interrupted = process._replace(frames=process.frames[:place])
     handling = frame._replace(current=clause, waiting=(*frame.waiting, (frame.current, interrupted)))
     own = state._replace(sigma=frame.sigma, handling=frame.handling, depth=frame.depth)
-    return block(frame.clauses[clause].block, (handling, pushed(process.frames[place + 1 :], stack)), own, "D-Interrupt", frame.node)
+    condition = frame.clauses[clause].condition
+    node = frame.node if isinstance(condition, Deadline) else condition
+    return block(frame.clauses[clause].block, (handling, pushed(process.frames[place + 1 :], stack)), own, "D-Interrupt", node)
 
 
 def resume_interruptible(frame: Interruptible, result: object, stack: Stack, state: State) -> Outcome:

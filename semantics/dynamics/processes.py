@@ -12,7 +12,7 @@ from typing import NamedTuple
 from ..config import PASS, Abrupt, Config, Stack, State, Value
 from ..outcome import Next, Outcome
 from ..scopes import Scope
-from ..syntax.nodes import Node
+from ..syntax.nodes import NOWHERE, Node, Span
 
 DYNAMIC = -1
 """The first number of the addresses of draws that are made while a scenario runs; those of the scene begin with a number that is at least 0."""
@@ -30,7 +30,7 @@ KINDS = ("behavior", "monitor", "compose", "condition", "setup")
 
 
 class Suspended(NamedTuple):
-    """A coroutine that waits for the next time step; one that has not `begun` waits for its first."""
+    """A coroutine that waits for the next time step, at the statement at `span`; one that has not `begun` waits for its first."""
 
     control: Node | Value | Abrupt
     frames: tuple[object, ...]
@@ -38,6 +38,7 @@ class Suspended(NamedTuple):
     handling: tuple[BaseException, ...] = ()
     depth: int = 0
     begun: bool = True
+    span: Span = NOWHERE
 
 
 class Yielded(NamedTuple):
@@ -97,7 +98,7 @@ def suspend(actions: tuple[object, ...], control: Node | Value, stack: Stack, st
     while not isinstance(stack[0], Coroutine):
         frame, stack = stack
         frames.append(frame)
-    rest = Suspended(control, tuple(frames), state.sigma, state.handling, state.depth)
+    rest = Suspended(control, tuple(frames), state.sigma, state.handling, state.depth, span=NOWHERE if node is None else node.span)
     return Next(rule, Config(Value(Yielded(actions, rest)), stack, state), node)
 
 

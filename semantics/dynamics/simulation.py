@@ -106,6 +106,22 @@ def with_agent(state: State, agent: Agent) -> State:
     return with_simulation(state, agents={**simulation_of(state).agents, agent.instance.number: agent})
 
 
+def doing(agent: Agent) -> str:
+    """Which behaviors an agent is in, the outermost first, and on which line the innermost waits."""
+    from .invocations import Invoked
+
+    if agent.ended or agent.process is None:
+        return "its behavior has ended" if agent.ended else ""
+    names = [repr(frame.behavior) for frame in reversed(agent.process.frames) if isinstance(frame, Invoked)]
+    line = agent.process.span.line
+    return " > ".join(names) + (f", line {line}" if line else "")
+
+
+def satisfied(state: State) -> set[int]:
+    """The lines of the `require eventually` that have held so far."""
+    return {r.eventually[place].node.span.line for r in simulation_of(state).scenarios.values() for place in r.satisfied}
+
+
 def agent_of(who: Who, state: State) -> Instance:
     """The object whose behavior a coroutine is."""
     agent = simulation_of(state).agents.get(who.number)

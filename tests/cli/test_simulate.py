@@ -31,6 +31,18 @@ def test_simulations_are_lines_of_json_and_the_report_says_what_rejected(ask, tm
     assert json.loads(alone.out) == runs[3]
 
 
+def test_the_page_holds_the_simulations_and_needs_nothing_else(ask, tmp_path):
+    (tmp_path / "p.scenic").write_text(PROGRAM + "param p = '</script>'\n")
+    assert ask("simulate", "p.scenic", "-n", "3", "-o", "runs.jsonl", "--html", "page.html").code == 0
+    page = (tmp_path / "page.html").read_text()
+    assert page.count("</script>") == 1
+    assert "http" not in page.replace("http-equiv", "")
+    data = json.loads(page.split("const data = ", 1)[1].split(";\nconst at", 1)[0])
+    assert [run["run"] for run in data["runs"]] == [0, 1, 2]
+    assert data["runs"][0]["steps"][0]["doing"] == {"0": "B(), line 4"}
+    assert data["runs"][0]["steps"][-1]["events"] == ["a termination condition is true (line 8)"]
+
+
 def test_the_scenario_can_be_named(ask, tmp_path):
     (tmp_path / "p.scenic").write_text(PROGRAM)
     counts = [len(json.loads(ask("simulate", "p.scenic", *more).out)["scene"]["objects"]) for more in ((), ("--scenario", "Other"))]

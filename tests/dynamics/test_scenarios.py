@@ -84,6 +84,14 @@ def test_terminate_ends_the_scenario_that_it_stands_in():
     assert steps_and_objects(main("do Sub()\nwait", sub)) == [1, 1, 1, 1, "terminated"]
 
 
+def test_events_and_objects_made_on_the_way_are_recorded():
+    run = simulated(main("wait\ndo Parked(12) for 2 steps", PARKED), 6)
+    assert isinstance(run, Simulated)
+    assert [(body.id, body.properties["position"].x) for body in run.created] == [(1, 12)]  # type: ignore[attr-defined]
+    told = [(moment.step, event.partition(" (")[0]) for moment in run.moments for event in moment.events]
+    assert told == [(1, "a scenario begins"), (3, "interrupt"), (3, "abort"), (3, "a scenario ends")]
+
+
 def test_preconditions_and_invariants_of_scenarios():
     sub = "scenario Sub():\n    precondition: ego.x == 0\n    invariant: ego.x < 2\n"
     sub += "    compose:\n        wait\n        ego.x = ego.x + 1\n        wait\n        wait\n"

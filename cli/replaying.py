@@ -1,0 +1,31 @@
+"""A page that plays simulations again: one file, with nothing else needed."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from importlib.resources import files
+
+from ..inference.simulation import SampledRun
+from ..interpreter.recordings import to_json
+from .files import write
+
+MOST = 50
+"""So many simulations are on a page."""
+
+
+def write_page(path: str, title: str, runs: Sequence[SampledRun]) -> None:
+    """Write the page. Raises `UsageError` if that cannot be done."""
+    data = {"title": title, "runs": [shown(to_json(run.simulation, run.attempts)) for run in runs]}
+    text = json.dumps(data, ensure_ascii=False, allow_nan=False).replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
+    template = files("scenic_ref.cli").joinpath("replay.html").read_text(encoding="utf-8")
+    write(path, template.replace("/*REPLAY*/null", text))
+
+
+def shown(run: dict[str, object]) -> dict[str, object]:
+    """What the page needs of a simulation: the objects by number, those of the scene first."""
+    scene, created = run["scene"], run["created"]
+    assert isinstance(scene, dict) and isinstance(created, list)
+    wanted = ("id", "name", "class", "position", "heading", "width", "length")
+    objects = [{name: o[name] for name in wanted if name in o} for o in (*scene["objects"], *created)]
+    return {name: run[name] for name in ("seed", "run", "timestep", "steps", "result", "reason")} | {"ego": scene["ego"], "objects": objects}
