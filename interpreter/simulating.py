@@ -196,7 +196,8 @@ def poses(state: State, simulator: Simulator) -> tuple[Pose, ...]:
 def check_actions(simulator: Simulator, state: State, actions: Mapping[int, tuple[object, ...]]) -> None:
     """Each action is checked against the agent that takes it. Raises `RunError`."""
     for id, taken in actions.items():
-        body = body_of(id, state)
+        instance = state.scene[id]
+        body = Body(id, instance.class_.name, state.objects[instance.number])
         for action in taken:
             reason = guarded(simulator.check, body, action)
             if reason is not None:
@@ -205,14 +206,15 @@ def check_actions(simulator: Simulator, state: State, actions: Mapping[int, tupl
 
 def read_back(simulator: Simulator, state: State) -> State:
     """The state with what the simulator says of the objects. Raises `SimulatorError` for numbers that are none."""
+    objects = dict(state.objects)
     for id, instance in enumerate(state.scene):
         pose = guarded(simulator.read, id)
         for name, value in pose.items():
             numbers = (value.x, value.y) if isinstance(value, Vector) else (value,)
             if any(isinstance(n, float) and not math.isfinite(n) for n in numbers):
                 raise SimulatorError(f"the simulator says that the {name} of {instance!r} is {value}", instance.span)
-        state = state.with_properties(instance, pose)
-    return state
+        objects[instance.number] = {**objects[instance.number], **pose}
+    return state.with_objects(objects)
 
 
 def guarded(operation: Callable[..., Given], *arguments: object) -> Given:

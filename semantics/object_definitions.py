@@ -295,6 +295,10 @@ def assign_property(frame: Construction, rule: str, properties: Mapping[str, obj
 def new_instance(frame: Construction, stack: Stack, state: State) -> Outcome:
     """inst = newInstance(class, σ_n(self)), and O_n ∪ {inst}."""
     instance = frame.instance
+    if state.simulation is not None and is_object(instance):
+        from .dynamics.scenarios import check_setup
+
+        check_setup("objects are made", frame.node, stack, state)
     scene = (*state.scene, instance) if is_object(instance) else state.scene
     after = state._replace(sigma=frame.outer, scene=scene)
     change = Change("O", repr(instance), instance) if is_object(instance) else None

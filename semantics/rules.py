@@ -27,7 +27,7 @@ from . import (
     statements,
     termination,
 )
-from .dynamics import actions, guards, interrupts, invocations, policy, queries, scenarios
+from .dynamics import actions, choices, guards, interrupts, invocations, overrides, policy, queries, scenarios
 from .syntax import expressions as e
 from .syntax import specifiers as q
 
@@ -210,7 +210,7 @@ _DYNAMIC = [
     Rule("D-TerminateWhen", "terminate when B", TERMINATION, scenarios.check_termination),
     Rule("D-Do", "do B", INVOKING, invocations.do),
     Rule("D-Do-Return", "the end of an invocation", INVOKING, invocations.returned),
-    Rule("D-Choose", "do choose, do shuffle", 'Section "Compositional Scenarios", "Random Selection of Scenarios"', invocations.choose),
+    Rule("D-Choose", "do choose, do shuffle", 'Section "Compositional Scenarios", "Random Selection of Scenarios"', choices.choose),
     Rule("D-Try", "try ... interrupt when B", INTERRUPTS, interrupts.try_interrupt),
     Rule("D-Interrupt", "an interrupt condition becomes true", INTERRUPTS, interrupts.interrupt),
     Rule("D-Abort", "abort", INTERRUPTS, interrupts.abort),
@@ -219,7 +219,7 @@ _DYNAMIC = [
     Rule("D-Guard", "the simulation is only rejected if the exception propagates out to the top level", GUARDS, policy.unwind_step),
     Rule("D-Setup", "the setup block of a scenario", MODULAR, scenarios.enter_setup),
     Rule("D-Scenario-End", "the end of a compose block", MODULAR, scenarios.resume_stepping),
-    Rule("D-Override", "override object specifiers", 'Section "Statements", "Overrides"', scenarios.override),
+    Rule("D-Override", "override object specifiers", 'Section "Statements", "Overrides"', overrides.override),
 ]
 
 CATALOGUE: tuple[Rule, ...] = (

@@ -127,6 +127,10 @@ def mutate(node: s.Mutate, stack: Stack, state: State) -> Outcome:
 def conclude_mutate(node: s.Mutate, values: list[object], stack: Stack, state: State) -> Outcome:
     """Set the scale of the listed objects, or of every Object that exists now (reading `mutate-all`)."""
     *listed, scale = values
+    if state.simulation is not None:
+        from .dynamics.scenarios import check_setup
+
+        check_setup("objects are mutated", node, stack, state)
     scale = 1 if node.scale is None else scale
     inner = plain(scale)
     if not is_scalar(inner) or inner < 0 or not is_finite_number(inner):  # type: ignore[operator]
@@ -144,6 +148,10 @@ def conclude_mutate(node: s.Mutate, values: list[object], stack: Stack, state: S
 
 def dynamic_requirement(node: Node, stack: Stack, state: State) -> Outcome:
     """`require always`, `require eventually`, `terminate when`: conditions that the policy monitors, not the scene."""
+    if state.simulation is not None:
+        from .dynamics.scenarios import declare
+
+        return Next("S-Dynamic", Config(PASS, stack, declare(Declared(node, state.sigma), stack, state)), node)
     return Next("S-Dynamic", Config(PASS, stack, declared(node, state)), node)
 
 

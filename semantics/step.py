@@ -26,7 +26,7 @@ from . import (
 )
 from .config import Abrupt, Config, Stack, State, Value
 from .distributions import BadParameters
-from .dynamics import actions, guards, interrupts, invocations, policy, processes, queries, scenarios
+from .dynamics import actions, choices, guards, interrupts, invocations, overrides, policy, processes, queries, scenarios
 from .dynamics.guards import GuardViolation
 from .errors import RunError, ScenicError, UncaughtException
 from .fields import OutsideField
@@ -123,10 +123,10 @@ REDUCE: Mapping[type, Callable[..., Outcome]] = {
     d.Wait: actions.wait,
     d.Terminate: actions.terminate,
     d.Do: invocations.do,
-    d.DoChoose: invocations.pick,
-    d.DoShuffle: invocations.pick,
+    d.DoChoose: choices.pick,
+    d.DoShuffle: choices.pick,
     d.Abort: interrupts.abort,
-    d.Override: scenarios.override,
+    d.Override: overrides.override,
 }
 
 RESUME: Mapping[type, Callable[..., Outcome]] = {
@@ -166,9 +166,10 @@ RESUME: Mapping[type, Callable[..., Outcome]] = {
     invocations.Beginning: invocations.resume_beginning,
     invocations.Invoked: invocations.resume_invoked,
     invocations.Together: invocations.resume_together,
-    invocations.Enabling: invocations.resume_enabling,
-    invocations.Starting: invocations.resume_starting,
-    invocations.Shuffling: invocations.resume_shuffling,
+    choices.Enabling: choices.resume_enabling,
+    choices.Starting: choices.resume_starting,
+    invocations.Returning: invocations.resume_returning,
+    choices.Shuffling: choices.resume_shuffling,
     processes.Coroutine: processes.resume_coroutine,
     scenarios.Setting: scenarios.resume_setting,
     scenarios.SetUp: scenarios.resume_set_up,
@@ -191,8 +192,13 @@ UNWIND: Mapping[type, Callable[..., Outcome]] = {
     definitions.ClassBody: definitions.unwind_class_body,
     definitions.ModuleBody: definitions.unwind_module_body,
     guards.Guarding: guards.unwind_guarding,
+    interrupts.Interrupting: interrupts.unwind_interrupting,
     interrupts.Interruptible: interrupts.unwind_interruptible,
     invocations.Invoked: invocations.unwind_invoked,
+    choices.Enabling: choices.unwind_enabling,
+    scenarios.Setting: scenarios.unwind_setting,
+    scenarios.SetUp: scenarios.unwind_set_up,
+    scenarios.Preparing: scenarios.unwind_preparing,
     processes.Coroutine: processes.unwind_coroutine,
     scenarios.Scenarios: scenarios.unwind_scenarios,
     scenarios.Ending: scenarios.unwind_ending,

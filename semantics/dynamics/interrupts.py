@@ -2,7 +2,9 @@
 
 While a coroutine is in such a statement, its conditions are checked at the start of every time step: those of outer statements first, and
 in one statement from the last clause back to the one that is running. The first that is true takes over: what it interrupts, with all
-that is inside, is suspended until the handler completes, and then goes on in the same time step (reading `interrupt-recheck`).
+that is inside, is suspended until the handler completes. Then the conditions are checked that were not yet in this time step: the handler's own,
+if it has taken time, those of earlier clauses, and those of statements inside; if none is true, what was interrupted goes on (reading
+`interrupt-recheck`).
 """
 
 from __future__ import annotations
@@ -20,7 +22,8 @@ from ..syntax import statements as s
 from ..syntax.nodes import NOWHERE, Expression, Node
 from ..syntax.python_expressions import Constant
 from .guards import guarded
-from .processes import Coroutine, Suspended, pushed, restored
+from .processes import Suspended, pushed, restored
+from .simulation import simulation_of
 
 BODY = -1
 TRUE = Constant(value=True)
@@ -41,8 +44,8 @@ class Clause(NamedTuple):
 
 
 class Interruptible(NamedTuple):
-    """Frame of a statement with interrupts: clause `current` is running (BODY: the body); `waiting` are those that it interrupted, each
-    with the clause that it belongs to, the last one suspended last.
+    """Frame of a statement with interrupts: clause `current` is running (BODY: the body), since time step `since`; `waiting` are those that it
+    interrupted, each with its clause and since when that was running, the last one suspended last.
     """
 
     node: Node
@@ -52,7 +55,8 @@ class Interruptible(NamedTuple):
     depth: int
     first_step: int
     current: int = BODY
-    waiting: tuple[tuple[int, Suspended], ...] = ()
+    since: int = -1
+    waiting: tuple[tuple[int, int, Suspended], ...] = ()
 
 
 class Interrupting(NamedTuple):
@@ -118,7 +122,7 @@ def check_interrupts(process: Suspended, stack: Stack, state: State, place: int 
             while clause > frame.current:
                 condition = frame.clauses[clause].condition
                 if not isinstance(condition, Deadline):
-                    asked = (Interrupting(process, place, clause), stack)
+                    asked = (Interrupting(process, place, clause), pushed(process.frames[place + 1 :], stack))
                     return Next("", Config(condition, asked, state._replace(sigma=frame.sigma, handling=frame.handling, depth=frame.depth)))
                 if has_passed(condition, frame, state):
                     return interrupt(process, place, clause, stack, state)
@@ -131,11 +135,21 @@ def resume_interrupting(frame: Interrupting, result: object, stack: Stack, state
     """A condition was reduced: interrupt, or look at the next."""
     statement = frame.process.frames[frame.place]
     assert isinstance(statement, Interruptible)
+    for _ in frame.process.frames[frame.place + 1 :]:
+        stack = stack[1]
     condition = statement.clauses[frame.clause].condition
     assert isinstance(condition, Expression)
     if truth(result, condition, state, "the condition of an interrupt"):
         return interrupt(frame.process, frame.place, frame.clause, stack, state)
     return check_interrupts(frame.process, stack, state, frame.place, frame.clause - 1)
+
+
+def unwind_interrupting(frame: Interrupting, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
+    """A condition raised an exception, which leaves its statement: what that was running is given up."""
+    from .scenarios import give_up
+
+    inside = frame.process._replace(frames=frame.process.frames[: frame.place + 1])
+    return give_up((inside,), Config(abrupt, stack, state))
 
 
 def has_passed(deadline: Deadline, frame: Interruptible, state: State) -> bool:
@@ -154,7 +168,8 @@ def interrupt(process: Suspended, place: int, clause: int, stack: Stack, state: 
     frame = process.frames[place]
     assert isinstance(frame, Interruptible)
     interrupted = process._replace(frames=process.frames[:place])
-    handling = frame._replace(current=clause, waiting=(*frame.waiting, (frame.current, interrupted)))
+    now = simulation_of(state).step
+    handling = frame._replace(current=clause, since=now, waiting=(*frame.waiting, (frame.current, frame.since, interrupted)))
     own = state._replace(sigma=frame.sigma, handling=frame.handling, depth=frame.depth)
     condition = frame.clauses[clause].condition
     node = frame.node if isinstance(condition, Deadline) else condition
@@ -162,12 +177,17 @@ def interrupt(process: Suspended, place: int, clause: int, stack: Stack, state: 
 
 
 def resume_interruptible(frame: Interruptible, result: object, stack: Stack, state: State) -> Outcome:
-    """The body is done, and so is the statement; or a handler is, and what it interrupted goes on."""
+    """The body is done, and so is the statement; or a handler is, and what it interrupted goes on, unless it is interrupted again.
+
+    The handler's own condition was looked at in this time step if the handler began in it, those after it anyway.
+    """
     if not frame.waiting:
         return Next("", Config(PASS, stack, state))
-    clause, interrupted = frame.waiting[-1]
-    rest = frame._replace(current=clause, waiting=frame.waiting[:-1])
-    return go_on(interrupted, (rest, stack), state)
+    clause, since, interrupted = frame.waiting[-1]
+    rest = frame._replace(current=clause, since=since, waiting=frame.waiting[:-1])
+    whole = interrupted._replace(frames=(*interrupted.frames, rest))
+    next_clause = frame.current if frame.since < simulation_of(state).step else frame.current - 1
+    return check_interrupts(whole, stack, state, len(interrupted.frames), next_clause)
 
 
 def unwind_interruptible(frame: Interruptible, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
@@ -175,7 +195,9 @@ def unwind_interruptible(frame: Interruptible, abrupt: Abrupt, stack: Stack, sta
     from .scenarios import give_up
 
     control = PASS if abrupt.kind == "abort" else abrupt
-    return give_up(tuple(process for _, process in frame.waiting), Config(control, stack, state))
+    if control is PASS and stack and isinstance(stack[0], Handling) and stack[0].node is frame.node:
+        stack = stack[1]  # the entire statement: its `else` as well
+    return give_up(tuple(process for _, _, process in frame.waiting), Config(control, stack, state))
 
 
 def go_on(process: Suspended, stack: Stack, state: State) -> Outcome:
@@ -190,12 +212,3 @@ def go_on(process: Suspended, stack: Stack, state: State) -> Outcome:
 def continued(control: Node | Value | Abrupt, stack: Stack, state: State) -> Outcome:
     """The coroutine goes on."""
     return Next("", Config(control, stack, state))
-
-
-def innermost_frames(stack: Stack) -> list[object]:
-    """The frames of the running coroutine, innermost first."""
-    frames: list[object] = []
-    while stack and not isinstance(stack[0], Coroutine):
-        frames.append(stack[0])
-        stack = stack[1]
-    return frames

@@ -5,16 +5,14 @@ Scenarios"); `do choose` and `do shuffle` pick among those whose preconditions h
 from __future__ import annotations
 
 from functools import partial
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from ..calls import invocation
-from ..conditions import truth
 from ..config import PASS, Abrupt, Config, Stack, State, Value
-from ..distributions import BadParameters, Discrete
 from ..errors import RunError
 from ..functions import LARGEST_DEPTH, bind
 from ..kinds import is_scalar, kind_name
-from ..outcome import Draw, Next, Outcome, Requirement, Stuck
+from ..outcome import Next, Outcome
 from ..premises import premises
 from ..scopes import Scope, function_names
 from ..syntax import dynamics as d
@@ -24,6 +22,9 @@ from ..values import Dynamic, plain
 from .guards import Guards, InvariantViolation, PreconditionViolation, guarded
 from .interrupts import TRUE, Clause, Deadline, Interruptible, check_interrupts
 from .processes import Coroutine, Ended, Suspended, Who, Yielded, run_for_one_step, suspend
+
+if TYPE_CHECKING:
+    from .choices import Picking
 
 
 class Invoked(NamedTuple):
@@ -36,14 +37,18 @@ class Invoked(NamedTuple):
 
 
 class Together(NamedTuple):
-    """Frame of behaviors that run at the same time for one agent: those still running, by their place in the statement."""
+    """Frame of behaviors that run at the same time for one agent: those still running, by their place in the statement.
+
+    Their draws of a time step are numbered below `base`.
+    """
 
     children: tuple[tuple[int, Suspended], ...]
     who: Who
     index: int
     actions: tuple[object, ...]
     left: tuple[tuple[int, Suspended], ...]
-    terminates: bool
+    terminates: bool = False
+    base: tuple[int, ...] | None = None
 
 
 # Values
@@ -80,11 +85,13 @@ def guards_on_resumption(stack: Stack, state: State) -> tuple[Guards, ...]:
 
     Under the reading `invariant-of-caller=every-step`, those of all callers as well, from the outermost one on.
     """
-    from .scenarios import compose_guards
+    from .scenarios import Scenarios, compose_guards
 
     found: list[Guards] = []
     while stack:
         frame, stack = stack
+        if isinstance(frame, (Together, Scenarios)) and state.reading("invariant-of-caller") == "on-return" and not found:
+            return ()  # the caller waits for what it invoked
         if isinstance(frame, Invoked):
             found.append(guards_of(frame.behavior, frame.scope)[1])
         elif isinstance(frame, Coroutine):
@@ -135,7 +142,17 @@ def within(node: Node, until: Clause, control: Value, task: object, stack: Stack
     """Go on with the frame `task` unless the limit is reached, now or later."""
     assert state.simulation is not None
     frame = Interruptible(node, (until,), state.sigma, state.handling, state.depth, state.simulation.step)
-    return check_interrupts(Suspended(control, (task, frame), state.sigma, state.handling, state.depth, begun=False), stack, state)
+    fresh = Suspended(control, (task, frame), state.sigma, state.handling, state.depth, begun=False)
+    return check_interrupts(fresh, (Returning(), stack), state)
+
+
+class Returning(NamedTuple):
+    """Frame below a `do` statement with a limit: it returns, however it ended."""
+
+
+def resume_returning(frame: Returning, result: object, stack: Stack, state: State) -> Outcome:
+    """The invariants of the caller are checked."""
+    return returned(stack, state)
 
 
 class Begin(NamedTuple):
@@ -151,6 +168,8 @@ class Beginning(NamedTuple):
 
 def resume_beginning(frame: Beginning, result: object, stack: Stack, state: State) -> Outcome:
     """The limit has not passed: begin."""
+    from .choices import Enabling, Picking, enable
+
     if isinstance(result, Picking):
         return enable(Enabling(result, 0, 0, (), state.sigma), stack, state)
     assert isinstance(result, Begin)
@@ -177,7 +196,7 @@ def invoke(node: Node, invocations: tuple[Dynamic, ...], stack: Stack, state: St
     if len(invocations) == 1:
         return run_behavior(node, invocations[0], who, stack, state)
     children = tuple((k, beginning(b, node, who, state)) for k, b in enumerate(invocations))
-    return run_together(Together(children, who, 0, (), (), terminates=False), stack, state)
+    return run_together(Together(children, who, 0, (), ()), stack, state)
 
 
 def check_kinds(task: Begin, runs: str) -> None:
@@ -248,19 +267,16 @@ def beginning(behavior: Dynamic, node: Node, who: Who, state: State) -> Suspende
 
 def run_together(frame: Together, stack: Stack, state: State) -> Outcome:
     """Run the next of the behaviors for one time step; when all have, their actions together are those of this step."""
+    if frame.base is None:
+        frame, state = frame._replace(base=state.address), state._replace(draws=state.draws + 1)
     if frame.index < len(frame.children):
         place, process = frame.children[frame.index]
-        return run_for_one_step(process, frame.who._replace(part=frame.who.part * PARTS + place + 1), (frame, stack), state)
+        return run_for_one_step(process, frame.who, (frame, stack), state, (*frame.base, place))  # type: ignore[misc]
     if frame.terminates:
         return Next("", Config(Abrupt("terminate"), stack, state))
     if not frame.left:
         return returned(stack, state)
-    again = Together(frame.left, frame.who, 0, (), (), terminates=False)
-    return suspend(frame.actions, Value(None), (again, stack), state, "")
-
-
-PARTS = 64
-"""At most so many behaviors are invoked by one statement: their draws are numbered apart."""
+    return suspend(frame.actions, Value(None), (Together(frame.left, frame.who, 0, (), ()), stack), state, "")
 
 
 def resume_together(frame: Together, result: object, stack: Stack, state: State) -> Outcome:
@@ -274,112 +290,3 @@ def resume_together(frame: Together, result: object, stack: Stack, state: State)
         case _:
             pass
     return run_together(frame, stack, state)
-
-
-# do choose, do shuffle
-
-
-class Picking(NamedTuple):
-    """What is chosen from: the invocations that are left, with their weights."""
-
-    node: d.DoChoose | d.DoShuffle
-    options: tuple[tuple[Dynamic, object], ...]
-
-
-class Enabling(NamedTuple):
-    """Frame: precondition number `condition` of option number `index` is being reduced; `enabled` are those whose preconditions all hold."""
-
-    picking: Picking
-    index: int
-    condition: int
-    enabled: tuple[int, ...]
-    outer: Scope
-
-
-class Shuffling(NamedTuple):
-    """Frame: one of the invocations of `do shuffle` is running; the others follow."""
-
-    picking: Picking
-
-
-def pick(node: d.DoChoose | d.DoShuffle, stack: Stack, state: State) -> Outcome:
-    """`do choose A, B`, `do shuffle {A: 2, B: 1}`: the invocations, their weights (1 if there are none) and the limit."""
-    amount = node.limit.amount if isinstance(node.limit, d.TimeLimit) else None
-    return premises(node, [*node.invocations, *node.weights, amount], conclude_pick, stack, state)
-
-
-def conclude_pick(node: d.DoChoose | d.DoShuffle, values: list[object], stack: Stack, state: State) -> Outcome:
-    """Look whose preconditions hold."""
-    count = len(node.invocations)
-    weights = [plain(w) for w in values[count:-1]] or [1] * count
-    options = tuple((with_arguments(v, node, state), w) for v, w in zip(values, weights))
-    return limited(node, Picking(node, options), values[-1], stack, state)
-
-
-def enable(frame: Enabling, stack: Stack, state: State) -> Outcome:
-    """The next precondition, or the choice."""
-    from .simulation import agent_of
-
-    options = frame.picking.options
-    while frame.index < len(options):
-        dynamic, _ = options[frame.index]
-        conditions = dynamic.definition.preconditions  # type: ignore[attr-defined]
-        if frame.condition < len(conditions):
-            who = runner(stack)
-            scope = scope_of(dynamic, {"self": agent_of(who, state)} if who.kind == "behavior" else {})
-            return Next("", Config(conditions[frame.condition], (frame, stack), state._replace(sigma=scope)))
-        frame = frame._replace(index=frame.index + 1, condition=0, enabled=(*frame.enabled, frame.index))
-    return choose(frame, stack, state)
-
-
-def resume_enabling(frame: Enabling, result: object, stack: Stack, state: State) -> Outcome:
-    """A precondition was reduced: one that does not hold disables its option."""
-    dynamic, _ = frame.picking.options[frame.index]
-    condition = dynamic.definition.preconditions[frame.condition]  # type: ignore[attr-defined]
-    holds = truth(result, condition, state, "a precondition")
-    after = frame._replace(condition=frame.condition + 1) if holds else frame._replace(index=frame.index + 1, condition=0)
-    return enable(after, stack, state._replace(sigma=frame.outer))
-
-
-def choose(frame: Enabling, stack: Stack, state: State) -> Outcome:
-    """One of the enabled options, with a probability proportional to its weight (reading `choose-weights`); none rejects the simulation."""
-    picking, node = frame.picking, frame.picking.node
-    if not frame.enabled:
-        word = "choose" if isinstance(node, d.DoChoose) else "shuffle"
-        return Stuck("D-Choose", Requirement("precondition", node.span, f"one of those to {word} from on line {node.span.line} is enabled"))
-    try:
-        distribution = Discrete(tuple((k, picking.options[k][1]) for k in frame.enabled))  # type: ignore[arg-type]
-    except BadParameters as bad:
-        raise RunError(str(bad), node.span, rule="D-Choose") from None
-
-    def resume(chosen: object) -> Config:
-        after = state._replace(draws=state.draws + 1)
-        return Config(Value(Chosen(picking, plain(chosen))), (Starting(), stack), after)  # type: ignore[arg-type]
-
-    return Draw("D-Choose", state.address, distribution, node, resume)
-
-
-class Chosen(NamedTuple):
-    """The value that lets the frame `Starting` begin an option."""
-
-    picking: Picking
-    option: int
-
-
-class Starting(NamedTuple):
-    """Frame that begins the option that was drawn."""
-
-
-def resume_starting(frame: Starting, result: object, stack: Stack, state: State) -> Outcome:
-    """Run the option; `do shuffle` draws again among the rest afterwards."""
-    assert isinstance(result, Chosen)
-    picking, k = result.picking, result.option
-    if isinstance(picking.node, d.DoShuffle) and len(picking.options) > 1:
-        rest = picking._replace(options=tuple(o for j, o in enumerate(picking.options) if j != k))
-        stack = (Shuffling(rest), stack)
-    return invoke(picking.node, (picking.options[k][0],), stack, state)
-
-
-def resume_shuffling(frame: Shuffling, result: object, stack: Stack, state: State) -> Outcome:
-    """One has ended: draw among the others whose preconditions hold now."""
-    return enable(Enabling(frame.picking, 0, 0, (), state.sigma), stack, state)

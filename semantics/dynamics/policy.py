@@ -43,8 +43,9 @@ def begin(state: State, timestep: float = DEFAULT_TIMESTEP, fixed: frozenset[str
 
     `timestep` is in seconds; `fixed` are the properties that the simulator updates.
     """
-    top = scenario_from(TOP, state.initial, state.sigma, state.dynamic, 0)  # type: ignore[arg-type]
-    simulation = Simulation(0, timestep, {TOP: top}, fixed=fixed)
+    own = state.initial.space if state.initial is not None else None
+    top = scenario_from(TOP, state.initial, own or state.sigma, state.dynamic, 0)
+    simulation = Simulation(0, timestep, {TOP: top}, fixed=fixed | {"position", "heading"})
     objects = {number: {name: plain(value) for name, value in properties.items()} for number, properties in state.objects.items()}
     return state._replace(simulation=simulation, objects=objects, dynamic=(), handling=(), depth=0)
 
@@ -126,7 +127,8 @@ def forget(frame: Step, stack: Stack, state: State) -> Outcome:
 
 def monitors(frame: Step, result: object, stack: Stack, state: State) -> Outcome:
     """Step 3: run all monitors of running scenarios for one time step, "as above"."""
-    todo = [(number, place) for number in active(state) for place in range(len(simulation_of(state).scenarios[number].monitors))]
+    there = simulation_of(state).scenarios
+    todo = [(n, place) for n in dict.fromkeys(simulation_of(state).active) if n in there for place in range(len(there[n].monitors))]
     if result is not None:
         number, place = todo[frame.next]
         running = simulation_of(state).scenarios[number]
@@ -226,12 +228,6 @@ def following(frame: Step, rule: str, stack: Stack, state: State) -> Outcome:
 def flagged(reason: str, state: State) -> State:
     """Remember that the scenario is to end; the first reason counts."""
     return with_simulation(state, flag=simulation_of(state).flag or reason)
-
-
-def active(state: State) -> list[int]:
-    """The scenarios that run in this time step and are not over."""
-    simulation = simulation_of(state)
-    return [n for n in dict.fromkeys(simulation.active) if n in simulation.scenarios and not simulation.scenarios[n].over]
 
 
 def unwind_step(frame: Step, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:

@@ -71,12 +71,12 @@ def address_of(who: Who, state: State) -> tuple[int, ...]:
     return (DYNAMIC, state.simulation.step, KINDS.index(who.kind), who.number, who.part)
 
 
-def run_for_one_step(process: Suspended, who: Who, stack: Stack, state: State) -> Outcome:
-    """Let a coroutine go on until it yields or ends; the frame below gets a `Yielded` or an `Ended`."""
+def run_for_one_step(process: Suspended, who: Who, stack: Stack, state: State, prefix: tuple[int, ...] | None = None) -> Outcome:
+    """Let a coroutine go on until it yields or ends; the frame below gets a `Yielded` or an `Ended`. Its draws are numbered below `prefix`."""
     from .interrupts import check_interrupts
 
     frame = Coroutine(who, state.sigma, state.handling, state.depth, state.prefix, state.draws)
-    inner = state._replace(prefix=address_of(who, state), draws=0)
+    inner = state._replace(prefix=address_of(who, state) if prefix is None else prefix, draws=0)
     return check_interrupts(process, (frame, stack), inner)
 
 

@@ -1,4 +1,4 @@
-"""Modular scenarios (Section "Compositional Scenarios"): their setup, their course, their end; `override`."""
+"""Modular scenarios (Section "Compositional Scenarios"): their setup, their course, their end."""
 
 from __future__ import annotations
 
@@ -7,23 +7,21 @@ from functools import partial
 from typing import NamedTuple
 
 from ..conditions import truth
-from ..config import PASS, Abrupt, Config, Stack, State, Value
+from ..config import Abrupt, Config, Stack, State, Value
 from ..control import block
 from ..errors import RunError
-from ..kinds import is_object, kind_name
-from ..outcome import Change, Next, Outcome
-from ..premises import premises
+from ..outcome import Next, Outcome
 from ..scopes import Scope
 from ..syntax import dynamics as d
-from ..syntax import specifiers as q
 from ..syntax.nodes import Node
 from ..termination import Mutating, mutate_objects
-from ..values import Dynamic, Instance, plain
+from ..values import Dynamic
 from .guards import Guards, InvariantViolation, guarded
 from .interrupts import Clause, Interruptible
 from .invocations import as_statement, guards_of, returned, within
+from .overrides import reverted
 from .processes import Coroutine, Ended, Suspended, Who, Yielded, address_of, run_for_one_step, suspend
-from .simulation import Agent, Declared, Override, Running, simulation_of, with_agent, with_scenario, with_simulation
+from .simulation import Declared, Running, simulation_of, with_scenario, with_simulation
 
 
 class Setting(NamedTuple):
@@ -91,11 +89,33 @@ def set_up(frame: Setting, stack: Stack, state: State) -> Outcome:
     scenario = frame.invocations[frame.index]
     scope = scenario.space
     assert scope is not None
-    return guarded(guards_of(scenario, scope), partial(enter_setup, frame, scope), stack, state)
+    return guarded(guards_of(scenario, scope), partial(enter_setup, frame, scope), (Preparing(frame), stack), state)
+
+
+class Preparing(NamedTuple):
+    """Frame: the guards of a scenario are being checked."""
+
+    setting: Setting
+
+
+def unwind_preparing(frame: Preparing, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
+    """A guard does not hold."""
+    return unwind_setting(frame.setting, abrupt, stack, state)
+
+
+def unwind_setting(frame: Setting, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
+    """Some scenario of the `do` statement cannot begin: none of them does, and what they have changed is as before."""
+    number = simulation_of(state).begun
+    for begun in (number, *reversed(frame.begun)):
+        state = end_scenario(begun, state)
+    left = {n: running for n, running in simulation_of(state).scenarios.items() if n not in (number, *frame.begun)}
+    state = with_simulation(state, scenarios=left, begun=number + 1)
+    return Next("", Config(abrupt, stack, state._replace(sigma=frame.outer, dynamic=frame.declared)))
 
 
 def enter_setup(frame: Setting, scope: Scope, stack: Stack, state: State) -> Outcome:
     """The guards hold: the setup block, "which runs once when the scenario begins to execute"."""
+    stack = stack[1]  # without `Preparing`
     definition = frame.invocations[frame.index].definition
     assert isinstance(definition, d.ScenarioDefinition)
     here = frame._replace(objects=len(state.scene))
@@ -116,6 +136,11 @@ class SetUp(NamedTuple):
     setting: Setting
 
 
+def unwind_set_up(frame: SetUp, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
+    """As for the setup block."""
+    return unwind_setting(frame.setting, abrupt, stack, state)
+
+
 def resume_set_up(frame: SetUp, result: object, stack: Stack, state: State) -> Outcome:
     """The scenario is running: on with the next one."""
     setting, simulation = frame.setting, simulation_of(state)
@@ -132,6 +157,8 @@ def scenario_from(number: int, dynamic: Dynamic | None, scope: Scope, declared: 
     """A scenario whose setup is done, with what it declared."""
     found: dict[type, list[Declared]] = {kind: [] for kind in (d.RequireAlways, d.RequireEventually, d.TerminateWhen, d.MonitorDefinition)}
     for one in declared:
+        if isinstance(one.node, d.RequireMonitor):
+            raise RunError("`require monitor` does not run yet", one.node.span, rule="S-Dynamic", hint="a monitor runs from its definition on")
         found[type(one.node)].append(one)
     definition = None if dynamic is None else dynamic.definition
     compose = definition.compose if isinstance(definition, d.ScenarioDefinition) else None
@@ -253,14 +280,8 @@ def end_scenario(number: int, state: State) -> State:
     for inner in scenarios_in([running.compose] if running.compose is not None else []):
         state = end_scenario(inner, state)
     for override in reversed(running.overrides):
-        state = reverted(override, state)
+        state = reverted(override, number, state)
     return with_scenario(state, running._replace(over=True, overrides=(), compose=None))
-
-
-def reverted(override: Override, state: State) -> State:
-    """The object has its properties again, and goes on with the behavior that was suspended."""
-    state = state.with_properties(override.object, override.properties)
-    return state if override.agent is None else with_agent(state, override.agent)
 
 
 def scenarios_in(processes: Iterable[Suspended]) -> Iterator[int]:
@@ -270,7 +291,7 @@ def scenarios_in(processes: Iterable[Suspended]) -> Iterator[int]:
             if isinstance(frame, Scenarios):
                 yield from frame.numbers
             elif isinstance(frame, Interruptible):
-                yield from scenarios_in(p for _, p in frame.waiting)
+                yield from scenarios_in(p for _, _, p in frame.waiting)
 
 
 def give_up(processes: tuple[Suspended, ...], config: Config) -> Outcome:
@@ -281,49 +302,27 @@ def give_up(processes: tuple[Suspended, ...], config: Config) -> Outcome:
     return Next("", config._replace(state=state))
 
 
-# override
+def check_setup(what: str, node: Node, stack: Stack, state: State) -> None:
+    """Objects are made, and mutated, in setup blocks, whose end checks the default requirements. Raises `RunError`."""
+    while state.simulation is not None:
+        if not stack:
+            raise RunError(f"{what} in a setup block only", node.span, rule="D-Setup", hint="put it into a scenario, and invoke that with `do`")
+        if isinstance(stack[0], Setting):
+            return
+        stack = stack[1]
 
 
-def override(node: d.Override, stack: Stack, state: State) -> Outcome:
-    """`override object with p v, ...`: the properties have these values until the scenario ends."""
-    for specifier in node.specifiers:
-        if not isinstance(specifier, q.WithSpecifier):
-            text = "only `with` can stand in `override`: position and heading are updated by the simulator"
-            raise RunError(text, specifier.span, rule="D-Override")
-    return premises(node, [node.object, *(s.value for s in node.specifiers if isinstance(s, q.WithSpecifier))], conclude_override, stack, state)
+# What compose blocks declare
 
 
-def conclude_override(node: d.Override, values: list[object], stack: Stack, state: State) -> Outcome:
-    """Remember the old values; a behavior is suspended, and the new one begins."""
-    target, *assigned = (plain(v) for v in values)
-    if not (isinstance(target, Instance) and is_object(target)):
-        raise RunError(f"only Objects can be overridden, not {kind_name(target)}", node.span, rule="D-Override")
-    if state.simulation is None:
-        raise RunError("`override` needs a scenario that runs: the initial one sets the properties themselves", node.span, rule="D-Override")
-    changes: dict[str, object] = {}
-    for specifier, value in zip(node.specifiers, assigned, strict=True):
-        assert isinstance(specifier, q.WithSpecifier)
-        if specifier.property in simulation_of(state).fixed:
-            raise RunError(f"{specifier.property} is updated by the simulator: it cannot be overridden", specifier.span, rule="D-Override")
-        if specifier.property not in state.objects[target.number]:
-            raise RunError(f"{target!r} has no property {specifier.property}", specifier.span, rule="D-Override")
-        changes[specifier.property] = value
-    old = {name: state.objects[target.number][name] for name in changes}
-    agent = simulation_of(state).agents.get(target.number, Agent(target)) if "behavior" in changes else None
-    state = remembered(Override(target, old, agent), stack, state.with_properties(target, changes))
-    state = with_agent(state, Agent(target)) if agent is not None else state
-    return Next("D-Override", Config(PASS, stack, state), node, Change("O", repr(target), changes, target))
-
-
-def remembered(override: Override, stack: Stack, state: State) -> State:
-    """The override belongs to the scenario that is set up, or whose compose block runs."""
+def declare(declared: Declared, stack: Stack, state: State) -> State:
+    """A requirement or termination condition belongs to the scenario that is set up, or whose compose block runs."""
     while stack:
         frame, stack = stack
         if isinstance(frame, Setting):
-            number = simulation_of(state).begun
-            waiting = simulation_of(state).scenarios.get(number, Running(number, None, state.sigma, None))
-            return with_scenario(state, waiting._replace(overrides=(*waiting.overrides, override)))
+            break
         if isinstance(frame, Coroutine) and frame.who.kind == "compose":
             running = simulation_of(state).scenarios[frame.who.number]
-            return with_scenario(state, running._replace(overrides=(*running.overrides, override)))
-    raise RunError("`override` stands in no scenario", rule="D-Override")
+            field = {d.RequireAlways: "always", d.RequireEventually: "eventually", d.TerminateWhen: "terminations"}[type(declared.node)]  # type: ignore[index]
+            return with_scenario(state, running._replace(**{field: (*getattr(running, field), declared)}))
+    return state._replace(dynamic=(*state.dynamic, declared))

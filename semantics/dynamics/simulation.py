@@ -26,11 +26,12 @@ class Declared(NamedTuple):
 
 
 class Override(NamedTuple):
-    """What `override` replaced: properties of an object, and the course of its behavior if that is one of them."""
+    """What `override` replaced: properties of an object, and the course of its behavior if that is one of them; `order` counts overrides."""
 
     object: Instance
     properties: Mapping[str, object]
     agent: Agent | None
+    order: int = 0
 
 
 class Running(NamedTuple):
@@ -82,6 +83,7 @@ class Simulation(NamedTuple):
     active: tuple[int, ...] = ()
     flag: str = ""
     begun: int = 1
+    overrides: int = 0
     fixed: frozenset[str] = frozenset()
 
 

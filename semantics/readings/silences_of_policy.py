@@ -21,9 +21,9 @@ SILENCES_OF_POLICY: tuple[Reading, ...] = (
             "rest",
         },
         consequence="Concerns scenarios.",
-        code=("semantics.dynamics.invocations.choose",),
+        code=("semantics.dynamics.choices.choose",),
         probe=Probe(
-            "scenario A():\n    compose:\n        wait\nscenario B():\n    precondition: False\n"
+            "scenario A():\n    compose: wait\nscenario B():\n    precondition: False\n"
             "scenario C():\n    compose:\n        wait\n        wait\n"
             "scenario Main():\n    setup: ego = Object at (0, 0)\n    compose:\n        do choose {A: 2, B: 5, C: 1}",
             {"renormalised": "A with probability 2/3, C with probability 1/3"},
@@ -84,8 +84,10 @@ SILENCES_OF_POLICY: tuple[Reading, ...] = (
         about="policy",
         question="Are interrupt conditions checked again when a handler completes within a time step?",
         places=(DYNAMIC + ', "Interrupts"', SECTION_4_4 + ', "Interrupts"'),
-        alternatives={"next-step": "no, at the start of each time step only; the interrupted block goes on in the same step if no time has passed "
-            "since"},
+        alternatives={
+            "next-step": "none is checked twice in a time step: the handler's own if it has taken time, those of clauses before it and of inner "
+            "statements; if none is true, the interrupted block goes on in the same step",
+        },
         consequence="Concerns behaviors: a handler that takes no action cannot loop within one step.",
         code=("semantics.dynamics.interrupts.resume_interruptible",),
         probe=Probe(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from ..fields import VectorField
 from ..symbols import is_finite_number, number
 from ..vectors import Vector
 from .errors import BadRegion
@@ -18,6 +19,13 @@ def finite(kind: str, name: str, value: float) -> float:
     if not is_finite_number(found):
         raise BadRegion(f"the {name} of a {kind} must be finite, not {found}")
     return found
+
+
+def field(kind: str, value: VectorField | None) -> VectorField | None:
+    """`value` if it is a vector field or None; otherwise `BadRegion`."""
+    if value is not None and not isinstance(value, VectorField):
+        raise BadRegion(f"the orientation of a {kind} must be a vector field, not {value!r}")
+    return value
 
 
 def nonnegative(kind: str, name: str, value: float) -> float:

@@ -15,7 +15,7 @@ from ..symbols import lifted, pick
 from ..vectors import Vector
 from . import intervals
 from .approximation import NO_BOUNDS, TOLERANCE, Approximation, Bounds, window_around
-from .checking import vectors
+from .checking import field, vectors
 from .errors import BadRegion, EmptyRegion
 from .intervals import Intervals
 from .polygons import intervals_within
@@ -50,7 +50,7 @@ class PolylineRegion(Region):
         self.polyline = MultiLineString([[(v.x, v.y) for v in path] for path in paths])
         shapely.prepare(self.polyline)
         along = VectorField(f"along {name or 'polyline'}", self.heading_at)
-        self.orientation = along if orientation is True else orientation or None
+        self.orientation = along if orientation is True else field("PolylineRegion", orientation or None)
 
     def __repr__(self) -> str:
         return f"PolylineRegion({self.name or self.polyline!r})"
@@ -133,7 +133,7 @@ class PointSetRegion(Region):
         orientation: VectorField | None = None,
     ) -> None:
         self.name = name
-        self.orientation = orientation
+        self.orientation = field("PointSetRegion", orientation)
         self._points = tuple(dict.fromkeys(vectors("set of points", points)))
         self._shape = MultiPoint([(v.x, v.y) for v in self._points])
         shapely.prepare(self._shape)

@@ -15,7 +15,7 @@ from ..symbols import lifted
 from ..vectors import Vector
 from . import intervals
 from .approximation import Approximation, Bounds, box_shape
-from .checking import vectors
+from .checking import field, vectors
 from .errors import BadRegion
 from .intervals import Intervals
 from .region import Region
@@ -40,7 +40,7 @@ class PolygonalRegion(Region):
             raise BadRegion("a polygonal region is given either by its points or by a polygon")
         parts = [_from_points(points)] if points is not None else _parts(polygon)
         self.name = name
-        self.orientation = orientation
+        self.orientation = field("PolygonalRegion", orientation)
         self.polygon: Polygon | MultiPolygon = _united([_checked(part) for part in parts])
         shapely.prepare(self.polygon)
 

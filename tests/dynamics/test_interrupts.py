@@ -185,3 +185,57 @@ def test_errors_have_their_place():
         actions("behavior B():\n    wait\nego = Object at (0, 0)\nmonitor M:\n    do B()")
     with pytest.raises(CheckError, match="`take` cannot stand"):
         actions("ego = Object at (0, 0)\ntake 1")
+
+
+# Found by reading
+
+ONES = "behavior Inner():\n    while True:\n        take 1\n"
+
+
+def test_an_interrupt_fires_again_while_its_condition_holds():
+    """ "In the next step, we will resume [...], unless we are still within 5 meters of an object, in which case the interrupt will fire again"."""
+    text = behavior("try:\n    do Inner()\ninterrupt when simulation.currentTime < 3:\n    take 9", ONES)
+    assert actions(text, 5) == [9, 9, 9, 1, 1, LIMIT]
+    text = behavior("do Inner() for 2 steps\nwhile True:\n    take 2", ONES)
+    outer = "behavior C():\n    try:\n        do B()\n    interrupt when simulation.currentTime == 1:\n        take 9\n        take 9\n"
+    outer = text.replace("ego = ", outer + "ego = ")
+    assert actions(outer.replace("with behavior B", "with behavior C"), 5) == [1, 9, 9, 2, 2, LIMIT]
+
+
+def test_inner_conditions_are_checked_when_an_outer_handler_completes():
+    inner = "behavior Inner():\n    try:\n        while True:\n            take 1\n    interrupt when True:\n        take 5\n"
+    text = behavior("try:\n    do Inner()\ninterrupt when simulation.currentTime == 1:\n    take 9", inner)
+    assert actions(text, 4) == [5, 9, 5, 5, LIMIT]
+    text = behavior("n = 0\ntry:\n    do Inner()\ninterrupt when True:\n    n += 1", inner)
+    assert actions(text, 3) == [5, 5, 5, LIMIT]
+
+
+def test_the_limit_of_do_returns_through_the_invariants_of_the_caller():
+    inner = "behavior Inner():\n    self.x = 1\n    while True:\n        take 1\n"
+    text = behavior("invariant: self.x == 0\ndo Inner() for 2 steps\nself.x = 0\ntake 7", inner)
+    assert actions(text) == ["rejected"]
+    inner = "behavior Inner():\n    self.x = 1\n    wait\n    self.x = 0\n    wait\n"
+    both = behavior("invariant: self.x == 0\ndo Inner(), Inner()\nself.x = 0", inner)
+    assert actions(both, 3) == [None, None, None, LIMIT]
+
+
+def test_exceptions_of_conditions_can_be_caught_in_every_step():
+    condition = "simulation.currentTime > 0 and 1 / 0 > 1"
+    own = f"try:\n    while True:\n        take 1\ninterrupt when {condition}:\n    pass\nexcept ZeroDivisionError:\n    take 3"
+    assert actions(behavior(own), 3) == [1, 3, None, LIMIT]
+    outer = f"try:\n    try:\n        while True:\n            take 1\n    interrupt when {condition}:\n        pass\n"
+    outer += "except ZeroDivisionError:\n    take 3"
+    assert actions(behavior(outer), 3) == [1, 3, None, LIMIT]
+
+
+def test_abort_leaves_out_else():
+    text = "try:\n    take 1\n    abort\ninterrupt when False:\n    pass\nexcept ValueError:\n    pass\nelse:\n    take 'else'\ntake 'end'"
+    assert actions(behavior(text), 3) == [1, "end", None, LIMIT]
+
+
+def test_no_draw_is_numbered_as_another_one():
+    before = "behavior X():\n    take 'x'\n    self.x = Uniform(1, 2, 3, 4)\n"
+    before += "behavior XX():\n    p = Uniform(1, 2, 3, 4)\n    take (self.x, p)[0] == p\n"
+    text = behavior("do X(), Y()\ndo XX(), Y()", before + "behavior Y():\n    wait\n")
+    found = [actions(text, 3, seed=seed)[1] for seed in range(80)]
+    assert 4 < found.count(True) < 45  # 20 expected; 6 standard deviations are 23

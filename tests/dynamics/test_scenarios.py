@@ -187,3 +187,59 @@ def test_scenarios_are_first_class_values():
     choice = "def pickNext(position):\n    return Parked(20 if position.x == 0 else 30)\n"
     text = main("chosen = pickNext(ego.position)\ndo chosen for 1 steps", PARKED + choice)
     assert steps_and_objects(text) == [2, 2, "terminated"]
+
+
+# Found by reading
+
+
+def test_the_blocks_of_the_initial_scenario_share_its_variables():
+    text = "scenario Main(p=1):\n    invariant: p == 1\n    setup:\n        ego = Object at (0, 0)\n        x = 1\n"
+    text += "    compose:\n        require x == p\n        wait\n        wait\n"
+    assert steps_and_objects(text) == [1, 1, 1, "terminated"]
+
+
+def test_a_scenario_that_its_monitor_ends_leaves_the_others_alone():
+    ends = "scenario A():\n    setup:\n        monitor M:\n            terminate\n"
+    stays = "scenario B():\n    setup:\n        monitor N:\n            while True:\n                ego.x = ego.x + 1\n                wait\n"
+    text = main("do A(), B() until ego.x == 3\nrequire ego.x == 3", ends + stays)
+    assert steps_and_objects(text)[-1] == "terminated"
+
+
+def test_a_scenario_that_cannot_begin_leaves_nothing_behind():
+    parts = "scenario A():\n    setup:\n        override ego with x 5\n        require eventually False\nscenario B():\n    precondition: False\n"
+    compose = "try:\n    do A(), B()\ninterrupt when False:\n    pass\nexcept PreconditionViolation:\n    require ego.x == 0\nwait"
+    assert steps_and_objects(main(compose, parts)) == [1, 1, "terminated"]
+    parts = "y = 1\nscenario A():\n    setup:\n        y = 5\n        raise ValueError('no')\n"
+    compose = "try:\n    do A()\ninterrupt when False:\n    pass\nexcept ValueError:\n    require y == 1\nwait"
+    assert steps_and_objects(main(compose, parts)) == [1, 1, "terminated"]
+
+
+def test_overrides_of_parallel_scenarios_end_in_any_order():
+    compose = "    compose:\n        for i in range(steps):\n            wait\n"
+    part = "scenario Over(value, steps):\n    setup:\n        override ego with x value\n" + compose
+    show = "behavior Show():\n    while True:\n        take self.x\n"
+    setup = "ego = Object at (0, 0), with x 1, with behavior Show"
+    assert actions(main("do Over(2, 1), Over(3, 2)\nwait\nwait", part + show, setup)) == [3, 3, 1, 1, "terminated"]
+    assert actions(main("do Over(2, 2), Over(3, 1)\nwait\nwait", part + show, setup)) == [3, 2, 1, 1, "terminated"]
+    part = GO + "scenario Over(name, steps):\n    setup:\n        override ego with behavior Go(name)\n" + compose
+    assert actions(main("do Over('b', 1), Over('c', 2)\nwait\nwait", part, WITH_GO)) == ["c1", "c2", "a1", "a2", "terminated"]
+
+
+def test_conditions_declared_in_a_compose_block_count_from_then_on():
+    assert steps_and_objects(main("wait\nrequire always False\nwait")) == ["rejected"]
+    assert steps_and_objects(main("require eventually False\nwait")) == ["rejected"]
+    assert steps_and_objects(main("wait\nterminate when True\nwait\nwait")) == [1, 1, "terminated"]
+
+
+def test_the_invariant_of_a_caller_is_not_checked_while_a_scenario_runs():
+    sub = "scenario Mid():\n    invariant: ego.x == 0\n    compose:\n        do Leaf()\n        wait\nscenario Leaf():\n    compose:\n"
+    sub += "        ego.x = 1\n        wait\n        wait\n        ego.x = 0\n"
+    assert steps_and_objects(main("do Mid()", sub))[-1] == "terminated"
+    assert steps_and_objects(main("do Mid()", sub), readings={"invariant-of-caller": "every-step"}) == ["rejected"]
+
+
+def test_objects_are_made_in_setup_blocks_only():
+    for statement in ("Object at (9, 0)", "mutate ego"):
+        with pytest.raises(RunError, match="in a setup block only"):
+            steps_and_objects(main(f"wait\n{statement}"))
+    assert steps_and_objects(main("p = Point at (9, 0)\nrequire (distance to p) == 9\nwait"))[-1] == "terminated"

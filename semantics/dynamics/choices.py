@@ -1,0 +1,127 @@
+"""`do choose` and `do shuffle`: among those whose preconditions hold (Section "Compositional Scenarios", "Random Selection of Scenarios")."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ..conditions import truth
+from ..config import Abrupt, Config, Stack, State, Value
+from ..distributions import BadParameters, Discrete
+from ..errors import RunError
+from ..outcome import Draw, Next, Outcome, Requirement, Stuck
+from ..premises import premises
+from ..scopes import Scope
+from ..syntax import dynamics as d
+from ..values import Dynamic, plain
+from .invocations import invoke, limited, runner, scope_of, with_arguments
+from .simulation import agent_of
+
+
+class Picking(NamedTuple):
+    """What is chosen from: the invocations that are left, with their weights."""
+
+    node: d.DoChoose | d.DoShuffle
+    options: tuple[tuple[Dynamic, object], ...]
+
+
+class Enabling(NamedTuple):
+    """Frame: precondition number `condition` of option number `index` is being reduced; `enabled` are those whose preconditions all hold."""
+
+    picking: Picking
+    index: int
+    condition: int
+    enabled: tuple[int, ...]
+    outer: Scope
+
+
+class Shuffling(NamedTuple):
+    """Frame: one of the invocations of `do shuffle` is running; the others follow."""
+
+    picking: Picking
+
+
+def pick(node: d.DoChoose | d.DoShuffle, stack: Stack, state: State) -> Outcome:
+    """`do choose A, B`, `do shuffle {A: 2, B: 1}`: the invocations, their weights (1 if there are none) and the limit."""
+    amount = node.limit.amount if isinstance(node.limit, d.TimeLimit) else None
+    return premises(node, [*node.invocations, *node.weights, amount], conclude_pick, stack, state)
+
+
+def conclude_pick(node: d.DoChoose | d.DoShuffle, values: list[object], stack: Stack, state: State) -> Outcome:
+    """Look whose preconditions hold."""
+    count = len(node.invocations)
+    weights = [plain(w) for w in values[count:-1]] or [1] * count
+    options = tuple((with_arguments(v, node, state), w) for v, w in zip(values, weights))
+    return limited(node, Picking(node, options), values[-1], stack, state)
+
+
+def enable(frame: Enabling, stack: Stack, state: State) -> Outcome:
+    """The next precondition, or the choice."""
+
+    options = frame.picking.options
+    while frame.index < len(options):
+        dynamic, _ = options[frame.index]
+        conditions = dynamic.definition.preconditions  # type: ignore[attr-defined]
+        if frame.condition < len(conditions):
+            who = runner(stack)
+            scope = scope_of(dynamic, {"self": agent_of(who, state)} if who.kind == "behavior" else {})
+            return Next("", Config(conditions[frame.condition], (frame, stack), state._replace(sigma=scope)))
+        frame = frame._replace(index=frame.index + 1, condition=0, enabled=(*frame.enabled, frame.index))
+    return choose(frame, stack, state)
+
+
+def resume_enabling(frame: Enabling, result: object, stack: Stack, state: State) -> Outcome:
+    """A precondition was reduced: one that does not hold disables its option."""
+    dynamic, _ = frame.picking.options[frame.index]
+    condition = dynamic.definition.preconditions[frame.condition]  # type: ignore[attr-defined]
+    holds = truth(result, condition, state, "a precondition")
+    after = frame._replace(condition=frame.condition + 1) if holds else frame._replace(index=frame.index + 1, condition=0)
+    return enable(after, stack, state._replace(sigma=frame.outer))
+
+
+def unwind_enabling(frame: Enabling, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
+    """A precondition raised an exception."""
+    return Next("", Config(abrupt, stack, state._replace(sigma=frame.outer)))
+
+
+def choose(frame: Enabling, stack: Stack, state: State) -> Outcome:
+    """One of the enabled options, with a probability proportional to its weight (reading `choose-weights`); none rejects the simulation."""
+    picking, node = frame.picking, frame.picking.node
+    if not frame.enabled:
+        word = "choose" if isinstance(node, d.DoChoose) else "shuffle"
+        return Stuck("D-Choose", Requirement("precondition", node.span, f"one of those to {word} from on line {node.span.line} is enabled"))
+    try:
+        distribution = Discrete(tuple((k, picking.options[k][1]) for k in frame.enabled))  # type: ignore[arg-type]
+    except BadParameters as bad:
+        raise RunError(str(bad), node.span, rule="D-Choose") from None
+
+    def resume(chosen: object) -> Config:
+        after = state._replace(draws=state.draws + 1)
+        return Config(Value(Chosen(picking, plain(chosen))), (Starting(), stack), after)  # type: ignore[arg-type]
+
+    return Draw("D-Choose", state.address, distribution, node, resume)
+
+
+class Chosen(NamedTuple):
+    """The value that lets the frame `Starting` begin an option."""
+
+    picking: Picking
+    option: int
+
+
+class Starting(NamedTuple):
+    """Frame that begins the option that was drawn."""
+
+
+def resume_starting(frame: Starting, result: object, stack: Stack, state: State) -> Outcome:
+    """Run the option; `do shuffle` draws again among the rest afterwards."""
+    assert isinstance(result, Chosen)
+    picking, k = result.picking, result.option
+    if isinstance(picking.node, d.DoShuffle) and len(picking.options) > 1:
+        rest = picking._replace(options=tuple(o for j, o in enumerate(picking.options) if j != k))
+        stack = (Shuffling(rest), stack)
+    return invoke(picking.node, (picking.options[k][0],), stack, state)
+
+
+def resume_shuffling(frame: Shuffling, result: object, stack: Stack, state: State) -> Outcome:
+    """One has ended: draw among the others whose preconditions hold now."""
+    return enable(Enabling(frame.picking, 0, 0, (), state.sigma), stack, state)

@@ -1,0 +1,93 @@
+"""`override` (Section "Statements", "Overrides"): properties of an object, changed until the scenario ends."""
+
+from __future__ import annotations
+
+from ..config import PASS, Config, Stack, State
+from ..errors import RunError
+from ..kinds import is_object, kind_name
+from ..outcome import Change, Next, Outcome
+from ..premises import premises
+from ..syntax import dynamics as d
+from ..syntax import specifiers as q
+from ..values import Instance, plain
+from .processes import Coroutine
+from .simulation import Agent, Override, Running, simulation_of, with_agent, with_scenario, with_simulation
+
+
+def override(node: d.Override, stack: Stack, state: State) -> Outcome:
+    """`override object with p v, ...`: the properties have these values until the scenario ends."""
+    for specifier in node.specifiers:
+        if not isinstance(specifier, q.WithSpecifier):
+            text = "only `with` can stand in `override`: position and heading are updated by the simulator"
+            raise RunError(text, specifier.span, rule="D-Override")
+    return premises(node, [node.object, *(s.value for s in node.specifiers if isinstance(s, q.WithSpecifier))], conclude_override, stack, state)
+
+
+def conclude_override(node: d.Override, values: list[object], stack: Stack, state: State) -> Outcome:
+    """Remember the old values; a behavior is suspended, and the new one begins."""
+    target, *assigned = (plain(v) for v in values)
+    if not (isinstance(target, Instance) and is_object(target)):
+        raise RunError(f"only Objects can be overridden, not {kind_name(target)}", node.span, rule="D-Override")
+    if state.simulation is None:
+        raise RunError("`override` needs a scenario that runs: the initial one sets the properties themselves", node.span, rule="D-Override")
+    changes: dict[str, object] = {}
+    for specifier, value in zip(node.specifiers, assigned, strict=True):
+        assert isinstance(specifier, q.WithSpecifier)
+        if specifier.property in simulation_of(state).fixed:
+            raise RunError(f"{specifier.property} is updated by the simulator: it cannot be overridden", specifier.span, rule="D-Override")
+        if specifier.property not in state.objects[target.number]:
+            raise RunError(f"{target!r} has no property {specifier.property}", specifier.span, rule="D-Override")
+        changes[specifier.property] = value
+    old = {name: state.objects[target.number][name] for name in changes}
+    agent = simulation_of(state).agents.get(target.number, Agent(target)) if "behavior" in changes else None
+    order = simulation_of(state).overrides
+    state = with_simulation(state, overrides=order + 1)
+    state = remembered(Override(target, old, agent, order), stack, state.with_properties(target, changes))
+    state = with_agent(state, Agent(target)) if agent is not None else state
+    return Next("D-Override", Config(PASS, stack, state), node, Change("O", repr(target), changes, target))
+
+
+def remembered(override: Override, stack: Stack, state: State) -> State:
+    """The override belongs to the scenario that is set up, or whose compose block runs."""
+    from .scenarios import Setting
+
+    while stack:
+        frame, stack = stack
+        if isinstance(frame, Setting):
+            number = simulation_of(state).begun
+            waiting = simulation_of(state).scenarios.get(number, Running(number, None, state.sigma, None))
+            return with_scenario(state, waiting._replace(overrides=(*waiting.overrides, override)))
+        if isinstance(frame, Coroutine) and frame.who.kind == "compose":
+            running = simulation_of(state).scenarios[frame.who.number]
+            return with_scenario(state, running._replace(overrides=(*running.overrides, override)))
+    raise RunError("`override` stands in no scenario", rule="D-Override")
+
+
+def reverted(override: Override, number: int, state: State) -> State:
+    """The object has its properties again, and goes on with the behavior that was suspended.
+
+    Where another scenario has overridden them since, which is still running, they come back when that one ends.
+    """
+    for name, old in override.properties.items():
+        heir = next(iter(later_overrides(override, number, name, state)), None)
+        agent = override.agent if name == "behavior" else None
+        if heir is None:
+            state = state.with_properties(override.object, {name: old})
+            state = state if agent is None else with_agent(state, agent)
+        else:
+            running, place = heir
+            other = running.overrides[place]
+            changed = other._replace(properties={**other.properties, name: old}, agent=agent or other.agent)
+            state = with_scenario(state, running._replace(overrides=(*running.overrides[:place], changed, *running.overrides[place + 1 :])))
+    return state
+
+
+def later_overrides(override: Override, number: int, name: str, state: State) -> list[tuple[Running, int]]:
+    """Overrides of the same property by other scenarios that were made after this one, the earliest first: the scenario, and the place in it."""
+    found = [
+        (other.order, running, place)
+        for running in simulation_of(state).scenarios.values() if running.number != number
+        for place, other in enumerate(running.overrides)
+        if other.order > override.order and other.object is override.object and name in other.properties
+    ]  # fmt: skip
+    return [(running, place) for _, running, place in sorted(found, key=lambda one: one[0])]
