@@ -109,6 +109,33 @@ def test_vehicles_follow_the_equations():
     assert v < 0
 
 
+RELEASED = {
+    20: (0.7906564428209549, 9.216758652714326),
+    45: (2.4800615993920982, 15.93166791852482),
+    55: (2.5045234911712138, 15.00802506839122),
+    85: (-7.881284429432953, 15.467534558720427),
+}
+"""Where the car of the next test is after so many steps in the Newtonian simulator of Scenic 3.1.1 (2D mode, 0.1 s), in metres."""
+
+
+def test_the_released_newtonian_simulator_gives_the_same_trajectory():
+    body = """for i in range(10):
+    take SetThrottleAction(0.5), SetBrakeAction(0), SetSteerAction(0)
+for i in range(10):
+    take SetThrottleAction(1.0), SetSteerAction(0.4)
+for i in range(25):
+    take SetThrottleAction(0), SetBrakeAction(0.7), SetSteerAction(-0.2)
+for i in range(10):
+    take SetThrottleAction(0.3), SetBrakeAction(0), SetSteerAction(0.1), SetReverseAction(True)
+for i in range(30):
+    take SetThrottleAction(0.8), SetSteerAction(-0.7), SetReverseAction(False)"""
+    run = drive(body, 85)
+    for step, (x, y) in RELEASED.items():
+        position = run.moments[step].objects[0]["position"]
+        assert isinstance(position, Vector)
+        assert (position.x, position.y) == pytest.approx((x, y), abs=1e-9)
+
+
 def test_pedestrians_walk_and_objects_keep_their_velocity():
     run = drive("take SetWalkingDirectionAction(0), SetWalkingSpeedAction(1.5)\nwait\ntake SetWalkingDirectionAction(-90 deg)", 4, "Pedestrian")
     positions = [moment.objects[0]["position"] for moment in run.moments]
