@@ -106,13 +106,13 @@ def pruning_lines(drawing: Drawing) -> list[str]:
     changed = pruning.pruned or drawing.scenario.in_parts
     head = "pruning was on: other scenes than without it, from the same distribution" if changed else "pruning found nothing to prune"
     parts = batch.parts if batch is not None else []
-    shown = [*shortened([*on, *off], MOST_FINDINGS), *shortened(parts, MOST_PARTS)]
+    shown = [*first_lines([*on, *off], MOST_FINDINGS), *first_lines(parts, MOST_PARTS)]
     if drawing.scenario.in_parts:
         shown.append("the attempts of a scene are those at the part with most; stuck attempts are counted for each part")
     return [head, *(f"  {line}" for line in shown)]
 
 
-def shortened(lines: list[str], most: int) -> list[str]:
+def first_lines(lines: list[str], most: int) -> list[str]:
     """The first lines, and how many more there are."""
     return lines if len(lines) <= most else [*lines[: most - 1], f"... and {len(lines) - most + 1} more lines; `scenario.pruning` has all"]
 

@@ -298,7 +298,7 @@ def new_instance(frame: Construction, stack: Stack, state: State) -> Outcome:
     if state.simulation is not None and is_object(instance):
         from .dynamics.scenarios import check_setup
 
-        check_setup("objects are made", frame.node, stack, state)
+        check_setup("objects are made", frame.node, stack)
     scene = (*state.scene, instance) if is_object(instance) else state.scene
     after = state._replace(sigma=frame.outer, scene=scene)
     change = Change("O", repr(instance), instance) if is_object(instance) else None

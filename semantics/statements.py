@@ -130,7 +130,7 @@ def conclude_mutate(node: s.Mutate, values: list[object], stack: Stack, state: S
     if state.simulation is not None:
         from .dynamics.scenarios import check_setup
 
-        check_setup("objects are mutated", node, stack, state)
+        check_setup("objects are mutated", node, stack)
     scale = 1 if node.scale is None else scale
     inner = plain(scale)
     if not is_scalar(inner) or inner < 0 or not is_finite_number(inner):  # type: ignore[operator]

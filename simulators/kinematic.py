@@ -16,14 +16,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ..interpreter.simulating import Body, Pose
 from ..semantics.vectors import Vector
 from . import actions as a
-
-BRAKING, ACCELERATION = 6.8, 5.6
-"""Metres per second squared, at full brake and full throttle."""
+from .controls import ACCELERATION, BRAKING, PROPERTIES, Controls, along, checked_timestep, reason_against, velocity_at_first
 
 
 @dataclass
@@ -39,12 +37,8 @@ class Moving:
     vx: float = 0.0
     vy: float = 0.0
     turning: float = 0.0
-    throttle: float = 0.0
-    brake: float = 0.0
-    steer: float = 0.0
-    handbrake: bool = False
-    reverse: bool = False
     walking: float | None = None
+    controls: Controls = field(default_factory=Controls)
 
     @property
     def speed(self) -> float:
@@ -54,18 +48,16 @@ class Moving:
 
     def run(self, speed: float, heading: float) -> None:
         """Let the velocity be this speed along a heading."""
-        self.vx, self.vy = -speed * math.sin(heading), speed * math.cos(heading)
+        self.vx, self.vy = along(speed, heading)
 
 
 class Kinematic:
     """The simulator; `timestep` is in seconds."""
 
-    properties = frozenset({"position", "heading", "speed", "velocity", "angularSpeed"})
+    properties = PROPERTIES
 
     def __init__(self, timestep: float = 0.1) -> None:
-        if not (timestep > 0 and math.isfinite(timestep)):
-            raise ValueError(f"the time step is a positive number of seconds, not {timestep}")
-        self.timestep = timestep
+        self.timestep = checked_timestep(timestep)
         self.bodies: list[Moving] = []
 
     def create(self, bodies: Sequence[Body]) -> None:
@@ -74,18 +66,12 @@ class Kinematic:
             position, heading = body.properties["position"], float(body.properties["heading"])  # type: ignore[arg-type]
             assert isinstance(position, Vector)
             moving = Moving(position.x, position.y, heading, float(body.properties["length"]), a.drives(body), a.walks(body))  # type: ignore[arg-type]
-            velocity, speed = body.properties.get("velocity"), body.properties.get("speed")
-            if isinstance(velocity, Vector) and (velocity.x or velocity.y):
-                moving.vx, moving.vy = velocity.x, velocity.y
-            elif a.is_number(speed):
-                moving.run(float(speed), heading)  # type: ignore[arg-type]
+            moving.vx, moving.vy = velocity_at_first(body)
             self.bodies.append(moving)
 
     def check(self, body: Body, action: object) -> str | None:
         """Whether it is one of our actions, and this object can take it."""
-        if not isinstance(action, a.Action):
-            return f"it is none of {', '.join(a.ACTIONS)}"
-        return action.reason_against(body)
+        return reason_against(body, action)
 
     def step(self, actions: Mapping[int, Sequence[object]]) -> Sequence[str]:
         """The actions, then the equations above."""
@@ -111,17 +97,9 @@ class Kinematic:
 
 def take(body: Moving, action: object) -> None:
     """The effect of an action on the controls of an object."""
+    if body.controls.set(action):
+        return
     match action:
-        case a.SetThrottleAction(throttle=throttle):
-            body.throttle = float(throttle)
-        case a.SetBrakeAction(brake=brake):
-            body.brake = float(brake)
-        case a.SetSteerAction(steer=steer):
-            body.steer = float(steer)
-        case a.SetHandBrakeAction(handbrake=handbrake):
-            body.handbrake = bool(handbrake)
-        case a.SetReverseAction(reverse=reverse):
-            body.reverse = bool(reverse)
         case a.SetPositionAction(position=position):
             body.x, body.y = position.x, position.y
         case a.SetVelocityAction(velocity=velocity):
@@ -141,14 +119,14 @@ def move(body: Moving, dt: float) -> None:
     """One time step of `dt` seconds."""
     if body.vehicle:
         speed = body.speed
-        brake = max(float(body.handbrake), body.brake)
-        if brake > 0:
-            slower = BRAKING * brake * dt
+        controls = body.controls
+        if controls.braking > 0:
+            slower = BRAKING * controls.braking * dt
             speed = max(0.0, speed - slower) if speed > 0 else min(0.0, speed + slower)
         else:
-            speed += (-body.throttle if body.reverse else body.throttle) * ACCELERATION * dt
+            speed += controls.driving * ACCELERATION * dt
         body.run(speed, body.heading)
-        body.turning = -speed * math.sin(body.steer * math.pi / 2) / body.length if body.steer else 0.0
+        body.turning = -speed * math.sin(controls.steer * math.pi / 2) / body.length if controls.steer else 0.0
     body.x += body.vx * dt
     body.y += body.vy * dt
     body.heading += body.turning * dt

@@ -16,9 +16,8 @@ from ..interpreter.simulating import Body, Pose
 from ..semantics.errors import UsageError
 from ..semantics.vectors import Vector
 from . import actions as a
+from .controls import ACCELERATION, BRAKING, PROPERTIES, Controls, along, checked_timestep, reason_against, velocity_at_first
 
-BRAKING, ACCELERATION = 6.8, 5.6
-"""Metres per second squared, at full brake and full throttle."""
 DRAG = ACCELERATION / 50.0**2
 """Per metre: at full throttle a vehicle reaches 50 m/s."""
 ROLLING = 0.1
@@ -42,34 +41,29 @@ class Moving:
 
     def __init__(self, body: Any, length: float, vehicle: bool, pedestrian: bool) -> None:
         self.body, self.length, self.vehicle, self.pedestrian = body, length, vehicle, pedestrian
-        self.throttle = self.brake = self.steer = 0.0
-        self.handbrake = self.reverse = False
+        self.controls = Controls()
         self.walking: tuple[float, float] | None = None
 
-    def along(self) -> float:
-        """The speed along the heading, in metres per second."""
+    def speed(self) -> float:
+        """The speed along the heading, in metres per second; for what is no vehicle, of the velocity."""
+        if not self.vehicle:
+            return math.hypot(*self.body.velocity)
         x, y = self.body.velocity
         return y * math.cos(self.body.angle) - x * math.sin(self.body.angle)
-
-    def run(self, speed: float, heading: float) -> None:
-        """Let the velocity be this speed along a heading."""
-        self.body.velocity = (-speed * math.sin(heading), speed * math.cos(heading))
 
 
 class Physics:
     """The simulator; `timestep` is in seconds. Raises `UsageError` if pymunk is not installed."""
 
-    properties = frozenset({"position", "heading", "speed", "velocity", "angularSpeed"})
+    properties = PROPERTIES
 
     def __init__(self, timestep: float = 0.1) -> None:
-        if not (timestep > 0 and math.isfinite(timestep)):
-            raise ValueError(f"the time step is a positive number of seconds, not {timestep}")
+        self.timestep = checked_timestep(timestep)
         try:
             import pymunk
         except ImportError:
             raise UsageError("the simulator pymunk needs the package pymunk", hint="pip install 'scenic-ref[dynamics]'") from None
         self.pymunk = pymunk
-        self.timestep = timestep
         self.destroy()
 
     def create(self, bodies: Sequence[Body]) -> None:
@@ -77,17 +71,14 @@ class Physics:
         for body in bodies:
             position, heading = body.properties["position"], float(body.properties["heading"])  # type: ignore[arg-type]
             width, length = float(body.properties["width"]), float(body.properties["length"])  # type: ignore[arg-type]
-            velocity, speed = body.properties.get("velocity"), body.properties.get("speed")
-            pushed = (velocity.x, velocity.y) if isinstance(velocity, Vector) else (0.0, 0.0)
-            moves = pushed != (0.0, 0.0) or (a.is_number(speed) and speed != 0)
+            velocity = velocity_at_first(body)
+            moves = velocity != (0.0, 0.0)
             vehicle, pedestrian = a.drives(body), a.walks(body)
             made = self.body_of(width, length, still=not (vehicle or pedestrian or moves), turns=not pedestrian)
             made.position, made.angle = (position.x, position.y), heading  # type: ignore[union-attr]
             moving = Moving(made, length, vehicle, pedestrian)
-            if pushed != (0.0, 0.0):
-                made.velocity = pushed
-            elif moves:
-                moving.run(float(speed), heading)  # type: ignore[arg-type]
+            if moves:
+                made.velocity = velocity
             if vehicle:
                 made.velocity_func = lambda _, gravity, damping, dt, moving=moving: drive(moving, dt)
             elif pedestrian:
@@ -109,9 +100,7 @@ class Physics:
 
     def check(self, body: Body, action: object) -> str | None:
         """Whether it is one of our actions, and this object can take it."""
-        if not isinstance(action, a.Action):
-            return f"it is none of {', '.join(a.ACTIONS)}"
-        return action.reason_against(body)
+        return reason_against(body, action)
 
     def step(self, actions: Mapping[int, Sequence[object]]) -> Sequence[str]:
         """The actions, then as many internal steps as are needed that nothing passes through anything; collisions that begin are told."""
@@ -127,30 +116,22 @@ class Physics:
     def take(self, moving: Moving, action: object) -> None:
         """The effect of an action on the controls of an object."""
         body = moving.body
+        if moving.controls.set(action):
+            return
         match action:
-            case a.SetThrottleAction(throttle=throttle):
-                moving.throttle = float(throttle)
-            case a.SetBrakeAction(brake=brake):
-                moving.brake = float(brake)
-            case a.SetSteerAction(steer=steer):
-                moving.steer = float(steer)
-            case a.SetHandBrakeAction(handbrake=handbrake):
-                moving.handbrake = bool(handbrake)
-            case a.SetReverseAction(reverse=reverse):
-                moving.reverse = bool(reverse)
             case a.SetPositionAction(position=position):
                 body.position = (position.x, position.y)
                 self.space.reindex_shapes_for_body(body)
             case a.SetVelocityAction(velocity=velocity):
                 self.push(moving, (velocity.x, velocity.y))
             case a.SetSpeedAction(speed=speed):
-                self.push(moving, (-speed * math.sin(body.angle), speed * math.cos(body.angle)))
+                self.push(moving, along(speed, body.angle))
             case a.SetWalkingDirectionAction(heading=heading):
                 speed = math.hypot(*(moving.walking or body.velocity))
-                moving.walking = (-speed * math.sin(heading), speed * math.cos(heading))
+                moving.walking = along(speed, heading)
                 body.angle = float(heading)
             case a.SetWalkingSpeedAction(speed=speed):
-                moving.walking = (-speed * math.sin(body.angle), speed * math.cos(body.angle))
+                moving.walking = along(speed, body.angle)
             case _:
                 raise AssertionError(action)
 
@@ -165,9 +146,8 @@ class Physics:
         """Where the object is, and how it moves."""
         moving = self.moving[id]
         body = moving.body
-        speed = moving.along() if moving.vehicle else math.hypot(*body.velocity)
         return {
-            "position": Vector(body.position.x, body.position.y), "heading": body.angle, "speed": speed,
+            "position": Vector(body.position.x, body.position.y), "heading": body.angle, "speed": moving.speed(),
             "velocity": Vector(body.velocity.x, body.velocity.y), "angularSpeed": body.angular_velocity,
         }  # fmt: skip
 
@@ -189,18 +169,17 @@ class Physics:
 
 def drive(moving: Moving, dt: float) -> None:
     """The change of a vehicle's velocity in `dt` seconds: engine, brake and drag along it, tyres across it, the yaw rate of a bicycle."""
-    body = moving.body
+    body, controls = moving.body, moving.controls
     sine, cosine = math.sin(body.angle), math.cos(body.angle)
     x, y = body.velocity
-    along, across = y * cosine - x * sine, x * cosine + y * sine
-    brake = max(float(moving.handbrake), moving.brake)
-    along += (-moving.throttle if moving.reverse else moving.throttle) * ACCELERATION * dt if brake == 0 else 0.0
-    slower = (BRAKING * brake + (ROLLING if moving.throttle == 0 else 0.0) + DRAG * along * along) * dt
-    along = math.copysign(max(0.0, abs(along) - slower), along)
+    ahead, across = y * cosine - x * sine, x * cosine + y * sine
+    ahead += controls.driving * ACCELERATION * dt if controls.braking == 0 else 0.0
+    slower = (BRAKING * controls.braking + (ROLLING if controls.throttle == 0 else 0.0) + DRAG * ahead * ahead) * dt
+    ahead = math.copysign(max(0.0, abs(ahead) - slower), ahead)
     across = math.copysign(max(0.0, abs(across) - GRIP * dt), across)
-    body.velocity = (across * cosine - along * sine, along * cosine + across * sine)
-    wanted = -along * math.tan(moving.steer * STEERING) / (WHEELBASE * moving.length)
-    limit = GRIP / max(abs(along), 1e-6)
+    body.velocity = (across * cosine - ahead * sine, ahead * cosine + across * sine)
+    wanted = -ahead * math.tan(controls.steer * STEERING) / (WHEELBASE * moving.length)
+    limit = GRIP / max(abs(ahead), 1e-6)
     change = min(max(wanted, -limit), limit) - body.angular_velocity
     body.angular_velocity += min(max(change, -YAWING * dt), YAWING * dt)
 

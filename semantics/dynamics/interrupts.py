@@ -15,18 +15,17 @@ from typing import NamedTuple
 from ..conditions import truth
 from ..config import PASS, Abrupt, Config, Stack, State, Value
 from ..control import Finally, Handling, block
+from ..functions import body_as_statement
 from ..outcome import Next, Outcome
 from ..scopes import Scope
 from ..syntax import dynamics as d
 from ..syntax import statements as s
-from ..syntax.nodes import NOWHERE, Expression, Node
-from ..syntax.python_expressions import Constant
+from ..syntax.nodes import Expression, Node
 from .guards import guarded
 from .processes import Suspended, pushed, restored
 from .simulation import simulation_of
 
 BODY = -1
-TRUE = Constant(value=True)
 
 
 class Deadline(NamedTuple):
@@ -83,7 +82,7 @@ def interruptible(node: Node, clauses: tuple[Clause, ...], body: s.Block, stack:
     """Begin a statement with interrupts."""
     assert state.simulation is not None
     frame = Interruptible(node, clauses, state.sigma, state.handling, state.depth, state.simulation.step)
-    whole = s.If(test=TRUE, then=body, span=body[0].span if body else NOWHERE)
+    whole = body_as_statement(body)
     if state.reading("interrupt-first-step") == "later-steps":
         return Next("D-Try", Config(whole, (frame, stack), state), node)
     fresh = Suspended(whole, (frame,), state.sigma, state.handling, state.depth, begun=False)

@@ -1,5 +1,5 @@
 """`do`: behaviors invoke behaviors, and compose blocks scenarios, one or several at a time (Section "Statements", "Invoking Other Behaviors and
-Scenarios"); `do choose` and `do shuffle` pick among those whose preconditions hold (Section "Compositional Scenarios").
+Scenarios").
 """
 
 from __future__ import annotations
@@ -10,17 +10,17 @@ from typing import TYPE_CHECKING, NamedTuple
 from ..calls import invocation
 from ..config import PASS, Abrupt, Config, Stack, State, Value
 from ..errors import RunError
-from ..functions import LARGEST_DEPTH, bind
+from ..functions import LARGEST_DEPTH, bind, body_as_statement
 from ..kinds import is_scalar, kind_name
 from ..outcome import Next, Outcome
 from ..premises import premises
 from ..scopes import Scope, function_names
 from ..syntax import dynamics as d
 from ..syntax import statements as s
-from ..syntax.nodes import NOWHERE, Expression, Node
+from ..syntax.nodes import Expression, Node
 from ..values import Dynamic, plain
 from .guards import Guards, InvariantViolation, PreconditionViolation, guarded
-from .interrupts import TRUE, Clause, Deadline, Interruptible, check_interrupts
+from .interrupts import Clause, Deadline, Interruptible, check_interrupts
 from .processes import Coroutine, Ended, Suspended, Who, Yielded, run_for_one_step, suspend
 
 if TYPE_CHECKING:
@@ -33,7 +33,6 @@ class Invoked(NamedTuple):
     behavior: Dynamic
     scope: Scope
     caller: Scope
-    node: Node
 
 
 class Together(NamedTuple):
@@ -195,7 +194,7 @@ def invoke(node: Node, invocations: tuple[Dynamic, ...], stack: Stack, state: St
         raise RunError(f"a {who.kind} has no agent that could run {invocations[0]!r}", node.span, rule="D-Do")
     if len(invocations) == 1:
         return run_behavior(node, invocations[0], who, stack, state)
-    children = tuple((k, beginning(b, node, who, state)) for k, b in enumerate(invocations))
+    children = tuple((k, beginning(b, node, state)) for k, b in enumerate(invocations))
     return run_together(Together(children, who, 0, (), ()), stack, state)
 
 
@@ -220,13 +219,8 @@ def run_behavior(node: Node, behavior: Dynamic, who: Who, stack: Stack, state: S
 def enter_behavior(node: Node, behavior: Dynamic, scope: Scope, stack: Stack, state: State) -> Outcome:
     """The guards hold: the body."""
     body: s.Block = behavior.definition.body  # type: ignore[attr-defined]
-    frame = Invoked(behavior, scope, state.sigma, node)
-    return Next("D-Do", Config(as_statement(body), (frame, stack), state._replace(sigma=scope, depth=state.depth + 1)), node)
-
-
-def as_statement(body: s.Block) -> Node:
-    """A block as one statement."""
-    return s.If(test=TRUE, then=body, span=body[0].span if body else NOWHERE)
+    frame = Invoked(behavior, scope, state.sigma)
+    return Next("D-Do", Config(body_as_statement(body), (frame, stack), state._replace(sigma=scope, depth=state.depth + 1)), node)
 
 
 def resume_invoked(frame: Invoked, result: object, stack: Stack, state: State) -> Outcome:
@@ -260,7 +254,7 @@ def unwind_invoked(frame: Invoked, abrupt: Abrupt, stack: Stack, state: State) -
 # Several behaviors at a time
 
 
-def beginning(behavior: Dynamic, node: Node, who: Who, state: State) -> Suspended:
+def beginning(behavior: Dynamic, node: Node, state: State) -> Suspended:
     """A coroutine that will run a behavior."""
     return Suspended(Value(Begin(node, (behavior,))), (Beginning(),), state.sigma, (), state.depth, begun=False)
 

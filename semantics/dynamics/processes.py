@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ..config import PASS, Abrupt, Config, Stack, State, Value
+from ..config import Abrupt, Config, Stack, State, Value
 from ..outcome import Next, Outcome
 from ..scopes import Scope
 from ..syntax.nodes import NOWHERE, Node, Span
@@ -26,7 +26,7 @@ class Who(NamedTuple):
     part: int = 0
 
 
-KINDS = ("behavior", "monitor", "compose", "condition", "setup")
+KINDS = ("behavior", "monitor", "compose", "condition")
 
 
 class Suspended(NamedTuple):
@@ -118,6 +118,3 @@ def unwind_coroutine(frame: Coroutine, abrupt: Abrupt, stack: Stack, state: Stat
     if abrupt.kind == "raise":
         return Next("", Config(abrupt, stack, back(frame, state)))
     return Next("", Config(Value(Ended(abrupt.kind == "terminate")), stack, back(frame, state)))
-
-
-__all__ = ["PASS", "Coroutine", "Ended", "Suspended", "Who", "Yielded", "run_for_one_step", "suspend"]

@@ -10,6 +10,7 @@ from ..conditions import truth
 from ..config import Abrupt, Config, Stack, State, Value
 from ..control import block
 from ..errors import RunError
+from ..functions import body_as_statement
 from ..outcome import Next, Outcome
 from ..scopes import Scope
 from ..syntax import dynamics as d
@@ -18,7 +19,7 @@ from ..termination import Mutating, mutate_objects
 from ..values import Dynamic
 from .guards import Guards, InvariantViolation, guarded
 from .interrupts import Clause, Interruptible
-from .invocations import as_statement, guards_of, returned, within
+from .invocations import guards_of, returned, within
 from .overrides import reverted
 from .processes import Coroutine, Ended, Suspended, Who, Yielded, address_of, run_for_one_step, suspend
 from .simulation import Declared, Running, simulation_of, with_scenario, with_simulation
@@ -163,7 +164,7 @@ def scenario_from(number: int, dynamic: Dynamic | None, scope: Scope, declared: 
     definition = None if dynamic is None else dynamic.definition
     compose = definition.compose if isinstance(definition, d.ScenarioDefinition) else None
     return Running(
-        number, dynamic, scope, None if compose is None else Suspended(as_statement(compose), (), scope, begun=False),
+        number, dynamic, scope, None if compose is None else Suspended(body_as_statement(compose), (), scope, begun=False),
         tuple(found[d.RequireAlways]), tuple(found[d.RequireEventually]), tuple(found[d.TerminateWhen]),
         tuple(monitor(m) for m in found[d.MonitorDefinition]), first_step=step,
     )  # fmt: skip
@@ -173,7 +174,7 @@ def monitor(declared: Declared) -> Suspended:
     """A monitor before its first time step: it "runs in parallel with the scenario" from its definition on (reading `monitor-structure`)."""
     node = declared.node
     assert isinstance(node, d.MonitorDefinition)
-    return Suspended(as_statement(node.body), (), declared.scope, begun=False)
+    return Suspended(body_as_statement(node.body), (), declared.scope, begun=False)
 
 
 # One time step
@@ -279,6 +280,7 @@ def end_scenario(number: int, state: State) -> State:
         return state
     for inner in scenarios_in([running.compose] if running.compose is not None else []):
         state = end_scenario(inner, state)
+    running = simulation_of(state).scenarios[number]  # which may have inherited what an inner one had overridden
     for override in reversed(running.overrides):
         state = reverted(override, number, state)
     return with_scenario(state, running._replace(over=True, overrides=(), compose=None))
@@ -302,14 +304,13 @@ def give_up(processes: tuple[Suspended, ...], config: Config) -> Outcome:
     return Next("", config._replace(state=state))
 
 
-def check_setup(what: str, node: Node, stack: Stack, state: State) -> None:
+def check_setup(what: str, node: Node, stack: Stack) -> None:
     """Objects are made, and mutated, in setup blocks, whose end checks the default requirements. Raises `RunError`."""
-    while state.simulation is not None:
-        if not stack:
-            raise RunError(f"{what} in a setup block only", node.span, rule="D-Setup", hint="put it into a scenario, and invoke that with `do`")
+    while stack:
         if isinstance(stack[0], Setting):
             return
         stack = stack[1]
+    raise RunError(f"{what} in a setup block only", node.span, rule="D-Setup", hint="put it into a scenario, and invoke that with `do`")
 
 
 # What compose blocks declare

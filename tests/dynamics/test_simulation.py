@@ -295,7 +295,7 @@ def test_rocks_stand_still_and_pedestrians_walk():
 
 @pytest.mark.parametrize("name", ["still", "kinematic", "pymunk"])
 def test_the_contract_of_simulators(name):
-    """What any simulator must do: declared properties come back, new objects are taken in, it can be used again, NaN is never read."""
+    """What any simulator must do: declared properties come back, new objects are taken in, it can be used again."""
     if name == "pymunk":
         pytest.importorskip("pymunk")
     simulator = by_name(name)
