@@ -34,6 +34,16 @@ def trace(
     ] = None,
     everything: Annotated[bool, typer.Option("--all", help="Also the rules inherited from Python, and default values.")] = False,
     html: Annotated[str | None, typer.Option("--html", metavar="PATH", help="Write a page to step through the run instead.")] = None,
+    steps: Annotated[
+        int | None, typer.Option("--steps", metavar="N", min=0, help="Go on after the scene: the policy's rules in at most N time steps.")
+    ] = None,
+    simulator: Annotated[str, typer.Option("--simulator", metavar="NAME", help="With --steps: still, kinematic or pymunk.")] = "still",
+    timestep: Annotated[
+        float | None, typer.Option("--dt", metavar="S", help="With --steps: the time step in seconds.", show_default="1 for still, 0.1 for others")
+    ] = None,
+    scenario: Annotated[
+        str | None, typer.Option("--scenario", metavar="NAME", help="The modular scenario to begin with.", show_default="Main, if there is one")
+    ] = None,
     profile: ProfileOption = "paper",
     reading: ReadingOption = None,
     dialect: DialectOption = None,
@@ -44,15 +54,26 @@ def trace(
     trust: TrustOption = False,
     debug: DebugOption = False,
 ) -> None:
-    """Show every rule that fires in a run: its name, its probability, what it changes, and where it stands."""
-    from .tracing import Asked, traced, write_page, write_text
+    """Show every rule that fires in a run: its name, its probability, what it changes, and where it stands.
+
+    With --steps, a run is a simulation: its scene, then time steps. `--scene K` is then the one that `simulate --run K` gives.
+    """
+    from ..semantics.errors import UsageError
+    from ..simulators import by_name
+    from .tracing import Asked, traced, traced_simulation, write_page, write_text
 
     session = context.obj
     session.seed = seed
     source = read_source(
-        session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, fuel=fuel, trust=trust
+        session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, fuel=fuel, trust=trust, scenario=scenario
     )
-    found = traced(source, Asked(seed, scene, attempt, max_attempts))
+    asked = Asked(seed, scene, attempt, max_attempts)
+    if steps is None:
+        if simulator != "still" or timestep is not None:
+            raise UsageError("--simulator and --dt are about simulations", hint="give the number of time steps as well: --steps N")
+        found = traced(source, asked)
+    else:
+        found = traced_simulation(source, asked, by_name(simulator, timestep), steps)
     if html is None:
         write_text(found, session.texts, everything=everything)
     else:

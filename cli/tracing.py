@@ -5,14 +5,18 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from importlib.resources import files
+from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
 from ..inference.rejection import sample
+from ..inference.simulation import attempts_at
 from ..interpreter.choosers import from_stream
+from ..interpreter.simulating import Failed, Simulated, Simulator
 from ..interpreter.tracing import Event, Trace, finite
+from ..scenario import Scenario
 from ..semantics.errors import AttemptsExhausted, ScenicError, UsageError
 from ..semantics.rules import RULES
 from .drawing import drawing_of
@@ -31,18 +35,20 @@ class Asked(NamedTuple):
 
 
 class Traced(NamedTuple):
-    """The trace of an attempt of a program, and the error that it ended with, if any."""
+    """The trace of an attempt of a program, and the error that it ended with, if any; of a simulation, what came of it."""
 
     source: Source
     asked: Asked
     attempt: int
     trace: Trace
     error: ScenicError | None
+    simulated: Simulated | Failed | None = None
 
     @property
     def title(self) -> str:
         """Which run this is."""
-        return f"{self.source.file}, seed {self.asked.seed}, scene {self.asked.scene}, attempt {self.attempt}"
+        what = "scene" if self.simulated is None else "simulation"
+        return f"{self.source.file}, seed {self.asked.seed}, {what} {self.asked.scene}, attempt {self.attempt}"
 
     @property
     def ending(self) -> str:
@@ -51,6 +57,10 @@ class Traced(NamedTuple):
         product = f"log density {log_density:.6g} (density {math.exp(log_density):.4g})" if log_density < 700 else f"log density {log_density:.6g}"
         if self.error is not None:
             return f"the program is wrong: {self.error.message}"
+        if isinstance(self.simulated, Simulated):
+            return f"accepted: {self.simulated.result}: {self.simulated.reason}; {product}"
+        if isinstance(self.simulated, Failed):
+            return f"discarded, scene and all: this fails {self.simulated.place}: {self.simulated.requirement.text}; up to there {product}"
         if self.trace.accepted:
             return f"accepted: the scene (π, O); {product}"
         return f"stuck: the run is discarded; up to there {product}"
@@ -59,7 +69,13 @@ class Traced(NamedTuple):
 def traced(source: Source, asked: Asked) -> Traced:
     """Run the attempt that is asked for once more, keeping every rule that fires. Raises `AttemptsExhausted`, `UsageError`."""
     scenario = drawing_of(source).scenario
-    attempt, known = (asked.attempt, None) if asked.attempt is not None else accepted_attempt(source, asked)
+
+    def draw(count: Callable[[int], None]) -> int:
+        return sample(
+            scenario.start, asked.seed, asked.scene, max_attempts=asked.max_attempts, fuel=scenario.fuel, on_attempt=count
+        ).scene.attempts
+
+    attempt, known = (asked.attempt, None) if asked.attempt is not None else accepted_attempt(scenario, draw)
     found = Trace()
     try:
         found.follow(scenario.start(), from_stream(asked.seed, asked.scene, attempt - 1), fuel=scenario.fuel)
@@ -68,9 +84,31 @@ def traced(source: Source, asked: Asked) -> Traced:
     return Traced(source, asked, attempt, found, known)
 
 
-def accepted_attempt(source: Source, asked: Asked) -> tuple[int, ScenicError | None]:
-    """The number of the first attempt that is accepted or fails, counting from 1; and the error if it is the rehearsal's."""
+def traced_simulation(source: Source, asked: Asked, simulator: Simulator, steps: int) -> Traced:
+    """As `traced`, for a simulation of at most so many time steps."""
     scenario = drawing_of(source).scenario
+
+    def draw(count: Callable[[int], None]) -> int:
+        return scenario.simulate(simulator, steps, asked.seed, asked.scene, max_attempts=asked.max_attempts, on_attempt=count).attempts
+
+    attempt, known = (asked.attempt, None) if asked.attempt is not None else accepted_attempt(scenario, draw)
+    found = Trace()
+    tried = attempts_at(
+        scenario.start, simulator, steps, asked.seed, asked.scene, fuel=scenario.fuel,
+        retry=scenario.readings["rejected-simulation"] == "retry", witnessed=lambda number: found.witness if number == attempt - 1 else None,
+    )  # fmt: skip
+    try:
+        simulated, _ = next(islice(tried, attempt - 1, None))
+    except ScenicError as error:
+        return Traced(source, asked, attempt, found, error)
+    return Traced(source, asked, attempt, found, known, simulated)
+
+
+def accepted_attempt(scenario: Scenario, draw: Callable[[Callable[[int], None]], int]) -> tuple[int, ScenicError | None]:
+    """The number of the first attempt that is accepted or fails, counting from 1; and the error if it is the rehearsal's.
+
+    `draw` says which one is accepted; it calls what it is given with the number of those rejected so far.
+    """
     stuck = 0
 
     def count(attempts: int) -> None:
@@ -84,8 +122,7 @@ def accepted_attempt(source: Source, asked: Asked) -> tuple[int, ScenicError | N
     except ScenicError as error:
         return 1, error
     try:
-        found = sample(scenario.start, asked.seed, asked.scene, max_attempts=asked.max_attempts, fuel=scenario.fuel, on_attempt=count)
-        return found.scene.attempts, None
+        return draw(count), None
     except AttemptsExhausted:
         raise
     except ScenicError as error:
@@ -97,6 +134,10 @@ def write_text(found: Traced, texts: Mapping[str, str], *, everything: bool) -> 
     print(found.title)
     place = None
     for event in shown_events(found.trace, everything=everything):
+        if event.kind == "time":
+            place = None
+            print(f"\n{'':-<8} {event.change}")
+            continue
         here = (event.span.file, event.span.line)
         if here != place:
             place = here
@@ -123,7 +164,7 @@ def shown_events(trace: Trace, *, everything: bool) -> Iterator[Event]:
     """All events, or those of the paper's rules outside default values; draws always."""
     for event in trace.events:
         is_default = event.in_default or event.rule == "P-Default"
-        if everything or event.kind in ("draw", "stuck", "done") or not (event.inherited or is_default):
+        if everything or event.kind in ("draw", "stuck", "time", "done") or not (event.inherited or is_default):
             yield event
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from itertools import count, islice
 from typing import NamedTuple
 
 from ..interpreter.choosers import from_stream
@@ -29,22 +30,15 @@ class SampledRun(NamedTuple):
 def sample_simulation(
     start: Callable[[], Config], simulator: Simulator, steps: int, seed: int, index: int, *, max_attempts: int = DEFAULT_ATTEMPTS,
     fuel: int = DEFAULT_FUEL, retry: bool = False, on_attempt: Callable[[int], None] | None = None,
-    witnessed: Callable[[int], Witness] | None = None,
+    witnessed: Callable[[int], Witness | None] | None = None,
 ) -> SampledRun:  # fmt: skip
     """Simulation number `index` of `seed`, of at most `steps` time steps. Raises `AttemptsExhausted`, and the errors of the program and simulator.
 
     With `retry`, a scene keeps its numbers while its simulations are rejected, up to `RETRIES` times.
     """
     stuck: Counter[Failed] = Counter()
-    scene, first = 0, 0  # the attempt that the scene's numbers are of, and the one with which its simulations began
-    for attempt in range(max_attempts):
-
-        def number(address: tuple[int, ...], scene: int = scene, attempt: int = attempt) -> int:
-            return attempt if address[:1] == (DYNAMIC,) else scene
-
-        witness = None if witnessed is None else witnessed(attempt)
-        chooser, drawn = counting(from_stream(seed, index, number))
-        found = simulate_once(start(), chooser, simulator, steps, seed=seed, index=index, attempt=scene, fuel=fuel, witness=witness)
+    tried = attempts_at(start, simulator, steps, seed, index, fuel=fuel, retry=retry, witnessed=witnessed)
+    for attempt, (found, drawn) in enumerate(islice(tried, max_attempts)):
         if isinstance(found, Simulated):
             return SampledRun(found, attempt + 1, stuck)
         stuck[found] += 1
@@ -53,11 +47,28 @@ def sample_simulation(
         if not drawn:
             text = f"no simulation is possible, since nothing is drawn before this fails {found.place}: {found.requirement.text}"
             raise exhausted(text, attempt + 1, stuck)
-        if not retry or found.step is None or attempt + 1 - first >= RETRIES:
-            scene = first = attempt + 1
-    worst, count = stuck.most_common(1)[0]
-    text = f"no simulation in {max_attempts:,} attempts: most often ({count:,} times) this failed {worst.place}: {worst.requirement.text}"
+    worst, often = stuck.most_common(1)[0]
+    text = f"no simulation in {max_attempts:,} attempts: most often ({often:,} times) this failed {worst.place}: {worst.requirement.text}"
     raise exhausted(text, max_attempts, stuck)
+
+
+def attempts_at(
+    start: Callable[[], Config], simulator: Simulator, steps: int, seed: int, index: int, *, fuel: int = DEFAULT_FUEL, retry: bool = False,
+    witnessed: Callable[[int], Witness | None] | None = None,
+) -> Iterator[tuple[Simulated | Failed, bool]]:  # fmt: skip
+    """One run of simulation number `index` after the other, without end, and whether anything was drawn in it; arguments as `sample_simulation`."""
+    scene, first = 0, 0  # the attempt that the scene's numbers are of, and the one with which its simulations began
+    for attempt in count():
+
+        def number(address: tuple[int, ...], scene: int = scene, attempt: int = attempt) -> int:
+            return attempt if address[:1] == (DYNAMIC,) else scene
+
+        witness = None if witnessed is None else witnessed(attempt)
+        chooser, drawn = counting(from_stream(seed, index, number))
+        found = simulate_once(start(), chooser, simulator, steps, seed=seed, index=index, attempt=scene, fuel=fuel, witness=witness)
+        yield found, bool(drawn)
+        if isinstance(found, Simulated) or not retry or found.step is None or attempt + 1 - first >= RETRIES:
+            scene = first = attempt + 1
 
 
 def exhausted(text: str, attempts: int, stuck: Counter[Failed]) -> AttemptsExhausted:

@@ -145,7 +145,7 @@ def simulate_once(
     if missed is not None:
         return Failed(missed, steps)
     moments.append(Moment(steps, poses(state, simulator), {}, ()))
-    reason = f"{steps:,} time steps have passed"
+    reason = "1 time step has passed" if steps == 1 else f"{steps:,} time steps have passed"
     return Simulated(scene, tuple(moments), "time limit", reason, simulator.timestep, tuple(made[first:]))
 
 

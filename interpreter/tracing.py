@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 from ..semantics.config import Config, State
+from ..semantics.dynamics.invocations import Invoked
+from ..semantics.dynamics.processes import Coroutine, Yielded
+from ..semantics.dynamics.simulation import agent_of, simulation_of
 from ..semantics.object_definitions import Defaulting
-from ..semantics.outcome import Change, Done, Draw, Next, Observe, Outcome, Stuck
+from ..semantics.outcome import Act, Change, Done, Draw, Finish, Next, Observe, Outcome, Stuck
 from ..semantics.rules import RULES
 from ..semantics.syntax.nodes import NOWHERE, Span
 from ..semantics.values import Instance, unwrap
@@ -33,8 +36,8 @@ class Event:
     """One rule that fired.
 
     `log_density` is the logarithm of its probability, 0 for rules without, and of a density if `is_density`; `change` says
-    what became what, `assigned` the same piece by piece; `kind` is "rule", "draw", "requirement", "done" or "stuck";
-    `in_default`: it belongs to the evaluation of a default value.
+    what became what, `assigned` the same piece by piece; `kind` is "rule", "draw", "requirement", "time", "done" or "stuck";
+    `in_default`: it belongs to the evaluation of a default value; `step`: the time step in which it fired, None while the scene is generated.
     """
 
     number: int
@@ -46,6 +49,7 @@ class Event:
     is_density: bool = False
     in_default: bool = False
     assigned: tuple[Assigned, ...] = ()
+    step: int | None = None
 
     @property
     def name(self) -> str:
@@ -63,6 +67,7 @@ class Event:
             "number": self.number, "rule": self.rule, "name": self.name, "kind": self.kind, "file": self.span.file, "line": self.span.line,
             "column": self.span.column, "endLine": self.span.end_line, "endColumn": self.span.end_column, "logDensity": finite(self.log_density),
             "change": self.change, "isDensity": self.is_density, "inDefault": self.in_default, "assigned": [list(a) for a in self.assigned],
+            "step": self.step,
         }
 
 
@@ -97,14 +102,19 @@ class Trace:
 
     def witness(self, outcome: Outcome, drawn: object) -> None:
         """Add an outcome of the run."""
+        state = state_after(outcome, drawn)
+        time = time_of(state if state is not None else self.state)
+        if state is not None and time is not None and time != time_of(self.state):
+            self.events.append(next_step(len(self.events) + 1, outcome, self.state, state))
+            self.state = state
         after = following(outcome, drawn)
         assigned = ()
-        if after is not None and not (isinstance(outcome, Next) and outcome.rule == ""):
-            assigned = assignments(outcome, self.state, after.state)
-            self.state = after.state
+        if state is not None and not (isinstance(outcome, Next) and outcome.rule == ""):
+            assigned = assignments(outcome, self.state, state)
+            self.state = state
         event = event_of(len(self.events) + 1, outcome, drawn, after, assigned)
         if event is not None:
-            self.events.append(event)
+            self.events.append(replace(event, step=time))
         if isinstance(outcome, Draw):
             self.draws[outcome.address] = drawn
 
@@ -127,6 +137,28 @@ def following(outcome: Outcome, drawn: object) -> Config | None:
             return None
 
 
+def state_after(outcome: Outcome, drawn: object) -> State | None:
+    """The state after an outcome, None for one that has none."""
+    if isinstance(outcome, (Done, Act, Finish)):
+        return outcome.state
+    after = following(outcome, drawn)
+    return None if after is None else after.state
+
+
+def time_of(state: State | None) -> int | None:
+    """The time step that a state belongs to, None while the scene is generated."""
+    return None if state is None or state.simulation is None else state.simulation.step
+
+
+def next_step(number: int, outcome: Outcome, before: State | None, state: State) -> Event:
+    """A time step begins: what the simulator has changed since the one before, nothing of which is a rule."""
+    simulation = simulation_of(state)
+    moved = assignments(outcome, before, state) if time_of(before) is not None else ()
+    text = f"time step {simulation.step}, {simulation.step * simulation.timestep:g} s"
+    said = describe(None, moved)
+    return Event(number, "", "time", NOWHERE, change=f"{text}: the simulator: {said}" if said else text, assigned=moved, step=simulation.step)
+
+
 def event_of(number: int, outcome: Outcome, drawn: object, after: Config | None = None, assigned: tuple[Assigned, ...] = ()) -> Event | None:
     """The event of an outcome; bookkeeping between rules has none."""
     in_default = after is not None and is_in_default(after)
@@ -135,7 +167,8 @@ def event_of(number: int, outcome: Outcome, drawn: object, after: Config | None 
             return None
         case Next(rule=rule, node=node, change=change, config=config):
             span = node.span if node is not None else getattr(config.control, "span", NOWHERE)
-            return Event(number, rule, "rule", span, change=describe(change, assigned), in_default=in_default, assigned=assigned)
+            text = describe(change, assigned) or (running(config) if rule.startswith("D-") else "")
+            return Event(number, rule, "rule", span, change=text, in_default=in_default, assigned=assigned)
         case Draw(rule=rule, node=node, distribution=distribution):
             parameters = ", ".join(f"{k}={show(v)}" for k, v in distribution.parameters.items())
             change = f"{show(drawn)} ~ {distribution.name}({parameters})"
@@ -146,10 +179,38 @@ def event_of(number: int, outcome: Outcome, drawn: object, after: Config | None 
             return Event(number, rule, "requirement", requirement.span, change=f"{requirement.text}: holds", in_default=in_default)
         case Done(rule=rule):
             return Event(number, rule, "done", NOWHERE, change="all default requirements hold: (π, O)")
+        case Act(rule=rule, actions=actions, state=state):
+            return Event(number, rule, "done", NOWHERE, change=chosen(actions, state))
+        case Finish(rule=rule, reason=reason):
+            return Event(number, rule, "done", NOWHERE, change=f"the scenario ends: {reason}")
         case Stuck(rule=rule, requirement=requirement):
             return Event(number, rule, "stuck", requirement.span, -math.inf, f"{requirement.text}: does not hold, so no rule applies")
         case _:
             return None
+
+
+def chosen(actions: Mapping[int, tuple[object, ...]], state: State) -> str:
+    """The actions of a time step, agent by agent."""
+    agents = {instance.number: state.names.get(instance.number) or repr(instance) for instance in state.scene}
+    return "; ".join(f"{agents[n]} takes {', '.join(map(show, taken))}" for n, taken in actions.items()) or "no agent takes an action"
+
+
+def running(config: Config) -> str:
+    """Whose coroutine runs: an agent, with the behaviors that it is in, or a block of a scenario; nothing between them."""
+    stack, result = config.stack, getattr(config.control, "value", None)
+    inside: list[object] = list(result.rest.frames) if isinstance(result, Yielded) else []  # what has just been suspended
+    while stack and not isinstance(stack[0], Coroutine):
+        inside.append(stack[0])
+        stack = stack[1]
+    if not stack:
+        return ""
+    who, state = stack[0].who, config.state
+    if who.kind == "behavior":
+        agent = agent_of(who, state)
+        names = [repr(frame.behavior) for frame in reversed(inside) if isinstance(frame, Invoked)]
+        return " > ".join([state.names.get(agent.number) or repr(agent), *names])
+    scenario = simulation_of(state).scenarios.get(who.number)
+    return f"{'a monitor' if who.kind == 'monitor' else 'the compose block'} of {scenario.name if scenario is not None else 'a scenario'}"
 
 
 def is_in_default(config: Config) -> bool:
@@ -175,7 +236,7 @@ def assignments(outcome: Outcome, before: State | None, after: State) -> tuple[A
         for number, properties in after.objects.items():
             known = before.objects.get(number, {})
             if known is not properties:
-                owner = after.names.get(number) or instance_in(outcome, number) or f"<{number}>"
+                owner = after.names.get(number) or instance_in(outcome, number) or in_scene(after, number) or f"<{number}>"
                 found += [Assigned("O", f"{owner}.{n}", show(v)) for n, v in properties.items() if known.get(n, MISSING) is not v]
     return tuple(found)
 
@@ -185,6 +246,11 @@ def instance_in(outcome: Outcome, number: int) -> str:
     change = outcome.change if isinstance(outcome, Next) else None
     instance = change.instance if change is not None else None
     return repr(instance) if instance is not None and instance.number == number else ""
+
+
+def in_scene(state: State, number: int) -> str:
+    """An object of the scene, by its class and number."""
+    return next((repr(instance) for instance in state.scene if instance.number == number), "")
 
 
 def fired(rule: str, drawn: object) -> str:

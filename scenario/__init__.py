@@ -138,7 +138,7 @@ class Scenario:
     def simulate(
         self, simulator: str | Simulator = "still", steps: int = 100, seed: int = 0, index: int = 0, *, timestep: float | None = None,
         max_attempts: int = DEFAULT_ATTEMPTS, on_attempt: Callable[[int], None] | None = None,
-        witnessed: Callable[[int], Witness] | None = None,
+        witnessed: Callable[[int], Witness | None] | None = None,
     ) -> SampledRun:  # fmt: skip
         """Simulation number `index` of `seed`, of at most `steps` time steps; rejected runs are discarded whole (reading `rejected-simulation`).
 

@@ -70,9 +70,16 @@ def bind_targets(node: s.Assignment, pending: list[tuple[Node, object]], assigne
         else:
             rest = ((target, part), pending, assigned)
             return premises(node, [None, *target_premises(target)], conclude_target, stack, state, [rest])
-    first = node.targets[0]
-    name = first.name if isinstance(first, p.Name) else type(first).__name__.lower()
-    return done("S-Assignment", node, stack, state, Change("σ", name, assigned))
+    name = written(node.targets[0])
+    return done("S-Assignment", node, stack, state, Change("σ", name, assigned) if name else None)
+
+
+def written(target: Node) -> str:
+    """The variables that a target binds, as they are written; empty if there is something else in it."""
+    if isinstance(target, (p.TupleDisplay, p.ListDisplay)):
+        names = [written(item) for item in target.items]
+        return f"({', '.join(names)})" if all(names) else ""
+    return target.name if isinstance(target, p.Name) else ""
 
 
 def conclude_target(node: s.Assignment, values: list[object], stack: Stack, state: State) -> Outcome:
@@ -224,7 +231,8 @@ def conclude_augmented(node: s.AugmentedAssignment, values: list[object], stack:
     else:
         result = host(state.settings.door, state, BINARY[node.operator], *as_vectors([current, operand], state))
     state = assign(node.target, result, parts, state)
-    return done("S-Assignment", node, stack, state, Change("σ", getattr(node.target, "name", ""), result))
+    name = written(node.target)
+    return done("S-Assignment", node, stack, state, Change("σ", name, result) if name else None)
 
 
 def change_in_place(node: s.AugmentedAssignment, operation: Callable[..., object], current: object, operand: object, state: State) -> object:

@@ -1,0 +1,30 @@
+"""Saving a run between two time steps, to go on from there later or more than once.
+
+The state is a value, but for variables and containers, which are updated in place as in Python: a state that was gone on from is no longer what
+it was. What is saved stays.
+"""
+
+from __future__ import annotations
+
+import pickle
+
+from ..semantics.config import State
+from ..semantics.errors import UsageError
+
+
+def save(state: State) -> bytes:
+    """The state of a run, with what its coroutines still have to do, for the same version on the same machine.
+
+    Raises `UsageError` for values of imported Python modules that cannot be saved.
+    """
+    try:
+        return pickle.dumps(state, protocol=pickle.HIGHEST_PROTOCOL)
+    except (pickle.PicklingError, TypeError, AttributeError) as problem:
+        raise UsageError(f"this run cannot be saved: {problem}") from None
+
+
+def resume(saved: bytes) -> State:
+    """The state that was saved; nothing that is done with it changes `saved`. Only for what `save` gave: pickled data can run any code."""
+    state = pickle.loads(saved)
+    assert isinstance(state, State)
+    return state
