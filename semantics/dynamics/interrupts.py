@@ -163,7 +163,12 @@ ROUNDING = 1e-9
 
 
 def interrupt(process: Suspended, place: int, clause: int, stack: Stack, state: State) -> Outcome:
-    """Suspend what the statement is running, and begin a handler."""
+    """Suspend what the statement is running, and begin a handler.
+
+    Where it was the behavior's own `take` that waited, and nothing that it invoked, the behavior goes on: its invariants are checked.
+    """
+    from .invocations import guards_on_resumption, invoked_in
+
     frame = process.frames[place]
     assert isinstance(frame, Interruptible)
     interrupted = process._replace(frames=process.frames[:place])
@@ -172,7 +177,15 @@ def interrupt(process: Suspended, place: int, clause: int, stack: Stack, state: 
     own = state._replace(sigma=frame.sigma, handling=frame.handling, depth=frame.depth)
     condition = frame.clauses[clause].condition
     node = frame.node if isinstance(condition, Deadline) else condition
-    return block(frame.clauses[clause].block, (handling, pushed(process.frames[place + 1 :], stack)), own, "D-Interrupt", node)
+    whole = (handling, pushed(process.frames[place + 1 :], stack))
+    goes_on = process.begun and (not invoked_in(interrupted.frames) or state.reading("invariant-of-caller") == "every-step")
+    guards = guards_on_resumption(whole, state) if goes_on else ()
+    return guarded(guards, partial(begin_handler, frame.clauses[clause].block, node), whole, own)
+
+
+def begin_handler(handler: s.Block, node: Node, stack: Stack, state: State) -> Outcome:
+    """The invariants hold: the handler."""
+    return block(handler, stack, state, "D-Interrupt", node)
 
 
 def resume_interruptible(frame: Interruptible, result: object, stack: Stack, state: State) -> Outcome:

@@ -100,6 +100,13 @@ def guards_on_resumption(stack: Stack, state: State) -> tuple[Guards, ...]:
     return tuple(reversed(found)) if state.reading("invariant-of-caller") == "every-step" else tuple(found[:1])
 
 
+def invoked_in(frames: tuple[object, ...]) -> bool:
+    """Whether these frames run something that the coroutine has invoked."""
+    from .scenarios import Scenarios
+
+    return any(isinstance(frame, (Invoked, Together, Scenarios)) for frame in frames)
+
+
 # do
 
 

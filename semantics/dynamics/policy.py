@@ -45,14 +45,14 @@ def begin(state: State, timestep: float = DEFAULT_TIMESTEP, fixed: frozenset[str
     """
     own = state.initial.space if state.initial is not None else None
     top = scenario_from(TOP, state.initial, own or state.sigma, state.dynamic, 0)
-    simulation = Simulation(0, timestep, {TOP: top}, fixed=fixed | {"position", "heading"})
+    simulation = Simulation(0, timestep, {TOP: top}, active=(TOP,), fixed=fixed | {"position", "heading"})
     objects = {number: {name: plain(value) for name, value in properties.items()} for number, properties in state.objects.items()}
     return state._replace(simulation=simulation, objects=objects, dynamic=(), handling=(), depth=0)
 
 
 def policy(state: State) -> Config:
     """The configuration that computes the actions of a time step: it ends with `Act`, `Finish` or `Stuck`."""
-    return Config(PASS, (Step(1), ()), with_simulation(state, active=(), flag=""))
+    return Config(PASS, (Step(1), ()), with_simulation(state, flag=""))
 
 
 def after_one_step(state: State) -> State:
@@ -71,7 +71,7 @@ def resume_step(frame: Step, result: object, stack: Stack, state: State) -> Outc
 def compose_blocks(frame: Step, result: object, stack: Stack, state: State) -> Outcome:
     """Step 1: run the compose blocks of all running scenarios for one time step; remember in a flag if the top-level scenario is over."""
     if result is None:
-        return step_of_scenario(TOP, (frame, stack), state)
+        return step_of_scenario(TOP, (frame, stack), with_simulation(state, active=()))
     reason = result.reason if isinstance(result, Over) else ""
     return following(frame, "D-Policy-1", stack, flagged(reason, state))
 

@@ -227,4 +227,60 @@ SILENCES_OF_POLICY: tuple[Reading, ...] = (
             {"no-arguments": "actions 3 and 4 in the first time step"},
         ),
     ),
+    Reading(
+        id="objects-while-running",
+        kind="silence",
+        about="policy",
+        question="Where may objects be made, and `mutate` stand, while a scenario runs?",
+        places=(
+            COMPOSITIONAL + ', "Modular Scenarios": the `setup` block "can define classes, create objects, declare requirements"',
+            'Figure "Semantics of statements", rules "Termination": default requirements are checked, and noise added, when a program ends',
+        ),
+        alternatives={"setup": "in `setup` blocks only, whose end checks the default requirements; elsewhere it is an error"},
+        consequence="Concerns behaviors, monitors and compose blocks: a program that makes objects there is refused where it does.",
+        code=("semantics.dynamics.scenarios.check_setup",),
+        probe=Probe(
+            "scenario Main():\n    setup:\n        ego = Object at (0, 0)\n    compose:\n        wait\n        Object at (5, 0)",
+            {"setup": "RunError in the second time step"},
+        ),
+    ),
+    Reading(
+        id="ego-of-scenarios",
+        kind="silence",
+        about="policy",
+        question="What does `ego = ...` in a sub-scenario mean?",
+        places=(
+            COMPOSITIONAL + ', "Interrupts, Overriding, and Initial Scenarios": "use existing ego car" where it is not the initial scenario',
+            'Figure "Semantics of statements", rule "Variable Assignments": ego is one variable',
+        ),
+        alternatives={"shared": "there is one ego, which is the new object from then on, also after the sub-scenario has ended"},
+        consequence="Concerns scenarios: a sub-scenario that is also to run alone asks `in initial scenario` before it assigns ego.",
+        code=("semantics.assignment.assign_name",),
+        probe=Probe(
+            "scenario Sub():\n    setup:\n        ego = Object at (5, 0)\nscenario Main():\n    setup:\n        ego = Object at (0, 0)\n"
+            "    compose:\n        do Sub() for 1 steps\n        require ego.position.x == 5\n        wait",
+            {"shared": "accepted always"},
+        ),
+    ),
+    Reading(
+        id="finally-of-coroutines",
+        kind="silence",
+        about="policy",
+        question="When does `finally` run in a behavior or compose block that is left from outside?",
+        places=(
+            'Figure "Simplified Scenic grammar": `try` has no `finally`, which is inherited from Python; ' + SECTION_4_4 + ', "Interrupts"',
+            SECTION_4_4 + ', "Termination Conditions": `terminate` ends the scenario "immediately"',
+        ),
+        alternatives={
+            "own-way-out": "when control leaves its own block, also by `abort` or `terminate` (which take effect when it is done); not where the block is "
+            "suspended by an interrupt and never goes on",
+        },
+        consequence="Concerns behaviors and scenarios: what must be undone in any case belongs into `override`.",
+        code=("semantics.control.unwind_finally", "semantics.dynamics.interrupts.unwind_interruptible"),
+        probe=Probe(
+            "behavior Go():\n    try:\n        try:\n            take 1\n            take 2\n        finally:\n            take 3\n"
+            "    interrupt when simulation.currentTime == 1:\n        abort\n    take 4\nego = Object at (0, 0), with behavior Go",
+            {"own-way-out": "actions 1 and 4, not 3"},
+        ),
+    ),
 )

@@ -239,3 +239,28 @@ def test_no_draw_is_numbered_as_another_one():
     text = behavior("do X(), Y()\ndo XX(), Y()", before + "behavior Y():\n    wait\n")
     found = [actions(text, 3, seed=seed)[1] for seed in range(80)]
     assert 4 < found.count(True) < 45  # 20 expected; 6 standard deviations are 23
+
+
+def test_an_invariant_is_checked_where_a_handler_of_the_behavior_s_own_begins_after_its_take():
+    """"The behavior is suspended until one time step has elapsed; then its invariants are checked": it goes on with the handler."""
+    body = "invariant: self.x == 0\ntry:\n    self.x = 1\n    take 'a'\ninterrupt when simulation.currentTime == 1:\n    take 'handler'\n"
+    run = simulated(behavior(body))
+    assert isinstance(run, Failed)
+    assert (run.step, run.requirement.text) == (1, "the invariant of B on line 3")
+    assert actions(behavior(body + "except InvariantViolation:\n    self.x = 0\n    take 'caught'"), 2) == ["a", "caught", LIMIT]
+    assert actions(behavior(body.replace("self.x = 1", "self.x = 0")), 2) == ["a", "handler", LIMIT]
+
+
+def test_it_is_not_checked_there_while_the_behavior_waits_for_another():
+    """What was suspended is what it invoked: "when the do statement returns, the invariants of the calling behavior are checked"."""
+    inner = "behavior Inner():\n    self.x = 1\n    take 'inner'\n    self.x = 0\n"
+    body = "invariant: self.x == 0\ntry:\n    do Inner()\ninterrupt when simulation.currentTime == 1:\n    self.x = 0\n    take 'handler'\n"
+    assert actions(behavior(body, inner), 3) == ["inner", "handler", None, LIMIT]
+    assert actions(behavior(body, inner), 3, readings={"invariant-of-caller": "every-step"}) == ["rejected"]
+
+
+def test_finally_runs_on_the_way_out_of_its_own_block():
+    """Reading `finally-of-coroutines`: also by `abort` and `terminate`, which take effect when it is done."""
+    assert actions(behavior("try:\n    terminate\nfinally:\n    take 1")) == [1, "terminated"]
+    inner = "try:\n    try:\n        abort\n    finally:\n        take 1\ninterrupt when False:\n    pass\ntake 2"
+    assert actions(behavior(inner), 2) == [1, 2, LIMIT]

@@ -9,13 +9,18 @@ from scenic_ref.semantics.dynamics import policy
 from .worlds import LIMIT, actions, behavior, simulated
 
 COMPOSE_FIRST = """
+behavior Reset():
+    while True:
+        self.x = 0
+        wait
 scenario Main():
     setup:
-        ego = Object at (0, 0), with x 0
+        ego = Object at (0, 0), with x 0, with behavior Reset
         require always ego.x == 0
     compose:
-        ego.x = 1
-        wait
+        while True:
+            ego.x = 1
+            wait
 """
 ALWAYS_BEFORE_MONITORS = """
 ego = Object at (0, 0), with x 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 from scenic_ref.interpreter.simulating import Simulated
+from scenic_ref.semantics.errors import RunError
 from scenic_ref.semantics.readings import READINGS
 
 from .worlds import LIMIT, actions, simulated
@@ -33,9 +34,12 @@ SHOWN: dict[tuple[str, str], list[object]] = {
     ("override-stack", "reverse"): [None, None, "terminated"],
     ("terminate-when-start", "first"): ["terminated"],
     ("bare-behavior", "no-arguments"): [3, *NOTHING[1:], LIMIT],
+    ("ego-of-scenarios", "shared"): [None, None, "terminated"],
+    ("finally-of-coroutines", "own-way-out"): [1, 4, None, None, LIMIT],
 }
 SHARES = {("choose-weights", "renormalised"), ("rejected-simulation", "discard"), ("rejected-simulation", "retry")}
 """What is shown by frequencies: below, and in test_simulation.py."""
+REFUSED = {("objects-while-running", "setup")}
 
 
 @pytest.mark.parametrize(("reading", "alternative"), SHOWN)
@@ -47,7 +51,7 @@ def test_the_probe_shows_the_alternative(reading, alternative):
 
 def test_every_reading_about_the_policy_is_shown_and_has_code():
     about = {(r.id, alternative) for r in READINGS.values() if r.about == "policy" for alternative in r.alternatives}
-    assert about == set(SHOWN) | SHARES
+    assert about == set(SHOWN) | SHARES | REFUSED
     assert all(r.code for r in READINGS.values() if r.about == "policy")
 
 
@@ -70,3 +74,12 @@ def test_choose_weights():
         lengths.append(len(run.moments))
     assert set(lengths) == {2, 3}
     assert abs(lengths.count(2) - 200) < 49
+
+
+def test_objects_are_made_in_setup_blocks():
+    probe = READINGS["objects-while-running"].probe
+    assert probe is not None
+    assert actions(probe.program, 1) == [None, LIMIT]
+    with pytest.raises(RunError, match="setup block only") as found:
+        simulated(probe.program, 2)
+    assert found.value.span.line == 6
