@@ -74,7 +74,9 @@ class DynamicsBuilder(BuilderBase):
 
     def make_monitor(self, span: Span, parts: Parts) -> MonitorDefinition:
         name, parameters, body = parts
-        return MonitorDefinition(span=span, name=self.identifier(name), parameters=parameters or (), body=body)
+        return MonitorDefinition(
+            span=span, name=self.identifier(name), parameters=parameters or (), body=body, by_instance=self.dialect.monitor_instances
+        )
 
     def make_scenario(self, span: Span, parts: Parts) -> ScenarioDefinition:
         name, parameters, (preconditions, invariants, body, blocks) = parts

@@ -27,7 +27,7 @@ from . import (
     statements,
     termination,
 )
-from .dynamics import actions, choices, guards, interrupts, invocations, overrides, policy, queries, scenarios
+from .dynamics import actions, choices, declarations, guards, interrupts, invocations, overrides, policy, queries, scenarios
 from .syntax import expressions as e
 from .syntax import specifiers as q
 
@@ -146,8 +146,8 @@ _PAPER = [
     Rule("S-Mutate", "Mutations", STATEMENTS, statements.mutate),
     Rule("S-Model", "Selecting a World Model", 'Section "Statements"', definitions.model),
     Rule("S-Class", "class definitions", 'Section "Data Types"', definitions.class_definition),
-    Rule("S-Dynamic", "dynamic requirements and termination conditions", 'Section "Statements"', statements.dynamic_requirement),
-    Rule("S-Definition", "behaviors, monitors and scenarios", 'Section "Statements"', statements.dynamic_definition),
+    Rule("S-Dynamic", "dynamic requirements and termination conditions", 'Section "Statements"', declarations.dynamic_requirement),
+    Rule("S-Definition", "behaviors, monitors and scenarios", 'Section "Statements"', declarations.dynamic_definition),
     Rule("T-Mutate", "Termination, Step 1: Apply Mutations", STATEMENTS, termination.mutate_objects),
     Rule("T-Check", "Termination, Step 2: Check Default Requirements", STATEMENTS, termination.check_default_requirements),
 ]

@@ -7,17 +7,14 @@ from typing import NamedTuple
 from .assignment import done
 from .config import PASS, Abrupt, Config, Stack, State, reduce
 from .distributions import BadParameters, Coin
-from .dynamics.simulation import Declared
 from .errors import RunError
 from .host import host, is_user_made
 from .kinds import is_object, is_scalar, kind_name
 from .outcome import Change, Draw, Next, Observe, Outcome, Requirement, Stuck
 from .premises import premises
 from .symbols import is_finite_number, is_truth
-from .syntax import dynamics as d
 from .syntax import statements as s
-from .syntax.nodes import Node
-from .values import Dynamic, Instance, Random, plain
+from .values import Instance, Random, plain
 
 
 def param(node: s.Param, stack: Stack, state: State) -> Outcome:
@@ -144,33 +141,3 @@ def conclude_mutate(node: s.Mutate, values: list[object], stack: Stack, state: S
 
 
 # Dynamic requirements and definitions: remembered for the policy
-
-
-def dynamic_requirement(node: Node, stack: Stack, state: State) -> Outcome:
-    """`require always`, `require eventually`, `terminate when`: conditions that the policy monitors, not the scene."""
-    if state.simulation is not None:
-        from .dynamics.scenarios import declare
-
-        return Next("S-Dynamic", Config(PASS, stack, declare(Declared(node, state.sigma), stack, state)), node)
-    return Next("S-Dynamic", Config(PASS, stack, declared(node, state)), node)
-
-
-def declared(node: Node, state: State) -> State:
-    """The scenario that is set up has declared this."""
-    return state._replace(dynamic=(*state.dynamic, Declared(node, state.sigma)))
-
-
-def dynamic_definition(node: d.BehaviorDefinition | d.MonitorDefinition | d.ScenarioDefinition, stack: Stack, state: State) -> Outcome:
-    """σ[name / the behavior, monitor or scenario]; default arguments are evaluated now."""
-    return premises(node, [q.default for q in node.parameters], conclude_definition, stack, state)
-
-
-def conclude_definition(
-    node: d.BehaviorDefinition | d.MonitorDefinition | d.ScenarioDefinition, values: list[object], stack: Stack, state: State
-) -> Outcome:
-    """Bind the name; a monitor is declared as well, since it runs from its definition on (reading `monitor-structure`)."""
-    defaults = {q.name: v for q, v in zip(node.parameters, values, strict=True) if q.default is not None}
-    state.sigma.bind(node.name, Dynamic(node, state.sigma, defaults))
-    if isinstance(node, d.MonitorDefinition):
-        state = declared(node, state)
-    return done("S-Definition", node, stack, state, Change("σ", node.name, None))

@@ -26,7 +26,7 @@ from . import (
 )
 from .config import Abrupt, Config, Stack, State, Value
 from .distributions import BadParameters
-from .dynamics import actions, choices, guards, interrupts, invocations, overrides, policy, processes, queries, scenarios
+from .dynamics import actions, choices, declarations, guards, interrupts, invocations, overrides, policy, processes, queries, scenarios
 from .dynamics.guards import GuardViolation
 from .errors import RunError, ScenicError, UncaughtException
 from .fields import OutsideField
@@ -111,13 +111,13 @@ REDUCE: Mapping[type, Callable[..., Outcome]] = {
     s.SoftRequire: statements.soft_requirement,
     s.Mutate: statements.mutate,
     # dynamic definitions and requirements, kept for the policy
-    d.BehaviorDefinition: statements.dynamic_definition,
-    d.MonitorDefinition: statements.dynamic_definition,
-    d.ScenarioDefinition: statements.dynamic_definition,
-    d.RequireAlways: statements.dynamic_requirement,
-    d.RequireEventually: statements.dynamic_requirement,
-    d.RequireMonitor: statements.dynamic_requirement,
-    d.TerminateWhen: statements.dynamic_requirement,
+    d.BehaviorDefinition: declarations.dynamic_definition,
+    d.MonitorDefinition: declarations.dynamic_definition,
+    d.ScenarioDefinition: declarations.dynamic_definition,
+    d.RequireAlways: declarations.dynamic_requirement,
+    d.RequireEventually: declarations.dynamic_requirement,
+    d.RequireMonitor: declarations.require_monitor,
+    d.TerminateWhen: declarations.dynamic_requirement,
     # dynamic statements
     d.Take: actions.take,
     d.Wait: actions.wait,

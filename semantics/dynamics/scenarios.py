@@ -158,8 +158,6 @@ def scenario_from(number: int, dynamic: Dynamic | None, scope: Scope, declared: 
     """A scenario whose setup is done, with what it declared."""
     found: dict[type, list[Declared]] = {kind: [] for kind in (d.RequireAlways, d.RequireEventually, d.TerminateWhen, d.MonitorDefinition)}
     for one in declared:
-        if isinstance(one.node, d.RequireMonitor):
-            raise RunError("`require monitor` does not run yet", one.node.span, rule="S-Dynamic", hint="a monitor runs from its definition on")
         found[type(one.node)].append(one)
     definition = None if dynamic is None else dynamic.definition
     compose = definition.compose if isinstance(definition, d.ScenarioDefinition) else None
@@ -317,13 +315,15 @@ def check_setup(what: str, node: Node, stack: Stack) -> None:
 
 
 def declare(declared: Declared, stack: Stack, state: State) -> State:
-    """A requirement or termination condition belongs to the scenario that is set up, or whose compose block runs."""
+    """A monitor, requirement or termination condition belongs to the scenario that is set up, or whose compose block runs."""
     while stack:
         frame, stack = stack
         if isinstance(frame, Setting):
             break
         if isinstance(frame, Coroutine) and frame.who.kind == "compose":
             running = simulation_of(state).scenarios[frame.who.number]
+            if isinstance(declared.node, d.MonitorDefinition):
+                return with_scenario(state, running._replace(monitors=(*running.monitors, monitor(declared))))
             field = {d.RequireAlways: "always", d.RequireEventually: "eventually", d.TerminateWhen: "terminations"}[type(declared.node)]  # type: ignore[index]
             return with_scenario(state, running._replace(**{field: (*getattr(running, field), declared)}))
     return state._replace(dynamic=(*state.dynamic, declared))

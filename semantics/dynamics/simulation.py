@@ -72,7 +72,7 @@ class Agent(NamedTuple):
 class Simulation(NamedTuple):
     """The time in steps, how many seconds a step has, the scenarios by number (in the order in which they began), and the agents.
 
-    `active` are the scenarios that run in this time step, once step 1 of the policy has run them, `flag` says why the scenario is to end, once it is ("" until then), `fixed` are the
+    `active` are the scenarios that run in this time step, `flag` says why the scenario is to end, once it is ("" until then), `fixed` are the
     properties that the simulator updates.
     """
 

@@ -88,7 +88,7 @@ CONFLICTS_OF_POLICY: tuple[Reading, ...] = (
         ),
         alternatives={"optional": "the parameter list may be left out, guards are not accepted, and a monitor runs from its definition on"},
         consequence="Concerns monitors: nothing in the paper instantiates one, so its parameters could only have default values.",
-        code=("semantics.statements.dynamic_definition",),
+        code=("semantics.dynamics.declarations.dynamic_definition",),
         probe=Probe("ego = Object at (0, 0)\nmonitor First:\n    wait\nmonitor Second(limit=3):\n    wait", {"optional": "accepted"}),
     ),
     Reading(

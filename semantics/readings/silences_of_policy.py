@@ -272,8 +272,8 @@ SILENCES_OF_POLICY: tuple[Reading, ...] = (
             SECTION_4_4 + ', "Termination Conditions": `terminate` ends the scenario "immediately"',
         ),
         alternatives={
-            "own-way-out": "when control leaves its own block, also by `abort` or `terminate` (which take effect when it is done); not where the block is "
-            "suspended by an interrupt and never goes on",
+            "own-way-out": "when control leaves its own block, also by `abort` or `terminate` (which take effect when it is done); not where the "
+            "block is suspended by an interrupt and never goes on",
         },
         consequence="Concerns behaviors and scenarios: what must be undone in any case belongs into `override`.",
         code=("semantics.control.unwind_finally", "semantics.dynamics.interrupts.unwind_interruptible"),

@@ -23,11 +23,12 @@ class BehaviorDefinition(Statement):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MonitorDefinition(Statement):
-    """`monitor name[(parameters)]: body`."""
+    """`monitor name[(parameters)]: body`; with `by_instance` (dialect `scenic-3`) it runs where `require monitor` says so."""
 
     name: str
     parameters: tuple[Parameter, ...]
     body: Block
+    by_instance: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

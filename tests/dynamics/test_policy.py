@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from scenic_ref.interpreter.simulating import Failed, Simulated
 from scenic_ref.semantics.dynamics import policy
+from scenic_ref.semantics.errors import RunError, UncaughtException
 
 from .worlds import LIMIT, actions, behavior, simulated
 
@@ -125,6 +126,57 @@ monitor Watch:
     terminate
 """
     assert actions(text) == [1, 2, "terminated"]
+
+
+def test_monitors_have_variables_of_their_own_and_parameters():
+    text = """
+n = 1
+monitor Watch(limit=2):
+    n = 0
+    while n < limit:
+        n = n + 1
+        wait
+    terminate
+behavior Go():
+    while True:
+        take n
+ego = Object at (0, 0), with behavior Go
+"""
+    assert actions(text) == [1, 1, "terminated"]
+    with pytest.raises(UncaughtException, match="needs a value for limit"):
+        simulated(text.replace("limit=2", "limit"))
+
+
+def test_in_dialect_scenic_3_monitors_run_where_they_are_required():
+    text = """
+monitor Watch(limit):
+    for i in range(limit):
+        wait
+    terminate
+ego = new Object at (0, 0)
+"""
+    assert actions(text, 4, dialect="scenic-3") == [None] * 4 + [LIMIT]
+    assert actions(text + "require monitor Watch(2)", 4, dialect="scenic-3") == [None, None, "terminated"]
+    assert actions(text + "require monitor Watch(3)\nrequire monitor Watch(1)", 4, dialect="scenic-3") == [None, "terminated"]
+    with pytest.raises(RunError, match="`require monitor` needs a monitor"):
+        simulated(text + "k = 3\nrequire monitor k", dialect="scenic-3")
+
+
+def test_a_compose_block_may_require_a_monitor_in_dialect_scenic_3():
+    text = """
+monitor End():
+    wait
+    terminate
+scenario Main():
+    setup:
+        ego = new Object at (0, 0)
+    compose:
+        wait
+        require monitor End()
+        while True:
+            wait
+"""
+    assert actions(text, 5, dialect="scenic-3") == [None, None, "terminated"]
 
 
 def test_a_behavior_may_depend_on_what_it_draws_and_draws_anew_every_time():

@@ -1,0 +1,56 @@
+"""What scenarios declare for the policy: definitions of behaviors, monitors and scenarios, monitors that run, and conditions over time."""
+
+from __future__ import annotations
+
+from ..config import PASS, Config, Stack, State
+from ..errors import RunError
+from ..kinds import kind_name
+from ..outcome import Change, Next, Outcome
+from ..premises import premises
+from ..syntax import dynamics as d
+from ..syntax.nodes import Node
+from ..values import Dynamic, plain
+from .invocations import scope_of, with_arguments
+from .scenarios import declare
+from .simulation import Declared
+
+
+def dynamic_requirement(node: Node, stack: Stack, state: State) -> Outcome:
+    """`require always`, `require eventually`, `terminate when`: conditions that the policy monitors, not the scene."""
+    return Next("S-Dynamic", Config(PASS, stack, declare(Declared(node, state.sigma), stack, state)), node)
+
+
+def require_monitor(node: d.RequireMonitor, stack: Stack, state: State) -> Outcome:
+    """`require monitor M(arguments)` of dialect `scenic-3`: the monitor runs from here on."""
+    return premises(node, [node.monitor], conclude_require_monitor, stack, state)
+
+
+def conclude_require_monitor(node: d.RequireMonitor, values: list[object], stack: Stack, state: State) -> Outcome:
+    """Declare the monitor with its arguments."""
+    found = plain(values[0])
+    if not (isinstance(found, Dynamic) and isinstance(found.definition, d.MonitorDefinition)):
+        raise RunError(f"`require monitor` needs a monitor, not {kind_name(found)}", node.span, rule="S-Dynamic")
+    return Next("S-Dynamic", Config(PASS, stack, declare(monitored(found, node, state), stack, state)), node)
+
+
+def dynamic_definition(node: d.BehaviorDefinition | d.MonitorDefinition | d.ScenarioDefinition, stack: Stack, state: State) -> Outcome:
+    """σ[name / the behavior, monitor or scenario]; default arguments are evaluated now."""
+    return premises(node, [q.default for q in node.parameters], conclude_definition, stack, state)
+
+
+def conclude_definition(
+    node: d.BehaviorDefinition | d.MonitorDefinition | d.ScenarioDefinition, values: list[object], stack: Stack, state: State
+) -> Outcome:
+    """Bind the name; a monitor is declared as well, since it runs from its definition on (reading `monitor-structure`)."""
+    defaults = {q.name: v for q, v in zip(node.parameters, values, strict=True) if q.default is not None}
+    defined = Dynamic(node, state.sigma, defaults)
+    state.sigma.bind(node.name, defined)
+    if isinstance(node, d.MonitorDefinition) and not node.by_instance:
+        state = declare(monitored(defined, node, state), stack, state)
+    return Next("S-Definition", Config(PASS, stack, state), node, Change("σ", node.name, defined))
+
+
+def monitored(monitor: Dynamic, node: Node, state: State) -> Declared:
+    """A monitor that is to run, with a scope of its own in which its parameters are bound."""
+    instance = with_arguments(monitor, node, state)
+    return Declared(instance.definition, scope_of(instance, {}))
