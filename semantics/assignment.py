@@ -13,7 +13,7 @@ from .expressions import BINARY, as_vectors, elements, get_attribute, get_item
 from .host import LARGEST_SEQUENCE, HostException, check_private, host, is_user_made, raw
 from .kinds import is_object, kind_name
 from .outcome import Change, Next, Outcome
-from .premises import axiom, describe_origin, premises
+from .premises import SHARED, axiom, describe_origin, premises
 from .properties import checked_property
 from .scopes import MISSING
 from .symbols import Symbol
@@ -62,6 +62,8 @@ def bind_targets(node: s.Assignment, pending: list[tuple[Node, object]], assigne
     """Bind the pending targets to their values."""
     while pending:
         (target, part), *pending = pending
+        if state.simulation is not None and not (isinstance(target, p.Name) and target.name not in SHARED):
+            part = plain(part)  # only variables keep what a value was drawn from
         if isinstance(target, p.Name):
             state = assign_name(target.name, part, target, state)
         elif isinstance(target, (p.TupleDisplay, p.ListDisplay)):

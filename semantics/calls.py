@@ -38,11 +38,11 @@ def call(node: p.Call, stack: Stack, state: State) -> Outcome:
 
 def conclude_call(node: p.Call, values: list[object], stack: Stack, state: State) -> Outcome:
     """Spread starred arguments, then apply the function."""
-    function, *rest = values
+    function, *rest = values if state.simulation is None else while_running(values)
     arguments: list[object] = []
     for expression, argument in zip(node.arguments, rest, strict=False):
         if isinstance(expression, p.Starred):
-            arguments.extend(elements(argument, expression, state))
+            arguments.extend(elements(argument if state.simulation is None else plain(argument), expression, state))
         else:
             arguments.append(argument)
     keywords: dict[str, object] = {}
@@ -56,6 +56,14 @@ def conclude_call(node: p.Call, values: list[object], stack: Stack, state: State
         else:
             raise HostException(TypeError(f"{kind_name(argument)} after ** is not a mapping"))
     return apply(node, function, tuple(arguments), keywords, stack, state)
+
+
+def while_running(values: list[object]) -> list[object]:
+    """A function and its arguments while a scenario runs: only functions and behaviors of the program, and `resample`, get more than plain values."""
+    function, *rest = values
+    function = plain(function)
+    passed_on = isinstance(function, (Function, Method, Dynamic)) or (isinstance(function, Special) and function.name == "resample")
+    return [function, *(rest if passed_on else map(plain, rest))]
 
 
 def apply(node: Node, function: object, arguments: tuple[object, ...], keywords: Mapping[str, object], stack: Stack, state: State) -> Outcome:

@@ -19,7 +19,7 @@ from .host import LARGEST_INTEGER_BITS, LARGEST_SEQUENCE, HostException, check_p
 from .kinds import has_kind, kind_name
 from .operations import membership
 from .outcome import Next, Outcome
-from .premises import axiom, premises
+from .premises import premises, raw_axiom
 from .regions import Region
 from .scopes import MISSING, Scope
 from .symbols import Symbol
@@ -31,7 +31,7 @@ from .values import Dynamic, Function, Instance, Method, Module, Random, ScenicC
 
 def axiom_rule(node: Node, stack: Stack, state: State) -> Outcome:
     """⟨c⟩ → c and ⟨x⟩ → σ(x)."""
-    return value("E-Variable" if isinstance(node, p.Name) else "E-Constant", axiom(node, state), stack, state, node)
+    return value("E-Variable" if isinstance(node, p.Name) else "E-Constant", raw_axiom(node, state), stack, state, node)
 
 
 # Displays

@@ -29,13 +29,12 @@ from .classes import canonical
 from .config import Abrupt, Config, Stack, State, Value, reduce, value
 from .distributions import BadParameters, PointIn
 from .errors import RunError
-from .expressions import axiom
 from .fields import OutsideField
 from .functions import LARGEST_DEPTH
 from .kinds import OrientedPointAt, Reader, is_object, kind_name
 from .operations import SPECIFIED, compute
 from .outcome import Change, Draw, Next, Outcome, Requirement, Stuck
-from .premises import NOT_AN_AXIOM, premises
+from .premises import NOT_AN_AXIOM, axiom, premises
 from .properties import checked_property
 from .regions import Region
 from .resolution import Ordered, Specification, resolve_specifiers

@@ -14,8 +14,10 @@ from .config import Config, Stack, State
 from .errors import RunError
 from .outcome import Next, Outcome
 from .scopes import MISSING, Scope
+from .syntax.dynamics import Do
 from .syntax.nodes import Node
-from .syntax.python_expressions import Constant, Name
+from .syntax.python_expressions import Call, Constant, Name
+from .syntax.statements import Assignment, Return
 from .values import Origin, plain
 
 Conclusion = Callable[..., Outcome]
@@ -39,9 +41,10 @@ def premises(
 ) -> Outcome:
     """Reduce the premises from number len(values) on, then conclude; a missing (optional) premise has the value None."""
     values = [] if values is None else values
+    read = raw_axiom if state.simulation is None or type(node) in CARRIERS else axiom
     for index in range(len(values), len(expressions)):
         expression = expressions[index]
-        result = None if expression is None else axiom(expression, state)
+        result = None if expression is None else read(expression, state)
         if result is NOT_AN_AXIOM:
             frame = Premises(node, expressions, index, tuple(values), conclude)
             return Next("", Config(expression, (frame, stack), state))  # type: ignore[arg-type]
@@ -54,14 +57,25 @@ def resume_premises(frame: Premises, result: object, stack: Stack, state: State)
     return premises(frame.node, frame.expressions, frame.conclude, stack, state, [*frame.values, result])
 
 
+CARRIERS = frozenset({Call, Assignment, Return, Do})
+"""While a scenario runs, whatever is drawn may decide its course, and rules see plain values; but where a value is only passed on, to a variable or
+parameter, it keeps the distribution that it was drawn from, for `resample`.
+"""
+
+
 def axiom(expression: Node, state: State) -> object:
+    """The value of a constant or variable, else NOT_AN_AXIOM; a plain one while a scenario runs."""
+    found = raw_axiom(expression, state)
+    return found if state.simulation is None else plain(found)
+
+
+def raw_axiom(expression: Node, state: State) -> object:
     """The value of a constant or variable, else NOT_AN_AXIOM."""
     kind = type(expression)
     if kind is Constant:
         return expression.value  # type: ignore[attr-defined]
     if kind is Name:
-        found = variable(expression, state)  # type: ignore[arg-type]
-        return found if state.simulation is None else plain(found)
+        return variable(expression, state)  # type: ignore[arg-type]
     return NOT_AN_AXIOM
 
 

@@ -32,6 +32,11 @@ def resample(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack,
         raise HostException(TypeError("resample() takes one argument, the value to draw again"))
     subject = arguments[0]
     if type(subject) is not Random:
+        if state.simulation is not None:
+            raise RunError(
+                "while a scenario runs, resample needs a variable that a value was drawn into: what is computed, or stands in a container or "
+                "property, no longer knows its distribution", node.span, rule="E-Resample", hint="write the distribution again",
+            )  # fmt: skip
         if state.reading("resample-constant") == "point-mass" and not isinstance(subject, (list, dict, set)):
             return value("E-Resample-Constant", subject, stack, state, node)
         raise RunError(f"resample needs a value drawn from a distribution, not {kind_name(subject)}", node.span, rule="E-Resample")

@@ -38,7 +38,7 @@ from .syntax import expressions as e
 from .syntax import python_expressions as p
 from .syntax import statements as s
 from .syntax.nodes import NOWHERE, Node, Span
-from .values import plain
+from .values import Random, ScenicClass
 
 REDUCE: Mapping[type, Callable[..., Outcome]] = {
     # expressions inherited from Python
@@ -214,8 +214,8 @@ def step(config: Config) -> Outcome:
         if kind is Value:
             frame, rest = stack
             result = control_.value  # type: ignore[union-attr]
-            if state.simulation is not None:  # whatever is drawn while a scenario runs may decide its course
-                result = plain(result)
+            if state.simulation is not None:
+                result = carried(result, frame)
             return RESUME[type(frame)](frame, result, rest, state)
         if kind is Abrupt:
             return unwind(control_, stack, state)  # type: ignore[arg-type]
@@ -236,6 +236,21 @@ def step(config: Config) -> Outcome:
         if error.span is NOWHERE or error.span.line == 0:
             error.span = place(config)
         return Fault(error)
+
+
+def carried(result: object, frame: object) -> object:
+    """What a frame gets while a scenario runs: a plain value, unless it only passes it on (`premises.CARRIERS`)."""
+    if type(result) is not Random:
+        return result
+    match frame:
+        case premises.Premises(node=node) if type(node) in premises.CARRIERS:
+            return result
+        case functions.Called() | functions.InScope():
+            return result
+        case object_definitions.ClassOf() if not isinstance(result.value, ScenicClass):
+            return result
+        case _:
+            return result.value
 
 
 def unwind(abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
