@@ -12,12 +12,12 @@ import sys
 INTERRUPTED = 130
 
 
-def interruption(arguments: list[str]) -> str:
-    """What is said after Ctrl-C: which files there are."""
+def interruption(arguments: list[str], finished: str = "") -> str:
+    """What is said after Ctrl-C: what was `finished`, and which files there are."""
     if arguments[:1] == ["run"] and "enumerate" not in arguments:
         return "interrupted; a file of JSON Lines holds whole lines, and `run --resume` goes on with it; nothing else was written"
     if arguments[:1] == ["simulate"]:
-        return "interrupted; the simulations that were over are written, as whole lines"
+        return f"interrupted; {finished or 'no simulation was over'}"
     return "interrupted" if arguments[:1] == ["bench"] else "interrupted; nothing was written"
 
 
@@ -50,7 +50,7 @@ def answer(arguments: list[str]) -> int:
             session.hang_up()
             return 0
         if done.code == INTERRUPTED:
-            print(interruption(arguments), file=sys.stderr)
+            print(interruption(arguments, session.finished), file=sys.stderr)
         return done.code if isinstance(done.code, int) else 0 if done.code is None else 1
     except BrokenPipeError:
         session.hang_up()

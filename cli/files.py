@@ -11,7 +11,7 @@ from ..semantics.errors import UsageError
 def check_place(path: str, read: Mapping[str, str | None]) -> None:
     """Raise `UsageError` unless `path` can be written; `read` are the files that the command reads, by what they are."""
     for what, other in read.items():
-        if other is not None and Path(path).exists() and Path(other).exists() and Path(path).samefile(other):
+        if other is not None and same(path, other):
             raise UsageError(f"{path} is {what}")
     if not Path(path).parent.is_dir():
         raise UsageError(f"{path} cannot be written: there is no directory {Path(path).parent}")
@@ -19,12 +19,26 @@ def check_place(path: str, read: Mapping[str, str | None]) -> None:
         raise UsageError(f"{path} cannot be written: it is a directory")
 
 
+def same(path: str, other: str) -> bool:
+    """Whether two paths lead to one file, which need not be there yet."""
+    if Path(path).exists() and Path(other).exists():
+        return Path(path).samefile(other)
+    return Path(path).absolute() == Path(other).absolute()
+
+
 def write(path: str, content: str | bytes) -> None:
-    """Write a whole file, or leave what was there. Raises `UsageError`."""
+    """Write a whole file, or leave what was there; a device or pipe is written to. Raises `UsageError`."""
+    data = content.encode() if isinstance(content, str) else content
     part = Path(f"{path}.part")
     try:
-        part.write_bytes(content.encode() if isinstance(content, str) else content)
-        part.replace(path)
+        if Path(path).exists() and not Path(path).is_file():
+            with open(path, "wb") as device:
+                device.write(data)
+            return
+        try:
+            part.write_bytes(data)
+            part.replace(path)
+        finally:
+            part.unlink(missing_ok=True)
     except OSError as error:
-        part.unlink(missing_ok=True)
         raise UsageError(f"{path} cannot be written: {error.strerror or error}") from None

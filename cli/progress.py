@@ -64,7 +64,7 @@ class Progress:
         new = self.scenes - self.begun_with
         rate = f"{new / (now - self.begun):.3g}/s" if new else ""
         attempts = self.attempts + self.pending
-        each = f"{attempts / max(new, 1):.3g} attempts each" + (f" ({new / attempts:.2%} accepted)" if new and attempts else "")
+        each = f"{attempts / max(new, 1):.3g} attempts each" + (f" ({new / attempts:.2%} accepted)" if new else "") if attempts else ""
         self.bar.update(self.task, completed=self.scenes, rate=f"{rate}  {each}")
 
     def say(self, text: str) -> None:

@@ -1,4 +1,4 @@
-"""A page that plays simulations again: one file, with nothing else needed."""
+"""A page that plays simulations again, one file with nothing else needed; and a moving picture of one."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ from importlib.resources import files
 
 from ..inference.simulation import SampledRun
 from ..interpreter.recordings import to_json
+from ..interpreter.simulating import Simulated
 from .files import write
+from .progress import Progress
 
 MOST = 50
 """So many simulations are on a page."""
@@ -20,6 +22,16 @@ def write_page(path: str, title: str, runs: Sequence[SampledRun]) -> None:
     text = json.dumps(data, ensure_ascii=False, allow_nan=False).replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
     template = files("scenic_ref.cli").joinpath("replay.html").read_text(encoding="utf-8")
     write(path, template.replace("/*REPLAY*/null", text))
+
+
+def write_movie(path: str, title: str, simulation: Simulated) -> None:
+    """Write a simulation as a GIF. Raises `UsageError` if that cannot be done."""
+    from ..interpreter.movies import frames_of, movie
+
+    scene = simulation.scene
+    with Progress(len(frames_of(simulation)), what="frames") as progress:
+        data = movie(simulation, f"{title}, seed {scene.seed}, simulation {scene.index}", lambda: progress.drawn(0))
+    write(path, data)
 
 
 def shown(run: dict[str, object]) -> dict[str, object]:

@@ -9,12 +9,16 @@ from dataclasses import dataclass, field
 
 @dataclass
 class Session:
-    """One command line: which program and seed it is about, the texts of its files, and whether to show tracebacks."""
+    """One command line: which program and seed it is about, the texts of its files, and whether to show tracebacks.
+
+    `finished` is what is said of the work that was done, should the rest be interrupted.
+    """
 
     debug: bool = False
     program: str = ""
     seed: int | None = None
     texts: dict[str, str] = field(default_factory=dict)
+    finished: str = ""
 
     def hang_up(self) -> None:
         """Nobody reads standard output any more: what is still to be written to it is dropped, quietly."""

@@ -23,6 +23,9 @@ from .options import (
     read_source,
 )
 
+DECIDED = {"count": "-n", "seed": "--seed", "run": "--run", "steps": "--steps", "max_attempts": "--max-attempts"}
+"""The options whose values a recording decides, by parameter."""
+
 
 def simulate(
     context: typer.Context,
@@ -35,7 +38,7 @@ def simulate(
     ] = "still",
     steps: Annotated[int, typer.Option("--steps", metavar="N", min=0, help="The time limit: so many time steps.")] = 100,
     timestep: Annotated[
-        float | None, typer.Option("--dt", metavar="S", help="The time step in seconds.", show_default="1 for still, 0.1 for others")
+        float | None, typer.Option("--dt", metavar="S", help="The time step in seconds.", show_default="1 for still, 0.1 for others; that of RUNS")
     ] = None,
     count: Annotated[int, typer.Option("-n", metavar="N", min=1, help="How many simulations.")] = 1,
     seed: SeedOption = 0,
@@ -48,6 +51,15 @@ def simulate(
     ] = None,
     html: Annotated[
         str | None, typer.Option("--html", metavar="PATH", help="Also write a page that plays the simulations again (at most 50).")
+    ] = None,
+    gif: Annotated[
+        str | None, typer.Option("--gif", metavar="PATH", help="Also write a moving picture of the (first) simulation, in real time.")
+    ] = None,
+    replay: Annotated[
+        str | None,
+        typer.Option(
+            "--replay", metavar="RUNS", help="Take the actions recorded in RUNS (simulations of FILE, as -o writes them), in place of the program's."
+        ),
     ] = None,
     profile: ProfileOption = "paper",
     reading: ReadingOption = None,
@@ -63,16 +75,24 @@ def simulate(
 
     A run that violates a requirement is discarded, scene and all, and another is begun. On a terminal the end of each simulation is shown;
     into a pipe, or with -o, one simulation is written per line as JSON, as soon as it is over. --fuel limits each time step.
+
+    With --replay the scenes are generated again, and must be those of RUNS; the report says how far the states differ from the recorded ones.
     """
     from ..semantics.errors import UsageError
     from .simulating import Request, produce_simulations
 
     session = context.obj
     session.seed = seed
+    if replay is not None:
+        sources = {name: context.get_parameter_source(parameter) for parameter, name in DECIDED.items()}
+        given = [name for name, source in sources.items() if source is not None and source.name != "DEFAULT"]
+        if given:
+            raise UsageError(f"what is replayed is decided by the recording: {', '.join(given)} cannot be given with --replay")
+        session.seed = None
     if run is not None and count != 1:
         raise UsageError("--run asks for a single simulation, so -n cannot be given as well")
     source = read_source(
         session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, fuel=fuel, trust=trust, scenario=scenario
     )
     first = 0 if run is None else run
-    produce_simulations(source, Request(first, first + count, seed, max_attempts, simulator, steps, timestep, output, html), session)
+    produce_simulations(source, Request(first, first + count, seed, max_attempts, simulator, steps, timestep, output, html, gif, replay), session)

@@ -5,13 +5,16 @@ from __future__ import annotations
 import sys
 import time
 from collections import Counter
+from collections.abc import Iterator
 from contextlib import ExitStack
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
 from ..inference.simulation import SampledRun
 from ..interpreter.recordings import to_line
 from ..interpreter.simulating import Failed
+from ..scenario import Scenario
 from ..semantics.errors import InternalError, UsageError
 from ..semantics.outcome import Requirement
 from ..simulators import by_name
@@ -21,13 +24,14 @@ from .options import Source
 from .outputs import Output, open_output
 from .production import rehearse
 from .progress import Progress
-from .replaying import MOST, write_page
+from .recorded import Replays, check_recordings
+from .replaying import MOST, write_movie, write_page
 from .reports import requirement_lines
 from .session import Session, tell
 
 
 class Request(NamedTuple):
-    """Simulations `start` to `stop - 1`, in which simulator, and where they go."""
+    """Simulations `start` to `stop - 1`, or those of the file `replay`, in which simulator, and where they go."""
 
     start: int
     stop: int
@@ -38,47 +42,93 @@ class Request(NamedTuple):
     timestep: float | None
     output: str | None
     html: str | None = None
+    gif: str | None = None
+    replay: str | None = None
+
+
+@dataclass
+class Tally:
+    """What is remembered of the simulations while they run: how many there were, and those that a page or a picture shows."""
+
+    count: int = 0
+    attempts: int = 0
+    stuck: Counter[Failed] = field(default_factory=Counter)
+    kept: list[SampledRun] = field(default_factory=list)
 
 
 def produce_simulations(source: Source, request: Request, session: Session) -> None:
-    """Run the simulations, write or show them, say how it went. Raises the errors of the program and simulator, `AttemptsExhausted`, `UsageError`."""
+    """Run or replay the simulations, write or show them, say how it went.
+
+    Raises the errors of the program and simulator, `AttemptsExhausted`, `UsageError`.
+    """
+    check_places(source, request)
+    by_name(request.simulator, request.timestep)
+    total = request.stop - request.start if request.replay is None else check_recordings(request.replay)
+    drawing = drawing_of(source)
+    rehearse(drawing)
+    replays = None if request.replay is None else Replays(request.replay, drawing.scenario, request.simulator, request.timestep)
+    begun = time.perf_counter()
+    tally = Tally()
+    with ExitStack() as stack:
+        output = None if shown_only(request) else stack.enter_context(open_output(request.output, resume=False))
+        progress = stack.enter_context(Progress(total, what="simulations"))
+        for run in simulations(drawing.scenario, request, progress) if replays is None else replays:
+            write(output, run)
+            tally.count += 1
+            tally.attempts += run.attempts
+            tally.stuck += run.stuck
+            if len(tally.kept) < (MOST if request.html is not None else 1 if request.gif is not None else 0):
+                tally.kept.append(run)
+            session.finished = told_so_far(tally.count, output)
+            progress.drawn(run.attempts if replays is None else 0)
+        if output is not None:
+            output.finish()
+    seconds = time.perf_counter() - begun
+    if request.html is not None:
+        write_page(request.html, Path(source.file).name, tally.kept)
+    if request.gif is not None:
+        write_movie(request.gif, Path(source.file).name, tally.kept[0].simulation)
+    for line in replays.lines(seconds) if replays is not None else summary(request, tally.attempts, tally.stuck, seconds, session):
+        tell(line)
+    if request.gif is not None and tally.count > 1:
+        tell(f"{request.gif} shows the first simulation")
+
+
+def check_places(source: Source, request: Request) -> None:
+    """Find wrong paths before the work begins. Raises `UsageError`."""
+    read = {"the program itself": source.file, "the recording": request.replay}
     if request.output is not None and request.output != "-":
-        check_place(request.output, {"the program itself": source.file})
+        check_place(request.output, read)
         if request.output.endswith((".parquet", ".npz")):
             raise UsageError("simulations are written as JSON Lines", hint="-o PATH.jsonl")
     if request.html is not None:
-        check_place(request.html, {"the program itself": source.file, "the output": request.output})
+        check_place(request.html, {**read, "the output": request.output})
+    if request.gif is not None:
+        check_place(request.gif, {**read, "the output": request.output, "the page": request.html})
+
+
+def shown_only(request: Request) -> bool:
+    """Whether simulations are shown on a terminal, and not written as JSON."""
+    return request.output is None and sys.stdout.isatty()
+
+
+def told_so_far(count: int, output: Output | None) -> str:
+    """What is said of so many simulations when the rest is interrupted."""
+    return f"{count:,} {'simulation was' if count == 1 else 'simulations were'} over" + ("" if output is None else ", written as whole lines")
+
+
+def simulations(scenario: Scenario, request: Request, progress: Progress) -> Iterator[SampledRun]:
+    """The simulations that are asked for, one after the other."""
     simulator = by_name(request.simulator, request.timestep)
-    drawing = drawing_of(source)
-    rehearse(drawing)
-    shown = request.output is None and sys.stdout.isatty()
-    begun = time.perf_counter()
-    stuck: Counter[Failed] = Counter()
-    attempts = 0
-    kept: list[SampledRun] = []
-    with ExitStack() as stack:
-        output = None if shown else stack.enter_context(open_output(request.output, resume=False))
-        progress = stack.enter_context(Progress(request.stop - request.start, what="simulations"))
-        for index in range(request.start, request.stop):
-            run = drawing.scenario.simulate(
-                simulator, request.steps, request.seed, index, max_attempts=request.max_attempts, on_attempt=progress.stuck,
-            )  # fmt: skip
-            write(output, run, index)
-            if request.html is not None and len(kept) < MOST:
-                kept.append(run)
-            progress.drawn(run.attempts)
-            stuck += run.stuck
-            attempts += run.attempts
-        if output is not None:
-            output.finish()
-    if request.html is not None:
-        write_page(request.html, Path(source.file).name, kept)
-    for line in summary(request, attempts, stuck, time.perf_counter() - begun, session):
-        tell(line)
+    for index in range(request.start, request.stop):
+        yield scenario.simulate(
+            simulator, request.steps, request.seed, index, max_attempts=request.max_attempts, on_attempt=progress.stuck
+        )  # fmt: skip
 
 
-def write(output: Output | None, run: SampledRun, index: int) -> None:
+def write(output: Output | None, run: SampledRun) -> None:
     """A simulation as a line of JSON; on a terminal, how it went. Raises `InternalError` for numbers that JSON does not have."""
+    index = run.simulation.scene.index
     if output is None:
         simulation = run.simulation
         steps = len(simulation.moments) - 1

@@ -1,4 +1,4 @@
-"""Scenes as pictures, seen from above. The only file that imports matplotlib, and only when a picture is drawn."""
+"""Scenes as pictures, seen from above. Like `movies`, it imports matplotlib only when a picture is drawn."""
 
 from __future__ import annotations
 

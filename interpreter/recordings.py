@@ -28,7 +28,9 @@ def to_line(run: Simulated, attempts: int) -> str:
 
 def body_json(body: Body) -> dict[str, object]:
     """An object that was made while the scenario ran, as it was then."""
-    return {"id": body.id, "class": body.class_name, **{name: json_value(body.properties[name]) for name in OWN_FIELDS}}
+    values = {name: json_value(value) for name, value in body.properties.items()}
+    own = {name: values.pop(name) for name in OWN_FIELDS}
+    return {"id": body.id, "class": body.class_name, **own, "properties": values}
 
 
 def moment_json(moment: Moment) -> dict[str, object]:

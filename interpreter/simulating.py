@@ -16,7 +16,7 @@ from ..semantics.dynamics.policy import after_one_step, begin, policy, unsatisfi
 from ..semantics.dynamics.simulation import doing, satisfied, simulation_of
 from ..semantics.errors import RunError, ScenicError, SimulatorError
 from ..semantics.outcome import Act, Done, Finish, Next, Outcome, Requirement, Stuck
-from ..semantics.syntax.nodes import NOWHERE
+from ..semantics.syntax.nodes import NOWHERE, Span
 from ..semantics.values import plain
 from ..semantics.vectors import Vector
 from .running import DEFAULT_FUEL, Chooser, Witness, drive
@@ -125,6 +125,7 @@ def simulate_once(
             told += [f"`require eventually` on line {line} is satisfied" for line in sorted(now - held)]
             held |= now
             if isinstance(outcome, Finish):
+                made += new_bodies(outcome.state, len(made))
                 moments.append(Moment(number, poses(outcome.state, simulator), {}, tuple(told)))
                 return Simulated(scene, tuple(moments), "terminated", outcome.reason, simulator.timestep, tuple(made[first:]))
             assert isinstance(outcome, Act)
@@ -174,10 +175,15 @@ def listening(told: list[str], witness: Witness | None) -> Witness:
 
 def create_new(simulator: Simulator, state: State, known: int) -> list[Body]:
     """Tell the simulator of the objects from number `known` on, which are given."""
-    new = [body_of(k, state) for k in range(known, len(state.scene))]
+    new = new_bodies(state, known)
     if new:
         guarded(simulator.create, new)
     return new
+
+
+def new_bodies(state: State, known: int) -> list[Body]:
+    """The objects from number `known` on."""
+    return [body_of(k, state) for k in range(known, len(state.scene))]
 
 
 def body_of(id: int, state: State) -> Body:
@@ -208,13 +214,19 @@ def read_back(simulator: Simulator, state: State) -> State:
     """The state with what the simulator says of the objects. Raises `SimulatorError` for numbers that are none."""
     objects = dict(state.objects)
     for id, instance in enumerate(state.scene):
-        pose = guarded(simulator.read, id)
-        for name, value in pose.items():
-            numbers = (value.x, value.y) if isinstance(value, Vector) else (value,)
-            if any(isinstance(n, float) and not math.isfinite(n) for n in numbers):
-                raise SimulatorError(f"the simulator says that the {name} of {instance!r} is {value}", instance.span)
+        pose = read_pose(simulator, id, repr(instance), instance.span)
         objects[instance.number] = {**objects[instance.number], **pose}
     return state.with_objects(objects)
+
+
+def read_pose(simulator: Simulator, id: int, who: str, span: Span = NOWHERE) -> Pose:
+    """What the simulator says of an object now. Raises `SimulatorError` for numbers that are none."""
+    pose = guarded(simulator.read, id)
+    for name, value in pose.items():
+        numbers = (value.x, value.y) if isinstance(value, Vector) else (value,)
+        if any(isinstance(n, float) and not math.isfinite(n) for n in numbers):
+            raise SimulatorError(f"the simulator says that the {name} of {who} is {value}", span)
+    return pose
 
 
 def guarded(operation: Callable[..., Given], *arguments: object) -> Given:

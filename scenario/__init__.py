@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping
 from copy import copy
+from dataclasses import is_dataclass
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
@@ -21,15 +22,18 @@ from ..interpreter.checks import check
 from ..interpreter.choosers import AS_THEY_ARE, Draws, from_stream
 from ..interpreter.modules import library_of, read_text, with_old_imports
 from ..interpreter.parser import parse
+from ..interpreter.recorded import Recording, recording_of
+from ..interpreter.replays import replay_once
 from ..interpreter.running import DEFAULT_FUEL, Accepted, Run, Witness, rehearse, run
 from ..interpreter.scenes import Scene, scene_of
-from ..interpreter.simulating import Simulator
+from ..interpreter.simulating import Simulated, Simulator
 from ..semantics.config import Config, Settings
 from ..semantics.errors import InternalError, UsageError
 from ..semantics.programs import initial, make_settings
 from ..semantics.readings import select
 from ..semantics.syntax import Program
 from ..simulators import by_name
+from ..simulators.actions import ACTIONS
 from ..simulators.worlds import WORLDS
 from .constants import constants_of
 
@@ -150,6 +154,22 @@ class Scenario:
             self.start, found, steps, seed, index, max_attempts=max_attempts, fuel=self.fuel,
             retry=self.readings["rejected-simulation"] == "retry", on_attempt=on_attempt, witnessed=witnessed,
         )  # fmt: skip
+
+    def replay(self, record: Mapping[str, object] | Recording, simulator: str | Simulator = "still", *, timestep: float | None = None) -> Simulated:
+        """A simulation whose actions are those of `record`, a line of the simulation format as JSON; its time step is the recorded one by default.
+
+        Raises `UsageError` if the record is not one of this program, or if its actions cannot be taken.
+        """
+        assert self.rehearsed
+        recording = record if isinstance(record, Recording) else recording_of(record)
+        found = by_name(simulator, recording.timestep if timestep is None else timestep) if isinstance(simulator, str) else simulator
+        return replay_once(self.start(), recording, found, self.action_classes, fuel=self.fuel)
+
+    @property
+    def action_classes(self) -> dict[str, type]:
+        """The classes of actions by name: ours, and the dataclasses of the Python modules that the program imports."""
+        modules = [m for m in self.settings.library.values() if isinstance(m, Mapping)]
+        return {v.__name__: v for m in modules for v in m.values() if isinstance(v, type) and is_dataclass(v)} | ACTIONS
 
     def enumerate_simulations(
         self, simulator: str | Simulator = "still", steps: int = 10, *, timestep: float | None = None, max_runs: int = DEFAULT_RUNS

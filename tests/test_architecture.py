@@ -25,7 +25,8 @@ MAY_IMPORT = {
     "cli": {*LAYERS, ""},
 }
 ONLY_IN = {
-    "matplotlib": {"interpreter/pictures.py", "cli/bench_picture.py"}, "pyarrow": {"interpreter/tables.py"},
+    "matplotlib": {"interpreter/pictures.py", "interpreter/movies.py", "cli/bench_picture.py"},
+    "PIL": {"interpreter/movies.py"}, "pyarrow": {"interpreter/tables.py"},
     "distributed": {"inference/batch/jobs.py"}, "hypothesis": {"conformance/programs/strategies.py"},
     "pymunk": {"simulators/physics.py"},
     "numba": {"inference/batch/compiled.py"}, "llvmlite": {"inference/batch/compiled.py"},
