@@ -1,11 +1,22 @@
 """Judging implementations of Scenic: vectors (data), matchers, and the protocol that an implementation answers.
 
-A vector is a program with what the paper says about its scenes; `docs/vectors.md` documents the format.
+A vector is a program with what the paper says about its scenes or simulations; `docs/vectors.md` documents the format.
 """
 
 from __future__ import annotations
 
-from .implementation import Enumerated, Enumerating, Implementation, NeverAccepted, Refused, Task, Tracing
+from .implementation import (
+    Enumerated,
+    Enumerating,
+    EnumeratingSimulations,
+    Implementation,
+    NeverAccepted,
+    Refused,
+    Simulating,
+    Task,
+    Tracing,
+    TracingSimulations,
+)
 from .loading import load_vectors
 from .ourselves import Ourselves
 from .running import Result, judge
@@ -13,6 +24,6 @@ from .vector import Vector
 from .verdict import Verdict
 
 __all__ = [
-    "Enumerated", "Enumerating", "Implementation", "NeverAccepted", "Ourselves", "Refused", "Result", "Task", "Tracing", "Vector", "Verdict",
-    "judge", "load_vectors",
+    "Enumerated", "Enumerating", "EnumeratingSimulations", "Implementation", "NeverAccepted", "Ourselves", "Refused", "Result", "Simulating",
+    "Task", "Tracing", "TracingSimulations", "Vector", "Verdict", "judge", "load_vectors",
 ]

@@ -9,6 +9,8 @@ from typing import Protocol, runtime_checkable
 
 SceneRecord = Mapping[str, object]
 """A scene in the JSON format of `docs/formats.md`, as decoded JSON."""
+SimulationRecord = Mapping[str, object]
+"""A simulation in the JSON format of `docs/formats.md`, as decoded JSON; of it `steps` (with `actions` and `objects`) and `result` are looked at."""
 
 
 SEED = 20
@@ -78,7 +80,7 @@ class Tracing(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Enumerated:
-    """The exact distribution of a finite program: scenes with their probabilities given acceptance, which has its own."""
+    """The exact distribution of a finite program: scenes, or simulations, with their probabilities given acceptance, which has its own."""
 
     outcomes: tuple[tuple[Fraction, SceneRecord], ...]
     acceptance: Fraction
@@ -90,4 +92,31 @@ class Enumerating(Protocol):
 
     def enumerated(self, task: Task) -> Enumerated | None:
         """The exact distribution, None if the program is not finite. Raises `Refused`."""
+        ...
+
+
+@runtime_checkable
+class Simulating(Protocol):
+    """An implementation that simulates in a world in which nothing moves, a time step takes one second, and any value is an action."""
+
+    def simulations(self, task: Task, steps: int, count: int, *, seed: int, attempts: int) -> Iterator[SimulationRecord]:
+        """`count` independent simulations of at most `steps` time steps. Raises `Refused` and `NeverAccepted` as `scenes` does."""
+        ...
+
+
+@runtime_checkable
+class EnumeratingSimulations(Protocol):
+    """An implementation that can enumerate the simulations of finite programs in that world."""
+
+    def enumerated_simulations(self, task: Task, steps: int) -> Enumerated | None:
+        """The exact distribution, None if the program is not finite. Raises `Refused`, and `NeverAccepted` if no simulation is possible."""
+        ...
+
+
+@runtime_checkable
+class TracingSimulations(Protocol):
+    """An implementation that tells which rules fire in simulations, those of the scene included."""
+
+    def fired_in_simulations(self, task: Task, steps: int, wanted: frozenset[str], *, seed: int) -> frozenset[str]:
+        """The ids of the rules that fired in a few simulations, until all `wanted` ones were seen and one was accepted."""
         ...

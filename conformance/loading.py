@@ -13,6 +13,8 @@ from ..semantics.readings import READINGS
 from ..semantics.rules import RULES
 from .fields import Fields
 from .matchers import MATCHERS
+from .refusals import Error
+from .simulations import Rejected, Simulations
 from .vector import Vector
 
 DEFAULT_DIALECT = "paper"
@@ -62,10 +64,11 @@ def read_vector(file: str, chapter: str, table: object, number: int) -> Vector:
     kinds = [kind for kind in MATCHERS if fields.has(kind)]
     if len(kinds) != 1:
         raise fields.wrong(f"exactly one matcher is needed, and there are {len(kinds)}: {', '.join(kinds) or 'none'}")
+    matcher = MATCHERS[kinds[0]](fields.table(kinds[0]))
     vector = Vector(
         name=fields.text("name"), chapter=chapter, file=file, paper=fields.text("paper"), fires=rules(fields, "fires"),
         avoids=rules(fields, "avoids"), readings=read_readings(fields), texts=read_texts(fields), kind=kinds[0],
-        matcher=MATCHERS[kinds[0]](fields.table(kinds[0])),
+        matcher=matcher, steps=matcher.steps if isinstance(matcher, (Simulations, Rejected, Error)) else None,
     )
     fields.done()
     if vector.fires & vector.avoids:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 
 from .fields import Fields
 from .refusals import read_error, read_rejection
+from .simulations import read_simulations
 from .statistical import read_distribution, read_probabilities, read_support
 from .values import read_values
 from .vector import Matcher
@@ -17,5 +18,6 @@ MATCHERS: Mapping[str, Callable[[Fields], Matcher]] = {
     "support": read_support,
     "rejection": read_rejection,
     "error": read_error,
+    "simulations": read_simulations,
 }
 """How each matcher is read from its table; the reader raises `UsageError`."""

@@ -7,20 +7,26 @@ from contextlib import contextmanager, suppress
 from typing import Literal
 
 from .. import __version__
+from ..inference.rejection import counting
 from ..interpreter.choosers import from_stream
 from ..interpreter.dialects import DIALECTS
+from ..interpreter.recordings import to_json
 from ..interpreter.running import DEFAULT_FUEL
+from ..interpreter.simulating import Simulated, simulate_once
 from ..interpreter.tracing import Trace
 from ..scenario import Scenario, loads
 from ..semantics.errors import AttemptsExhausted, ProgramError, RunsExhausted, ScenicError, UsageError
-from ..semantics.outcome import Requirement
+from ..semantics.outcome import Outcome, Requirement, Stuck
 from ..semantics.syntax.nodes import NOWHERE
-from .implementation import Enumerated, NeverAccepted, Refused, SceneRecord, Task
+from ..simulators.still import Still
+from .implementation import Enumerated, NeverAccepted, Refused, SceneRecord, SimulationRecord, Task
 
 TRACED_RUNS = 60
 """The most runs that are traced in search of a rule; one that fires in half of the runs is missed with probability 2^-60."""
 
 NO_LINE = 0
+REJECTING = frozenset({"D-Eventually", "D-Guard"})
+"""Rules that do nothing but reject a simulation: they fire where others are stuck."""
 
 
 class Ourselves:
@@ -72,6 +78,50 @@ class Ourselves:
             accepted = accepted or trace.accepted
             found |= {event.rule for event in trace.events if event.kind != "stuck"}
             if (accepted and wanted <= found) or trace.run is None:
+                break
+        return frozenset(found)
+
+    def simulations(self, task: Task, steps: int, count: int, *, seed: int, attempts: int) -> Iterator[SimulationRecord]:
+        """Simulations 0 to `count - 1` of the seed."""
+        with told():
+            scenario = load(task)
+            for index in range(count):
+                run = scenario.simulate(Still(), steps, seed, index, max_attempts=attempts)
+                yield to_json(run.simulation, run.attempts)
+
+    def enumerated_simulations(self, task: Task, steps: int) -> Enumerated | None:
+        """The exact distribution, unless a draw has infinitely many values, or scenes are tried again after a rejection."""
+        with told():
+            scenario = load(task)
+            if scenario.readings["rejected-simulation"] == "retry":
+                return None
+            try:
+                found = scenario.enumerate_simulations(Still(), steps)
+            except (UsageError, RunsExhausted):
+                return None
+        return Enumerated(tuple((probability, to_json(simulation, 1)) for probability, simulation in found.outcomes), found.acceptance)
+
+    def fired_in_simulations(self, task: Task, steps: int, wanted: frozenset[str], *, seed: int) -> frozenset[str]:
+        """What fired in the first runs of several simulations, until all wanted rules were seen and a run was accepted."""
+        try:
+            with told():
+                scenario = load(task)
+        except Refused:
+            return frozenset()
+        found: set[str] = set()
+
+        def look(outcome: Outcome, drawn: object) -> None:
+            rule: str = getattr(outcome, "rule", "")
+            if rule and (rule in REJECTING or not isinstance(outcome, Stuck)):
+                found.add(rule)
+
+        accepted = False
+        for index in range(TRACED_RUNS):
+            chooser, drawn = counting(from_stream(seed, index, 0))
+            with suppress(ProgramError):  # what fired before it is kept
+                ended = simulate_once(scenario.start(), chooser, Still(), steps, seed=seed, index=index, fuel=scenario.fuel, witness=look)
+                accepted = accepted or isinstance(ended, Simulated)
+            if (accepted and wanted <= found) or not drawn:
                 break
         return frozenset(found)
 

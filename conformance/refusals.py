@@ -7,12 +7,17 @@ from dataclasses import dataclass
 from ..semantics import errors
 from ..semantics.rules import RULES
 from .fields import Fields
-from .implementation import Implementation, NeverAccepted, Refused, Task
+from .implementation import Implementation, NeverAccepted, Refused, SceneRecord, Simulating, Task
 from .matching import ATTEMPTS, requirements
-from .verdict import PASSED, Verdict, failed
+from .verdict import PASSED, Verdict, failed, skipped
 
 PHASES = ("parse", "check", "resolve", "run")
 REQUIREMENTS = ("require", "containment", "collision", "visibility", "region", "field")
+
+
+def simulations_of(implementation: Simulating, task: Task, steps: int, attempts: int) -> list[SceneRecord]:
+    """The first simulation."""
+    return list(implementation.simulations(task, steps, 1, seed=task.seed, attempts=attempts))
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,22 +50,35 @@ def read_rejection(fields: Fields) -> Rejection:
 
 @dataclass(frozen=True, slots=True)
 class Error:
-    """The program is refused in one of some phases; line, class and rule count only where the implementation tells them."""
+    """The program is refused in one of some phases; line, class and rule count only where the implementation tells them.
+
+    With `steps`, the error is one of a simulation of at most so many time steps.
+    """
 
     phases: tuple[str, ...]
     line: int | None = None
     class_name: str | None = None
     rule: str | None = None
+    steps: int | None = None
 
     def match(self, implementation: Implementation, task: Task) -> Verdict:
-        """The first scene must not appear, for the right reason."""
+        """The first scene, or simulation, must not appear, for the right reason."""
+        if self.steps is not None and not isinstance(implementation, Simulating):
+            return skipped(f"{implementation.name} does not simulate")
         try:
-            scenes = list(implementation.scenes(task, 1, seed=task.seed, attempts=ATTEMPTS))
+            found = self.first(implementation, task)
         except Refused as refused:
             return self.compare(refused)
         except NeverAccepted as never:
             return failed(f"never accepted instead of refused in phase {self.allowed}: {requirements(never)}")
-        return failed(f"gave {len(scenes)} scenes instead of an error of phase {self.allowed}")
+        what = "scenes" if self.steps is None else "simulations"
+        return failed(f"gave {len(found)} {what} instead of an error of phase {self.allowed}")
+
+    def first(self, implementation: Implementation, task: Task) -> list[SceneRecord]:
+        """The first scene, or simulation."""
+        if self.steps is not None and isinstance(implementation, Simulating):
+            return simulations_of(implementation, task, self.steps, ATTEMPTS)
+        return list(implementation.scenes(task, 1, seed=task.seed, attempts=ATTEMPTS))
 
     @property
     def allowed(self) -> str:
@@ -83,6 +101,7 @@ def read_error(fields: Fields) -> Error:
     phases, line = fields.text_or_texts("phase"), fields.count("line") if fields.has("line") else None
     class_name = fields.text("class") if fields.has("class") else None
     rule = fields.text("rule") if fields.has("rule") else None
+    steps = fields.count("steps") if fields.has("steps") else None
     fields.done()
     for phase in phases:
         if phase not in PHASES:
@@ -93,4 +112,4 @@ def read_error(fields: Fields) -> Error:
         raise fields.wrong(f"there is no error class {class_name}")
     if rule is not None and rule not in RULES:
         raise fields.wrong(f"there is no rule {rule}")
-    return Error(phases, line, class_name, rule)
+    return Error(phases, line, class_name, rule, steps)

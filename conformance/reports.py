@@ -17,8 +17,6 @@ SCHEMA = "scenic-ref/conformance/1"
 UNREACHABLE = frozenset({"R-SpecifiedTwiceOptionally"})
 """Rules that no program reaches: every specifier that specifies something optionally also specifies position, so that two of them are
 specified twice non-optionally first."""
-DYNAMIC = frozenset(rule for rule in RULES if rule.startswith("D-"))
-"""Rules that fire while a scenario runs: the vectors are about scenes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +59,7 @@ def rules_shown(results: Iterable[Result]) -> frozenset[str]:
 def rules_missing(results: Iterable[Result]) -> tuple[str, ...]:
     """The rules of the catalogue that programs can reach and that no vector which passed shows."""
     shown = rules_shown(results)
-    return tuple(rule for rule in RULES if rule not in shown and rule not in UNREACHABLE | DYNAMIC)
+    return tuple(rule for rule in RULES if rule not in shown and rule not in UNREACHABLE)
 
 
 def all_passed(results: Iterable[Result]) -> bool:
@@ -75,10 +73,7 @@ def report(implementation: str, results: Sequence[Result]) -> dict[str, object]:
     counts = total(results)
     return {
         "schema": SCHEMA, "implementation": implementation, "totals": {status: counts[status] for status in STATUSES},
-        "rules": {
-            "shown": sorted(rules_shown(results)), "missing": list(rules_missing(results)), "unreachable": sorted(UNREACHABLE),
-            "dynamic": sorted(DYNAMIC),
-        },
+        "rules": {"shown": sorted(rules_shown(results)), "missing": list(rules_missing(results)), "unreachable": sorted(UNREACHABLE)},
         "results": [entry(result) for result in results],
     }
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from .implementation import SEED, Implementation, Refused, Task, Tracing
+from .implementation import SEED, Implementation, Refused, Task, Tracing, TracingSimulations
 from .vector import Vector
 from .verdict import Verdict, errored, failed, skipped
 
@@ -41,13 +41,23 @@ def verdict_of(implementation: Implementation, vector: Vector, task: Task) -> Ve
 
 def rules_verdict(implementation: Implementation, vector: Vector, task: Task, passed: Verdict) -> Verdict:
     """Whether the rules fire that must, and none that must not, where the implementation tells."""
-    if not isinstance(implementation, Tracing) or not (vector.fires or vector.avoids):
+    if not (vector.fires or vector.avoids):
         return passed
     try:
-        fired = implementation.fired(task, vector.fires, seed=task.seed)
+        fired = fired_in(implementation, vector, task)
     except Refused as refused:
         return failed(f"refused in phase {refused.phase} while the rules were watched: {refused.message}")
+    if fired is None:
+        return passed
     missing, unwanted = vector.fires - fired, vector.avoids & fired
     if missing:
         return failed(f"these rules did not fire: {', '.join(sorted(missing))}")
     return failed(f"these rules fired and must not: {', '.join(sorted(unwanted))}") if unwanted else passed
+
+
+def fired_in(implementation: Implementation, vector: Vector, task: Task) -> frozenset[str] | None:
+    """The rules that fire in what the vector is about, scenes or simulations; None if the implementation does not tell."""
+    if vector.steps is not None:
+        traces = isinstance(implementation, TracingSimulations)
+        return implementation.fired_in_simulations(task, vector.steps, vector.fires, seed=task.seed) if traces else None
+    return implementation.fired(task, vector.fires, seed=task.seed) if isinstance(implementation, Tracing) else None

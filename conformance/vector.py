@@ -1,4 +1,4 @@
-"""A vector: a program, and what the paper says about its scenes."""
+"""A vector: a program, and what the paper says about its scenes or simulations."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .verdict import Verdict
 
 
 class Matcher(Protocol):
-    """What is claimed about the scenes of a program; `conformance.matchers` holds the closed table of them."""
+    """What is claimed about the scenes or simulations of a program; `conformance.matchers` holds the closed table of them."""
 
     def match(self, implementation: Implementation, task: Task) -> Verdict:
         """Whether the implementation agrees. What it raises besides `Refused` and `NeverAccepted` goes through."""
@@ -23,7 +23,7 @@ class Vector:
     """One vector, with the chapter and the file it stands in.
 
     `fires` must fire and `avoids` must not, where the implementation tells which rules fire. `texts` maps each dialect in which
-    the program is given to its text.
+    the program is given to its text. `steps` is the number of time steps that simulations may have, None where the vector is about scenes.
     """
 
     name: str
@@ -36,6 +36,7 @@ class Vector:
     texts: Mapping[str, str]
     kind: str
     matcher: Matcher
+    steps: int | None = None
 
     def task(self, dialect: str) -> Task:
         """The program in that dialect. KeyError if it is not given in it."""

@@ -47,7 +47,7 @@ def test_on_a_terminal_there_is_a_table_and_a_progress_bar(capfd: pytest.Capture
     assert code == 0
     assert 'Appendix "Operators"' in out
     assert "all chapters" in out
-    assert out.rstrip().endswith("rules fired: 3 of 128")
+    assert out.rstrip().endswith("rules fired: 3 of 153")
 
 
 def test_a_vector_that_is_not_given_in_a_dialect_is_skipped(capfd: pytest.CaptureFixture[str]) -> None:

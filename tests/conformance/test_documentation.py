@@ -12,6 +12,7 @@ from scenic_ref.conformance.loading import read_file
 from scenic_ref.conformance.matchers import MATCHERS
 from scenic_ref.conformance.refusals import PHASES, REQUIREMENTS
 from scenic_ref.conformance.shapes import SHAPES
+from scenic_ref.conformance.simulations import KINDS
 
 TEXT = (Path(__file__).parent.parent.parent / "docs" / "vectors.md").read_text("utf-8")
 HEAD = 'chapter = "C"\n[[vector]]\nname = "v"\npaper = "p"\nprogram = "ego = Object"\n'
@@ -51,6 +52,6 @@ def test_the_example_of_a_file_holds() -> None:
     assert judge(Ourselves(), vector, "scenic-3").verdict.status == "passed"
 
 
-@pytest.mark.parametrize("name", [*MATCHERS, *FAMILIES, *SHAPES, "any", *PHASES, *REQUIREMENTS])
+@pytest.mark.parametrize("name", [*MATCHERS, *FAMILIES, *SHAPES, "any", *PHASES, *REQUIREMENTS, *KINDS])
 def test_every_name_of_the_format_is_documented(name: str) -> None:
     assert f"`{name}`" in TEXT or f"`{name} =" in TEXT or f"### {name}" in TEXT
