@@ -24,6 +24,7 @@ from ..interpreter.scenes import Scene
 from ..scenario import Scenario
 from ..semantics.errors import RunsExhausted, UsageError
 from ..semantics.readings import select
+from .simulators import BrokenContract, check_simulator
 
 REFERENCE_SEED = 20_190_625
 MOST_RUNS = 2_000
@@ -136,4 +137,4 @@ def assert_same_distribution(
     return verdict
 
 
-__all__ = ["assert_same_distribution", "same_distribution"]
+__all__ = ["BrokenContract", "assert_same_distribution", "check_simulator", "same_distribution"]
