@@ -45,6 +45,7 @@ class Writer:
             lambda: [f"take {self.value()}"], lambda: [f"take {self.value()}"], lambda: ["wait"], lambda: ["self.x = self.x + 1"],
             lambda: [f"require self.x < {self.pick('2', '3')}"], lambda: ["do Sub()"], lambda: [f"do Sub({self.pick('5', '6')}) for 1 steps"],
             lambda: ["do choose {Sub(7): 1, Sub(8): 2}"],
+            lambda: ["y = Uniform(1, 2)", "take y, resample(y)"],
         ]  # fmt: skip
         if self.guarded:
             simple.append(lambda: ["do Guarded()"])

@@ -71,7 +71,7 @@ class Interrupting(NamedTuple):
 
 def try_interrupt(node: s.Try, stack: Stack, state: State) -> Outcome:
     """`try: ... interrupt when B: ... except E: ...`: the conditions are checked before the body begins (reading `interrupt-first-step`)."""
-    outer: Stack = (Finally(node.final), stack) if node.final else stack
+    outer: Stack = (Abortable(), (Finally(node.final), stack) if node.final else stack)
     if node.handlers or node.otherwise:
         outer = (Handling(node), outer)
     clauses = tuple(Clause(i.condition, i.body) for i in node.interrupts)
@@ -87,6 +87,20 @@ def interruptible(node: Node, clauses: tuple[Clause, ...], body: s.Block, stack:
         return Next("D-Try", Config(whole, (frame, stack), state), node)
     fresh = Suspended(whole, (frame,), state.sigma, state.handling, state.depth, begun=False)
     return Next("D-Try", Config(PASS, (Entering(fresh), stack), state), node)
+
+
+class Abortable(NamedTuple):
+    """Frame below an entire statement with interrupts, its `except` blocks included: `abort` ends here."""
+
+
+def resume_abortable(frame: Abortable, result: object, stack: Stack, state: State) -> Outcome:
+    """The statement is reduced to `pass`."""
+    return Next("", Config(PASS, stack, state))
+
+
+def unwind_abortable(frame: Abortable, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
+    """`abort` has ended the statement; all else passes through."""
+    return Next("", Config(PASS if abrupt.kind == "abort" else abrupt, stack, state))
 
 
 class Entering(NamedTuple):
@@ -203,13 +217,10 @@ def resume_interruptible(frame: Interruptible, result: object, stack: Stack, sta
 
 
 def unwind_interruptible(frame: Interruptible, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
-    """`abort` ends the statement; all else passes through. What was interrupted is given up, and scenarios in it end."""
+    """The statement is left: what was interrupted is given up, and scenarios in it end."""
     from .scenarios import give_up
 
-    control = PASS if abrupt.kind == "abort" else abrupt
-    if control is PASS and stack and isinstance(stack[0], Handling) and stack[0].node is frame.node:
-        stack = stack[1]  # the entire statement: its `else` as well
-    return give_up(tuple(process for _, _, process in frame.waiting), Config(control, stack, state))
+    return give_up(tuple(process for _, _, process in frame.waiting), Config(abrupt, stack, state))
 
 
 def go_on(process: Suspended, stack: Stack, state: State) -> Outcome:

@@ -20,7 +20,7 @@ from ..syntax import statements as s
 from ..syntax.nodes import Expression, Node
 from ..values import Dynamic, plain
 from .guards import Guards, InvariantViolation, PreconditionViolation, guarded
-from .interrupts import Clause, Deadline, Interruptible, check_interrupts
+from .interrupts import Abortable, Clause, Deadline, Interruptible, check_interrupts
 from .processes import Coroutine, Ended, Suspended, Who, Yielded, run_for_one_step, suspend
 
 if TYPE_CHECKING:
@@ -149,7 +149,7 @@ def within(node: Node, until: Clause, control: Value, task: object, stack: Stack
     assert state.simulation is not None
     frame = Interruptible(node, (until,), state.sigma, state.handling, state.depth, state.simulation.step)
     fresh = Suspended(control, (task, frame), state.sigma, state.handling, state.depth, begun=False)
-    return check_interrupts(fresh, (Returning(), stack), state)
+    return check_interrupts(fresh, (Abortable(), (Returning(), stack)), state)
 
 
 class Returning(NamedTuple):

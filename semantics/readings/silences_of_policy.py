@@ -283,4 +283,22 @@ SILENCES_OF_POLICY: tuple[Reading, ...] = (
             {"own-way-out": "actions 1 and 4, not 3"},
         ),
     ),
+    Reading(
+        id="interrupts-in-except",
+        kind="silence",
+        about="policy",
+        question="Are interrupt conditions checked while an `except` block of their statement runs?",
+        places=(
+            SECTION_4_4 + ', "Interrupts": "while none of them are true, the `try` block executes"; exceptions are caught "as in the Python `try` '
+            'statement"',
+        ),
+        alternatives={"never": "no: the `try` block and its handlers were left by the exception; `abort` ends the statement there as well"},
+        consequence="Concerns behaviors and compose blocks.",
+        code=("semantics.dynamics.interrupts.try_interrupt",),
+        probe=Probe(
+            "behavior B():\n    try:\n        raise ValueError('x')\n    interrupt when simulation.currentTime == 1:\n        take 1\n"
+            "    except ValueError:\n        take 2\n        take 3\nego = Object at (0, 0), with behavior B",
+            {"never": "actions 2 and 3"},
+        ),
+    ),
 )

@@ -264,3 +264,14 @@ def test_finally_runs_on_the_way_out_of_its_own_block():
     assert actions(behavior("try:\n    terminate\nfinally:\n    take 1")) == [1, "terminated"]
     inner = "try:\n    try:\n        abort\n    finally:\n        take 1\ninterrupt when False:\n    pass\ntake 2"
     assert actions(behavior(inner), 2) == [1, 2, LIMIT]
+
+
+def test_any_block_may_abort_the_entire_statement():
+    """`except` and `else` blocks as well, and only the innermost statement."""
+    head = "try:\n    {}\ninterrupt when False:\n    wait\n"
+    caught = head.format("raise ValueError('x')") + "except ValueError:\n    take 'caught'\n    abort\n    take 'never'\ntake 'end'"
+    assert actions(behavior(caught), 2) == ["caught", "end", LIMIT]
+    otherwise = head.format("pass") + "except ValueError:\n    pass\nelse:\n    abort\ntake 'end'"
+    assert actions(behavior(otherwise), 1) == ["end", LIMIT]
+    inner = "try:\n" + "".join(f"    {line}\n" for line in caught.splitlines()) + "interrupt when False:\n    wait\ntake 'outer'"
+    assert actions(behavior(inner), 3) == ["caught", "end", "outer", LIMIT]

@@ -34,6 +34,7 @@ SHOWN: dict[tuple[str, str], list[object]] = {
     ("override-stack", "reverse"): [None, None, "terminated"],
     ("terminate-when-start", "first"): ["terminated"],
     ("bare-behavior", "no-arguments"): [3, *NOTHING[1:], LIMIT],
+    ("interrupts-in-except", "never"): [2, 3, None, None, LIMIT],
     ("ego-of-scenarios", "shared"): [None, None, "terminated"],
     ("finally-of-coroutines", "own-way-out"): [1, 4, None, None, LIMIT],
 }
