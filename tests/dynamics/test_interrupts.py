@@ -266,7 +266,7 @@ def test_finally_runs_on_the_way_out_of_its_own_block():
     assert actions(behavior(inner), 2) == [1, 2, LIMIT]
 
 
-def test_any_block_may_abort_the_entire_statement():
+def test_except_and_else_blocks_may_abort_the_entire_statement():
     """`except` and `else` blocks as well, and only the innermost statement."""
     head = "try:\n    {}\ninterrupt when False:\n    wait\n"
     caught = head.format("raise ValueError('x')") + "except ValueError:\n    take 'caught'\n    abort\n    take 'never'\ntake 'end'"
