@@ -77,11 +77,13 @@ def produce(source: Source, request: Request, session: Session) -> None:
 
 
 def why_interpreted(drawing: Drawing, request: Request) -> str | None:
-    """Why the interpreter draws the scenes one by one; None if the batch backend draws many at a time."""
+    """Why the interpreter draws the scenes one by one; None if the batch backend draws many at a time. Raises `AttemptsExhausted` if none can be."""
     if request.backend == "interpreter":
         return "as asked for"
     if request.backend == "auto" and request.stop - request.start < FEW:
         return f"since fewer than {FEW} scenes were asked for"
+    if drawing.scenario.impossible is not None:
+        raise drawing.scenario.impossible
     reason = drawing.scenario.not_lifted
     return None if reason is None else f"since the program cannot be drawn from many at a time: {reason}"
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from copy import copy
 from dataclasses import is_dataclass
@@ -11,12 +12,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import Literal
 
-from ..inference.batch import Batch, Block, NotLifted
+from ..inference.batch import Batch, Block, Impossible, NotLifted
 from ..inference.batch.jobs import Pace, block_of
 from ..inference.enumeration import DEFAULT_RUNS, Enumeration, enumerate_runs
 from ..inference.histories import Histories, enumerate_simulations
 from ..inference.pruning import TECHNIQUES, Finding, Pruning, prune
-from ..inference.rejection import DEFAULT_ATTEMPTS, Sampled, sample
+from ..inference.rejection import DEFAULT_ATTEMPTS, Sampled, exhausted, sample
 from ..inference.simulation import SampledRun, sample_simulation
 from ..interpreter.checks import check
 from ..interpreter.choosers import AS_THEY_ARE, Draws, from_stream
@@ -28,7 +29,7 @@ from ..interpreter.running import DEFAULT_FUEL, Accepted, Run, Witness, rehearse
 from ..interpreter.scenes import Scene, scene_of
 from ..interpreter.simulating import Simulated, Simulator
 from ..semantics.config import Config, Settings
-from ..semantics.errors import InternalError, UsageError
+from ..semantics.errors import AttemptsExhausted, InternalError, UsageError
 from ..semantics.programs import initial, make_settings
 from ..semantics.readings import select
 from ..semantics.syntax import Program
@@ -203,13 +204,21 @@ class Scenario:
         return enumerate_runs(self.start, max_runs=max_runs, discretize=discretize, fuel=self.fuel, on_run=on_run)
 
     @cached_property
-    def _lifted(self) -> Batch | str:
-        """The program as a graph, or why there is none."""
+    def _lifted(self) -> Batch | AttemptsExhausted | str:
+        """The program as a graph, or why there is none; the error if it can have no scene."""
         assert self.rehearsed
         try:
             return Batch(self.start, fuel=self.fuel, draws=self.draws, factorised=self.factorised)
+        except Impossible as never:
+            text = f"no scene is possible: whatever is drawn, this fails: {never.requirement.text}"
+            return exhausted(text, 1, Counter([never.requirement]))
         except NotLifted as reason:
             return str(reason)
+
+    @property
+    def impossible(self) -> AttemptsExhausted | None:
+        """The error if a requirement fails whatever is drawn, as far as bounds of the values show that."""
+        return self._lifted if isinstance(self._lifted, AttemptsExhausted) else None
 
     @property
     def batch(self) -> Batch | None:
@@ -219,7 +228,9 @@ class Scenario:
     @property
     def not_lifted(self) -> str | None:
         """Why the program cannot be made a graph, so that the interpreter draws its scenes; None if it can."""
-        return None if isinstance(self._lifted, Batch) else self._lifted
+        if self.impossible is not None:
+            return self.impossible.message
+        return self._lifted if isinstance(self._lifted, str) else None
 
     def sample_many(
         self, n: int, seed: int = 0, *, start: int = 0, max_attempts: int = DEFAULT_ATTEMPTS, backend: Backend = "auto"
@@ -227,11 +238,14 @@ class Scenario:
         """Scenes `start` to `start + n - 1` of `seed`, one after the other: the same ones whatever the backend.
 
         "batch" draws many at a time if the program can be made a graph (else `not_lifted` says why); "auto" does so for
-        more than a few scenes. Raises `UsageError` for other backends.
+        more than a few scenes, and finds out at once that none is possible, where bounds show it (`AttemptsExhausted`).
+        Raises `UsageError` for other backends.
         """
         if backend not in ("auto", "interpreter", "batch"):
             raise UsageError(f"there is no backend {backend}", hint="there are auto, interpreter and batch")
         if backend == "batch" or (backend == "auto" and n >= FEW):
+            if self.impossible is not None:
+                raise self.impossible
             batch = self.batch
             if batch is not None:
                 return _by_batch(batch, n, seed, start, max_attempts)

@@ -1,5 +1,6 @@
 """The batch backend: a program is run once on symbols, and the graph that this gives is evaluated for many scenes at a time."""
 
 from .sampling import Batch, Block, NotLifted
+from .tracing import Impossible
 
-__all__ = ["Batch", "Block", "NotLifted"]
+__all__ = ["Batch", "Block", "Impossible", "NotLifted"]

@@ -30,6 +30,7 @@ from ...semantics.syntax import python_expressions as p
 from ...semantics.vectors import Vector
 from .graph import Event, Graph, RowDraw, Site
 from .lifting import lift
+from .plan import only_rejects
 from .structures import in_row
 from .symbols import Traced
 from .trace import Retry, Trace
@@ -49,6 +50,14 @@ class Mistaken(NotLifted):
     """The run that was traced ends with an error of the program; others may not."""
 
 
+class Impossible(NotLifted):
+    """A requirement fails whatever is drawn: there are no scenes."""
+
+    def __init__(self, requirement: Requirement) -> None:
+        super().__init__(requirement.text)
+        self.requirement = requirement
+
+
 class Lifted(NamedTuple):
     """A program as a graph, and the state at its end, with symbols in it."""
 
@@ -57,7 +66,7 @@ class Lifted(NamedTuple):
 
 
 def trace(start: Callable[[], Config], fuel: int, draws: Draws = AS_THEY_ARE) -> Lifted:
-    """The graph of a program. Raises `NotLifted` with the reason if it has none."""
+    """The graph of a program. Raises `NotLifted` with the reason if it has none, `Impossible` if it has no scenes."""
     reason, errors = "", 0
     for attempt in range(TRIES):
         try:
@@ -111,10 +120,13 @@ def trace_run(config: Config, attempt: int, fuel: int, draws: Draws = AS_THEY_AR
                         made.require(requirement, True)
                     config = after
                 case Stuck(requirement=requirement, beyond=beyond):
-                    if beyond is None or len(made.graph.events) == events or made.graph.events[-1].kind != "guard":
+                    if beyond is not None and len(made.graph.events) == events:  # it fails in all runs that come here
+                        config = never_holds(requirement, made, beyond)
+                    elif beyond is not None and made.graph.events[-1].kind == "guard":
+                        made.require(requirement, False)
+                        config = beyond
+                    else:
                         raise Retry(requirement.text)
-                    made.require(requirement, False)
-                    config = beyond
                 case Done(state=state):
                     return Lifted(made.graph, state)
                 case Fault(error=error):
@@ -127,6 +139,14 @@ def trace_run(config: Config, attempt: int, fuel: int, draws: Draws = AS_THEY_AR
     finally:
         made.open = False
         door.lift = None
+
+
+def never_holds(requirement: Requirement, made: Trace, beyond: Config) -> Config:
+    """A requirement fails whatever is drawn: no run is accepted, or of a soft one those whose coin shows tails. Raises `Impossible`, `Retry`."""
+    if made.coin is None:
+        raise Impossible(requirement) if all(map(only_rejects, made.graph.events)) else Retry(requirement.text)
+    made.graph.events.append(Event("require", made.coin, False, requirement))
+    return beyond
 
 
 def check_pure(outcome: Next) -> None:

@@ -1,0 +1,71 @@
+"""A requirement that fails whatever is drawn is found out before the first attempt, where bounds of the values show it."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+import scenic_ref
+from scenic_ref.conformance.programs import random_programs
+from scenic_ref.interpreter.choosers import from_stream
+from scenic_ref.interpreter.running import Rejected, run
+from scenic_ref.semantics.errors import AttemptsExhausted, ScenicError
+
+EGO = "ego = Object at (0, 0)\n"
+
+
+@pytest.mark.parametrize("text", ["require x > 2", "y = x * x + 1\nrequire y < 0.5", "require False"])
+def test_what_can_never_hold_is_an_error_at_once(text):
+    text = f"x = Range(0, 1)\n{text}"
+    scenario = scenic_ref.loads(EGO + text)
+    line = text.count("\n") + 2
+    with pytest.raises(AttemptsExhausted, match=f"no scene is possible: whatever is drawn, this fails: the requirement on line {line}") as found:
+        scenario.sample_many(20)
+    assert found.value.attempts == 1
+    assert found.value.span.line == line
+    with pytest.raises(AttemptsExhausted, match="no scene in 50 attempts"):
+        scenario.sample(max_attempts=50)
+
+
+@pytest.mark.parametrize("text", [
+    "x = Range(0, 1)\nrequire[0.5] x > 2", "x = Range(0, 1)\nrequire x > 0.99999", "x = Uniform(0, 1)\nrequire x > 0.5\nrequire x == 1",
+])  # fmt: skip
+def test_what_may_hold_is_not(text):
+    assert scenic_ref.loads(EGO + text).impossible is None
+
+
+@pytest.mark.parametrize("share", [0.25, 1])
+def test_a_soft_requirement_that_never_holds_is_met_by_the_coin(share):
+    """The runs whose coin shows tails are accepted, by columns as by the interpreter."""
+    scenario = scenic_ref.loads(f"{EGO}x = Range(0, 1)\nrequire[{share}] x > 2\nparam x = x")
+    if share == 1:
+        assert scenario.impossible is not None
+        return
+    assert scenario.batch is not None
+    expected = [scene.to_line() for scene in scenario.sample_many(40, backend="interpreter")]
+    assert [scene.to_line() for scene in scenario.sample_many(40, backend="batch")] == expected
+    assert any(scene.attempts > 1 for scene in scenario.sample_many(40))
+
+
+def test_random_programs_that_are_said_to_have_no_scene_have_none():
+    """A requirement on a parameter is added to 60 programs; of those that are said to have no scene, 40 runs are made each."""
+    said = possible = 0
+    for program in random_programs(60, 5):
+        name = re.search(r"^param (\w+) = \1", program.text, re.MULTILINE)
+        scenario = scenic_ref.loads(f"{program.text}require {name[1]} > 4\n" if name else program.text)
+        try:
+            impossible = scenario.impossible
+        except ScenicError:
+            continue
+        possible += scenario.batch is not None
+        if impossible is None:
+            continue
+        said += 1
+        for attempt in range(40):
+            try:
+                found = run(scenario.start(), from_stream(1, 0, attempt))
+            except ScenicError:
+                continue
+            assert isinstance(found, Rejected), program.text
+    assert said > 5
+    assert possible > 20
