@@ -215,8 +215,8 @@ def read_history(fields: Fields, steps: int) -> History:
         raise fields.wrong(f"actions must be a list, not {listed!r}")
     if result not in (TERMINATED, TIME_LIMIT):
         raise fields.wrong(f"result must be {TERMINATED!r} or {TIME_LIMIT!r}, not {result!r}")
-    if len(listed) != steps if result == TIME_LIMIT else len(listed) >= steps:
-        needed = f"those of {steps} time steps" if result == TIME_LIMIT else f"those of fewer than {steps} time steps"
+    if len(listed) != steps if result == TIME_LIMIT else len(listed) > steps:
+        needed = f"those of {steps} time steps" if result == TIME_LIMIT else f"those of at most {steps} time steps"
         raise fields.wrong(f"a simulation that ends by {result!r} has {needed}, and these are {len(listed)}")
     actions = tuple(dict(read_actions(fields, entry)) for entry in listed)
     counts = fields.any("objects", None)

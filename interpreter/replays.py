@@ -17,7 +17,7 @@ from .choosers import from_stream
 from .recorded import RecordedAction, RecordedStep, Recording
 from .running import DEFAULT_FUEL, Accepted, run
 from .scenes import Scene, json_value, scene_of
-from .simulating import Body, Moment, Pose, Simulated, Simulator, create_new, guarded, read_pose
+from .simulating import Body, Moment, Pose, Simulated, Simulator, check_usable, create_new, guarded, in_use, read_pose, step_of
 
 TOLERANCE = 1e-9
 """By so much may numbers differ: metres, radians, ..., and relative to numbers above 1."""
@@ -37,10 +37,11 @@ def replay_once(config: Config, recording: Recording, simulator: Simulator, clas
 
     Raises `UsageError` for a recording of another program, and for actions that cannot be taken; `SimulatorError` for the simulator's errors.
     """
+    check_usable(simulator)
     state, scene = scene_again(config, recording, fuel)
     state = begin(state, simulator.timestep, simulator.properties)
     moments: list[Moment] = []
-    try:
+    with in_use(simulator):
         bodies = create_new(simulator, state, 0)
         first = len(bodies)
         for number, step in enumerate(recording.steps):
@@ -53,11 +54,9 @@ def replay_once(config: Config, recording: Recording, simulator: Simulator, clas
                 guarded(simulator.create, new)
             actions = actions_of(step, number, bodies, simulator, classes)
             before = poses(bodies, simulator)
-            events = guarded(simulator.step, actions)
+            events = step_of(simulator, actions)
             moments.append(Moment(number, before, actions, tuple(events), step.doing))
             bodies = [read(body, simulator) for body in bodies]
-    finally:
-        simulator.destroy()
     return Simulated(scene, tuple(moments), recording.result, recording.reason, simulator.timestep, recording.created)
 
 

@@ -7,17 +7,20 @@ A simulator is anything with the methods of `Simulator`. A run that fails a requ
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from types import MappingProxyType
 from typing import NamedTuple, Protocol, TypeVar
 
+from ..semantics.classes import SCALAR_PROPERTIES, VECTOR_PROPERTIES
 from ..semantics.config import Config, State
-from ..semantics.dynamics.policy import after_one_step, begin, policy, unsatisfied
+from ..semantics.dynamics.policy import after_one_step, begin, policy
 from ..semantics.dynamics.simulation import doing, satisfied, simulation_of
-from ..semantics.errors import RunError, ScenicError, SimulatorError
+from ..semantics.errors import RunError, ScenicError, SimulatorError, UsageError
+from ..semantics.kinds import is_scalar
 from ..semantics.outcome import Act, Done, Finish, Next, Outcome, Requirement, Stuck
 from ..semantics.syntax.nodes import NOWHERE, Span
-from ..semantics.values import plain
+from ..semantics.values import Instance, plain
 from ..semantics.vectors import Vector
 from .running import DEFAULT_FUEL, Chooser, Witness, drive
 from .scenes import Scene, scene_of
@@ -101,53 +104,55 @@ def simulate_once(
     config: Config, choose: Chooser, simulator: Simulator, steps: int, *, seed: int = 0, index: int = 0, attempt: int = 0,
     fuel: int = DEFAULT_FUEL, witness: Witness | None = None,
 ) -> Simulated | Failed:  # fmt: skip
-    """One run: a scene, then at most `steps` time steps. Raises the program's error, and `SimulatorError` for the simulator's."""
+    """One run: a scene, then at most `steps` time steps. Raises the program's error, `SimulatorError` for the simulator's, and `UsageError`."""
+    check_usable(simulator)
     generated, _ = drive(config, choose, fuel=fuel, witness=witness)
     if isinstance(generated, Stuck):
         return Failed(generated.requirement, None)
     assert isinstance(generated, Done)
     scene = scene_of(generated.state, seed, index, attempt + 1)
-    state = begin(generated.state, simulator.timestep, simulator.properties)
+    with in_use(simulator):
+        return simulated(scene, generated.state, choose, simulator, steps, fuel, witness)
+
+
+def simulated(
+    scene: Scene, generated: State, choose: Chooser, simulator: Simulator, steps: int, fuel: int, witness: Witness | None
+) -> Simulated | Failed:
+    """The time steps of a scene: in the last one, after `steps` of them, the time limit ends the scenario if nothing else does."""
+    state = begin(generated, simulator.timestep, simulator.properties)
     moments: list[Moment] = []
     told: list[str] = []
     witness = listening(told, witness)
     held: set[int] = set()
     first = len(state.scene)
-    made: list[Body] = []
-    try:
-        made += create_new(simulator, state, 0)
-        for number in range(steps):
-            told.clear()
-            outcome, _ = drive(policy(state), choose, fuel=fuel, witness=witness)
-            if isinstance(outcome, Stuck):
-                return Failed(outcome.requirement, number)
-            now = satisfied(outcome.state)  # type: ignore[union-attr]
-            told += [f"`require eventually` on line {line} is satisfied" for line in sorted(now - held)]
-            held |= now
-            if isinstance(outcome, Finish):
-                made += new_bodies(outcome.state, len(made))
-                moments.append(Moment(number, poses(outcome.state, simulator), {}, tuple(told)))
-                return Simulated(scene, tuple(moments), "terminated", outcome.reason, simulator.timestep, tuple(made[first:]))
-            assert isinstance(outcome, Act)
-            state = outcome.state
-            made += create_new(simulator, state, len(made))
-            ids = {instance.number: k for k, instance in enumerate(state.scene)}
-            actions = {ids[n]: taken for n, taken in outcome.actions.items()}
-            check_actions(simulator, state, actions)
-            before = poses(state, simulator)
-            events = guarded(simulator.step, actions)
-            agents = simulation_of(state).agents
-            doings = {ids[n]: text for n, agent in agents.items() if (text := doing(agent))}
-            moments.append(Moment(number, before, actions, (*told, *events), doings))
-            state = after_one_step(read_back(simulator, state))
-    finally:
-        simulator.destroy()
-    missed = unsatisfied(state)
-    if missed is not None:
-        return Failed(missed, steps)
-    moments.append(Moment(steps, poses(state, simulator), {}, ()))
-    reason = "1 time step has passed" if steps == 1 else f"{steps:,} time steps have passed"
-    return Simulated(scene, tuple(moments), "time limit", reason, simulator.timestep, tuple(made[first:]))
+    made = create_new(simulator, state, 0)
+    limit = "1 time step has passed" if steps == 1 else f"{steps:,} time steps have passed"
+    for number in range(steps + 1):
+        told.clear()
+        outcome, _ = drive(policy(state, limit if number == steps else ""), choose, fuel=fuel, witness=witness)
+        if isinstance(outcome, Stuck):
+            return Failed(outcome.requirement, number)
+        now = satisfied(outcome.state)  # type: ignore[union-attr]
+        told += [f"`require eventually` on line {line} is satisfied" for line in sorted(now - held)]
+        held |= now
+        if isinstance(outcome, Finish):
+            made += new_bodies(outcome.state, len(made))
+            moments.append(Moment(number, poses(outcome.state, simulator), {}, tuple(told)))
+            result = "terminated" if simulation_of(outcome.state).flag else "time limit"
+            return Simulated(scene, tuple(moments), result, outcome.reason, simulator.timestep, tuple(made[first:]))
+        assert isinstance(outcome, Act)
+        state = outcome.state
+        made += create_new(simulator, state, len(made))
+        ids = {instance.number: k for k, instance in enumerate(state.scene)}
+        actions = {ids[n]: taken for n, taken in outcome.actions.items()}
+        check_actions(simulator, state, actions)
+        before = poses(state, simulator)
+        events = step_of(simulator, actions)
+        agents = simulation_of(state).agents
+        doings = {ids[n]: text for n, agent in agents.items() if (text := doing(agent))}
+        moments.append(Moment(number, before, actions, (*told, *events), doings))
+        state = after_one_step(read_back(simulator, state))
+    raise AssertionError("the policy ends at the time limit")
 
 
 TOLD = {
@@ -171,6 +176,42 @@ def listening(told: list[str], witness: Witness | None) -> Witness:
 
 
 # Between the machine and the simulator
+
+
+def check_usable(simulator: Simulator) -> None:
+    """Whether this is a simulator, and not something else. Raises `UsageError`."""
+    if isinstance(simulator, type) or not all(callable(getattr(simulator, name, None)) for name in METHODS):
+        found = f"the class {simulator.__name__}" if isinstance(simulator, type) else f"a {type(simulator).__name__}"
+        raise UsageError(f"a simulator has the methods {', '.join(METHODS)}, and this is {found}", hint="give an instance of its class")
+    timestep = getattr(simulator, "timestep", None)
+    if not isinstance(timestep, (int, float)) or isinstance(timestep, bool) or not 0 < timestep < math.inf:
+        raise UsageError(f"the timestep of a simulator is a positive number of seconds, not {timestep!r}")
+    properties = getattr(simulator, "properties", None)
+    if not isinstance(properties, (set, frozenset)):
+        raise UsageError("the properties of a simulator are a set of names")
+
+
+METHODS = ("create", "check", "step", "read", "destroy")
+
+
+@contextmanager
+def in_use(simulator: Simulator) -> Iterator[None]:
+    """A simulation, after which the simulator is told that it is over, however it ended. Raises `SimulatorError`."""
+    try:
+        yield
+    except BaseException:
+        with suppress(Exception):  # that it failed before is what counts
+            simulator.destroy()
+        raise
+    guarded(simulator.destroy)
+
+
+def step_of(simulator: Simulator, actions: Mapping[int, tuple[object, ...]]) -> Sequence[str]:
+    """One time step in the simulator: what happened, in words. Raises `SimulatorError`."""
+    events = guarded(simulator.step, actions)
+    if isinstance(events, str) or not isinstance(events, Sequence) or not all(isinstance(event, str) for event in events):
+        raise SimulatorError(f"step() gives what happened as a sequence of texts, and not {events!r}", NOWHERE)
+    return events
 
 
 def create_new(simulator: Simulator, state: State, known: int) -> list[Body]:
@@ -207,7 +248,13 @@ def check_actions(simulator: Simulator, state: State, actions: Mapping[int, tupl
         for action in taken:
             reason = guarded(simulator.check, body, action)
             if reason is not None:
-                raise RunError(f"{state.scene[id]!r} cannot take the action {action!r}: {reason}", state.scene[id].span, rule="D-Take")
+                raise RunError(f"{instance!r} cannot take the action {action!r}: {reason}", taken_at(instance, state), rule="D-Take")
+
+
+def taken_at(instance: Instance, state: State) -> Span:
+    """Where an object has taken its actions of this time step."""
+    process = simulation_of(state).agents[instance.number].process
+    return process.span if process is not None and process.span.line else instance.span
 
 
 def read_back(simulator: Simulator, state: State) -> State:
@@ -220,12 +267,17 @@ def read_back(simulator: Simulator, state: State) -> State:
 
 
 def read_pose(simulator: Simulator, id: int, who: str, span: Span = NOWHERE) -> Pose:
-    """What the simulator says of an object now. Raises `SimulatorError` for numbers that are none."""
+    """What the simulator says of an object now. Raises `SimulatorError` for other properties than it declares, and values that are none."""
     pose = guarded(simulator.read, id)
+    if not isinstance(pose, Mapping) or pose.keys() != simulator.properties:
+        said = ", ".join(sorted(map(str, pose))) if isinstance(pose, Mapping) else repr(pose)
+        declared = ", ".join(sorted(simulator.properties)) or "nothing"
+        raise SimulatorError(f"the simulator says {said or 'nothing'} of {who}, and declares {declared}", span)
     for name, value in pose.items():
         numbers = (value.x, value.y) if isinstance(value, Vector) else (value,)
-        if any(isinstance(n, float) and not math.isfinite(n) for n in numbers):
-            raise SimulatorError(f"the simulator says that the {name} of {who} is {value}", span)
+        wrong = not isinstance(value, Vector) if name in VECTOR_PROPERTIES else name in SCALAR_PROPERTIES and not is_scalar(value)
+        if wrong or any(isinstance(n, float) and not math.isfinite(n) for n in numbers):
+            raise SimulatorError(f"the simulator says that the {name} of {who} is {value!r}", span)
     return pose
 
 

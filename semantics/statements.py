@@ -41,7 +41,7 @@ class Requiring(NamedTuple):
 
 def hard_requirement(node: s.Require, stack: Stack, state: State) -> Outcome:
     """Hard Requirements: if ⟨B, σ, π, O⟩ → ⟨True, σ, π, O'⟩ then ⟨require B, σ, π, O⟩ → ⟨pass, σ, π, O'⟩."""
-    if state.reading("require-time") == "end":
+    if state.reading("require-time") == "end" and state.simulation is None:
         captured = state._replace(sigma=state.sigma.snapshot(), late=())
         return Next("S-Require-Capture", Config(PASS, stack, state._replace(late=(*state.late, (node, captured)))), node)
     return enforce(node, stack, state)
@@ -124,18 +124,21 @@ def mutate(node: s.Mutate, stack: Stack, state: State) -> Outcome:
 def conclude_mutate(node: s.Mutate, values: list[object], stack: Stack, state: State) -> Outcome:
     """Set the scale of the listed objects, or of every Object that exists now (reading `mutate-all`)."""
     *listed, scale = values
+    first = 0
     if state.simulation is not None:
         from .dynamics.scenarios import check_setup
 
-        check_setup("objects are mutated", node, stack)
+        first = check_setup("objects are mutated", node, stack)
     scale = 1 if node.scale is None else scale
     inner = plain(scale)
     if not is_scalar(inner) or inner < 0 or not is_finite_number(inner):  # type: ignore[operator]
         raise RunError(f"`mutate ... by` expects a number that is at least 0, not {inner}", node.span, rule="S-Mutate")
-    targets = [plain(v) for v in listed] if node.objects else list(state.scene)
+    targets = [plain(v) for v in listed] if node.objects else list(state.scene[first:])
     for target in targets:
         if not (isinstance(target, Instance) and is_object(target)):
             raise RunError(f"only Objects can be mutated, not {kind_name(target)}", node.span, rule="S-Mutate")
+        if target not in state.scene[first:]:
+            raise RunError(f"{target!r} is in the scene already: a scenario that runs mutates the objects that it makes", node.span, rule="S-Mutate")
         state = state.with_properties(target, {"mutationScale": scale})
     return done("S-Mutate", node, stack, state, Change("O", ", ".join(f"{t!r}.mutationScale" for t in targets), scale))
 

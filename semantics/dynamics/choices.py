@@ -119,7 +119,7 @@ def resume_starting(frame: Starting, result: object, stack: Stack, state: State)
     if isinstance(picking.node, d.DoShuffle) and len(picking.options) > 1:
         rest = picking._replace(options=tuple(o for j, o in enumerate(picking.options) if j != k))
         stack = (Shuffling(rest), stack)
-    return invoke(picking.node, (picking.options[k][0],), stack, state)
+    return invoke(picking.node, (picking.options[k][0],), stack, state, enabled=True)
 
 
 def resume_shuffling(frame: Shuffling, result: object, stack: Stack, state: State) -> Outcome:

@@ -189,18 +189,18 @@ def runner(stack: Stack) -> Who:
     return stack[0].who
 
 
-def invoke(node: Node, invocations: tuple[Dynamic, ...], stack: Stack, state: State) -> Outcome:
-    """Begin behaviors (in a behavior) or scenarios (in a compose block)."""
+def invoke(node: Node, invocations: tuple[Dynamic, ...], stack: Stack, state: State, *, enabled: bool = False) -> Outcome:
+    """Begin behaviors (in a behavior) or scenarios (in a compose block); the preconditions of one that is `enabled` are known to hold."""
     from .scenarios import begin_scenarios
 
     who = runner(stack)
     check_kinds(Begin(node, invocations), who.kind)
     if who.kind == "compose":
-        return begin_scenarios(node, invocations, stack, state)
+        return begin_scenarios(node, invocations, stack, state, enabled=enabled)
     if who.kind != "behavior":
         raise RunError(f"a {who.kind} has no agent that could run {invocations[0]!r}", node.span, rule="D-Do")
     if len(invocations) == 1:
-        return run_behavior(node, invocations[0], who, stack, state)
+        return run_behavior(node, invocations[0], who, stack, state, enabled=enabled)
     children = tuple((k, beginning(b, node, state)) for k, b in enumerate(invocations))
     return run_together(Together(children, who, 0, (), ()), stack, state)
 
@@ -213,14 +213,14 @@ def check_kinds(task: Begin, runs: str) -> None:
             raise RunError(f"{one!r} is no {word}: here `do` invokes {word}s", task.node.span, rule="D-Do")
 
 
-def run_behavior(node: Node, behavior: Dynamic, who: Who, stack: Stack, state: State) -> Outcome:
+def run_behavior(node: Node, behavior: Dynamic, who: Who, stack: Stack, state: State, *, enabled: bool = False) -> Outcome:
     """Check the preconditions and invariants of a behavior, then run its body."""
     from .simulation import agent_of
 
     if state.depth >= LARGEST_DEPTH:
         raise RunError(f"{behavior!r} invokes itself too deeply ({LARGEST_DEPTH} invocations are open)", node.span, rule="D-Do")
     scope = scope_of(behavior, {"self": agent_of(who, state)})
-    return guarded(guards_of(behavior, scope), partial(enter_behavior, node, behavior, scope), stack, state)
+    return guarded(guards_of(behavior, scope)[enabled:], partial(enter_behavior, node, behavior, scope), stack, state)
 
 
 def enter_behavior(node: Node, behavior: Dynamic, scope: Scope, stack: Stack, state: State) -> Outcome:
@@ -236,8 +236,11 @@ def resume_invoked(frame: Invoked, result: object, stack: Stack, state: State) -
 
 
 def returned(stack: Stack, state: State) -> Outcome:
-    """A `do` statement returns."""
-    guards = guards_on_resumption(stack, state)[-1:]
+    """A `do` statement returns; not yet where it has a limit, to which `Returning` belongs, or others to shuffle."""
+    from .choices import Shuffling
+
+    inside = isinstance(stack[0], Shuffling) or (isinstance(stack[0], Interruptible) and not isinstance(stack[0].node, s.Try))
+    guards = () if inside else guards_on_resumption(stack, state)[-1:]
     return guarded(guards, partial(passed, "D-Do-Return"), stack, state)
 
 

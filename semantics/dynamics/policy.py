@@ -50,9 +50,12 @@ def begin(state: State, timestep: float = DEFAULT_TIMESTEP, fixed: frozenset[str
     return state._replace(simulation=simulation, objects=objects, dynamic=(), handling=(), depth=0)
 
 
-def policy(state: State) -> Config:
-    """The configuration that computes the actions of a time step: it ends with `Act`, `Finish` or `Stuck`."""
-    return Config(PASS, (Step(1), ()), with_simulation(state, flag=""))
+def policy(state: State, limit: str = "") -> Config:
+    """The configuration that computes the actions of a time step: it ends with `Act`, `Finish` or `Stuck`.
+
+    `limit` is the reason to end in this time step if there is no other: the time limit (reading `time-limit`).
+    """
+    return Config(PASS, (Step(1), ()), with_simulation(state, flag="", limit=limit))
 
 
 def after_one_step(state: State) -> State:
@@ -77,7 +80,10 @@ def compose_blocks(frame: Step, result: object, stack: Stack, state: State) -> O
 
 
 def always_conditions(frame: Step, result: object, stack: Stack, state: State) -> Outcome:
-    """Step 2: check all `require always` conditions of running scenarios; and see which `require eventually` conditions hold now."""
+    """Step 2: check all `require always` conditions of running scenarios; and see which `require eventually` conditions hold now.
+
+    One of a scenario that is over, and that never held, discards the simulation (reading `eventually-window`).
+    """
     if frame.outer is not None:
         number, place, declared = list(conditions(state))[frame.next]
         state = as_before(frame.outer, state)
@@ -97,7 +103,11 @@ def always_conditions(frame: Step, result: object, stack: Stack, state: State) -
         prefix = address_of(Who("condition", number, CONDITIONS + part), state)
         inner = state._replace(sigma=declared.scope, prefix=prefix, draws=0)
         return Next("", Config(declared.node.condition, (frame._replace(outer=state), stack), inner))  # type: ignore[attr-defined]
-    return forget(frame, stack, state)
+    for running in simulation_of(state).scenarios.values():
+        missed = never_held(running) if running.over else None
+        if missed is not None:
+            return Stuck("D-Eventually", missed)
+    return following(frame, "D-Policy-2", stack, state)
 
 
 CONDITIONS = 1 << 20
@@ -111,18 +121,6 @@ def conditions(state: State) -> Iterator[tuple[int, int, Declared]]:
         running = simulation.scenarios[number]
         yield from ((number, place, one) for place, one in enumerate(running.always))
         yield from ((number, place, one) for place, one in enumerate(running.eventually))
-
-
-def forget(frame: Step, stack: Stack, state: State) -> Outcome:
-    """Scenarios that are over leave; one with a `require eventually` that never held discards the simulation (reading `eventually-window`)."""
-    simulation = simulation_of(state)
-    for running in simulation.scenarios.values():
-        if running.over:
-            missed = never_held(running)
-            if missed is not None:
-                return Stuck("D-Eventually", missed)
-    left = {number: running for number, running in simulation.scenarios.items() if not running.over}
-    return following(frame, "D-Policy-2", stack, with_simulation(state, scenarios=left))
 
 
 def monitors(frame: Step, result: object, stack: Stack, state: State) -> Outcome:
@@ -141,10 +139,16 @@ def monitors(frame: Step, result: object, stack: Stack, state: State) -> Outcome
     while frame.next < len(todo):
         number, place = todo[frame.next]
         process = simulation_of(state).scenarios[number].monitors[place]
-        if process is not None and not simulation_of(state).scenarios[number].over:
+        if process is not None:
             return run_for_one_step(process, Who("monitor", number, place), (frame, stack), state)
         frame = Step(frame.number, frame.next + 1)
-    return following(frame, "D-Policy-3", stack, state)
+    left = {number: running for number, running in simulation_of(state).scenarios.items() if not running.over or unchecked(running)}
+    return following(frame, "D-Policy-3", stack, with_simulation(state, scenarios=left))
+
+
+def unchecked(running: Running) -> bool:
+    """Whether a scenario that a monitor has ended just now has a `require eventually` that never held: the next check of these finds it."""
+    return never_held(running) is not None
 
 
 def ended_by_monitor(number: int, state: State) -> State:
@@ -157,10 +161,11 @@ def ended_by_monitor(number: int, state: State) -> State:
 def check_flag(frame: Step, result: object, stack: Stack, state: State) -> Outcome:
     """Steps 4 and 6: if the flag is set, all `require eventually` conditions must have been satisfied at some time; then terminate."""
     simulation = simulation_of(state)
-    if not simulation.flag:
+    reason = simulation.flag or simulation.limit
+    if not reason:
         return following(frame, f"D-Policy-{frame.number}", stack, state)
     missed = unsatisfied(state)
-    return Stuck("D-Eventually", missed) if missed is not None else Finish(f"D-Policy-{frame.number}", simulation.flag, state)
+    return Stuck("D-Eventually", missed) if missed is not None else Finish(f"D-Policy-{frame.number}", reason, state)
 
 
 def unsatisfied(state: State) -> Requirement | None:
@@ -169,9 +174,9 @@ def unsatisfied(state: State) -> Requirement | None:
 
 
 def never_held(running: Running) -> Requirement | None:
-    """The first `require eventually` of a scenario that never held while it ran."""
+    """The first `require eventually` of a scenario that never held while it ran; one that did not run at all has missed nothing."""
     for place, declared in enumerate(running.eventually):
-        if place not in running.satisfied:
+        if running.ran and place not in running.satisfied:
             return Requirement("eventually", declared.node.span, f"`require eventually` on line {declared.node.span.line}")
     return None
 

@@ -10,7 +10,7 @@ from ..conditions import truth
 from ..config import Abrupt, Config, Stack, State, Value
 from ..control import block
 from ..errors import RunError
-from ..functions import body_as_statement
+from ..functions import LARGEST_DEPTH, body_as_statement
 from ..outcome import Next, Outcome
 from ..scopes import Scope
 from ..syntax import dynamics as d
@@ -19,23 +19,26 @@ from ..termination import Mutating, mutate_objects
 from ..values import Dynamic
 from .guards import Guards, InvariantViolation, guarded
 from .interrupts import Clause, Interruptible
-from .invocations import guards_of, returned, within
+from .invocations import guards_of, returned, scope_of, within
 from .overrides import reverted
 from .processes import Coroutine, Ended, Suspended, Who, Yielded, address_of, run_for_one_step, suspend
 from .simulation import Declared, Running, simulation_of, with_scenario, with_simulation
 
 
 class Setting(NamedTuple):
-    """Frame of the setup block of scenario number `index` among those that `do` invokes; objects from number `objects` on are its own."""
+    """Frame of the setup block of scenario number `index` among those that `do` invokes; objects from number `objects` on are its own.
+
+    `before` is the state at the statement; if they are `enabled`, their preconditions are known to hold.
+    """
 
     node: Node
     invocations: tuple[Dynamic, ...]
     index: int
     begun: tuple[int, ...]
-    outer: Scope
-    declared: tuple[Declared, ...]
+    before: State
     objects: int
     until: Clause | None
+    enabled: bool = False
 
 
 class Scenarios(NamedTuple):
@@ -74,23 +77,37 @@ class Going(NamedTuple):
 # Beginning
 
 
-def begin_scenarios(node: Node, invocations: tuple[Dynamic, ...], stack: Stack, state: State, until: Clause | None = None) -> Outcome:
+def begin_scenarios(
+    node: Node, invocations: tuple[Dynamic, ...], stack: Stack, state: State, until: Clause | None = None, *, enabled: bool = False
+) -> Outcome:
     """`do S1, ..., Sn` in a compose block: set them up one after the other, then run them for one time step unless they are to end already."""
-    return set_up(Setting(node, invocations, 0, (), state.sigma, state.dynamic, 0, until), stack, state)
+    if state.depth >= LARGEST_DEPTH:
+        raise RunError(f"{invocations[0]!r} invokes itself too deeply ({LARGEST_DEPTH} scenarios are open)", node.span, rule="D-Do")
+    return set_up(Setting(node, invocations, 0, (), state, 0, until, enabled), stack, state)
 
 
 def set_up(frame: Setting, stack: Stack, state: State) -> Outcome:
     """Check the guards of the next scenario, and run its setup block."""
     if frame.index == len(frame.invocations):
-        after = state._replace(sigma=frame.outer, dynamic=frame.declared)
+        after = state._replace(sigma=frame.before.sigma, dynamic=frame.before.dynamic)
         scenarios = Scenarios(frame.node, frame.begun)
         if frame.until is not None:
             return within(frame.node, frame.until, Value(None), scenarios, stack, after)
         return run_scenarios(scenarios, stack, after)
     scenario = frame.invocations[frame.index]
+    scope = fresh_space(scenario, frame.node, state)
+    return guarded(guards_of(scenario, scope)[frame.enabled :], partial(enter_setup, frame, scope), (Preparing(frame), stack), state)
+
+
+def fresh_space(scenario: Dynamic, node: Node, state: State) -> Scope:
+    """The variables of a scenario that begins: its arguments, and nothing of an earlier run of the same instance. Raises `RunError` if it runs."""
     scope = scenario.space
     assert scope is not None
-    return guarded(guards_of(scenario, scope), partial(enter_setup, frame, scope), (Preparing(frame), stack), state)
+    if any(running.dynamic is scenario and not running.over for running in simulation_of(state).scenarios.values()):
+        raise RunError(f"this instance of {scenario!r} is running already", node.span, rule="D-Do", hint="make another one")
+    scope.bindings.clear()
+    scope.bindings.update(scope_of(scenario, {}).bindings)
+    return scope
 
 
 class Preparing(NamedTuple):
@@ -105,13 +122,17 @@ def unwind_preparing(frame: Preparing, abrupt: Abrupt, stack: Stack, state: Stat
 
 
 def unwind_setting(frame: Setting, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
-    """Some scenario of the `do` statement cannot begin: none of them does, and what they have changed is as before."""
+    """Some scenario of the `do` statement cannot begin: none of them does; their objects, overrides and conditions are gone, and ego is as before."""
     number = simulation_of(state).begun
     for begun in (number, *reversed(frame.begun)):
         state = end_scenario(begun, state)
     left = {n: running for n, running in simulation_of(state).scenarios.items() if n not in (number, *frame.begun)}
     state = with_simulation(state, scenarios=left, begun=number + 1)
-    return Next("", Config(abrupt, stack, state._replace(sigma=frame.outer, dynamic=frame.declared)))
+    before = frame.before
+    gone = {instance.number for instance in state.scene[len(before.scene) :]}
+    objects = {n: properties for n, properties in state.objects.items() if n not in gone}
+    after = state._replace(sigma=before.sigma, dynamic=before.dynamic, scene=before.scene, objects=objects, ego=before.ego, names=before.names)
+    return Next("", Config(abrupt, stack, after))
 
 
 def enter_setup(frame: Setting, scope: Scope, stack: Stack, state: State) -> Outcome:
@@ -146,23 +167,23 @@ def resume_set_up(frame: SetUp, result: object, stack: Stack, state: State) -> O
     """The scenario is running: on with the next one."""
     setting, simulation = frame.setting, simulation_of(state)
     scenario, number = setting.invocations[setting.index], simulation.begun
-    running = scenario_from(number, scenario, state.sigma, state.dynamic, simulation.step)
+    running = scenario_from(number, scenario, state.sigma, state.dynamic, simulation.step, state.depth + 1)
     if number in simulation.scenarios:  # what its setup overrode
         running = running._replace(overrides=simulation.scenarios[number].overrides)
     state = with_scenario(with_simulation(state, begun=number + 1), running)
-    state = state._replace(dynamic=setting.declared, sigma=setting.outer)
+    state = state._replace(dynamic=setting.before.dynamic, sigma=setting.before.sigma)
     return set_up(setting._replace(index=setting.index + 1, begun=(*setting.begun, number)), stack, state)
 
 
-def scenario_from(number: int, dynamic: Dynamic | None, scope: Scope, declared: Iterable[Declared], step: int) -> Running:
-    """A scenario whose setup is done, with what it declared."""
+def scenario_from(number: int, dynamic: Dynamic | None, scope: Scope, declared: Iterable[Declared], step: int, depth: int = 0) -> Running:
+    """A scenario whose setup is done, with what it declared; it is inside `depth` others."""
     found: dict[type, list[Declared]] = {kind: [] for kind in (d.RequireAlways, d.RequireEventually, d.TerminateWhen, d.MonitorDefinition)}
     for one in declared:
         found[type(one.node)].append(one)
     definition = None if dynamic is None else dynamic.definition
     compose = definition.compose if isinstance(definition, d.ScenarioDefinition) else None
     return Running(
-        number, dynamic, scope, None if compose is None else Suspended(body_as_statement(compose), (), scope, begun=False),
+        number, dynamic, scope, None if compose is None else Suspended(body_as_statement(compose), (), scope, depth=depth, begun=False),
         tuple(found[d.RequireAlways]), tuple(found[d.RequireEventually]), tuple(found[d.TerminateWhen]),
         tuple(monitor(m) for m in found[d.MonitorDefinition]), first_step=step,
     )  # fmt: skip
@@ -212,6 +233,8 @@ def step_of_scenario(number: int, stack: Stack, state: State) -> Outcome:
     if running is None or running.over:
         return Next("", Config(Value(Over("a monitor executed `terminate`")), stack, state))
     state = with_simulation(state, active=(*simulation.active, number))
+    if not running.ran:
+        state = with_scenario(state, running._replace(ran=True))
     if running.compose is not None:
         return run_for_one_step(running.compose, Who("compose", number), (Stepping(number), stack), state)
     guards = (compose_guards(number, state),) if running.dynamic is not None and running.first_step < simulation.step else ()
@@ -302,11 +325,11 @@ def give_up(processes: tuple[Suspended, ...], config: Config) -> Outcome:
     return Next("", config._replace(state=state))
 
 
-def check_setup(what: str, node: Node, stack: Stack) -> None:
-    """Objects are made, and mutated, in setup blocks, whose end checks the default requirements. Raises `RunError`."""
+def check_setup(what: str, node: Node, stack: Stack) -> int:
+    """Objects are made, and mutated, in setup blocks, whose end checks the default requirements: the number of the first. Raises `RunError`."""
     while stack:
         if isinstance(stack[0], Setting):
-            return
+            return stack[0].objects
         stack = stack[1]
     raise RunError(f"{what} in a setup block only", node.span, rule="D-Setup", hint="put it into a scenario, and invoke that with `do`")
 

@@ -37,8 +37,8 @@ class Override(NamedTuple):
 class Running(NamedTuple):
     """A scenario that is running: the top-level one, whose `dynamic` is None unless it is a modular one, or one that a compose block invoked.
 
-    `compose` is its compose block, None if it has none; `over` once it has ended, in the time step in which it did; `satisfied` are the
-    conditions of `require eventually` that held at some time, by their place.
+    `compose` is its compose block, None if it has none; `ran` once it has run for a time step, `over` once it has ended,
+    in the time step in which it did; `satisfied` are the conditions of `require eventually` that held at some time, by their place.
     """
 
     number: int
@@ -52,6 +52,7 @@ class Running(NamedTuple):
     satisfied: frozenset[int] = frozenset()
     overrides: tuple[Override, ...] = ()
     first_step: int = 0
+    ran: bool = False
     over: bool = False
 
     @property
@@ -72,8 +73,8 @@ class Agent(NamedTuple):
 class Simulation(NamedTuple):
     """The time in steps, how many seconds a step has, the scenarios by number (in the order in which they began), and the agents.
 
-    `active` are the scenarios that run in this time step, `flag` says why the scenario is to end, once it is ("" until then), `fixed` are the
-    properties that the simulator updates.
+    `active` are the scenarios that run in this time step, `flag` says why the scenario is to end, once it is ("" until then), `limit` that it is to
+    end in this time step in any case, `fixed` are the properties that the simulator updates.
     """
 
     step: int
@@ -82,6 +83,7 @@ class Simulation(NamedTuple):
     agents: Mapping[int, Agent] = {}
     active: tuple[int, ...] = ()
     flag: str = ""
+    limit: str = ""
     begun: int = 1
     overrides: int = 0
     fixed: frozenset[str] = frozenset()

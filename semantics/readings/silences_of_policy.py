@@ -171,11 +171,14 @@ SILENCES_OF_POLICY: tuple[Reading, ...] = (
         id="time-limit",
         kind="silence",
         about="policy",
-        question="Must `require eventually` hold when a simulation ends because its time limit is reached?",
+        question="What is looked at when a simulation ends because its time limit is reached?",
         places=(DYNAMIC + ', "Terminating the Scenario": "unless a time limit is specified"', PROCEDURE + ", steps 4 and 6"),
-        alternatives={"required": "yes, as when the scenario terminates: a simulation in which it never held is discarded"},
-        consequence="Concerns simulations with a time limit.",
-        code=("interpreter.simulating.simulate_once",),
+        alternatives={
+            "required": "after N time steps the state is looked at as in the last step of a scenario that terminates: compose blocks, `require "
+            "always`, monitors and termination conditions, then `require eventually`; it ends by the limit if by nothing else",
+        },
+        consequence="Concerns simulations with a time limit: every recorded state meets the requirements.",
+        code=("semantics.dynamics.policy.check_flag",),
         probe=Probe(
             "ego = Object at (0, 0)\nrequire eventually simulation.currentTime > 1000",
             {"required": "rejected always, with a limit of 1000 seconds or less"},

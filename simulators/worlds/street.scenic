@@ -30,10 +30,10 @@ class Pedestrian:
     length: 0.75
     speed: 0
 
-# Drive along the lane `x`, as fast as `target` (metres per second).
+# Drive along the lane `x`, as fast as `target` (metres per second): to the right (positive) if the lane is there or the heading too far left.
 behavior FollowLaneBehavior(target=8, x=LANE):
     while True:
-        off = (self.position.x - x) / 20 + self.heading
+        off = (x - self.position.x) / 20 + self.heading
         throttle = 0.5 if self.speed < target else 0
         brake = 0.3 if self.speed > target + 1 else 0
         take SetThrottleAction(throttle), SetBrakeAction(brake), SetSteerAction(max(-0.5, min(0.5, off)))

@@ -80,7 +80,7 @@ def test_what_the_simulator_changed_is_shown_where_the_step_begins(ask):
     out = ask("trace", "m.scenic", "--steps", 2, "--simulator", "kinematic", "--dt", 0.5).out
     assert "time step 0, 0 s\n" in out
     assert re.search(r"-------- time step 1, 0.5 s: the simulator: O\[ego.position / \(", out)
-    assert out.count("the simulator: ") == 1
+    assert out.count("the simulator: ") == 2
     assert "accepted: time limit: 2 time steps have passed" in out
 
 
@@ -97,8 +97,8 @@ def test_the_page_holds_the_time_steps(ask, program):
     ask("trace", program, "--steps", 3, "--html", "t.html")
     text = Path("t.html").read_text()
     events = json.loads(re.search(r"const trace = (.*);\n", text).group(1))["events"]
-    assert [e["change"] for e in events if e["kind"] == "time"] == [f"time step {k}, {k} s" for k in range(3)]
-    assert {e["step"] for e in events} == {None, 0, 1, 2}
+    assert [e["change"] for e in events if e["kind"] == "time"] == [f"time step {k}, {k} s" for k in range(4)]
+    assert {e["step"] for e in events} == {None, 0, 1, 2, 3}
 
 
 def test_a_simulator_without_steps_is_wrong_usage(ask, program):

@@ -181,7 +181,7 @@ def test_the_verdict_and_its_reason(what: str) -> None:
     [
         (ONE.replace("steps = 4, ", ""), "the key steps is missing"),
         (ONE.replace("steps = 4", "steps = 0"), "steps must be a whole number above 0"),
-        (ONE.replace("steps = 4", "steps = 3"), "has those of fewer than 3 time steps, and these are 3"),
+        (ONE.replace("steps = 4", "steps = 2"), "has those of at most 2 time steps, and these are 3"),
         (ONE.replace("terminated", "time limit"), "has those of 4 time steps, and these are 3"),
         (ONE.replace("'terminated'", "'over'"), "result must be 'terminated' or 'time limit', not 'over'"),
         (ONE.replace("result = 'terminated', ", ""), "the key result is missing"),

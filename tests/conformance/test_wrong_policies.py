@@ -79,8 +79,8 @@ def one_step_longer(deadline, frame, state):
     return has_passed(deadline._replace(time=deadline.time + 1), frame, state)
 
 
-def only_the_first(node, invocations, stack, state, until=None):
-    return begin_scenarios(node, invocations[:1], stack, state, until)
+def only_the_first(node, invocations, *rest, **more):
+    return begin_scenarios(node, invocations[:1], *rest, **more)
 
 
 MACHINES: dict[str, tuple[Patch, tuple[str, ...]]] = {

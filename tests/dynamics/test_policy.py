@@ -101,14 +101,14 @@ def test_require_eventually_needs_one_time_step_only():
     assert actions(text.format(1)) == ["rejected"]
     assert actions(text.format(2)) == [None, None, "terminated"]
     assert actions(text.format(4)) == [None] * 4 + ["terminated"]
-    assert actions(text.format(99), 2) == ["rejected"]
-    assert actions(text.format(99), 3) == [None] * 3 + [LIMIT]
+    assert actions(text.format(99), 1) == ["rejected"]
+    assert actions(text.format(99), 2) == [None] * 2 + [LIMIT]
 
 
 def test_require_always_is_checked_in_every_time_step():
     text = "ego = Object at (0, 0)\nrequire always simulation.currentTime < 3"
-    assert actions(text, 3) == [None] * 3 + [LIMIT]
-    run = simulated(text, 4)
+    assert actions(text, 2) == [None] * 2 + [LIMIT]
+    run = simulated(text, 3)
     assert isinstance(run, Failed)
     assert (run.step, run.requirement.kind, run.requirement.span.line) == (3, "always", 2)
 

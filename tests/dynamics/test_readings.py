@@ -80,7 +80,7 @@ def test_choose_weights():
 def test_objects_are_made_in_setup_blocks():
     probe = READINGS["objects-while-running"].probe
     assert probe is not None
-    assert actions(probe.program, 1) == [None, LIMIT]
+    assert actions(probe.program, 0) == [LIMIT]
     with pytest.raises(RunError, match="setup block only") as found:
-        simulated(probe.program, 2)
+        simulated(probe.program, 1)
     assert found.value.span.line == 6

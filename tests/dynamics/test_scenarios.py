@@ -46,7 +46,7 @@ def test_parallel_composition_runs_scenarios_at_the_same_time():
 
 def test_sequential_composition_and_time_limits():
     text = main("while True:\n    do Parked(10 * (1 + simulation.currentTime)) for 2 seconds", PARKED)
-    assert steps_and_objects(text, 6) == [2, 2, 3, 3, 4, 4, 4, LIMIT]
+    assert steps_and_objects(text, 5) == [2, 2, 3, 3, 4, 4, LIMIT]
     text = main("do Parked() for 2 seconds\nwait", PARKED)
     assert steps_and_objects(text, 6) == [2, 2, 2, 2, "terminated"]
 

@@ -176,7 +176,7 @@ class Broken(Still):
         return ()
 
     def read(self, id):
-        return {"speed": math.nan if self.how == "nan" and self.steps == 2 else 1.0}
+        return {"position": Vector(0.0, 0.0), "speed": math.nan if self.how == "nan" and self.steps == 2 else 1.0}
 
     def destroy(self):
         self.destroyed += 1
