@@ -55,6 +55,11 @@ class Tally:
     stuck: Counter[Failed] = field(default_factory=Counter)
     kept: list[SampledRun] = field(default_factory=list)
 
+    def failed(self, how: Failed) -> None:
+        """An attempt was rejected."""
+        self.attempts += 1
+        self.stuck[how] += 1
+
 
 def produce_simulations(source: Source, request: Request, session: Session) -> None:
     """Run or replay the simulations, write or show them, say how it went.
@@ -69,27 +74,37 @@ def produce_simulations(source: Source, request: Request, session: Session) -> N
     replays = None if request.replay is None else Replays(request.replay, drawing.scenario, request.simulator, request.timestep)
     begun = time.perf_counter()
     tally = Tally()
+    interrupted: KeyboardInterrupt | None = None
     with ExitStack() as stack:
         output = None if shown_only(request) else stack.enter_context(open_output(request.output, resume=False))
         progress = stack.enter_context(Progress(total, what="simulations"))
-        for run in simulations(drawing.scenario, request, progress) if replays is None else replays:
-            write(output, run)
-            tally.count += 1
-            tally.attempts += run.attempts
-            tally.stuck += run.stuck
-            if len(tally.kept) < (MOST if request.html is not None else 1 if request.gif is not None else 0):
-                tally.kept.append(run)
-            session.finished = told_so_far(tally.count, output)
-            progress.drawn(run.attempts if replays is None else 0)
+        try:
+            for run in simulations(drawing.scenario, request, tally, progress) if replays is None else replays:
+                write(output, run)
+                tally.count += 1
+                if len(tally.kept) < (MOST if request.html is not None else 1 if request.gif is not None else 0):
+                    tally.kept.append(run)
+                session.finished = told_so_far(tally.count, output)
+                progress.drawn(run.attempts if replays is None else 0)
+        except KeyboardInterrupt as stop:
+            interrupted = stop
         if output is not None:
             output.finish()
-    seconds = time.perf_counter() - begun
+    show(source, request, tally, replays, time.perf_counter() - begun, session)
+    if interrupted is not None:
+        raise interrupted
+
+
+def show(source: Source, request: Request, tally: Tally, replays: Replays | None, seconds: float, session: Session) -> None:
+    """Make a page and a picture of the simulations that are over, and say how it went."""
+    for line in replays.lines(seconds) if replays is not None else summary(request, tally, seconds, session):
+        tell(line)
+    if not tally.kept:
+        return
     if request.html is not None:
         write_page(request.html, Path(source.file).name, tally.kept)
     if request.gif is not None:
         write_movie(request.gif, Path(source.file).name, tally.kept[0].simulation)
-    for line in replays.lines(seconds) if replays is not None else summary(request, tally.attempts, tally.stuck, seconds, session):
-        tell(line)
     if request.gif is not None and tally.count > 1:
         tell(f"{request.gif} shows the first simulation")
 
@@ -105,6 +120,8 @@ def check_places(source: Source, request: Request) -> None:
         check_place(request.html, {**read, "the output": request.output})
     if request.gif is not None:
         check_place(request.gif, {**read, "the output": request.output, "the page": request.html})
+        if Path(request.gif).suffix not in ("", ".gif"):
+            raise UsageError(f"--gif {request.gif}: moving pictures are written as .gif")
 
 
 def shown_only(request: Request) -> bool:
@@ -117,13 +134,15 @@ def told_so_far(count: int, output: Output | None) -> str:
     return f"{count:,} {'simulation was' if count == 1 else 'simulations were'} over" + ("" if output is None else ", written as whole lines")
 
 
-def simulations(scenario: Scenario, request: Request, progress: Progress) -> Iterator[SampledRun]:
-    """The simulations that are asked for, one after the other."""
+def simulations(scenario: Scenario, request: Request, tally: Tally, progress: Progress) -> Iterator[SampledRun]:
+    """The simulations that are asked for, one after the other; attempts are counted as they are made."""
     simulator = by_name(request.simulator, request.timestep)
     for index in range(request.start, request.stop):
-        yield scenario.simulate(
-            simulator, request.steps, request.seed, index, max_attempts=request.max_attempts, on_attempt=progress.stuck
+        run = scenario.simulate(
+            simulator, request.steps, request.seed, index, max_attempts=request.max_attempts, on_attempt=progress.stuck, on_failed=tally.failed
         )  # fmt: skip
+        tally.attempts += 1
+        yield run
 
 
 def write(output: Output | None, run: SampledRun) -> None:
@@ -141,14 +160,13 @@ def write(output: Output | None, run: SampledRun) -> None:
     output.write(Drawn(index, run.attempts, line, Counter(), (), ()))
 
 
-def summary(request: Request, attempts: int, stuck: Counter[Failed], seconds: float, session: Session) -> list[str]:
+def summary(request: Request, tally: Tally, seconds: float, session: Session) -> list[str]:
     """The lines that follow: how many, and the requirements that rejected most, with the time steps in which they failed."""
-    count = request.stop - request.start
-    runs = "1 simulation" if count == 1 else f"{count:,} simulations"
-    tries = "1 attempt" if attempts == 1 else f"{attempts:,} attempts"
+    runs = "1 simulation" if tally.count == 1 else f"{tally.count:,} simulations"
+    tries = "1 attempt" if tally.attempts == 1 else f"{tally.attempts:,} attempts"
     lines = [f"{runs} of seed {request.seed} in {tries}, {seconds:.1f} s"]
-    if stuck:
-        lines += requirement_lines(when(stuck).most_common(), session.texts, limit=5)
+    if tally.stuck:
+        lines += requirement_lines(when(tally.stuck).most_common(), session.texts, limit=5)
     return lines
 
 

@@ -30,11 +30,12 @@ class SampledRun(NamedTuple):
 def sample_simulation(
     start: Callable[[], Config], simulator: Simulator, steps: int, seed: int, index: int, *, max_attempts: int = DEFAULT_ATTEMPTS,
     fuel: int = DEFAULT_FUEL, retry: bool = False, on_attempt: Callable[[int], None] | None = None,
-    witnessed: Callable[[int], Witness | None] | None = None,
+    on_failed: Callable[[Failed], None] | None = None, witnessed: Callable[[int], Witness | None] | None = None,
 ) -> SampledRun:  # fmt: skip
     """Simulation number `index` of `seed`, of at most `steps` time steps. Raises `AttemptsExhausted`, and the errors of the program and simulator.
 
-    With `retry`, a scene keeps its numbers while its simulations are rejected, up to `RETRIES` times.
+    `on_attempt` is told how many attempts failed so far, `on_failed` of each. With `retry`, a scene keeps its numbers while its simulations are
+    rejected, up to `RETRIES` times.
     """
     stuck: Counter[Failed] = Counter()
     tried = attempts_at(start, simulator, steps, seed, index, fuel=fuel, retry=retry, witnessed=witnessed)
@@ -44,6 +45,8 @@ def sample_simulation(
         stuck[found] += 1
         if on_attempt is not None:
             on_attempt(attempt + 1)
+        if on_failed is not None:
+            on_failed(found)
         if not drawn:
             text = f"no simulation is possible, since nothing is drawn before this fails {found.place}: {found.requirement.text}"
             raise exhausted(text, attempt + 1, stuck)

@@ -15,7 +15,7 @@ from typing import NamedTuple, Protocol, TypeVar
 from ..semantics.classes import SCALAR_PROPERTIES, VECTOR_PROPERTIES
 from ..semantics.config import Config, State
 from ..semantics.dynamics.policy import after_one_step, begin, policy
-from ..semantics.dynamics.simulation import doing, satisfied, simulation_of
+from ..semantics.dynamics.simulation import doing, line_of, satisfied, simulation_of
 from ..semantics.errors import RunError, ScenicError, SimulatorError, UsageError
 from ..semantics.kinds import is_scalar
 from ..semantics.outcome import Act, Done, Finish, Next, Outcome, Requirement, Stuck
@@ -122,7 +122,7 @@ def simulated(
     state = begin(generated, simulator.timestep, simulator.properties)
     moments: list[Moment] = []
     told: list[str] = []
-    witness = listening(told, witness)
+    witness = listening(told, witness, state.scene[0].span.file)
     held: set[int] = set()
     first = len(state.scene)
     made = create_new(simulator, state, 0)
@@ -162,13 +162,13 @@ TOLD = {
 """Rules that are events of a time step."""
 
 
-def listening(told: list[str], witness: Witness | None) -> Witness:
-    """A witness that writes down what happens in a time step, and tells another one."""
+def listening(told: list[str], witness: Witness | None, file: str) -> Witness:
+    """A witness that writes down what happens in a time step, and tells another one; `file` is that of the program."""
 
     def look(outcome: Outcome, drawn: object) -> None:
         if type(outcome) is Next and outcome.rule in TOLD:
-            line = outcome.node.span.line if outcome.node is not None else 0
-            told.append(TOLD[outcome.rule] + (f" (line {line})" if line else ""))
+            place = line_of(outcome.node.span, file) if outcome.node is not None else ""
+            told.append(TOLD[outcome.rule] + (f" ({place})" if place else ""))
         if witness is not None:
             witness(outcome, drawn)
 

@@ -27,7 +27,7 @@ from ..interpreter.recorded import Recording, recording_of
 from ..interpreter.replays import replay_once
 from ..interpreter.running import DEFAULT_FUEL, Accepted, Run, Witness, rehearse, run
 from ..interpreter.scenes import Scene, scene_of
-from ..interpreter.simulating import Simulated, Simulator
+from ..interpreter.simulating import Failed, Simulated, Simulator
 from ..semantics.config import Config, Settings
 from ..semantics.errors import AttemptsExhausted, InternalError, UsageError
 from ..semantics.programs import initial, make_settings
@@ -143,17 +143,20 @@ class Scenario:
     def simulate(
         self, simulator: str | Simulator = "still", steps: int = 100, seed: int = 0, index: int = 0, *, timestep: float | None = None,
         max_attempts: int = DEFAULT_ATTEMPTS, on_attempt: Callable[[int], None] | None = None,
-        witnessed: Callable[[int], Witness | None] | None = None,
+        on_failed: Callable[[Failed], None] | None = None, witnessed: Callable[[int], Witness | None] | None = None,
     ) -> SampledRun:  # fmt: skip
         """Simulation number `index` of `seed`, of at most `steps` time steps; rejected runs are discarded whole (reading `rejected-simulation`).
 
         `simulator` is one of `simulators.SIMULATORS` by name (`timestep`, in seconds, is then that of the simulation), or a simulator itself.
         """
+        for what, number, least in (("steps", steps, 0), ("seed", seed, None), ("index", index, 0)):
+            if type(number) is not int or (least is not None and number < least):
+                raise UsageError(f"{what} is a whole number{'' if least is None else f' of at least {least}'}, not {number!r}")
         assert self.rehearsed
         found = by_name(simulator, timestep) if isinstance(simulator, str) else simulator
         return sample_simulation(
             self.start, found, steps, seed, index, max_attempts=max_attempts, fuel=self.fuel,
-            retry=self.readings["rejected-simulation"] == "retry", on_attempt=on_attempt, witnessed=witnessed,
+            retry=self.readings["rejected-simulation"] == "retry", on_attempt=on_attempt, on_failed=on_failed, witnessed=witnessed,
         )  # fmt: skip
 
     def replay(self, record: Mapping[str, object] | Recording, simulator: str | Simulator = "still", *, timestep: float | None = None) -> Simulated:

@@ -13,7 +13,7 @@ from .config import State
 from .fields import VectorField
 from .regions import Region
 from .symbols import Symbol, is_finite_number, number
-from .values import Instance, Origin, Random, unwrap, wrap
+from .values import Dynamic, Instance, Origin, Random, ScenicClass, unwrap, wrap
 from .vectors import Vector
 
 SCALAR, VECTOR, HEADING, FIELD, REGION = "scalar", "vector", "heading", "vector field", "region"
@@ -190,6 +190,10 @@ def kind_name(value: object) -> str:
         return f"an instance of {value.class_.name}"
     if isinstance(value, str):
         return "a string"
+    if isinstance(value, ScenicClass):
+        return f"the class {value.name}"
+    if isinstance(value, Dynamic):
+        return f"the {type(value.definition).__name__.removesuffix('Definition').lower()} {value!r}"
     if isinstance(value, (tuple, list)):
         return f"a {type(value).__name__} of {len(value)}"
     return f"a {type(value).__name__}"

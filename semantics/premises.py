@@ -118,7 +118,8 @@ def unknown_variable(node: Name, state: State) -> RunError:
     while scope is not None:
         known.extend(scope.bindings)
         if node.name in scope.names.local:
-            return RunError(f"the local variable {node.name} is used before it is assigned", node.span, rule="E-Variable")
+            hint = "" if state.simulation is None else "interrupts are looked at before their `try` begins: see `readings interrupt-first-step`"
+            return RunError(f"the local variable {node.name} is used before it is assigned", node.span, rule="E-Variable", hint=hint)
         scope = scope.parent
     near = get_close_matches(node.name, known, n=1)
     hint = f"did you mean {near[0]}?" if near else "import it, or choose a world model with `model NAME`" if node.name[:1].isupper() else ""

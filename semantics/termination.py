@@ -10,7 +10,7 @@ from typing import NamedTuple
 from . import geometry
 from .config import PASS, Config, Stack, State, Value
 from .distributions import BadParameters, Normal
-from .dynamics.initial import begin_initial, main_scenario
+from .dynamics.initial import begin_initial, main_scenario, scenarios_in
 from .errors import RunError
 from .kinds import Reader, View, is_scalar, kind_name
 from .operators import can_see_object, object_is_in
@@ -79,9 +79,10 @@ def resume_finishing(frame: Finishing, result: object, stack: Stack, state: Stat
         if main is not None:
             return begin_initial(main, (frame, stack), state)
     if state.ego is None:
-        raise RunError(
-            "the program never assigns ego, the object from whose point of view the scene is", NOWHERE, rule="T-Mutate", hint="write ego = Object ..."
-        )
+        scenarios = scenarios_in(state)
+        hint = f"begin with a scenario: --scenario {' or '.join(scenarios)}, or call it Main" if scenarios else "write ego = Object ..."
+        text = "the program never assigns ego, the object from whose point of view the scene is"
+        raise RunError(text, NOWHERE, rule="T-Mutate", hint=hint)
     return mutate_objects(Mutating(0), stack, state)
 
 

@@ -36,6 +36,10 @@ SUBSTEP, FASTEST = 1 / 60, 40.0
 """The longest internal step in seconds, and the speed up to which nothing passes through anything."""
 
 
+LONGEST = 60.0
+"""The longest time step in seconds: it has thousands of internal steps."""
+
+
 class Moving:
     """An object: its body, what kind it is, and how its controls are set."""
 
@@ -59,6 +63,8 @@ class Physics:
 
     def __init__(self, timestep: float = 0.1) -> None:
         self.timestep = checked_timestep(timestep)
+        if timestep > LONGEST:
+            raise ValueError(f"a time step of pymunk is at most {LONGEST:g} seconds, not {timestep:g}")
         try:
             import pymunk
         except ImportError:

@@ -21,12 +21,17 @@ MAIN = "Main"
 def main_scenario(state: State) -> Dynamic | None:
     """The modular scenario to begin with, None if the program itself is the scenario. Raises `UsageError` if there is none of the name asked for."""
     wanted = state.settings.scenario
-    defined = {name: plain(v) for name, v in state.sigma.bindings.items()}
-    scenarios = {name: v for name, v in defined.items() if isinstance(v, Dynamic) and isinstance(v.definition, d.ScenarioDefinition)}
+    scenarios = scenarios_in(state)
     if wanted is not None and wanted not in scenarios:
         known = ", ".join(sorted(scenarios)) or "none"
         raise UsageError(f"the program defines no scenario {wanted}", hint=f"the scenarios of the program: {known}")
     return scenarios.get(wanted or MAIN)
+
+
+def scenarios_in(state: State) -> dict[str, Dynamic]:
+    """The modular scenarios that the program defines, by name."""
+    defined = {name: plain(v) for name, v in state.sigma.bindings.items()}
+    return {name: v for name, v in defined.items() if isinstance(v, Dynamic) and isinstance(v.definition, d.ScenarioDefinition)}
 
 
 def begin_initial(main: Dynamic, stack: Stack, state: State) -> Outcome:

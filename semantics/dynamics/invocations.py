@@ -136,6 +136,8 @@ def limited(node: d.Do | d.DoChoose | d.DoShuffle, task: Begin | Picking, amount
         time = plain(amount)
         if not is_scalar(time):
             raise RunError(f"the time of `for` is a number, not {kind_name(time)}", node.span, rule="D-Do")
+        if time < 0:  # type: ignore[operator]
+            raise RunError(f"the time of `for` is at least 0, not {time}", node.span, rule="D-Do")
         condition = Deadline(float(time), limit.unit)  # type: ignore[arg-type]
     until = Clause(condition, (d.Abort(span=node.span),))
     if isinstance(task, Begin) and runner(stack).kind == "compose":

@@ -12,6 +12,7 @@ from typing import NamedTuple
 from ..conditions import truth
 from ..config import PASS, Abrupt, Config, Stack, State, Value
 from ..errors import RunError
+from ..host import HostException
 from ..kinds import kind_name
 from ..outcome import Act, Finish, Next, Observe, Outcome, Requirement, Stuck
 from ..syntax import dynamics as d
@@ -213,7 +214,11 @@ def first_step(behavior: object, span: object, state: State) -> Suspended:
     node = Node(span=span)  # type: ignore[arg-type]
     if not isinstance(behavior, Dynamic) or not isinstance(behavior.definition, d.BehaviorDefinition):
         raise RunError(f"the property behavior is a behavior, not {kind_name(behavior)}", node.span, rule="D-Policy-5")
-    return Suspended(Value(Begin(node, (with_arguments(behavior, node, state),))), (Beginning(),), state.sigma, begun=False)
+    try:
+        begun = Begin(node, (with_arguments(behavior, node, state),))
+    except HostException as problem:
+        raise RunError(str(problem.exception), node.span, rule="D-Policy-5") from None
+    return Suspended(Value(begun), (Beginning(),), state.sigma, begun=False)
 
 
 def actions(frame: Step, result: object, stack: Stack, state: State) -> Outcome:

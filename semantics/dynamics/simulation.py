@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..errors import RunError
 from ..scopes import Scope
-from ..syntax.nodes import Node
+from ..syntax.nodes import Node, Span
 from ..values import Dynamic, Instance
 
 if TYPE_CHECKING:
     from ..config import State
     from .processes import Suspended, Who
 
+NAME = re.compile(r".*[/\\\\]")
+"""What stands before the name of a file."""
 TOP = 0
 """The number of the top-level scenario."""
 
@@ -117,8 +120,14 @@ def doing(agent: Agent) -> str:
     if agent.ended or agent.process is None:
         return "its behavior has ended" if agent.ended else ""
     names = [repr(frame.behavior) for frame in reversed(agent.process.frames) if isinstance(frame, Invoked)]
-    line = agent.process.span.line
-    return " > ".join(names) + (f", line {line}" if line else "")
+    return ", ".join([" > ".join(names), *([place] if (place := line_of(agent.process.span, agent.instance.span.file)) else [])])
+
+
+def line_of(span: Span, file: str) -> str:
+    """The line of a place, with the name of its file if that is another one; empty if it has none."""
+    if not span.line:
+        return ""
+    return f"line {span.line}" if span.file == file else f"line {span.line} of {NAME.sub('', span.file)}"
 
 
 def satisfied(state: State) -> set[int]:
