@@ -17,8 +17,8 @@ SILENCES_OF_POLICY: tuple[Reading, ...] = (
         question="What are the weights of `do choose` and `do shuffle` when some scenarios are disabled?",
         places=(COMPOSITIONAL + ', "Random Selection of Scenarios"',),
         alternatives={
-            "renormalised": "renormalised among the enabled ones; none enabled rejects the simulation; `do shuffle` draws again among the enabled "
-            "rest",
+            "renormalised": "renormalised among the enabled ones, whose preconditions are not checked again; none enabled rejects the simulation, "
+            "and is no exception; weights that are all 0 are an error; `do shuffle` draws again among the enabled rest",
         },
         consequence="Concerns scenarios.",
         code=("semantics.dynamics.choices.choose",),
@@ -33,10 +33,13 @@ SILENCES_OF_POLICY: tuple[Reading, ...] = (
         id="eventually-window",
         kind="silence",
         about="policy",
-        question="Which time steps count for `require always` and `require eventually`?",
+        question="Which time steps count for `require always`, `require eventually` and monitors?",
         places=(PROCEDURE, SECTION_4_4 + ', "Requirements"'),
-        alternatives={"whole": "every step in which the scenario that declares them is running, its first and its last included"},
-        consequence="Concerns requirements on simulations.",
+        alternatives={
+            "whole": "every step in which the scenario that declares them is running, its first and its last included; one that never runs misses "
+            "nothing",
+        },
+        consequence="Concerns requirements on simulations: the last step is that in which the scenario ends, by step 1 or a monitor.",
         code=("semantics.dynamics.policy.always_conditions",),
         probe=Probe(
             "ego = Object at (0, 0)\nrequire eventually ego.position.x == 0\nterminate when True",
@@ -51,7 +54,7 @@ SILENCES_OF_POLICY: tuple[Reading, ...] = (
         places=(PROCEDURE + ', steps 1 and 3: "the flag"', SECTION_4_4 + ', "Termination Conditions"; ' + DYNAMIC + ', "Terminating the Scenario"'),
         alternatives={
             "declaring": "in a behavior, or a monitor of the top level: the top-level scenario; in the compose block or a monitor of a "
-            "sub-scenario: that one",
+            "sub-scenario: that one, at once, so that what it has overridden is as before when behaviors run",
         },
         consequence="Concerns behaviors, monitors and scenarios.",
         code=("semantics.dynamics.policy.ended_by_monitor",),
@@ -205,7 +208,9 @@ SILENCES_OF_POLICY: tuple[Reading, ...] = (
         about="policy",
         question="Are termination conditions checked before the first step?",
         places=(PROCEDURE + ", step 1",),
-        alternatives={"first": "yes: the procedure begins with step 1 on the initial scene"},
+        alternatives={
+            "first": "yes: the procedure begins with step 1 on the initial scene; a compose block runs before them, and may end its scenario first",
+        },
         consequence="Concerns simulations: a condition that holds at once ends the simulation before any action.",
         code=("semantics.dynamics.scenarios.check_termination",),
         probe=Probe(
@@ -239,7 +244,9 @@ SILENCES_OF_POLICY: tuple[Reading, ...] = (
             COMPOSITIONAL + ', "Modular Scenarios": the `setup` block "can define classes, create objects, declare requirements"',
             'Figure "Semantics of statements", rules "Termination": default requirements are checked, and noise added, when a program ends',
         ),
-        alternatives={"setup": "in `setup` blocks only, whose end checks the default requirements; elsewhere it is an error"},
+        alternatives={
+            "setup": "in `setup` blocks only, whose end checks the default requirements; elsewhere, and to mutate objects of others, it is an error",
+        },
         consequence="Concerns behaviors, monitors and compose blocks: a program that makes objects there is refused where it does.",
         code=("semantics.dynamics.scenarios.check_setup",),
         probe=Probe(
@@ -302,6 +309,84 @@ SILENCES_OF_POLICY: tuple[Reading, ...] = (
             "behavior B():\n    try:\n        raise ValueError('x')\n    interrupt when simulation.currentTime == 1:\n        take 1\n"
             "    except ValueError:\n        take 2\n        take 3\nego = Object at (0, 0), with behavior B",
             {"never": "actions 2 and 3"},
+        ),
+    ),
+    Reading(
+        id="parallel-order",
+        kind="silence",
+        about="policy",
+        question="In which order do the scenarios or behaviors of one `do` run in a time step?",
+        places=(
+            SECTION_4_4 + ', "Invoking Other Behaviors and Scenarios"',
+            COMPOSITIONAL + ', "Parallel and Sequential Composition": "at the same time"',
+        ),
+        alternatives={
+            "written": "as they are written: actions come in that order, and an exception in one keeps those after it from running in that step",
+        },
+        consequence="Concerns behaviors and scenarios that run in parallel.",
+        code=("semantics.dynamics.invocations.run_together", "semantics.dynamics.scenarios.run_scenarios"),
+        probe=Probe(
+            "behavior Say(word):\n    take word\nbehavior B():\n    do Say(2), Say(1)\nego = Object at (0, 0), with behavior B",
+            {"written": "actions 2 and 1, in this order"},
+        ),
+    ),
+    Reading(
+        id="override-what",
+        kind="silence",
+        about="policy",
+        question="What may `override` change, and with which specifiers?",
+        places=(
+            SECTION_4_4 + ', "Overrides": "the same structure as an object definition", "to set the `aggression` property"',
+            COMPOSITIONAL + ', "Interrupts, Overriding, and Initial Scenarios": "for the duration of the scenario"',
+        ),
+        alternatives={
+            "existing": "properties that the object has and the simulator does not update, by `with` alone; all values are evaluated first; in a "
+            "scenario that `do` invoked or a compose block, not in the setup of the initial scenario, which makes the objects",
+        },
+        consequence="Concerns scenarios: anything else is an error.",
+        code=("semantics.dynamics.overrides.conclude_override",),
+        probe=Probe(
+            "scenario Sub():\n    setup:\n        override ego with nosuch 3\nscenario Main():\n    setup:\n        ego = Object at (0, 0)\n"
+            "    compose:\n        wait\n        do Sub()",
+            {"existing": "RunError in the second time step: ego has no such property"},
+        ),
+    ),
+    Reading(
+        id="suspended-scenario",
+        kind="silence",
+        about="policy",
+        question="What of a scenario that an interrupt has suspended, and of the objects of one that has ended?",
+        places=(SECTION_4_4 + ', "Interrupts": "suspending any behaviors/scenarios"', PROCEDURE + ": currently-running scenarios"),
+        alternatives={
+            "kept": "its overrides stay in force, its conditions and monitors wait, and time limits of `do ... for` run on; objects stay in the "
+            "world when their scenario has ended, and their behaviors go on",
+        },
+        consequence="Concerns scenarios.",
+        code=("semantics.dynamics.policy.conditions", "semantics.dynamics.interrupts.has_passed"),
+        probe=Probe(
+            "behavior Lane():\n    while True:\n        take 1\nbehavior B():\n    try:\n        do Lane() for 2 steps\n"
+            "    interrupt when simulation.currentTime == 1:\n        take 2\n        take 3\nego = Object at (0, 0), with behavior B",
+            {"kept": "actions 1, 2 and 3: the two steps have passed when the handler is done"},
+        ),
+    ),
+    Reading(
+        id="do-in-monitor",
+        kind="conflict",
+        about="policy",
+        question="May a monitor `do` behaviors, or a behavior declare conditions over time?",
+        places=(
+            'Table "Statements", second group: legal inside behaviors, monitors, and compose blocks',
+            SECTION_4_4 + ', "Invoking Other Behaviors and Scenarios": behaviors "if in a behavior", scenarios "if in a compose block"',
+        ),
+        alternatives={
+            "refused": "no: a monitor has no agent whose behavior it could be; `require always`, `require eventually` and `terminate when` stand in "
+            "setup and compose blocks",
+        },
+        consequence="Concerns monitors and behaviors.",
+        code=("semantics.dynamics.invocations.invoke", "interpreter.checks.HOMES"),
+        probe=Probe(
+            "behavior Say():\n    take 1\nego = Object at (0, 0)\nmonitor Watch:\n    wait\n    do Say()",
+            {"refused": "RunError in the second time step"},
         ),
     ),
 )

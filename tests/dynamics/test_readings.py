@@ -34,13 +34,19 @@ SHOWN: dict[tuple[str, str], list[object]] = {
     ("override-stack", "reverse"): [None, None, "terminated"],
     ("terminate-when-start", "first"): ["terminated"],
     ("bare-behavior", "no-arguments"): [3, *NOTHING[1:], LIMIT],
+    ("parallel-order", "written"): [(2, 1), None, None, None, LIMIT],
+    ("suspended-scenario", "kept"): [1, 2, 3, None, LIMIT],
     ("interrupts-in-except", "never"): [2, 3, None, None, LIMIT],
     ("ego-of-scenarios", "shared"): [None, None, "terminated"],
     ("finally-of-coroutines", "own-way-out"): [1, 4, None, None, LIMIT],
 }
 SHARES = {("choose-weights", "renormalised"), ("rejected-simulation", "discard"), ("rejected-simulation", "retry")}
 """What is shown by frequencies: below, and in test_simulation.py."""
-REFUSED = {("objects-while-running", "setup")}
+REFUSED = {
+    ("objects-while-running", "setup"): ("setup block only", 6), ("override-what", "existing"): ("has no property nosuch", 3),
+    ("do-in-monitor", "refused"): ("has no agent", 6),
+}  # fmt: skip
+"""What is an error in the second time step: its words, and its line."""
 
 
 @pytest.mark.parametrize(("reading", "alternative"), SHOWN)
@@ -52,7 +58,7 @@ def test_the_probe_shows_the_alternative(reading, alternative):
 
 def test_every_reading_about_the_policy_is_shown_and_has_code():
     about = {(r.id, alternative) for r in READINGS.values() if r.about == "policy" for alternative in r.alternatives}
-    assert about == set(SHOWN) | SHARES | REFUSED
+    assert about == set(SHOWN) | SHARES | set(REFUSED)
     assert all(r.code for r in READINGS.values() if r.about == "policy")
 
 
@@ -77,10 +83,12 @@ def test_choose_weights():
     assert abs(lengths.count(2) - 200) < 49
 
 
-def test_objects_are_made_in_setup_blocks():
-    probe = READINGS["objects-while-running"].probe
+@pytest.mark.parametrize(("reading", "alternative"), REFUSED)
+def test_what_is_refused(reading, alternative):
+    probe = READINGS[reading].probe
     assert probe is not None
+    message, line = REFUSED[reading, alternative]
     assert actions(probe.program, 0) == [LIMIT]
-    with pytest.raises(RunError, match="setup block only") as found:
+    with pytest.raises(RunError, match=message) as found:
         simulated(probe.program, 1)
-    assert found.value.span.line == 6
+    assert found.value.span.line == line

@@ -82,7 +82,8 @@ def test_a_scenario_that_never_runs_misses_nothing():
 
 
 def test_a_monitor_that_ends_its_scenario_does_not_save_it_from_its_requirements():
-    sub = "scenario S():\n    setup:\n        require eventually simulation.currentTime == {}\n        monitor M:\n            wait\n            terminate\n"
+    sub = "scenario S():\n    setup:\n        require eventually simulation.currentTime == {}\n"
+    sub += "        monitor M:\n            wait\n            terminate\n"
     assert actions(main("do S()\nwait", sub.format(9))) == ["rejected"]
     assert actions(main("do S()\nwait", sub.format(1))) == [None, None, None, "terminated"]
 

@@ -56,3 +56,36 @@ def test_what_the_paper_says_about_them():
     brakes = [a.brake for m in pedestrian.moments for a in m.actions.get(0, ()) if type(a).__name__ == "SetBrakeAction" and a.brake]
     assert len(set(brakes)) > 3
     assert all(0.5 <= brake <= 1 for brake in brakes)
+
+
+def behaviors_in(run: Simulated) -> set[str]:
+    """The innermost behaviors that the first object was in, by name."""
+    return {text.split(" > ")[-1].split("(")[0] for moment in run.moments for id, text in moment.doing.items() if id == 0}
+
+
+@pytest.mark.parametrize("simulator", ["kinematic", "pymunk"])
+def test_a_car_drives_to_its_lane_and_stays_there(simulator):
+    """From the right lane to the left one, and back."""
+    if simulator == "pymunk":
+        pytest.importorskip("pymunk")
+    for start, lane in ((1.75, -1.75), (-1.75, 1.75)):
+        text = f"model street\nego = Car at ({start}, 0), with behavior FollowLaneBehavior(8, {lane})"
+        run = scenic_ref.loads(text).simulate(simulator, 150).simulation
+        places = [moment.objects[0]["position"].x for moment in run.moments]  # type: ignore[attr-defined]
+        assert max(map(abs, places)) < 2
+        assert places[-1] == pytest.approx(lane, abs=0.05)
+        assert run.moments[-1].objects[0]["position"].y > 60  # type: ignore[attr-defined]
+
+
+def test_listings_come_to_their_point():
+    """What each is about happens: merging and recovering, passing and avoiding, stopping behind."""
+    guards = simulated("preconditions_and_invariants", "kinematic", 200)
+    assert {"FollowLaneBehavior", "FollowRoad"} <= behaviors_in(guards)
+    assert any("GetBackOntoRoad" in text for moment in guards.moments for text in moment.doing.values())
+    drive = simulated("drive", "kinematic", 250)
+    assert {"FollowLaneBehavior", "StopBehavior"} <= behaviors_in(drive)
+    ego, obstacle = (drive.moments[-1].objects[k]["position"] for k in (0, 1))
+    assert ego.y > obstacle.y + 20  # type: ignore[attr-defined]
+    assert abs(ego.x - 1.75) < 0.2  # type: ignore[attr-defined]
+    stops = simulated("follow_avoiding_obstacles", "kinematic", 120)
+    assert speeds(stops)[-1] == 0
