@@ -274,11 +274,18 @@ def read_pose(simulator: Simulator, id: int, who: str, span: Span = NOWHERE) -> 
         declared = ", ".join(sorted(simulator.properties)) or "nothing"
         raise SimulatorError(f"the simulator says {said or 'nothing'} of {who}, and declares {declared}", span)
     for name, value in pose.items():
-        numbers = (value.x, value.y) if isinstance(value, Vector) else (value,)
-        wrong = not isinstance(value, Vector) if name in VECTOR_PROPERTIES else name in SCALAR_PROPERTIES and not is_scalar(value)
-        if wrong or any(isinstance(n, float) and not math.isfinite(n) for n in numbers):
+        if not could_be(name, value):
             raise SimulatorError(f"the simulator says that the {name} of {who} is {value!r}", span)
     return pose
+
+
+def could_be(name: str, value: object) -> bool:
+    """Whether this is a value of the property: finite numbers, in a vector or alone, where the language wants one of these."""
+    if type(value) is float:
+        return math.isfinite(value) and name not in VECTOR_PROPERTIES
+    if type(value) is Vector:
+        return math.isfinite(value.x) and math.isfinite(value.y) and name not in SCALAR_PROPERTIES
+    return name not in VECTOR_PROPERTIES and (is_scalar(value) or name not in SCALAR_PROPERTIES)
 
 
 def guarded(operation: Callable[..., Given], *arguments: object) -> Given:
