@@ -62,6 +62,8 @@ class Repair:
 
 # (pattern, message, hint): the pattern is looked for in the line, and must touch the place where parsing stopped.
 TABLE: tuple[tuple[str, str, str], ...] = (
+    (r"^\s*terminate\s+(?:after|simulation)\b.*", "this form of `terminate` is of later versions of Scenic", "write `terminate when ...`"),
+    (r"^\s*record\b.*", "`record` is of later versions of Scenic", "`scenic-ref simulate -o` writes what happens"),
     (r"\byield\b", "`yield` is not part of the language", "return a list, or write a behavior"),
     (r"^\s*with\b.*", "Python's `with` statement is not part of the language", "use try and finally"),
     (r"\b(?:async|await)\b", "`async` and `await` are not part of the language", "write a behavior"),

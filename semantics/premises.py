@@ -111,6 +111,10 @@ def parameter(name: str, sigma: Scope) -> object:
     return MISSING
 
 
+LATER = {"DiscreteRange": "it is of later versions of Scenic: write Uniform(*range(low, high + 1))"}
+"""Names of later versions, and what says the same."""
+
+
 def unknown_variable(node: Name, state: State) -> RunError:
     """The error for a name that σ does not bind, with the nearest one that it does."""
     known: list[str] = []
@@ -123,6 +127,7 @@ def unknown_variable(node: Name, state: State) -> RunError:
         scope = scope.parent
     near = get_close_matches(node.name, known, n=1)
     hint = f"did you mean {near[0]}?" if near else "import it, or choose a world model with `model NAME`" if node.name[:1].isupper() else ""
+    hint = LATER.get(node.name, hint)
     return RunError(f"{node.name} is not defined", node.span, rule="E-Variable", hint=hint)
 
 

@@ -200,3 +200,9 @@ def test_errors_have_their_place():
     with pytest.raises(RunError) as found:
         simulated("scenario S():\n    setup:\n        ego = Object at (0, 0)\n")
     assert found.value.hint == "begin with a scenario: --scenario S, or call it Main"
+
+
+def test_names_of_later_versions_are_known():
+    with pytest.raises(RunError, match="DiscreteRange is not defined") as found:
+        simulated("ego = Object at (DiscreteRange(1, 3), 0)")
+    assert found.value.hint == "it is of later versions of Scenic: write Uniform(*range(low, high + 1))"

@@ -25,6 +25,8 @@ MISTAKES: dict[str, tuple[int, int, str, str]] = {
     "x = (1, 2]": (1, 10, "`]` does not close the `(` of line 1", "write `)`"),
     "if x:\n\ty = 3\n        z = 4": (3, 1, "tabs and spaces are mixed in the indentation", "indent with spaces only"),
     'x = "abc': (1, 5, "this string is not terminated", "end it with the quotation mark it began with"),
+    "terminate after 5 seconds": (1, 11, "this form of `terminate` is of later versions of Scenic", "write `terminate when ...`"),
+    "record ego.speed as v": (1, 8, "`record` is of later versions of Scenic", "`scenic-ref simulate -o` writes what happens"),
     "require 0.5 x > 3": (1, 13, "the probability of a soft requirement stands in brackets", "write `require[0.5] ...`"),
     "mutate x, by 2": (1, 14, "no comma stands before `by`", "remove the comma"),
     "param x: 3": (1, 7, "a parameter is set with `=`", "write `param name = value`"),
