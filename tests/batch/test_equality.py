@@ -121,7 +121,7 @@ def test_what_depends_on_more_than_the_numbers_is_not_lifted():
         "ego = Uniform(Object at (0, 0), Object at (5, 5))": "ego",
         "ego = Object with v Range(0, 1)\nprint('hello')": "prints",
         "x = Range(0, 1)\nego = Object with v {x: 1}": "dictionary",
-        "require False\nego = Object with v Range(0, 1)": "always failed",
+        "require False\nego = Object with v Range(0, 1)": "the requirement on line 1",
     }
     for text, reason in reasons.items():
         scenario = scenic_ref.loads(text)

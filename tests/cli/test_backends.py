@@ -114,12 +114,24 @@ def test_the_report_says_why_a_program_cannot_be_drawn_from_many_at_a_time(ask):
 
 
 @pytest.mark.parametrize("workers", [1, 2])
+def test_that_no_scene_is_possible_is_said_at_once(ask, workers):
+    """Where bounds of the values show it; the interpreter alone makes all attempts."""
+    Path("never.scenic").write_text("x = Range(0, 1)\nego = Object at (0, 0)\nrequire x > 2\n")
+    found = ask("run", "never.scenic", "-n", 60, "--workers", workers)
+    assert (found.code, found.out) == (3, "")
+    assert "no scene is possible: whatever is drawn, this fails: the requirement on line 3" in found.err
+    alone = ask("run", "never.scenic", "-n", 60, "--backend", "interpreter", "--max-attempts", 9)
+    assert alone.code == 3
+    assert "no scene in 9 attempts" in alone.err
+
+
+@pytest.mark.parametrize("workers", [1, 2])
 @pytest.mark.parametrize(
     ("text", "options", "code"),
     [
         ("x = Range(0, 1)\nego = Object at (0, 0), with width (1 / int(x < 0.9))\n", (), 1),
         ("x = Range(0, 1)\nego = Object at (x, 0)\nrequire x > 0.7\n", ("--max-attempts", 9), 3),
-        ("x = Range(0, 1)\nego = Object at (0, 0)\nrequire x > 2\n", ("--max-attempts", 9), 3),
+        ("x = Range(0, 1)\nego = Object at (0, 0)\nrequire x > 0.99999\n", ("--max-attempts", 9), 3),
     ],
 )
 def test_errors_come_at_the_same_scene_in_the_same_words(ask, text, options, code, workers):
