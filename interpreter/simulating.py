@@ -187,7 +187,7 @@ def check_usable(simulator: Simulator) -> None:
     if not isinstance(timestep, (int, float)) or isinstance(timestep, bool) or not 0 < timestep < math.inf:
         raise UsageError(f"the timestep of a simulator is a positive number of seconds, not {timestep!r}")
     properties = getattr(simulator, "properties", None)
-    if not isinstance(properties, (set, frozenset)):
+    if not (isinstance(properties, (set, frozenset)) and all(isinstance(name, str) for name in properties)):
         raise UsageError("the properties of a simulator are a set of names")
 
 
@@ -208,7 +208,7 @@ def in_use(simulator: Simulator) -> Iterator[None]:
 
 def step_of(simulator: Simulator, actions: Mapping[int, tuple[object, ...]]) -> Sequence[str]:
     """One time step in the simulator: what happened, in words. Raises `SimulatorError`."""
-    events = guarded(simulator.step, actions)
+    events = guarded(simulator.step, dict(actions))
     if isinstance(events, str) or not isinstance(events, Sequence) or not all(isinstance(event, str) for event in events):
         raise SimulatorError(f"step() gives what happened as a sequence of texts, and not {events!r}", NOWHERE)
     return events
@@ -244,9 +244,11 @@ def check_actions(simulator: Simulator, state: State, actions: Mapping[int, tupl
     """Each action is checked against the agent that takes it. Raises `RunError`."""
     for id, taken in actions.items():
         instance = state.scene[id]
-        body = Body(id, instance.class_.name, state.objects[instance.number])
+        body = Body(id, instance.class_.name, MappingProxyType(state.objects[instance.number]))
         for action in taken:
             reason = guarded(simulator.check, body, action)
+            if not (reason is None or isinstance(reason, str)):
+                raise SimulatorError(f"check() gives None or a reason, and not {reason!r}", NOWHERE)
             if reason is not None:
                 raise RunError(f"{instance!r} cannot take the action {action!r}: {reason}", taken_at(instance, state), rule="D-Take")
 

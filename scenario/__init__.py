@@ -149,9 +149,7 @@ class Scenario:
 
         `simulator` is one of `simulators.SIMULATORS` by name (`timestep`, in seconds, is then that of the simulation), or a simulator itself.
         """
-        for what, number, least in (("steps", steps, 0), ("seed", seed, None), ("index", index, 0)):
-            if type(number) is not int or (least is not None and number < least):
-                raise UsageError(f"{what} is a whole number{'' if least is None else f' of at least {least}'}, not {number!r}")
+        check_whole(("steps", steps, 0), ("seed", seed, None), ("index", index, 0), ("max_attempts", max_attempts, 1))
         assert self.rehearsed
         found = by_name(simulator, timestep) if isinstance(simulator, str) else simulator
         return sample_simulation(
@@ -179,6 +177,7 @@ class Scenario:
         self, simulator: str | Simulator = "still", steps: int = 10, *, timestep: float | None = None, max_runs: int = DEFAULT_RUNS
     ) -> Histories:  # fmt: skip
         """The exact distribution of simulations of at most `steps` time steps; see `inference.histories.enumerate_simulations`."""
+        check_whole(("steps", steps, 0), ("max_runs", max_runs, 1))
         assert self.rehearsed
         found = by_name(simulator, timestep) if isinstance(simulator, str) else simulator
         return enumerate_simulations(self.start, found, steps, max_runs=max_runs, fuel=self.fuel)
@@ -253,6 +252,13 @@ class Scenario:
             if batch is not None:
                 return _by_batch(batch, n, seed, start, max_attempts)
         return (self.sample(seed, index, max_attempts=max_attempts) for index in range(start, start + n))
+
+
+def check_whole(*named: tuple[str, object, int | None]) -> None:
+    """Arguments by name, each with its least value. Raises `UsageError` for what is no whole number, or too small."""
+    for what, number, least in named:
+        if type(number) is not int or (least is not None and number < least):
+            raise UsageError(f"{what} is a whole number{'' if least is None else f' of at least {least}'}, not {number!r}")
 
 
 def _by_batch(batch: Batch, n: int, seed: int, start: int, max_attempts: int) -> Iterator[Scene]:

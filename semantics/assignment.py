@@ -86,7 +86,7 @@ def written(target: Node) -> str:
 
 def conclude_target(node: s.Assignment, values: list[object], stack: Stack, state: State) -> Outcome:
     """The object of `a.b` or the container and index of `a[i]` are reduced."""
-    rest, *parts = values
+    rest, *parts = values if state.simulation is None else [values[0], *map(plain, values[1:])]
     (target, part), pending, assigned = rest  # type: ignore[misc]
     return bind_targets(node, pending, assigned, stack, assign(target, part, parts, state))
 

@@ -71,7 +71,9 @@ class Interrupting(NamedTuple):
 
 def try_interrupt(node: s.Try, stack: Stack, state: State) -> Outcome:
     """`try: ... interrupt when B: ... except E: ...`: the conditions are checked before the body begins (reading `interrupt-first-step`)."""
-    outer: Stack = (Abortable(), (Finally(node.final), stack) if node.final else stack)
+    outer: Stack = (Abortable(), stack)
+    if node.final:
+        outer = (Finally(node.final), outer)
     if node.handlers or node.otherwise:
         outer = (Handling(node), outer)
     clauses = tuple(Clause(i.condition, i.body) for i in node.interrupts)
@@ -90,7 +92,7 @@ def interruptible(node: Node, clauses: tuple[Clause, ...], body: s.Block, stack:
 
 
 class Abortable(NamedTuple):
-    """Frame below an entire statement with interrupts, its `except` blocks included: `abort` ends here."""
+    """Frame below an entire statement with interrupts, its `except` and `finally` blocks included: `abort` ends here."""
 
 
 def resume_abortable(frame: Abortable, result: object, stack: Stack, state: State) -> Outcome:

@@ -122,16 +122,17 @@ def unwind_preparing(frame: Preparing, abrupt: Abrupt, stack: Stack, state: Stat
 
 
 def unwind_setting(frame: Setting, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
-    """Some scenario of the `do` statement cannot begin: none of them does; their objects, overrides and conditions are gone, and ego is as before."""
+    """Some scenario of the `do` statement cannot begin: none does; their objects, variables, overrides and conditions are gone, ego is as before."""
     number = simulation_of(state).begun
     for begun in (number, *reversed(frame.begun)):
         state = end_scenario(begun, state)
     left = {n: running for n, running in simulation_of(state).scenarios.items() if n not in (number, *frame.begun)}
     state = with_simulation(state, scenarios=left, begun=number + 1)
     before = frame.before
-    gone = {instance.number for instance in state.scene[len(before.scene) :]}
-    objects = {n: properties for n, properties in state.objects.items() if n not in gone}
-    after = state._replace(sigma=before.sigma, dynamic=before.dynamic, scene=before.scene, objects=objects, ego=before.ego, names=before.names)
+    for scenario in frame.invocations:
+        assert scenario.space is not None
+        scenario.space.bindings.clear()
+    after = state._replace(sigma=before.sigma, dynamic=before.dynamic, scene=before.scene, ego=before.ego, names=before.names)
     return Next("", Config(abrupt, stack, after))
 
 

@@ -7,7 +7,7 @@ from fractions import Fraction
 import pytest
 import scenic_ref
 from scenic_ref.interpreter.simulating import Failed, Simulated
-from scenic_ref.semantics.errors import RunError, SimulatorError, UsageError
+from scenic_ref.semantics.errors import RunError, SimulatorError, UncaughtException, UsageError
 from scenic_ref.semantics.vectors import Vector
 from scenic_ref.simulators.kinematic import Kinematic
 
@@ -206,3 +206,58 @@ def test_names_of_later_versions_are_known():
     with pytest.raises(RunError, match="DiscreteRange is not defined") as found:
         simulated("ego = Object at (DiscreteRange(1, 3), 0)")
     assert found.value.hint == "it is of later versions of Scenic: write Uniform(*range(low, high + 1))"
+
+
+@pytest.mark.parametrize("change", [
+    "x.k = 4", "l[0] = x\n    l[0].k = 4", "l[Uniform(0, 0)] = x\n    l[0].k = 4", "i = Uniform(0, 0)\n    l[i] = x\n    l[i].k = 4",
+])  # fmt: skip
+def test_what_was_drawn_may_be_changed_while_a_scenario_runs(change):
+    text = f"behavior B():\n    x = Uniform(ego, o)\n    l = Uniform([1], [2])\n    {change}\n    take ego.k, o.k\n"
+    text += "ego = Object at (0, 0), with k 0, with behavior B\no = Object at (5, 5), with k 0\n"
+    law = scenic_ref.loads(text).enumerate_simulations(steps=1).law(lambda run: run.moments[0].actions[0])
+    assert law == {(4, 0): Fraction(1, 2), (0, 4): Fraction(1, 2)}
+
+
+def test_variables_of_a_setup_that_failed_are_gone():
+    bad = "scenario Bad():\n    setup:\n        o = Object at (5, 5), with k 3\n        seen.append(o)\n        raise ValueError('x')\n"
+    caught = "b = Bad()\ntry:\n    do b\nexcept ValueError:\n    pass\n"
+    assert actions(main(f"{caught}require seen[0].k == 3\nwait", f"seen = []\n{bad}")) == [None, "terminated"]
+    with pytest.raises(UncaughtException, match="o"):
+        simulated(main(f"{caught}x = b.o.k\nwait", f"seen = []\n{bad}"))
+
+
+def test_abort_in_finally_ends_that_statement_only():
+    body = "try:\n    take 0\ninterrupt when False:\n    pass\nfinally:\n    abort\ntake 3"
+    assert actions(behavior(body), 2) == [0, 3, LIMIT]
+    nested = "try:\n" + "".join(f"    {line}\n" for line in body.splitlines()) + "interrupt when False:\n    pass\ntake 4"
+    assert actions(behavior(nested), 3) == [0, 3, 4, LIMIT]
+
+
+class Clearing(Kinematic):
+    def check(self, body, action):
+        return None
+
+    def step(self, actions):
+        actions.clear()
+        return []
+
+
+class Numbering(Kinematic):
+    def check(self, body, action):
+        return 5
+
+
+def test_a_simulator_cannot_change_what_is_recorded():
+    scenario = scenic_ref.loads(behavior("take 1"))
+    assert scenario.simulate(Clearing(), 1).simulation.moments[0].actions == {0: (1,)}
+    with pytest.raises(SimulatorError, match="None or a reason, and not 5"):
+        scenario.simulate(Numbering(), 1)
+
+
+def test_wrong_arguments_of_enumeration_are_told():
+    scenario = scenic_ref.loads("ego = Object at (0, 0)")
+    for arguments in ({"steps": -1}, {"steps": "a"}, {"max_runs": 0}):
+        with pytest.raises(UsageError, match="whole number"):
+            scenario.enumerate_simulations(**arguments)
+    with pytest.raises(UsageError, match="max_attempts is a whole number of at least 1"):
+        scenario.simulate(max_attempts=0)
