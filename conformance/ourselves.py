@@ -66,10 +66,8 @@ class Ourselves:
 
     def fired(self, task: Task, wanted: frozenset[str], *, seed: int) -> frozenset[str]:
         """What fired in the first runs of several scenes, until all wanted rules were seen and a run was accepted."""
-        try:
-            with told():
-                scenario = load(task)
-        except Refused:
+        scenario = loaded(task)
+        if scenario is None:
             return frozenset()
         found: set[str] = set()
         accepted = False
@@ -103,10 +101,8 @@ class Ourselves:
 
     def fired_in_simulations(self, task: Task, steps: int, wanted: frozenset[str], *, seed: int) -> frozenset[str]:
         """What fired in the first runs of several simulations, until all wanted rules were seen and a run was accepted."""
-        try:
-            with told():
-                scenario = load(task)
-        except Refused:
+        scenario = loaded(task)
+        if scenario is None:
             return frozenset()
         found: set[str] = set()
 
@@ -124,6 +120,15 @@ class Ourselves:
             if (accepted and wanted <= found) or not drawn:
                 break
         return frozenset(found)
+
+
+def loaded(task: Task) -> Scenario | None:
+    """The scenario of a task, None for a program that is refused."""
+    try:
+        with told():
+            return load(task)
+    except Refused:
+        return None
 
 
 def load(task: Task) -> Scenario:

@@ -126,8 +126,8 @@ def conditions(state: State) -> Iterator[tuple[int, int, Declared]]:
 
 def monitors(frame: Step, result: object, stack: Stack, state: State) -> Outcome:
     """Step 3: run all monitors of running scenarios for one time step, "as above"."""
-    there = simulation_of(state).scenarios
-    todo = [(n, place) for n in dict.fromkeys(simulation_of(state).active) if n in there for place in range(len(there[n].monitors))]
+    there, active = simulation_of(state).scenarios, simulation_of(state).active
+    todo = [(number, place) for number in dict.fromkeys(active) for place in range(len(there[number].monitors))]
     if result is not None:
         number, place = todo[frame.next]
         running = simulation_of(state).scenarios[number]

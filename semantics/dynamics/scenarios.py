@@ -129,7 +129,7 @@ def unwind_setting(frame: Setting, abrupt: Abrupt, stack: Stack, state: State) -
     left = {n: running for n, running in simulation_of(state).scenarios.items() if n not in (number, *frame.begun)}
     state = with_simulation(state, scenarios=left, begun=number + 1)
     before = frame.before
-    for scenario in frame.invocations:
+    for scenario in frame.invocations[: frame.index + 1]:
         assert scenario.space is not None
         scenario.space.bindings.clear()
     after = state._replace(sigma=before.sigma, dynamic=before.dynamic, scene=before.scene, ego=before.ego, names=before.names)

@@ -226,6 +226,13 @@ def test_variables_of_a_setup_that_failed_are_gone():
         simulated(main(f"{caught}x = b.o.k\nwait", f"seen = []\n{bad}"))
 
 
+def test_variables_of_a_scenario_that_did_not_come_to_begin_are_kept():
+    """The third of a `do` had run before; the second cannot begin."""
+    scenarios = "scenario Good():\n    setup:\n        k = 3\nscenario Bad():\n    precondition: False\n"
+    compose = "g = Good()\ndo g for 1 steps\ntry:\n    do Good(), Bad(), g\nexcept PreconditionViolation:\n    pass\nrequire g.k == 3\nwait"
+    assert actions(main(compose, scenarios)) == [None, None, "terminated"]
+
+
 def test_abort_in_finally_ends_that_statement_only():
     body = "try:\n    take 0\ninterrupt when False:\n    pass\nfinally:\n    abort\ntake 3"
     assert actions(behavior(body), 2) == [0, 3, LIMIT]
