@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from ..semantics.config import Config, State
+from ..semantics.config import Config, Stack, State, Value
 from ..semantics.errors import FuelExhausted, RandomBranch, RunError, ScenicError
 from ..semantics.outcome import Act, Done, Draw, Fault, Finish, Next, Observe, Outcome, Requirement, Stuck
 from ..semantics.regions import EmptyRegion, UnboundedRegion
@@ -86,10 +86,20 @@ def rehearse(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL) -> No
     Which values are random does not depend on what is drawn, so that one run is enough. Raises `RandomBranch`; before
     the first requirement that fails it raises any other error of the program as well, afterwards none.
     """
-    stuck = False
+    _rehearse(config, None, choose, fuel, stuck=False)
+
+
+def _rehearse(config: Config, end: Stack | None, choose: Chooser, fuel: int, *, stuck: bool) -> None:
+    """Rehearse until the control is back at `end`; in operands that this run does not need (reading `boolean-random`), as if it were stuck."""
     for _ in range(fuel):
+        if end is not None and config.stack is end and type(config.control) is Value:
+            return
         match step(config):
-            case Next(config=after) | Observe(config=after):
+            case Next(config=after, beyond=beyond):
+                if beyond is not None:
+                    _rehearse(beyond, beyond.stack, choose, fuel, stuck=True)
+                config = after
+            case Observe(config=after):
                 config = after
             case Draw() as draw:
                 try:

@@ -14,7 +14,7 @@ from .draws import draw
 from .dynamics.queries import Clock, Closest, distance_to_closest
 from .errors import RunError
 from .expressions import elements
-from .fields import VectorField
+from .fields import BadField, VectorField
 from .functions import bind, enter
 from .host import LARGEST_SEQUENCE, HostException, host, raw
 from .kinds import kind_name
@@ -131,7 +131,7 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
     try:
         result = host(state.settings.door, state, invoke, function, *arguments, **keywords)
     except HostException as problem:
-        if isinstance(problem.exception, (BadRegion, BadParameters)):
+        if isinstance(problem.exception, (BadField, BadRegion, BadParameters)):
             raise RunError(str(problem.exception), node.span, rule="E-Call-Host") from None
         raise
     return value("E-Call-Host", result, stack, state, node)

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import operator as python
+from collections.abc import Callable, Sequence
 from functools import reduce as fold_left
 from typing import NamedTuple
 
 from .config import Config, Stack, State, reduce, value
+from .draws import numbered_apart
 from .errors import RandomBranch
 from .host import host
-from .outcome import Next, Outcome
+from .outcome import Next, Operand, Outcome
 from .premises import describe_origin
-from .symbols import is_truth
+from .symbols import Symbol, is_truth
 from .syntax import python_expressions as p
 from .syntax.nodes import Node
-from .values import Random, plain
+from .values import Random, plain, unwrap
 
 
 class Boolean(NamedTuple):
@@ -26,22 +28,47 @@ class Boolean(NamedTuple):
 
 
 def boolean(node: p.BooleanOperation, stack: Stack, state: State) -> Outcome:
-    """`E1 and E2`, `E1 or E2`: as in Python, except that after a random operand all the others are reduced as well."""
+    """`E1 and E2`, `E1 or E2`: an operand is reduced only where those before it leave the answer open."""
     return reduce(node.operands[0], Boolean(node, 0, ()), stack, state)
 
 
 def resume_boolean(frame: Boolean, result: object, stack: Stack, state: State) -> Outcome:
-    """An operand was reduced."""
-    node, last = frame.node, frame.index == len(frame.node.operands) - 1
-    held = (*frame.held, result)
-    if not any(type(v) is Random for v in held):
-        decided = bool_of(result, node, state) is (node.operator == "or")
-        if decided or last:
+    """An operand was reduced: the answer is known, or the next one is (reading `boolean-random`: where one was random)."""
+    node, following = frame.node, frame.index + 1
+    last, going_on = following == len(node.operands), node.operator == "and"
+    if not frame.held and type(result) is not Random:
+        if last or bool_of(result, node, state) is not going_on:
             return value("E-Boolean", result, stack, state, node)
-        held = ()
-    elif last:
+        return reduce(node.operands[following], Boolean(node, following, ()), stack, state)
+    held = (*frame.held, result)
+    if not last and not frame.held:
+        stack, state = before_operands(node.operands[following:], stack, state)
+    if last:
         return value("E-Boolean", combine(node.operator, held, state), stack, state, node)
-    return reduce(node.operands[frame.index + 1], Boolean(node, frame.index + 1, held), stack, state)
+    operand = reduce(node.operands[following], Boolean(node, following, held), stack, state)
+    if state.reading("boolean-random") == "operator":
+        return operand
+    return where_open(truth_of(result, state), going_on, operand, lambda: value("E-Boolean", combine(node.operator, held, state), stack, state, node))
+
+
+def before_operands(operands: Sequence[p.Expression], stack: Stack, state: State) -> tuple[Stack, State]:
+    """Where something random decides whether the operands are reduced, draws within them are numbered apart from those after them."""
+    if state.reading("boolean-random") == "operator" or all(isinstance(operand, (p.Name, p.Constant)) for operand in operands):
+        return stack, state
+    return numbered_apart(stack, state)
+
+
+def where_open(truth: object, going_on: bool, operand: Next, decided: Callable[[], Next]) -> Next:
+    """Short-circuit on something random: the next operand is reduced where the truth so far leaves the answer open; else the answer is known."""
+    if isinstance(truth, Symbol):
+        return operand._replace(where=Operand(truth, going_on, operand.config.stack))
+    return operand if truth is going_on else decided()._replace(beyond=operand.config)
+
+
+def truth_of(result: object, state: State) -> object:
+    """The truth of a value, random or not, in this run; a symbol, if it is one."""
+    inner = unwrap(result)[0]
+    return inner.truth() if isinstance(inner, Symbol) else plain(host(state.settings.door, state, bool, result))
 
 
 def combine(operator: str, operands: tuple[object, ...], state: State) -> object:

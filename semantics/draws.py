@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
-from .config import Config, Stack, State, Value, value
+from .config import Abrupt, Config, Stack, State, Value, value
 from .distributions import BadParameters, Distribution, Range
 from .errors import RunError
 from .kinds import has_kind
-from .outcome import Draw, Outcome
+from .outcome import Draw, Next, Outcome
 from .premises import premises
 from .syntax import expressions as e
 from .syntax.nodes import Node
@@ -38,6 +39,28 @@ def ask(node: Node, distribution: Distribution, rule: str, stack: Stack, state: 
         return Config(Value(Random(unwrap(drawn)[0], origin)), stack, after)
 
     return Draw(rule, state.address, distribution, node, resume)
+
+
+class Apart(NamedTuple):
+    """Frame of what is reduced only in some runs: its own draws are numbered apart from those after it, of which the next has the number `draws`."""
+
+    prefix: tuple[int, ...]
+    draws: int
+
+
+def numbered_apart(stack: Stack, state: State) -> tuple[Stack, State]:
+    """The stack and the state in which something is reduced whose draws are numbered apart."""
+    return (Apart(state.prefix, state.draws + 1), stack), state._replace(prefix=state.address, draws=0)
+
+
+def resume_apart(frame: Apart, result: object, stack: Stack, state: State) -> Outcome:
+    """Go on numbering the draws after it."""
+    return Next("", Config(Value(result), stack, state._replace(prefix=frame.prefix, draws=frame.draws)))
+
+
+def unwind_apart(frame: Apart, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
+    """As above, for an exception."""
+    return Next("", Config(abrupt, stack, state._replace(prefix=frame.prefix, draws=frame.draws)))
 
 
 def interval_or_pair(node: e.IntervalOrPair, stack: Stack, state: State) -> Outcome:

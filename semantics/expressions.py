@@ -11,15 +11,15 @@ from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 from .classes import canonical
-from .conditions import bool_of, combine, random_branch
-from .config import Stack, State, Value, value
+from .conditions import before_operands, bool_of, combine, random_branch, truth_of, where_open
+from .config import Stack, State, Value, reduce, value
 from .dynamics.queries import Clock, Closest, attribute_of_clock
 from .errors import RunError
 from .host import LARGEST_INTEGER_BITS, LARGEST_SEQUENCE, HostException, check_private, host, raw
 from .kinds import has_kind, kind_name
 from .operations import membership
 from .outcome import Next, Outcome
-from .premises import premises, raw_axiom
+from .premises import Premises, premises, raw_axiom
 from .regions import Region
 from .scopes import MISSING, Scope
 from .symbols import Symbol
@@ -330,7 +330,7 @@ def conclude_unary(node: p.UnaryOperation, values: list[object], stack: Stack, s
 
 
 def comparison(node: p.Comparison, stack: Stack, state: State) -> Outcome:
-    """`E1 < E2 <= E3`: from left to right, until a link does not hold; after a random link all the others are reduced as well."""
+    """`E1 < E2 <= E3`: from left to right, until a link does not hold."""
     return premises(node, [None, node.left, node.operands[0]], conclude_comparison, stack, state, [()])
 
 
@@ -341,14 +341,21 @@ def conclude_comparison(node: p.Comparison, values: list[object], stack: Stack, 
     name = node.operators[len(held)]
     if node.operators == ("in",) and lies_in_region(left, right):
         return membership(node, left, right, stack, state)
-    held = (*held, link(node, name, left, right, state))
+    before, held = any(type(v) is Random for v in held), (*held, link(node, name, left, right, state))
     last = len(held) == len(node.operators)
-    if not any(type(v) is Random for v in held):
+    if not before and type(held[-1]) is not Random:
         if last or not bool_of(held[-1], node, state):
             return value("E-Compare", held[-1], stack, state, node)
-    elif last:
+        return premises(node, [None, None, node.operands[len(held)]], conclude_comparison, stack, state, [held, right])
+    if not last and not before:
+        stack, state = before_operands(node.operands[len(held) :], stack, state)
+    if last:
         return value("E-Compare", combine("and", held, state), stack, state, node)
-    return premises(node, [None, None, node.operands[len(held)]], conclude_comparison, stack, state, [held, right])
+    frame = Premises(node, [None, None, node.operands[len(held)]], 2, (held, right), conclude_comparison)
+    operand = reduce(node.operands[len(held)], frame, stack, state)
+    if state.reading("boolean-random") == "operator":
+        return operand
+    return where_open(truth_of(held[-1], state), True, operand, lambda: value("E-Compare", combine("and", held, state), stack, state, node))
 
 
 def lies_in_region(left: object, right: object) -> bool:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from functools import cached_property
+from numbers import Real
 from typing import TypeAlias
 
 import numpy as np
 import shapely
 from shapely.geometry import MultiPolygon, Polygon
 
-from .symbols import lifted
+from .symbols import Symbol, lifted
 from .vectors import Vector
 
 Cell: TypeAlias = "tuple[Polygon | MultiPolygon, float | Callable[[Vector], float] | None]"
@@ -29,6 +30,10 @@ class OutsideField(Exception):
         self.premise = f"the vector field {field.name} has a value there"  # names no point, so that a report can count it
 
 
+class BadField(ValueError):
+    """The arguments do not describe a vector field."""
+
+
 class VectorField:
     """A heading (radians, anticlockwise from North) at each point, given by the function `value`.
 
@@ -36,6 +41,8 @@ class VectorField:
     """
 
     def __init__(self, name: str, value: Callable[[Vector], float], minSteps: int = 4, defaultStepSize: float = 5) -> None:
+        if not callable(value):
+            raise BadField(f"the value of a vector field must be a function of a point, not {value!r}")
         self.name = name
         self.value = value
         self.minSteps = minSteps
@@ -50,9 +57,9 @@ class VectorField:
 
 
 class PolygonalVectorField(VectorField):
-    """A field that is constant, or given by a function, on each of some closed polygons.
+    """A field that is constant, or given by a function, on each of some closed polygons. Raises `BadField`.
 
-    `cells` is a sequence of (polygon, heading); a heading may be a number, a function of the point, or None, which stands
+    `cells` is a sequence of (polygon, heading); a polygon may be given as a polygonal region, a heading may be a number, a function of the point, or None, which stands
     for `headingFunction`. Where cells overlap, the first that contains the point wins. Outside all cells the value is
     `defaultHeading` if given; else there is none, and `at` raises `OutsideField`.
     """
@@ -65,13 +72,13 @@ class PolygonalVectorField(VectorField):
         defaultHeading: float | None = None,
     ) -> None:
         super().__init__(name, self._value_at)
-        self.cells: tuple[Cell, ...] = tuple((polygon, heading) for polygon, heading in cells)
+        self.cells: tuple[Cell, ...] = tuple(map(cell_of, cells))
         self.headingFunction = headingFunction
         self.defaultHeading = defaultHeading
         self._squares: dict[tuple[int, int], tuple[int, ...]] = {}  # grid square -> cells near it, filled on demand
         for number, (_, heading) in enumerate(self.cells):
             if heading is None and headingFunction is None and defaultHeading is None:
-                raise ValueError(f"cell {number} of the vector field {name} has no heading, and there is no headingFunction")
+                raise BadField(f"cell {number} of the vector field {name} has no heading, and there is no headingFunction")
         for polygon, _ in self.cells:
             shapely.prepare(polygon)
 
@@ -131,3 +138,14 @@ class PolygonalVectorField(VectorField):
         if near:
             self._squares[square] = near
         return near
+
+
+def cell_of(pair: Sequence[object]) -> Cell:
+    """A cell as it was given: a polygon or polygonal region, and a heading, a function of the point, or None. Raises `BadField`."""
+    polygon, heading = pair if isinstance(pair, (tuple, list)) and len(pair) == 2 else (None, None)
+    shape = getattr(polygon, "polygon", polygon)
+    if not isinstance(shape, (Polygon, MultiPolygon)):
+        raise BadField(f"a cell of a vector field must be a pair of a polygonal region and a heading, not {pair!r}")
+    if not (heading is None or callable(heading) or isinstance(heading, (Real, Symbol))):
+        raise BadField(f"the heading of a cell must be a number, a function of the point or None, not {heading!r}")
+    return shape, heading

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 
 from .config import Abrupt, Config, State, Value
 from .errors import FuelExhausted, RunError, ScenicError
-from .outcome import Draw, Fault, Next, Observe, Stuck
+from .outcome import Draw, Fault, Next, Observe, Operand, Stuck
+from .symbols import NotLifted
 from .values import Function, Instance, Origin, unwrap, wrap
 
 if TYPE_CHECKING:
@@ -69,6 +70,8 @@ class Door:
             if not config.stack:
                 break
             match state.settings.machine(config):
+                case Next(where=Operand()):
+                    raise NotLifted(f"{function.name}, which library code calls, goes by a random value")
                 case Next(config=after) | Observe(config=after):
                     config = after
                 case Fault(error=error):

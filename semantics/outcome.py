@@ -9,7 +9,7 @@ from .errors import ScenicError
 from .syntax.nodes import Node, Span
 
 if TYPE_CHECKING:
-    from .config import Config, State
+    from .config import Config, Stack, State
     from .distributions import Distribution
     from .values import Instance
 
@@ -34,13 +34,28 @@ class Change(NamedTuple):
     instance: Instance | None = None
 
 
+class Operand(NamedTuple):
+    """On symbols: an operand that is reduced only in the runs in which the truth of `symbol` is `expected`; it ends in `stack`."""
+
+    symbol: object
+    expected: bool
+    stack: Stack
+
+
 class Next(NamedTuple):
-    """A rule fired with probability 1; `rule` is "" for the bookkeeping between rules."""
+    """A rule fired with probability 1; `rule` is "" for the bookkeeping between rules.
+
+    Where something random decides whether an operand is reduced (reading `boolean-random`), `beyond` is the configuration that reduces it in
+    runs in which it is not needed; on symbols, `config` reduces it, and speaks for the runs in which `where` holds, until the control is back
+    at its stack.
+    """
 
     rule: str
     config: Config
     node: Node | None = None
     change: Change | None = None
+    beyond: Config | None = None
+    where: Operand | None = None
 
 
 class Draw(NamedTuple):

@@ -5,14 +5,15 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from .assignment import done
-from .config import PASS, Abrupt, Config, Stack, State, reduce
+from .config import PASS, Config, Stack, State, reduce
 from .distributions import BadParameters, Coin
+from .draws import numbered_apart
 from .errors import RunError
 from .host import host, is_user_made
 from .kinds import is_object, is_scalar, kind_name
 from .outcome import Change, Draw, Next, Observe, Outcome, Requirement, Stuck
 from .premises import premises
-from .symbols import is_finite_number, is_truth
+from .symbols import is_finite_number, is_truth, met
 from .syntax import statements as s
 from .values import Instance, Random, plain
 
@@ -61,7 +62,7 @@ def resume_requiring(frame: Requiring, result: object, stack: Stack, state: Stat
         raise RunError(
             f"a requirement is a boolean, and this is {kind_name(result)}", frame.requirement.span, rule=frame.rule, hint="compare it with something"
         )
-    return Observe(frame.rule, frame.requirement, after) if holds else Stuck(frame.rule, frame.requirement, after)
+    return Observe(frame.rule, frame.requirement, after) if met(holds, frame.requirement) else Stuck(frame.rule, frame.requirement, after)
 
 
 def truth_value(result: object, state: State) -> object:
@@ -90,27 +91,9 @@ def conclude_soft(node: s.SoftRequire, values: list[object], stack: Stack, state
     def resume(heads: object) -> Config:
         if not heads:
             return Config(PASS, stack, state._replace(draws=state.draws + 1))
-        inner = state._replace(prefix=state.address, draws=0)
-        return Config(s.Require(condition=node.condition, span=node.span), (Coined(state.prefix, state.draws + 1), stack), inner)
+        return Config(s.Require(condition=node.condition, span=node.span), *numbered_apart(stack, state))
 
     return Draw("S-SoftReq", state.address, coin, node, resume, per_scene=state.reading("soft") == "scene")
-
-
-class Coined(NamedTuple):
-    """Frame of a soft requirement that is enforced: its own draws are numbered apart from those after it."""
-
-    prefix: tuple[int, ...]
-    draws: int
-
-
-def resume_coined(frame: Coined, result: object, stack: Stack, state: State) -> Outcome:
-    """Go on numbering draws after the coin."""
-    return Next("", Config(PASS, stack, state._replace(prefix=frame.prefix, draws=frame.draws)))
-
-
-def unwind_coined(frame: Coined, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
-    """As above, for an exception."""
-    return Next("", Config(abrupt, stack, state._replace(prefix=frame.prefix, draws=frame.draws)))
 
 
 # Mutation

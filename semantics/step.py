@@ -29,7 +29,7 @@ from .distributions import BadParameters
 from .dynamics import actions, choices, declarations, guards, interrupts, invocations, overrides, policy, processes, queries, scenarios
 from .dynamics.guards import GuardViolation
 from .errors import RunError, ScenicError, UncaughtException
-from .fields import OutsideField
+from .fields import BadField, OutsideField
 from .host import DoorStuck, HostException
 from .outcome import Fault, Next, Outcome, Requirement, Stuck
 from .regions import BadRegion, EmptyRegion, UnboundedRegion
@@ -152,7 +152,7 @@ RESUME: Mapping[type, Callable[..., Outcome]] = {
     control.Finally: control.resume_finally,
     control.Afterwards: control.resume_afterwards,
     statements.Requiring: statements.resume_requiring,
-    statements.Coined: statements.resume_coined,
+    draws.Apart: draws.resume_apart,
     definitions.ClassBody: definitions.resume_class_body,
     definitions.ModuleBody: definitions.resume_module_body,
     termination.Finishing: termination.resume_finishing,
@@ -189,7 +189,7 @@ UNWIND: Mapping[type, Callable[..., Outcome]] = {
     control.Handling: control.unwind_handling,
     control.Handled: control.unwind_handled,
     control.Finally: control.unwind_finally,
-    statements.Coined: statements.unwind_coined,
+    draws.Apart: draws.unwind_apart,
     definitions.ClassBody: definitions.unwind_class_body,
     definitions.ModuleBody: definitions.unwind_module_body,
     guards.Guarding: guards.unwind_guarding,
@@ -228,7 +228,7 @@ def step(config: Config) -> Outcome:
         return Stuck("O-At", Requirement("field", place(config), outside.premise))
     except DoorStuck as inner:
         return inner.outcome._replace(beyond=None)
-    except (BadRegion, BadParameters, UnboundedRegion) as bad:
+    except (BadField, BadRegion, BadParameters, UnboundedRegion) as bad:
         return Fault(RunError(str(bad), place(config), rule="E-Call-Host"))
     except EmptyRegion as empty:
         return Stuck("E-Call-Host", Requirement("region", place(config), str(empty)))

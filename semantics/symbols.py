@@ -15,11 +15,14 @@ from abc import ABC, abstractmethod
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Sequence
 from functools import wraps
-from typing import Any, NoReturn, TypeVar
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 import numpy as np
 
 from .vectors import Vector
+
+if TYPE_CHECKING:
+    from .outcome import Requirement
 
 
 class NotLifted(BaseException):
@@ -50,6 +53,14 @@ class Symbol(ABC):
     @abstractmethod
     def pick(self, values: Sequence[object]) -> Any:
         """`values[int(this)]`."""
+
+    @abstractmethod
+    def truth(self) -> Any:
+        """`bool(this)`, as a symbol unless it is the same in all scenes."""
+
+    @abstractmethod
+    def met(self, requirement: Requirement) -> bool:
+        """Note that the truth of this decides a requirement, and give its truth in the scene that is looked at."""
 
     @abstractmethod
     def __bool__(self) -> bool: ...
@@ -159,6 +170,16 @@ def is_truth(value: object) -> bool:
         return value.always(is_truth)
     except NotLifted:
         return False
+
+
+def met(condition: Any, requirement: Requirement) -> bool:
+    """Whether the condition of a requirement holds; on symbols, this very truth value decides about the requirement."""
+    return condition.met(requirement) if isinstance(condition, Symbol) else bool(condition)
+
+
+def negation(condition: Any) -> Any:
+    """`not condition`, for a truth value."""
+    return ~condition if isinstance(condition, Symbol) else not condition  # type: ignore[operator]
 
 
 def is_finite_number(value: Any) -> Any:

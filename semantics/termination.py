@@ -17,7 +17,7 @@ from .operators import can_see_object, object_is_in
 from .outcome import Done, Draw, Next, Observe, Outcome, Requirement, Stuck
 from .regions import Region, everywhere
 from .statements import enforce
-from .symbols import larger, number, smaller
+from .symbols import larger, met, negation, number, smaller
 from .syntax.nodes import NOWHERE
 from .syntax.python_expressions import Constant
 from .values import Instance, Origin, Random, plain
@@ -160,7 +160,7 @@ def resume_late(frame: Late, result: object, stack: Stack, state: State) -> Outc
     if frame.index < len(state.late):
         node, captured = state.late[frame.index]
         return enforce(node, (Late(frame.index + 1, state, frame.since), stack), as_captured(captured, state))  # type: ignore[arg-type]
-    return check_default_requirements(Checking(0, premises_of_step_two(state, frame.since)), stack, state._replace(late=()))
+    return Next("", Config(PASS, (Checking(0, premises_of_step_two(state, frame.since)), stack), state._replace(late=())))
 
 
 def as_captured(captured: State, state: State) -> State:
@@ -185,11 +185,12 @@ def check_default_requirements(frame: Checking, stack: Stack, state: State) -> O
         return Next("T-Check", Config(PASS, stack, state)) if stack else Done("T-Check", state)
     premise = frame.premises[frame.index]
     after = Config(PASS, (Checking(frame.index + 1, frame.premises), stack), state)
-    return Observe("T-Check", premise.requirement, after) if holds(premise, state) else Stuck("T-Check", premise.requirement, after)
+    holds = met(condition(premise, state), premise.requirement)
+    return Observe("T-Check", premise.requirement, after) if holds else Stuck("T-Check", premise.requirement, after)
 
 
-def holds(premise: Premise, state: State) -> bool:
-    """Whether a premise of Step 2 is true."""
+def condition(premise: Premise, state: State) -> bool:
+    """The truth of a premise of Step 2."""
     reader = Reader(state)
     one, other = View(premise.object, reader), View(premise.other, reader)
     match premise.kind:
@@ -200,10 +201,10 @@ def holds(premise: Premise, state: State) -> bool:
         case "visibility":
             return can_see_object(other, one)
         case _:
-            return not geometry.boxes_intersect(
+            return negation(geometry.boxes_intersect(
                 one.position, one.heading, one.width, one.length, other.position, other.heading, other.width, other.length,
                 closed=state.reading("touching") == "collide",
-            )
+            ))  # fmt: skip
 
 
 def premises_of_step_two(state: State, since: int = 0) -> tuple[Premise, ...]:

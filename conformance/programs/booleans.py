@@ -7,7 +7,7 @@ from ...semantics.syntax import expressions as e
 from ...semantics.syntax import python_expressions as p
 from . import distributions, regions, scalars, vectors
 from .draft import FAR, Draft, Option, Variable, first_that_works
-from .tree import Link, call, comparison, constant, degrees, is_in, name, number
+from .tree import Link, call, comparison, constant, degrees, is_in, name, number, operation
 
 Side = tuple[float, tuple[Link, ...]]
 SIDES: tuple[tuple[int, Side], ...] = ((3, (0.25, (">", ">="))), (3, (0.75, ("<", "<="))), (1, (0.5, ("<", "<=", ">", ">="))))
@@ -47,6 +47,24 @@ def threshold(draft: Draft, *, random: bool) -> Expression:
     return comparison(name(chosen.name), draft.choices.pick(operators), number(middle))
 
 
+def guarded(draft: Draft) -> Expression:
+    """`v != m and 1 / (v - m) < c`, `v == m or ...`: the second operand fails where the first decides."""
+    chosen = draft.choices.pick(bounded(draft, random=True))
+    middle = number(round((chosen.low + chosen.high) * 2) / 4)
+    inverse = operation(number(1), "/", operation(name(chosen.name), "-", middle))
+    hopeful = comparison(inverse, draft.choices.pick(["<", ">"]), number(draft.choices.pick([0, 4, -4])))
+    if draft.choices.chance(0.5):
+        return p.BooleanOperation(operator="and", operands=(comparison(name(chosen.name), "!=", middle), hopeful))
+    return p.BooleanOperation(operator="or", operands=(comparison(name(chosen.name), "==", middle), hopeful))
+
+
+def flag(draft: Draft, chance: float) -> Expression:
+    """A truth value that a property may have: True so often, or drawn."""
+    if draft.may_draw() and draft.choices.chance(0.3) and draft.afford(2):
+        return call("Uniform", constant(True), constant(False))
+    return constant(draft.choices.chance(chance))
+
+
 def drawn(draft: Draft) -> Expression:
     """A condition on a draw of its own; on nothing where that cannot be afforded."""
     value = distributions.distribution(draft, 0, 4, 1) if draft.may_draw() else None
@@ -61,6 +79,7 @@ def condition(draft: Draft, depth: int) -> Expression:
     options: list[Option] = [(2, lambda: drawn(draft))]
     if bounded(draft, random=True):
         options.append((8, lambda: threshold(draft, random=True)))
+        options.append((2, lambda: guarded(draft)))
     if draft.known("boolean"):
         options.append((2, lambda: name(draft.choices.pick(draft.known("boolean")).name)))
     others = [v for v in draft.known("object") if v.name != "ego"]

@@ -8,7 +8,7 @@ from ...semantics.syntax import Expression, Specifier
 from ...semantics.syntax import expressions as e
 from ...semantics.syntax import specifiers as q
 from ...semantics.syntax.python_expressions import Attribute, Name
-from . import headings, regions, scalars, vectors
+from . import booleans, headings, regions, scalars, vectors
 from .draft import Class, Draft
 from .tree import call, constant, degrees, name, number, pair
 
@@ -31,7 +31,7 @@ def specifiers(draft: Draft, class_: Class, depth: int) -> list[Specifier]:
         found.append(facing(draft, depth, free=not place.needs_heading))
     found += properties(draft, class_, depth)
     if class_.is_object and draft.choices.chance(overlapping(draft, place.specifier)):
-        found.append(q.WithSpecifier(property="allowCollisions", value=constant(True)))
+        found.append(q.WithSpecifier(property="allowCollisions", value=booleans.flag(draft, 1)))
     return draft.choices.some(found, len(found), len(found)) if draft.choices.chance(0.5) else found
 
 
@@ -171,7 +171,7 @@ def seeing(draft: Draft) -> Specifier:
     """How far and how wide an object sees, or whether it must be seen."""
     match draft.choices.integer(0, 2):
         case 0:
-            return q.WithSpecifier(property="requireVisible", value=constant(draft.choices.chance(0.3)))
+            return q.WithSpecifier(property="requireVisible", value=booleans.flag(draft, 0.3))
         case 1:
             return q.WithSpecifier(property="viewDistance", value=scalars.scalar(draft, 30, 60, 1))
         case _:

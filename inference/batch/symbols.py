@@ -11,6 +11,7 @@ import numpy as np
 from ...semantics.symbols import NotLifted, Symbol
 
 if TYPE_CHECKING:
+    from ...semantics.outcome import Requirement
     from .graph import Node
     from .trace import Trace
 
@@ -55,6 +56,12 @@ class Traced(Symbol):
 
     def __bool__(self) -> bool:
         return self.trace.guard(self)
+
+    def truth(self) -> Any:
+        return self.trace.truth(self)
+
+    def met(self, requirement: Requirement) -> bool:
+        return self.trace.require(requirement, self)
 
     def _say_nothing(self, *ignored: object) -> str:
         raise NotLifted("the text of a random value is needed")

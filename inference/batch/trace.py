@@ -33,13 +33,13 @@ class Retry(Exception):
 
 
 class Trace:
-    """The graph of one run on symbols, while it is made; `coin` is the node of the soft requirement whose condition is being evaluated."""
+    """The graph of one run on symbols, while it is made; `conditions` are the nodes that say which runs come to what is being evaluated."""
 
     def __init__(self, number_at: Callable[[Site], float]) -> None:
         self.graph = Graph()
         self.number_at = number_at
         self.known: dict[object, Node] = {}
-        self.coin: Node | None = None
+        self.conditions: list[Node] = []
         self.counted: set[tuple[int, Node | None]] = set()
         self.place: Callable[[str], Requirement] = lambda text: Requirement("", NOWHERE, text)
         self.open = True
@@ -271,9 +271,9 @@ class Trace:
         node = self.node(call, (), kind, example, key)
         if node.number == before:
             node.bounds = bounds_of_field(*arguments) if kind == "float" else None
-        if not self.counted & {(node.number, None), (node.number, self.coin)}:
-            self.counted.add((node.number, self.coin))
-            self.graph.events.append(Event("call", node, condition=self.coin, requirement=self.place(premise_of(arguments, text))))
+        if not self.counted & {(node.number, None), *((node.number, condition) for condition in self.conditions)}:
+            self.counted.add((node.number, self.condition))
+            self.graph.events.append(Event("call", node, condition=self.condition, requirement=self.place(premise_of(arguments, text))))
         if isinstance(example, Vector):
             return self.vector(node, example)
         return Opaque(self, node, example) if kind == "object" else Scalar(self, node, example)
@@ -304,7 +304,7 @@ class Trace:
         """The truth of a symbol in the traced run; other runs, where it differs, are not what the graph describes."""
         truth = self.truth(symbol)
         if isinstance(truth, Traced):
-            self.graph.events.append(Event("guard", truth.node, bool(truth.example), condition=self.coin))
+            self.graph.events.append(Event("guard", truth.node, bool(truth.example), condition=self.condition))
             return bool(truth.example)
         return truth
 
@@ -319,11 +319,35 @@ class Trace:
             return self.apply_ufunc(np.not_equal, (value, 0.0))
         return value if isinstance(value, Scalar) else bool(value)
 
-    def require(self, requirement: Requirement, holds: bool) -> None:
-        """The guard just made decides a requirement, which `holds` in the traced run: runs in which it does not are rejected."""
-        last = self.graph.events.pop()
-        assert last.kind == "guard"
-        self.graph.events.append(Event("require", last.node, last.expected is holds, requirement, self.coin))
+    def require(self, requirement: Requirement, symbol: Traced) -> bool:
+        """The truth of a symbol decides a requirement: runs in which it is False are rejected. Its truth in the traced run."""
+        truth = self.truth(symbol)
+        if isinstance(truth, Traced):
+            self.graph.events.append(Event("require", truth.node, True, requirement, self.condition))
+            return bool(truth.example)
+        return truth
+
+    # What is evaluated in some runs only
+
+    def begin(self, condition: Node, expected: bool) -> None:
+        """What comes is evaluated only in the runs in which the truth of `condition` is as expected; and those around it hold as well."""
+        here: Any = Scalar(self, condition, condition.example)
+        here = here if expected else ~here
+        outer = Scalar(self, self.condition, self.condition.example) if self.condition is not None else True
+        both: Any = self.apply_ufunc(np.logical_and, (outer, here))
+        if not isinstance(both, Traced):
+            raise Retry("an operand is never reduced")
+        self.conditions.append(both.node)
+
+    @property
+    def condition(self) -> Node | None:
+        """In which runs the machine comes to where it is: where this node is True, if there is one."""
+        return self.conditions[-1] if self.conditions else None
+
+    @property
+    def imagined(self) -> bool:
+        """Whether the traced run would not come to where the machine is."""
+        return self.condition is not None and not self.condition.example
 
 
 def premise_of(arguments: tuple[object, ...], text: str) -> str:

@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 
 from ...interpreter.choosers import AS_THEY_ARE, PER_SCENE, Draws, replaced
 from ...interpreter.streams import Stream
-from ...semantics.config import Config, State
+from ...semantics.assignment import written
+from ...semantics.config import Config, State, Value
 from ...semantics.distributions import Coin, Discrete, Distribution, Normal, PointIn, Range, TruncatedNormal, Uniform
 from ...semantics.outcome import Done, Draw, Fault, Next, Observe, Requirement, Stuck
 from ...semantics.regions import (
@@ -23,10 +24,12 @@ from ...semantics.regions import (
     UnboundedRegion,
     Workspace,
 )
+from ...semantics.scopes import target_names
 from ...semantics.specials import STORED
 from ...semantics.step import place, step
 from ...semantics.symbols import NotLifted
 from ...semantics.syntax import python_expressions as p
+from ...semantics.syntax import statements as s
 from ...semantics.vectors import Vector
 from .graph import Event, Graph, RowDraw, Site
 from .lifting import lift
@@ -39,7 +42,7 @@ TRIES = 200
 """Runs that are tried until one is found in which all vector fields and regions have values."""
 MAPPED = (Range, Normal, TruncatedNormal, Uniform, Discrete, Coin)
 MAPPED_REGIONS = (CircularRegion, SectorRegion, RectangularRegion, PolygonalRegion, PolylineRegion, PointSetRegion)
-PURE = frozenset({"S-Return", "S-Require", "S-Expression", "S-SoftReq"})
+PURE = frozenset({"S-Return", "S-Require", "S-Expression", "S-SoftReq", "S-If", "S-While", "S-For", "S-Break"})
 
 
 FEW = 5
@@ -93,37 +96,37 @@ def trace_run(config: Config, attempt: int, fuel: int, draws: Draws = AS_THEY_AR
     door = config.state.settings.door
     door.lift = partial(lift, made)
     made.place = lambda text: Requirement("field", place(config), text)
-    below: object = None
-    before: State | None = None
+    partial_runs: list[tuple[object, State]] = []  # where what is evaluated in some runs only ends, and the state at its beginning
     try:
         for _ in range(fuel):
             events = len(made.graph.events)
             outcome = step(config)
             match outcome:
-                case Next(config=after, change=change):
+                case Next(config=after, change=change, where=where):
                     if change is not None and change.where == "print":
                         raise NotLifted("the program prints")
-                    if made.coin is not None:
+                    if made.conditions:
                         check_pure(outcome)
                     config = after
+                    if where is not None:
+                        made.begin(where.symbol.node, where.expected)  # type: ignore[attr-defined]
+                        partial_runs.append((where.stack, config.state))
                 case Draw() if outcome.rule == "S-SoftReq":
                     coin = outcome.distribution.sample(numbers_of(outcome, made))
                     config = outcome.resume(bool(coin) if not isinstance(coin, Traced) else True)
                     if isinstance(coin, Traced):
-                        if made.coin is not None or config.state.reading("require-time") == "end":
+                        if made.conditions or config.state.reading("require-time") == "end":
                             raise NotLifted("a soft requirement within another, or at the end")
-                        made.coin, below, before = coin.node, config.stack[1], config.state
+                        made.begin(coin.node, True)
+                        partial_runs.append((config.stack[1], config.state))
                 case Draw():
                     config = outcome.resume(draw_symbol(replaced(outcome, draws), made))
-                case Observe(requirement=requirement, config=after):
-                    if len(made.graph.events) > events and made.graph.events[-1].kind == "guard":
-                        made.require(requirement, True)
+                case Observe(config=after):
                     config = after
                 case Stuck(requirement=requirement, beyond=beyond):
                     if beyond is not None and len(made.graph.events) == events:  # it fails in all runs that come here
                         config = never_holds(requirement, made, beyond)
-                    elif beyond is not None and made.graph.events[-1].kind == "guard":
-                        made.require(requirement, False)
+                    elif beyond is not None and made.graph.events[-1].requirement is requirement:
                         config = beyond
                     else:
                         raise Retry(requirement.text)
@@ -131,11 +134,14 @@ def trace_run(config: Config, attempt: int, fuel: int, draws: Draws = AS_THEY_AR
                     return Lifted(made.graph, state)
                 case Fault(error=error):
                     raise Mistaken(f"{error}")
-            if made.coin is not None and config.stack is below:
-                assert before is not None
-                check_unchanged(before, config.state)
-                made.coin = None
+            while partial_runs and type(config.control) is Value and config.stack is partial_runs[-1][0]:
+                check_unchanged(partial_runs.pop()[1], config.state)
+                made.conditions.pop()
         raise NotLifted("the program does not come to an end")
+    except NotLifted as problem:
+        if made.imagined:
+            raise Retry(str(problem)) from None
+        raise
     finally:
         made.open = False
         door.lift = None
@@ -143,25 +149,33 @@ def trace_run(config: Config, attempt: int, fuel: int, draws: Draws = AS_THEY_AR
 
 def never_holds(requirement: Requirement, made: Trace, beyond: Config) -> Config:
     """A requirement fails whatever is drawn: no run is accepted, or of a soft one those whose coin shows tails. Raises `Impossible`, `Retry`."""
-    if made.coin is None:
+    if made.condition is None:
         raise Impossible(requirement) if all(map(only_rejects, made.graph.events)) else Retry(requirement.text)
-    made.graph.events.append(Event("require", made.coin, False, requirement))
+    made.graph.events.append(Event("require", made.condition, False, requirement))
     return beyond
 
 
 def check_pure(outcome: Next) -> None:
-    """Refuse statements in a soft requirement's condition that change something: the condition is not evaluated in every run."""
-    call = outcome.node
-    if (outcome.rule.startswith("S-") and outcome.rule not in PURE) or (
-        isinstance(call, p.Call) and isinstance(call.function, p.Attribute) and call.function.name in STORED
-    ):
-        raise NotLifted("the condition of a soft requirement changes something")
+    """Refuse statements and calls that change something in what is not evaluated in every run, and exceptions, which leave it."""
+    node = outcome.node
+    pure = not outcome.rule.startswith("S-") or outcome.rule in PURE or is_local(outcome)
+    stores = isinstance(node, p.Call) and isinstance(node.function, p.Attribute) and node.function.name in STORED
+    if not pure or stores or outcome.rule == "E-Raise":
+        raise NotLifted("what is evaluated only in some runs changes something")
+
+
+def is_local(outcome: Next) -> bool:
+    """Whether a statement is an assignment to variables of a function of the program: they end with its call."""
+    node, scope = outcome.node, outcome.config.state.sigma
+    if not isinstance(node, s.Assignment) or scope.kind != "function":
+        return False
+    return all(written(target) and set(target_names(target)) <= scope.names.local for target in node.targets)
 
 
 def check_unchanged(before: State, after: State) -> None:
-    """Refuse changes of the scene by the condition of a soft requirement."""
+    """Refuse changes of the scene by what is evaluated only in some runs."""
     if any(getattr(before, name) is not getattr(after, name) for name in ("scene", "params", "ego", "workspace", "late", "dynamic", "objects")):
-        raise NotLifted("the condition of a soft requirement changes the scene")
+        raise NotLifted("what is evaluated only in some runs changes the scene")
 
 
 def numbers_of(draw: Draw, made: Trace) -> Callable[[], Any]:
@@ -208,7 +222,7 @@ def draw_by_rows(draw: Draw, made: Trace) -> object:
         raise NotLifted("a draw that is made row by row gives no point")
     node = made.node(RowDraw(draw.distribution, draw.address, draw.per_scene), (), "object", example, object())
     requirement = Requirement("region", draw.node.span, "a region to draw a point from is not empty")
-    made.graph.events.append(Event("call", node, requirement=requirement, condition=made.coin))
+    made.graph.events.append(Event("call", node, requirement=requirement, condition=made.condition))
     return made.vector(node, example)
 
 

@@ -56,13 +56,21 @@ SILENCES_OF_LANGUAGE: tuple[Reading, ...] = (
         kind="silence",
         question="Are `and` and `or` branches when an operand is random?",
         places=(BRANCHING, 'Figure "Operators by result type": `and` and `or` are booleanOperators, whose semantics is "standard"'),
-        alternatives={"operator": "no, operators: as soon as an operand is random, all the operands after it are reduced as well"},
-        consequence="`require x > 0 and f(x) < 1` evaluates f(x) even where x <= 0; the value is Python's.",
-        code=("semantics.conditions.resume_boolean",),
+        alternatives={
+            "short-circuit": "an operand behind one that decides is not reduced, random or not, as in the standard meaning: it can neither draw, nor "
+            "get stuck, nor fail; draws in operands that a random one decides about are numbered apart",
+            "operator": "as soon as an operand is random, all the operands after it are reduced as well",
+        },
+        consequence="`require x > 0 and 1 / x > 0` is no error where x is 0, and `require x > 3 or (F at (x, 0)) > 0` is not stuck where x > 3; "
+        "`a < b < c` goes by the same reading. Under `operator` both are.",
+        code=("semantics.conditions.resume_boolean", "semantics.expressions.conclude_comparison"),
         probe=Probe(
             "log = []\ndef seen(v):\n    log.append(v)\n    return v\nego = Object at (0, 0)\nx = Range(0, 1)\ny = x < 2 or seen(True)\n"
             "z = True or seen(False)\nparam y = y, reduced = len(log)",
-            {"operator": "True, and 1 operand reduced: the one after a random operand"},
+            {
+                "short-circuit": "True, and no operand reduced: the one before it decides",
+                "operator": "True, and 1 operand reduced: the one after a random operand",
+            },
         ),
     ),
     Reading(

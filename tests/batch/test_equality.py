@@ -96,6 +96,13 @@ SHORT = {
     "boxes that touch a border": "workspace = Workspace(PolygonalRegion([(0, 0), (4, 0), (4, 4), (0, 4)]))\n"
     "ego = Object at (Uniform(0.5, 1, 2, 3.5, 3.75), Uniform(0.25, 0.5, 3.5))",
     "a wide sector": "ego = Object with viewAngle 300 deg, with viewDistance 5\nObject at (Range(-4, 4), Range(-4, 4))",
+    "flags that are drawn": "ego = Object at (0, 0), with allowCollisions Uniform(True, False)\n"
+    "Object at (0.5, 0), with requireVisible Uniform(True, False)\nObject at (99, 0), with requireVisible Uniform(True, False, False)",
+    "operands behind one that decides": "x = Uniform(0, 1, 2)\nrequire x > 0 and 1 / x < 0.75 or Range(0, 1) > 0.5\n"
+    "ego = Object with v (x, Range(0, 1), 0 < x < 3 / x, x and 1 / x, x or Uniform('a', 'b'))",
+    "operands that get stuck": "f = PolygonalVectorField('f', [(PolygonalRegion([(-1, -1), (1, -1), (1, 1), (-1, 1)]), 1)])\n"
+    "x = Range(-3, 3)\nrequire abs(x) > 2 or (f at (x, 0)) > 0\nego = Object with v x",
+    "functions in operands": "def f(v):\n    w = v + 1\n    return w > 1.25\nx = Range(0, 1)\nrequire x > 0.5 and f(x) or f(2 * x)\nego = Object with v x",
     "points of a curve": "ego = Object facing Range(0, 6), with viewAngle 1\n"
     "Object on (visible PolylineRegion([(-9, 3), (0, 9), (9, 3), (4, -9)], orientation=False)), with requireVisible False",
 }
@@ -107,7 +114,7 @@ def test_short_programs_give_the_same_scenes(name):
     assert from_batch(batch_of(scenario), 7, 40, 200) == one_by_one(scenario, 7, 40, 200)
 
 
-@pytest.mark.parametrize("name", ["a soft requirement", "boxes that touch a border", "points of a curve", "random parameters"])
+@pytest.mark.parametrize("name", ["a soft requirement", "operands that get stuck", "functions in operands", "boxes that touch a border", "points of a curve", "random parameters"])
 def test_short_programs_give_the_same_scenes_compiled(name):
     pytest.importorskip("numba")
     scenario = scenic_ref.loads(SHORT[name])

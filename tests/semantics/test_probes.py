@@ -166,7 +166,7 @@ EXPECTED: Mapping[str, Mapping[str, Expectation]] = {
     "ego-late": {"error": Fails(errors.RunError, "E-Variable")},
     "ego-twice": {"last": Gives([Vector(0, 5), Vector(85, 0)])},
     "random-branch": {"error": Fails(errors.RandomBranch, "E-Branch")},
-    "boolean-random": {"operator": Gives([True, 1])},
+    "boolean-random": {"short-circuit": Gives([True, 0]), "operator": Gives([True, 1])},
     "is-none": {"identity": Gives([2])},
     "default-arguments": {"definition": Gives([0, True], lambda s: [s.params["shared"], s.params["independent"] != 0])},
     "specifier-arguments": {"left-to-right": Gives([[(5, 5), 1, 2, 3]])},
