@@ -11,16 +11,14 @@ from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 from .classes import canonical
-from .conditions import before_operands, bool_of, combine, random_branch, truth_of, where_open
-from .config import Stack, State, Value, reduce, value
+from .conditions import random_branch
+from .config import Stack, State, value
 from .dynamics.queries import Clock, Closest, attribute_of_clock
 from .errors import RunError
 from .host import LARGEST_INTEGER_BITS, LARGEST_SEQUENCE, HostException, check_private, host, raw
 from .kinds import has_kind, kind_name
-from .operations import membership
-from .outcome import Next, Outcome
-from .premises import Premises, premises, raw_axiom
-from .regions import Region
+from .outcome import Outcome
+from .premises import premises, raw_axiom
 from .scopes import MISSING, Scope
 from .symbols import Symbol
 from .syntax import expressions as e
@@ -255,7 +253,7 @@ def get_item(node: p.Subscript, values: list[object], state: State) -> object:
     return result if origin is None else wrap(unwrap(result)[0], origin)
 
 
-# Arithmetic and comparisons
+# Arithmetic
 
 
 def _power(left: object, right: object) -> object:
@@ -284,11 +282,6 @@ BINARY: Mapping[str, Callable[..., object]] = {
     "<<": _shift, ">>": python.rshift, "&": python.and_, "|": python.or_, "^": python.xor,
 }
 UNARY: Mapping[str, Callable[..., object]] = {"-": python.neg, "+": python.pos, "~": python.invert, "not": python.not_}
-COMPARE: Mapping[str, Callable[..., object]] = {
-    "==": python.eq, "!=": python.ne, "<": python.lt, ">": python.gt, "<=": python.le, ">=": python.ge,
-    "is": python.is_, "is not": python.is_not,
-    "in": lambda left, right: left in right, "not in": lambda left, right: left not in right,  # type: ignore[operator]
-}
 
 
 def apply_host(rule: str, node: Node, function: Callable[..., object], values: list[object], stack: Stack, state: State) -> Outcome:
@@ -327,72 +320,6 @@ def conclude_unary(node: p.UnaryOperation, values: list[object], stack: Stack, s
     """Python's unary operators."""
     rule = "E-Not" if node.operator == "not" else "E-Arithmetic"
     return apply_host(rule, node, UNARY[node.operator], values, stack, state)
-
-
-def comparison(node: p.Comparison, stack: Stack, state: State) -> Outcome:
-    """`E1 < E2 <= E3`: from left to right, until a link does not hold."""
-    return premises(node, [None, node.left, node.operands[0]], conclude_comparison, stack, state, [()])
-
-
-def conclude_comparison(node: p.Comparison, values: list[object], stack: Stack, state: State) -> Outcome:
-    """The next link is reduced; `values` are the links before it and its operands. `in` with a region is an operator of the paper."""
-    held: tuple[object, ...] = values[0]  # type: ignore[assignment]
-    left, right = values[1:]
-    name = node.operators[len(held)]
-    if node.operators == ("in",) and lies_in_region(left, right):
-        return membership(node, left, right, stack, state)
-    before, held = any(type(v) is Random for v in held), (*held, link(node, name, left, right, state))
-    last = len(held) == len(node.operators)
-    if not before and type(held[-1]) is not Random:
-        if last or not bool_of(held[-1], node, state):
-            return value("E-Compare", held[-1], stack, state, node)
-        return premises(node, [None, None, node.operands[len(held)]], conclude_comparison, stack, state, [held, right])
-    if not last and not before:
-        stack, state = before_operands(node.operands[len(held) :], stack, state)
-    if last:
-        return value("E-Compare", combine("and", held, state), stack, state, node)
-    frame = Premises(node, [None, None, node.operands[len(held)]], 2, (held, right), conclude_comparison)
-    operand = reduce(node.operands[len(held)], frame, stack, state)
-    if state.reading("boolean-random") == "operator":
-        return operand
-    return where_open(truth_of(held[-1], state), True, operand, lambda: value("E-Compare", combine("and", held, state), stack, state, node))
-
-
-def lies_in_region(left: object, right: object) -> bool:
-    """Whether `left in right` is the operator of the paper."""
-    if not isinstance(plain(right), Region):
-        return False
-    if not has_kind(unwrap(left)[0], "vector"):
-        raise HostException(TypeError(f"{kind_name(left)} cannot lie in a region"))
-    return True
-
-
-def link(node: p.Comparison, name: str, left: object, right: object, state: State) -> object:
-    """`left name right`, for one link of a comparison."""
-    if type(left) is float and type(right) is float and name in ORDER:
-        return COMPARE[name](left, right)
-    if name in ("in", "not in") and lies_in_region(left, right):
-        outcome = membership(node, left, right, (), state)
-        assert isinstance(outcome, Next) and isinstance(outcome.config.control, Value)
-        result = outcome.config.control.value
-        return result if name == "in" else host(state.settings.door, state, python.not_, result)
-    if name in ("is", "is not"):
-        if right is None and never_none(left):
-            return name == "is not"
-        if type(left) is not Random and type(right) is not Random:
-            return COMPARE[name](left, right)
-    return host(state.settings.door, state, COMPARE[name], left, right)
-
-
-ORDER = frozenset({"<", ">", "<=", ">="})
-
-
-def never_none(subject: object) -> bool:
-    """Whether `subject` is a draw that cannot give None, so that `is None` does not depend on what is drawn (reading `is-none`)."""
-    if type(subject) is not Random or subject.origin.distribution is None:
-        return False
-    support = subject.origin.distribution.support()
-    return support is None or all(plain(v) is not None for v, _ in support)
 
 
 def seconds(node: e.Seconds, stack: Stack, state: State) -> Outcome:

@@ -59,9 +59,9 @@ class VectorField:
 class PolygonalVectorField(VectorField):
     """A field that is constant, or given by a function, on each of some closed polygons. Raises `BadField`.
 
-    `cells` is a sequence of (polygon, heading); a polygon may be given as a polygonal region, a heading may be a number, a function of the point, or None, which stands
-    for `headingFunction`. Where cells overlap, the first that contains the point wins. Outside all cells the value is
-    `defaultHeading` if given; else there is none, and `at` raises `OutsideField`.
+    `cells` is a sequence of (polygon, heading); a polygon may be given as a polygonal region, a heading may be a number, a function of
+    the point, or None, which stands for `headingFunction`. Where cells overlap, the first that contains the point wins. Outside all
+    cells the value is `defaultHeading` if given; else there is none, and `at` raises `OutsideField`.
     """
 
     def __init__(
@@ -148,4 +148,4 @@ def cell_of(pair: Sequence[object]) -> Cell:
         raise BadField(f"a cell of a vector field must be a pair of a polygonal region and a heading, not {pair!r}")
     if not (heading is None or callable(heading) or isinstance(heading, (Real, Symbol))):
         raise BadField(f"the heading of a cell must be a number, a function of the point or None, not {heading!r}")
-    return shape, heading
+    return shape, heading  # type: ignore[return-value]

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from . import (
     assignment,
     calls,
+    comparisons,
     comprehensions,
     conditions,
     control,
@@ -161,7 +162,7 @@ _INHERITED = [
     ("E-Subscript", "subscripts and slices", expressions.subscript),
     ("E-Arithmetic", "arithmetic operators", expressions.binary),
     ("E-Not", "not boolean", expressions.unary),
-    ("E-Compare", "comparisons", expressions.comparison),
+    ("E-Compare", "comparisons", comparisons.comparison),
     ("E-Boolean", "boolean and/or boolean", conditions.boolean),
     ("E-Conditional", "conditional expressions", conditions.conditional),
     ("E-Lambda", "lambda", functions.lambda_rule),

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 from . import (
     assignment,
     calls,
+    comparisons,
     comprehensions,
     conditions,
     control,
@@ -55,7 +56,7 @@ REDUCE: Mapping[type, Callable[..., Outcome]] = {
     p.UnaryOperation: expressions.unary,
     p.BinaryOperation: expressions.binary,
     p.BooleanOperation: conditions.boolean,
-    p.Comparison: expressions.comparison,
+    p.Comparison: comparisons.comparison,
     p.Conditional: conditions.conditional,
     p.Lambda: functions.lambda_rule,
     p.Comprehension: comprehensions.comprehension,

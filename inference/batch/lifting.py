@@ -8,7 +8,8 @@ from collections.abc import Callable, Iterator
 from functools import partial, reduce
 
 from ...semantics.calls import invoke
-from ...semantics.expressions import BINARY, COMPARE, UNARY
+from ...semantics.comparisons import COMPARE
+from ...semantics.expressions import BINARY, UNARY
 from ...semantics.regions import CircularRegion, RectangularRegion, Region, SectorRegion
 from ...semantics.symbols import NotLifted
 from ...semantics.values import Dynamic, Function, Instance, Method, Module, Random, ScenicClass

@@ -36,7 +36,7 @@ CONFLICTS_OF_EXAMPLES: tuple[Reading, ...] = (
         places=(OPERATORS + ": `X in region`", 'Figure "Boolean operators": `X is in R`'),
         alternatives={"in": "`X in R`; `X is in R` is accepted and means the same"},
         consequence="Both spellings parse to the same tree.",
-        code=("semantics.expressions.conclude_comparison",),
+        code=("semantics.comparisons.conclude_comparison",),
         probe=Probe(
             "ego = Object at (0, 0)\nR = CircularRegion((0, 0), 1)\nparam a = ego in R, b = ego is in R, c = (0, 2) is in R, d = (0, 1) in R",
             {"in": "True, True, False, True"},

@@ -63,7 +63,7 @@ SILENCES_OF_LANGUAGE: tuple[Reading, ...] = (
         },
         consequence="`require x > 0 and 1 / x > 0` is no error where x is 0, and `require x > 3 or (F at (x, 0)) > 0` is not stuck where x > 3; "
         "`a < b < c` goes by the same reading. Under `operator` both are.",
-        code=("semantics.conditions.resume_boolean", "semantics.expressions.conclude_comparison"),
+        code=("semantics.conditions.resume_boolean", "semantics.comparisons.conclude_comparison"),
         probe=Probe(
             "log = []\ndef seen(v):\n    log.append(v)\n    return v\nego = Object at (0, 0)\nx = Range(0, 1)\ny = x < 2 or seen(True)\n"
             "z = True or seen(False)\nparam y = y, reduced = len(log)",
@@ -81,7 +81,7 @@ SILENCES_OF_LANGUAGE: tuple[Reading, ...] = (
         alternatives={"identity": "not if the value is a direct draw whose distribution cannot give None; otherwise it is, and a branch on it is "
             "an error"},
         consequence="The paper's helper functions work with random and with missing arguments.",
-        code=("semantics.expressions.never_none",),
+        code=("semantics.comparisons.never_none",),
         probe=Probe(
             "ego = Object at (0, 0)\nx = Uniform(1, 2)\nparam a = 1 if x is None else 2",
             {"identity": "2; with `Uniform(1, None)` RandomBranch, rule E-Branch"},

@@ -102,7 +102,8 @@ SHORT = {
     "ego = Object with v (x, Range(0, 1), 0 < x < 3 / x, x and 1 / x, x or Uniform('a', 'b'))",
     "operands that get stuck": "f = PolygonalVectorField('f', [(PolygonalRegion([(-1, -1), (1, -1), (1, 1), (-1, 1)]), 1)])\n"
     "x = Range(-3, 3)\nrequire abs(x) > 2 or (f at (x, 0)) > 0\nego = Object with v x",
-    "functions in operands": "def f(v):\n    w = v + 1\n    return w > 1.25\nx = Range(0, 1)\nrequire x > 0.5 and f(x) or f(2 * x)\nego = Object with v x",
+    "functions in operands": "def f(v):\n    w = v + 1\n    return w > 1.25\nx = Range(0, 1)\n"
+    "require x > 0.5 and f(x) or f(2 * x)\nego = Object with v x",
     "points of a curve": "ego = Object facing Range(0, 6), with viewAngle 1\n"
     "Object on (visible PolylineRegion([(-9, 3), (0, 9), (9, 3), (4, -9)], orientation=False)), with requireVisible False",
 }
@@ -114,7 +115,12 @@ def test_short_programs_give_the_same_scenes(name):
     assert from_batch(batch_of(scenario), 7, 40, 200) == one_by_one(scenario, 7, 40, 200)
 
 
-@pytest.mark.parametrize("name", ["a soft requirement", "operands that get stuck", "functions in operands", "boxes that touch a border", "points of a curve", "random parameters"])
+ALSO_COMPILED = (
+    "a soft requirement", "operands that get stuck", "functions in operands", "boxes that touch a border", "points of a curve", "random parameters",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ALSO_COMPILED)
 def test_short_programs_give_the_same_scenes_compiled(name):
     pytest.importorskip("numba")
     scenario = scenic_ref.loads(SHORT[name])
