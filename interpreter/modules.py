@@ -6,21 +6,19 @@ modules below. Any other Python module runs arbitrary code and needs `trust`.
 
 from __future__ import annotations
 
-import collections
-import enum
-import functools
 import importlib
 import importlib.util
-import itertools
-import math
 import random
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from difflib import get_close_matches
 from pathlib import Path
+from typing import Any
 
+from ..semantics.budget import refuse_too_long
 from ..semantics.errors import ImportRefused, ScenicError, UsageError
+from ..semantics.library import MODULES
 from ..semantics.scopes import descendants
 from ..semantics.syntax import Program
 from ..semantics.syntax import statements as s
@@ -35,18 +33,26 @@ def _members(module: object, without: tuple[str, ...] = ()) -> Mapping[str, obje
     return {n: getattr(module, n) for n in dir(module) if not n.startswith("_") and n not in without}
 
 
-def _seeded(seed: int) -> random.Random:
-    return random.Random(seed)
+class Seeded(random.Random):
+    """`random.Random(seed)`: only with a seed, so that a scene is a function of the program, its seed and its number."""
+
+    scenic_names = frozenset(
+        ["random", "uniform", "randint", "randrange", "choice", "choices", "sample", "shuffle", "gauss", "normalvariate", "triangular", "betavariate", "expovariate", "gammavariate", "lognormvariate", "vonmisesvariate", "paretovariate", "weibullvariate"]
+    )
+
+    def __init__(self, seed: object = None) -> None:
+        if not isinstance(seed, (int, str)):
+            raise TypeError("random.Random takes a whole number or a text as its seed")
+        super().__init__(seed)
+
+    def choices(self, population: Any, weights: Any = None, *, cum_weights: Any = None, k: int = 1) -> list[Any]:
+        """Some of the population, each drawn anew."""
+        refuse_too_long(k)
+        return super().choices(population, weights, cum_weights=cum_weights, k=k)
 
 
-HARMLESS: Mapping[str, Callable[[], Mapping[str, object]]] = {
-    "math": lambda: _members(math),
-    "itertools": lambda: _members(itertools),
-    "functools": lambda: {n: getattr(functools, n) for n in ("partial", "reduce", "cmp_to_key")},
-    "collections": lambda: {n: getattr(collections, n) for n in ("namedtuple", "Counter", "OrderedDict", "defaultdict", "deque")},
-    "enum": lambda: {n: getattr(enum, n) for n in ("Enum", "IntEnum", "Flag", "auto")},
-    "random": lambda: {"Random": _seeded},
-}
+HARMLESS: Mapping[str, Mapping[str, object]] = {**MODULES, "random": {"Random": Seeded}}
+"""The standard modules that need no trust."""
 
 
 def library_of(
@@ -110,7 +116,7 @@ def find(
         found = worlds[name]()
         return parse(found, f"<{name}>") if isinstance(found, str) else found
     if name in HARMLESS:
-        return HARMLESS[name]()
+        return HARMLESS[name]
     if name.startswith("."):
         return None
     if not python_module_exists(name, directory):

@@ -76,7 +76,7 @@ class Scenario:
         )
         if self.model is not None and isinstance(library.get(self.model), Exception):
             raise UsageError(f"the world model: {library[self.model]}", hint=getattr(library[self.model], "hint", ""))
-        return make_settings(self.readings, library, self.params, self.model, self.scenario)  # type: ignore[arg-type]
+        return make_settings(self.readings, library, self.params, self.model, self.scenario, trusted=self.trust)  # type: ignore[arg-type]
 
     def start(self) -> Config:
         """The configuration that every run begins with."""

@@ -6,11 +6,14 @@ import operator as python
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 
+from .allowed import is_hidden, is_user_made
+from .arithmetic import BINARY
+from .budget import LARGEST_SEQUENCE
 from .classes import canonical
 from .config import PASS, Config, Stack, State
 from .errors import RunError
-from .expressions import BINARY, as_vectors, elements, get_attribute, get_item
-from .host import LARGEST_SEQUENCE, HostException, check_private, host, is_user_made, raw
+from .expressions import as_vectors, elements, get_attribute, get_item
+from .host import HostException, host, raw
 from .kinds import is_object, kind_name
 from .outcome import Change, Next, Outcome
 from .premises import SHARED, axiom, describe_origin, premises
@@ -189,8 +192,9 @@ def set_attribute(subject: object, name: str, assigned: object, node: Node, stat
             return state
         case ScenicClass() | Function() | Method():
             raise RunError(f"attributes of {inner!r} cannot be assigned", node.span, rule="S-Assignment")
-        case _ if "__scenic_user_class__" in (inner if isinstance(inner, type) else type(inner)).__dict__:
-            check_private(name, inner, node)
+        case _ if is_user_made(inner):
+            if is_hidden(name):
+                raise RunError(f"{name} is private to Python objects", node.span, rule="S-Assignment")
             raw(state.settings.door, state, setattr, inner, name, assigned)
             return state
         case _:
@@ -274,8 +278,8 @@ def conclude_delete(node: s.Delete, values: list[object], stack: Stack, state: S
             case p.Name(name=name):
                 if state.sigma.home(name).bindings.pop(name, MISSING) is MISSING:
                     raise RunError(f"{name} is not defined", target.span, rule="S-Delete")
-            case p.Attribute(name=name):
-                check_private(name, plain(next(rest)), target)
+            case p.Attribute():
+                next(rest)
                 raise RunError("attributes cannot be deleted", target.span, rule="S-Delete")
             case p.Subscript():
                 container, *parts = (next(rest) for _ in target_premises(target))

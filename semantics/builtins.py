@@ -7,15 +7,16 @@ import math
 from collections.abc import Mapping
 
 from . import regions
+from .budget import Budget
 from .classes import BUILT_IN_CLASSES
 from .distributions import BadParameters, Discrete, Normal, Range, TruncatedNormal, Uniform
 from .dynamics.guards import EXCEPTIONS as GUARD_VIOLATIONS
 from .dynamics.queries import Clock
-from .expressions import BINARY, Entries, Pairs
 from .fields import PolygonalVectorField, VectorField
+from .library import BUILTIN, bound
 from .scopes import Scope
-from .specials import HOST_RULES, SPECIAL_VALUES
-from .values import Constructor, plain, unwrap
+from .specials import SPECIAL_VALUES
+from .values import Constructor, Entries, Pairs, plain, unwrap
 from .vectors import Vector
 
 
@@ -51,27 +52,7 @@ GEOMETRY: Mapping[str, object] = {
     },
 }
 
-_HOST_NAMES = (
-    "abs all any bin bool bytes chr classmethod complex divmod float format frozenset hash hex int iter max min next object oct ord pow property "
-    "range repr round set slice sorted staticmethod str sum"
-)
-
-
-def _power(base: object, exponent: object, modulus: object = None) -> object:
-    if modulus is None:
-        return BINARY["**"](base, exponent)
-    return pow(base, exponent, modulus)  # type: ignore[call-overload]
-
-
-HOST: Mapping[str, object] = {
-    **{name: getattr(python, name) for name in _HOST_NAMES.split()},
-    "pow": _power,
-    "sin": math.sin,
-    "cos": math.cos,
-    "hypot": math.hypot,
-    "NotImplemented": NotImplemented,
-    **{function.__name__: function for function in HOST_RULES},
-}
+HOST: Mapping[str, object] = {**BUILTIN, "sin": math.sin, "cos": math.cos, "hypot": math.hypot, "NotImplemented": NotImplemented}
 
 EXCEPTIONS: Mapping[str, object] = {
     name: value
@@ -82,6 +63,6 @@ EXCEPTIONS: Mapping[str, object] = {
 BUILTINS: Mapping[str, object] = {**HOST, **EXCEPTIONS, **GEOMETRY, **BUILT_IN_CLASSES, **CONSTRUCTORS, **SPECIAL_VALUES, "simulation": Clock()}
 
 
-def builtin_scope() -> Scope:
+def builtin_scope(budget: Budget) -> Scope:
     """The outermost scope of a run."""
-    return Scope("builtins", None, bindings=dict(BUILTINS))
+    return Scope("builtins", None, bindings={name: bound(value, budget) for name, value in BUILTINS.items()})

@@ -6,7 +6,9 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from types import BuiltinFunctionType, MethodType
 
+from .allowed import is_known, is_user_class
 from .assignment import random_write
+from .budget import ITEM, LARGEST_SEQUENCE, refuse_too_large, refuse_too_long, size_of
 from .conditions import random_branch
 from .config import Stack, State, value
 from .distributions import BadParameters
@@ -16,7 +18,7 @@ from .errors import RunError
 from .expressions import elements
 from .fields import BadField, VectorField
 from .functions import bind, enter
-from .host import LARGEST_SEQUENCE, HostException, host, raw
+from .host import HostException, host, raw
 from .kinds import kind_name
 from .outcome import Next, Outcome
 from .premises import premises
@@ -93,11 +95,12 @@ def apply(node: Node, function: object, arguments: tuple[object, ...], keywords:
             raise HostException(TypeError(f"an instance of {function.class_.name} is not callable"))
         case Random() if isinstance(function.value, (Function, Method, Constructor, Special)):
             raise random_branch(function, node, "which function is called")
-        case type() if "__scenic_user_class__" in function.__dict__:
+        case type() if is_user_class(function):
             return instantiate(node, function, arguments, keywords, stack, state)
         case MethodType(__func__=Function() as code):
             return Next("E-Call", enter(code, (function.__self__, *arguments), keywords, state, stack, node), node)
         case type() | BuiltinFunctionType() if function in HOST_RULES:
+            check_call(function, arguments, keywords, state)
             return HOST_RULES[function](node, arguments, keywords, stack, state)
         case _:
             return call_host(node, function, arguments, keywords, stack, state)
@@ -115,9 +118,7 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
     """Call library code with plain values; the result is random if anything that went in was."""
     if not callable(plain(function)):
         raise HostException(TypeError(f"{kind_name(function)} is not callable"))
-    if any(isinstance(a, range) and len(a) > LARGEST_SEQUENCE for a in arguments):
-        raise RunError("a range with so many elements cannot be turned into a collection", node.span, rule="E-Call-Host")
-    guard_format(plain(function), arguments, node)
+    check_call(plain(function), arguments, keywords, state)
     if container_method(plain(function)):
         if type(function) is Random and function.value.__name__ in STORED:  # type: ignore[attr-defined]
             raise random_write(Random(function.value.__self__, function.origin), node)  # type: ignore[attr-defined]
@@ -135,6 +136,20 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
             raise RunError(str(problem.exception), node.span, rule="E-Call-Host") from None
         raise
     return value("E-Call-Host", result, stack, state, node)
+
+
+def check_call(function: object, arguments: tuple[object, ...], keywords: Mapping[str, object], state: State) -> None:
+    """Pay for what library code goes through, and refuse what it would make of a single number or a long range."""
+    inner = [plain(a) for a in (*arguments, *keywords.values())]
+    if function is not range and any(isinstance(a, range) and size_of(a) > ITEM * LARGEST_SEQUENCE for a in inner):
+        raise RunError("a range with so many elements cannot be turned into a collection", rule="E-Call-Host")
+    state.settings.door.budget.go_through(inner)
+    if function is bytes and inner and isinstance(inner[0], int):
+        refuse_too_long(inner[0])
+    if function is int and inner and isinstance(inner[0], (str, bytes)):
+        refuse_too_large(4 * len(inner[0]))
+    if isinstance(function, type) and not state.settings.trusted and not is_known(function):
+        raise RunError(f"{function.__name__} is no class of this language", rule="E-Call-Host")
 
 
 def invoke(function: Callable[..., object], *arguments: object, **keywords: object) -> object:
@@ -169,18 +184,6 @@ def as_positions(argument: object, state: State) -> object:
             return type(argument)(as_positions(a, state) for a in argument)
         case _:
             return argument
-
-
-def guard_format(function: object, arguments: tuple[object, ...], node: Node) -> None:
-    """`"{0._x}".format(v)` would read private names, and a width could ask for gigabytes: refuse both."""
-    subject = getattr(function, "__self__", None)
-    name = getattr(function, "__name__", "")
-    if isinstance(subject, str) and name in ("format", "format_map") and ("._" in subject or "[_" in subject):
-        raise RunError("format strings may not read private names", node.span, rule="E-Call-Host")
-    if isinstance(subject, (str, bytes)) and name in ("ljust", "rjust", "center", "zfill", "expandtabs"):
-        width = plain(arguments[0]) if arguments else 0
-        if isinstance(width, int) and width > LARGEST_SEQUENCE:
-            raise RunError("a string of this width is too large", node.span, rule="E-Call-Host")
 
 
 def instantiate(

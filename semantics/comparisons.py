@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import operator as python
 from collections.abc import Callable, Mapping
+from typing import Any
 
+from .budget import ITEM, refuse_too_long, size_of
 from .conditions import before_operands, bool_of, combine, truth_of, where_open
 from .config import Stack, State, Value, reduce, value
 from .host import HostException, host
@@ -16,10 +18,18 @@ from .regions import Region
 from .syntax import python_expressions as p
 from .values import Random, plain, unwrap
 
+
+def contains(container: Any, item: object) -> bool:
+    """`item in container`."""
+    if isinstance(container, range) and not isinstance(item, int):
+        refuse_too_long(size_of(container) // ITEM)
+    return item in container
+
+
 COMPARE: Mapping[str, Callable[..., object]] = {
     "==": python.eq, "!=": python.ne, "<": python.lt, ">": python.gt, "<=": python.le, ">=": python.ge,
     "is": python.is_, "is not": python.is_not,
-    "in": lambda left, right: left in right, "not in": lambda left, right: left not in right,  # type: ignore[operator]
+    "in": lambda left, right: contains(right, left), "not in": lambda left, right: not contains(right, left),
 }
 
 

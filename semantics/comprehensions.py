@@ -11,6 +11,7 @@ from .expressions import elements, host_container
 from .functions import InScope
 from .outcome import Next, Outcome
 from .scopes import Scope, function_names, target_names
+from .sets import Set
 from .syntax import python_expressions as p
 
 
@@ -69,7 +70,7 @@ def advance(frame: Comprehending, stack: Stack, state: State) -> Outcome:
         index = len(outer)
         bind_target(frame.node.clauses[index].target, source[position], state)
         return check_conditions(frame._replace(iterators=(*outer, (source, position + 1))), index, 0, stack, state)
-    kinds = {"list": list, "generator": list, "set": set, "dict": dict}
+    kinds = {"list": list, "generator": list, "set": Set, "dict": dict}
     return value("E-Comprehension", host_container(kinds[frame.node.kind], in_order(frame.found)), stack, state, frame.node)
 
 

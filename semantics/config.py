@@ -20,7 +20,10 @@ Properties = Mapping[str, object]
 
 
 class Settings(NamedTuple):
-    """What stays the same during a run: readings, importable modules, the machine itself (for calls from host code)."""
+    """What stays the same during a run: readings, importable modules, the machine itself (for calls from host code).
+
+    A `trusted` program may hold and ask anything (`allowed`), since it imports Python code that can do anything.
+    """
 
     readings: Mapping[str, str]
     library: Mapping[str, Program | Mapping[str, object] | Exception]
@@ -30,6 +33,7 @@ class Settings(NamedTuple):
     model: str | None = None
     euler_steps: int = 4
     scenario: str | None = None
+    trusted: bool = False
 
 
 class State(NamedTuple):

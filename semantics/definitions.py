@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from .allowed import BASES, MARK, is_hidden, is_user_class
 from .assignment import done
 from .classes import OBJECT_CLASS, canonical
 from .config import Abrupt, Config, Stack, State
@@ -12,6 +13,7 @@ from .control import block
 from .errors import CheckError, ImportRefused, RunError
 from .host import HostException
 from .kinds import kind_name
+from .library import bound
 from .outcome import Change, Next, Outcome
 from .premises import premises
 from .scopes import MISSING, NO_NAMES, Scope
@@ -45,8 +47,10 @@ def conclude_superclasses(node: s.ClassDefinition, values: list[object], stack: 
         if len(superclasses) > 1:
             raise RunError(f"the Scenic class {node.name} has more than one superclass", node.span, rule="S-Class")
         return block(node.body, (ClassBody(node, state.sigma, superclasses[0]), stack), inner)
-    if not all(isinstance(c, type) for c in superclasses):
-        raise RunError(f"{node.name} cannot be a subclass of {kind_name(superclasses[0])}", node.span, rule="S-Class")
+    for superclass in superclasses:
+        if not (isinstance(superclass, type) and (state.settings.trusted or may_be_derived_from(superclass))):
+            name = superclass.__name__ if isinstance(superclass, type) else kind_name(superclass)
+            raise RunError(f"{node.name} cannot be a subclass of {name}", node.span, rule="S-Class")
     if node.properties:
         raise RunError(
             f"{node.name} is a Python class, so it has no properties", node.properties[0].span, rule="S-Class",
@@ -94,11 +98,26 @@ def make_scenic_class(node: s.ClassDefinition, superclass: ScenicClass, members:
 
 
 def make_python_class(node: s.ClassDefinition, superclasses: tuple[type, ...], members: Mapping[str, object]) -> type:
-    """A Python class; its methods are functions of the program."""
+    """A Python class; its methods are functions of the program. An enumeration's members are made by the enumeration."""
+    hidden = next(filter(is_hidden, members), None)
+    if hidden is not None:
+        raise RunError(f"a class cannot define {hidden}", node.span, rule="S-Class", hint="docs/security.md lists what it can")
     try:
-        return type(node.name, superclasses, {**members, "__scenic_user_class__": True})
+        kind = type(superclasses[0])
+        namespace = kind.__prepare__(node.name, superclasses)
+        for name, member in members.items():
+            namespace[name] = member
+        namespace["__module__"] = "scenic"
+        made = kind(node.name, superclasses, namespace)  # type: ignore[arg-type]
+        setattr(made, MARK, True)
     except Exception as exception:
         raise HostException(exception) from exception
+    return made
+
+
+def may_be_derived_from(class_: type) -> bool:
+    """Whether a class of the program may be derived from the Python class."""
+    return is_user_class(class_) or class_ in BASES or issubclass(class_, Exception)
 
 
 # Modules
@@ -195,8 +214,17 @@ def load(name: str, node: Node, stack: Stack, state: State) -> Outcome:
         raise ImportRefused(str(found), node.span, rule="S-Import", hint=getattr(found, "hint", ""))
     if found is MISSING:
         raise RunError(f"there is no module {name}", node.span, rule="S-Import")
-    module = Module(name, Scope("module", None, bindings=dict(found))) if isinstance(found, Mapping) else found
+    budget = state.settings.door.budget
+    own = {member: bound(own_copy(value), budget) for member, value in found.items()} if isinstance(found, Mapping) else {}
+    module = Module(name, Scope("module", None, bindings=own)) if isinstance(found, Mapping) else found
     return Next("", Config(node, stack, state._replace(modules={**state.modules, name: module})))
+
+
+def own_copy(value: object) -> object:
+    """A value of a Python module as a run gets it: what the program changes in it, no other run sees."""
+    if type(value) is dict:
+        return {key: own_copy(item) for key, item in value.items()}
+    return [own_copy(item) for item in value] if type(value) is list else value
 
 
 def resume_module_body(frame: ModuleBody, result: object, stack: Stack, state: State) -> Outcome:

@@ -8,23 +8,29 @@ from __future__ import annotations
 
 import operator as python
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
 
+from .allowed import is_user_made, may_ask
+from .arithmetic import BINARY, UNARY
+from .budget import LARGEST_SEQUENCE
 from .classes import canonical
 from .conditions import random_branch
 from .config import Stack, State, value
 from .dynamics.queries import Clock, Closest, attribute_of_clock
 from .errors import RunError
-from .host import LARGEST_INTEGER_BITS, LARGEST_SEQUENCE, HostException, check_private, host, raw
+from .host import HostException, host, raw
 from .kinds import has_kind, kind_name
+from .library import ascii_of, attribute_of, bound
 from .outcome import Outcome
 from .premises import premises, raw_axiom
 from .scopes import MISSING, Scope
+from .sets import Set
 from .symbols import Symbol
 from .syntax import expressions as e
 from .syntax import python_expressions as p
 from .syntax.nodes import Node
-from .values import Dynamic, Function, Instance, Method, Module, Random, ScenicClass, plain, unwrap, wrap
+from .texts import formatted as format_value
+from .texts import represented, written
+from .values import Bound, Dynamic, Entries, Function, Instance, Method, Module, Native, Pairs, Random, ScenicClass, plain, unwrap, wrap
 
 
 def axiom_rule(node: Node, stack: Stack, state: State) -> Outcome:
@@ -48,25 +54,13 @@ def conclude_display(node: p.TupleDisplay | p.ListDisplay | p.SetDisplay, values
             items.extend(elements(item, expression, state))
         else:
             items.append(item)
-    kind = {p.TupleDisplay: tuple, p.ListDisplay: list, p.SetDisplay: set}[type(node)]
+    kind = {p.TupleDisplay: tuple, p.ListDisplay: list, p.SetDisplay: Set}[type(node)]
     return value("E-Display", host_container(kind, items), stack, state, node)
-
-
-class Pairs(NamedTuple):
-    """The entries of a dictionary whose keys are symbols: weights of `Discrete`, and nothing else."""
-
-    pairs: list[tuple[object, object]]
-
-
-class Entries(dict):
-    """A dictionary with random keys, as it is in this run; `pairs` are its entries before equal keys became one."""
-
-    pairs: list[tuple[object, object]]
 
 
 def host_container(kind: Callable[[list], object], items: list) -> object:
     """A container of the items, random as a whole if members of a set or keys of a dictionary are; an unhashable one is the program's mistake."""
-    keys = items if kind is set else [key for key, _ in items] if kind is dict else []
+    keys = items if kind is Set else [key for key, _ in items] if kind is dict else []
     _, origin = unwrap(keys)
     try:
         if origin is None:
@@ -89,6 +83,7 @@ def elements(iterable: object, node: Node, state: State) -> list[object]:
     if isinstance(iterable, range) and len(iterable) > LARGEST_SEQUENCE:
         raise RunError(f"{len(iterable)} elements are too many", node.span)
     result = raw(state.settings.door, state, list, iterable)
+    state.settings.door.budget.made(plain(result))
     if type(result) is Random:  # an iterator of the program gave something random
         raise random_branch(result, node, "what its iterator gives")
     return result  # type: ignore[return-value]
@@ -127,12 +122,12 @@ def formatted(node: p.FString, stack: Stack, state: State) -> Outcome:
 
 def conclude_formatted(node: p.FString, values: list[object], stack: Stack, state: State) -> Outcome:
     """Join the pieces."""
-    conversions = {"": lambda v: v, "r": repr, "s": str, "a": ascii}
+    conversions = {"": lambda v: v, "r": represented, "s": written, "a": ascii_of}
 
     def join(*parts: object) -> str:
         rest = iter(parts)
         return "".join(
-            part if isinstance(part, str) else format(conversions[part.conversion](next(rest)), str(next(rest) or "")) for part in node.parts
+            part if isinstance(part, str) else format_value(conversions[part.conversion](next(rest)), str(next(rest) or "")) for part in node.parts
         )
 
     texts = [instance_text(v, state) for v in values]
@@ -204,14 +199,25 @@ def get_attribute(subject: object, node: p.Attribute, state: State) -> object:
             if name == "__name__" and isinstance(subject, Function):
                 return subject.name
             raise HostException(AttributeError(f"{subject!r} has no attribute {name}"))
+        case Native(members=members) | Bound(members=members) if name in members:
+            return bound(members[name], state.settings.door.budget)
         case _:
-            check_private(name, subject, node)
-            return get_host_attribute(subject, name, state)
+            return get_host_attribute(subject, name, node, state)
 
 
-def get_host_attribute(subject: object, name: str, state: State) -> object:
-    """Python's attribute; a container's methods stay those of the container itself, random elements and all."""
-    return raw(state.settings.door, state, getattr, subject, name)
+def get_host_attribute(subject: object, name: str, node: p.Attribute, state: State) -> object:
+    """An attribute of the table, or of a class of the program; a container's methods stay those of the container itself, random elements and all."""
+    door = state.settings.door
+    if isinstance(subject, Symbol) or (state.settings.trusted and not name.startswith("_")):
+        return raw(door, state, getattr, subject, name)
+    if may_ask(subject, name):
+        return raw(door, state, attribute_of, subject, name, door.budget)
+    fallback = getattr(type(subject), "__getattr__", None) if is_user_made(subject) and not isinstance(subject, type) else None
+    if isinstance(fallback, Function):
+        return raw(door, state, fallback, subject, name)
+    if name.startswith("_"):
+        raise RunError(f"names with a leading underscore, such as {name}, are private to Python objects", node.span, rule="E-Attribute")
+    raise HostException(AttributeError(f"{kind_name(subject)} has no attribute {name}"))
 
 
 def instance_attribute(instance: Instance, name: str, state: State) -> object:
@@ -254,34 +260,6 @@ def get_item(node: p.Subscript, values: list[object], state: State) -> object:
 
 
 # Arithmetic
-
-
-def _power(left: object, right: object) -> object:
-    if isinstance(left, int) and isinstance(right, int) and right > 0 and left.bit_length() * right > LARGEST_INTEGER_BITS:
-        raise OverflowError(f"{left} ** {right} is too large")
-    return left**right  # type: ignore[operator]
-
-
-def _times(left: object, right: object) -> object:
-    for sequence, count in ((left, right), (right, left)):
-        if isinstance(sequence, (str, bytes, list, tuple)) and isinstance(count, int) and len(sequence) * count > LARGEST_SEQUENCE:
-            raise MemoryError
-    if isinstance(left, int) and isinstance(right, int) and left.bit_length() + right.bit_length() > LARGEST_INTEGER_BITS:
-        raise OverflowError("an integer is too large")
-    return left * right  # type: ignore[operator]
-
-
-def _shift(left: object, right: object) -> object:
-    if isinstance(right, int) and right > LARGEST_INTEGER_BITS:
-        raise OverflowError("an integer is too large")
-    return left << right  # type: ignore[operator]
-
-
-BINARY: Mapping[str, Callable[..., object]] = {
-    "+": python.add, "-": python.sub, "*": _times, "/": python.truediv, "//": python.floordiv, "%": python.mod, "**": _power,
-    "<<": _shift, ">>": python.rshift, "&": python.and_, "|": python.or_, "^": python.xor,
-}
-UNARY: Mapping[str, Callable[..., object]] = {"-": python.neg, "+": python.pos, "~": python.invert, "not": python.not_}
 
 
 def apply_host(rule: str, node: Node, function: Callable[..., object], values: list[object], stack: Stack, state: State) -> Outcome:

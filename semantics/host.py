@@ -8,24 +8,22 @@ draw is refused, never lost.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING
 
+import numpy as np
+
+from .allowed import is_value
+from .budget import PLAIN, STEP, Budget
 from .config import Abrupt, Config, State, Value
 from .errors import FuelExhausted, RunError, ScenicError
 from .outcome import Draw, Fault, Next, Observe, Operand, Stuck
 from .symbols import NotLifted
 from .values import Function, Instance, Origin, unwrap, wrap
 
-if TYPE_CHECKING:
-    from .syntax.nodes import Node
-
 DOOR_FUEL = 1_000_000
 Lift = Callable[[Callable[..., object], list[object], dict[str, object]], object]
 """Applies an operation of Python to arguments with symbols in them, when the machine runs on symbols (DESIGN, section 1)."""
 NUMBERS_PER_CALL = 1_000_000
 """Instances made behind the door have numbers of their own, so that none is ever taken for another."""
-LARGEST_INTEGER_BITS = 100_000
-LARGEST_SEQUENCE = 10_000_000
 
 
 class HostException(Exception):
@@ -48,10 +46,11 @@ class DoorStuck(Exception):
 class Door:
     """The one way in: `call` runs a function of the program to its value in the state of the surrounding host call."""
 
-    __slots__ = ("called", "calls", "enter", "lift", "origin", "state")
+    __slots__ = ("budget", "called", "calls", "enter", "lift", "origin", "state")
 
     def __init__(self, enter: Callable[[Function, tuple[object, ...], Mapping[str, object], State], Config]) -> None:
         self.enter = enter
+        self.budget = Budget()
         self.state: State | None = None
         self.origin: Origin | None = None
         self.called = False
@@ -69,6 +68,7 @@ class Door:
         for _ in range(DOOR_FUEL):
             if not config.stack:
                 break
+            self.budget.spend(STEP)
             match state.settings.machine(config):
                 case Next(where=Operand()):
                     raise NotLifted(f"{function.name}, which library code calls, goes by a random value")
@@ -150,21 +150,24 @@ def host(door: Door, state: State, operation: Callable[..., object], *arguments:
         raise RunError("this operation needs more memory than there is") from None
     except Exception as exception:  # whatever library code raises is the program's to catch
         raise HostException(exception, origin or door.origin) from exception
+    if type(result) not in PLAIN:
+        result = settled(result, state)
     return wrap(result, origin or door.origin)
 
 
-def check_private(name: str, value: object, node: Node) -> None:
-    """Refuse `value._name` on host objects: through such names a program could reach anything (DESIGN, section 4)."""
-    if name.startswith("_") and name not in getattr(type(value), "scenic_names", ()) and not is_user_made(value):
-        raise RunError(
-            f"names with a leading underscore, such as {name}, are private to Python objects", node.span, rule="E-Attribute"
-        )
+def settled(result: object, state: State) -> object:
+    """What host code made, paid for and checked; a number of NumPy's as Python's."""
+    if isinstance(result, np.generic):
+        return result.item()
+    state.settings.door.budget.made(result)
+    check_value(result, state)
+    return result
 
 
-def is_user_made(value: object) -> bool:
-    """Whether `value` is an instance of a Python class of the program, or that class."""
-    owner = value if isinstance(value, type) else type(value)
-    return "__scenic_user_class__" in owner.__dict__
+def check_value(result: object, state: State) -> None:
+    """Refuse a value that is none of a program's (`allowed.is_value`)."""
+    if type(result) not in PLAIN and not state.settings.trusted and not is_value(result):
+        raise RunError(f"a {type(result).__name__} is no value that a program may have", rule="E-Call-Host")
 
 
 def raw(door: Door, state: State, operation: Callable[..., object], *arguments: object, **keywords: object) -> object:
@@ -186,4 +189,5 @@ def raw(door: Door, state: State, operation: Callable[..., object], *arguments: 
         raise HostException(exception) from exception
     finally:
         door.origin = outer
+    check_value(result, state)
     return result if met is None else wrap(unwrap(result)[0], met)

@@ -11,6 +11,7 @@ from dataclasses import dataclass, fields
 from functools import lru_cache
 from typing import NamedTuple
 
+from .sets import Set
 from .syntax import dynamics, python_expressions, statements
 from .syntax.nodes import Node
 
@@ -90,7 +91,7 @@ class Scope:
 
 def copied(value: object, seen: dict[int, object]) -> object:
     """The value with its lists, dictionaries and sets copied; `seen` keeps what is shared shared."""
-    if type(value) not in (list, dict, set, tuple):
+    if type(value) not in (list, dict, Set, tuple):
         return value
     if id(value) in seen:
         return seen[id(value)]
@@ -105,8 +106,8 @@ def copied(value: object, seen: dict[int, object]) -> object:
             seen[id(value)] = entries
             entries.update((k, copied(v, seen)) for k, v in value.items())
             return entries
-        case set():
-            return seen.setdefault(id(value), set(value))
+        case Set():
+            return seen.setdefault(id(value), value.copy())
         case _:
             return tuple(copied(v, seen) for v in value)  # type: ignore[union-attr]
 

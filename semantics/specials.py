@@ -6,19 +6,21 @@ from collections import Counter, deque
 from collections.abc import Callable, Collection, Mapping
 from types import BuiltinFunctionType, MethodType
 
+from .allowed import is_known
 from .assignment import set_attribute
 from .config import Config, Stack, State, value
 from .draws import ask
 from .errors import RunError
 from .expressions import elements, get_attribute, host_container, instance_text
 from .functions import InScope
-from .host import LARGEST_SEQUENCE, HostException, host, raw
+from .host import HostException, host, raw
 from .kinds import kind_name
 from .outcome import Change, Next, Outcome
 from .premises import describe_origin
 from .scopes import MISSING, Scope
 from .syntax import python_expressions as p
 from .syntax.nodes import Node
+from .texts import written
 from .values import Dynamic, Function, Instance, Method, Origin, Random, ScenicClass, Special, plain, unwrap, wrap
 
 Arguments = tuple[object, ...]
@@ -51,7 +53,7 @@ def resample(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack,
 
 def print_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
     """`print(...)`: the driving loop shows the text; the semantics itself has no output."""
-    texts = [str(unwrap(instance_text(argument, state))[0]) for argument in arguments]
+    texts = [written(unwrap(instance_text(argument, state))[0]) for argument in arguments]
     separator = keywords.get("sep", " ")
     text = (separator if isinstance(separator, str) else " ").join(texts)
     return value("E-Print", None, stack, state, node, Change("print", "", text))
@@ -99,6 +101,8 @@ def type_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack
         raise RunError("type() takes one argument: classes are made with `class`", node.span, rule="E-Call-Host")
     inner = plain(arguments[0])
     result = inner.class_ if isinstance(inner, Instance) else type(inner)
+    if isinstance(result, type) and not is_known(result) and not state.settings.trusted:
+        raise RunError(f"type() of {kind_name(inner)} is no class of this language", node.span, rule="E-Call-Host")
     origin = arguments[0].origin if type(arguments[0]) is Random else None
     return value("E-Call-Host", wrap(result, origin), stack, state, node)
 
@@ -194,7 +198,8 @@ def str_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack,
     """`str(v)` of an instance is what `print` shows."""
     if len(arguments) == 1 and not keywords and isinstance(plain(arguments[0]), Instance):
         return value("E-Call-Host", instance_text(arguments[0], state), stack, state, node)
-    return value("E-Call-Host", host(state.settings.door, state, str, *arguments, **keywords), stack, state, node)
+    texts = host(state.settings.door, state, written if len(arguments) == 1 and not keywords else str, *arguments, **keywords)
+    return value("E-Call-Host", texts, stack, state, node)
 
 
 STRUCTURAL: Mapping[Callable[..., object], Callable[..., object]] = {
@@ -222,9 +227,9 @@ def structural(builtin: Callable[..., object]) -> Rule:
         options = () if builtin is dict else keywords.values()
         if any(type(a) is Random for a in (*arguments, *options)):
             return value("E-Call-Host", host(state.settings.door, state, function, *arguments, **keywords), stack, state, node)
-        if builtin is not len and any(isinstance(a, range) and len(a) > LARGEST_SEQUENCE for a in arguments):
-            raise RunError("a range with so many elements cannot be turned into a collection", node.span, rule="E-Call-Host")
-        return value("E-Call-Host", raw(state.settings.door, state, function, *arguments, **keywords), stack, state, node)
+        made = raw(state.settings.door, state, function, *arguments, **keywords)
+        state.settings.door.budget.made(plain(made))
+        return value("E-Call-Host", made, stack, state, node)
 
     return rule
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from .allowed import is_user_made
 from .assignment import done
 from .config import PASS, Config, Stack, State, reduce
 from .distributions import BadParameters, Coin
 from .draws import numbered_apart
 from .errors import RunError
-from .host import host, is_user_made
+from .host import host
 from .kinds import is_object, is_scalar, kind_name
 from .outcome import Change, Draw, Next, Observe, Outcome, Requirement, Stuck
 from .premises import premises

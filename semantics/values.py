@@ -13,8 +13,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
+from .budget import Budget
 from .errors import RunError
 from .scopes import Names, Scope
+from .sets import FrozenSet, Set
 from .syntax.nodes import NOWHERE, Node, Span
 from .syntax.python_expressions import Parameter
 from .syntax.statements import Block
@@ -71,7 +73,7 @@ def unwrap(value: object) -> tuple[object, Origin | None]:
     return _refilled(value, items) if isinstance(value, (list, deque)) else kind(items) if kind in PLAIN else items, origin
 
 
-PLAIN = (tuple, set, frozenset)
+PLAIN = (tuple, Set, FrozenSet, set, frozenset)
 CONTAINERS = (list, tuple, set, frozenset, dict, deque, type({}.values()), type({}.items()))
 
 
@@ -246,3 +248,54 @@ class Module:
 
     def __repr__(self) -> str:
         return f"<module {self.name}>"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Native:
+    """A function of the reference in place of one of Python's; one that `pays` gets the run's budget first, and is bound to it when a run begins."""
+
+    name: str
+    function: Callable[..., object]
+    pays: bool = False
+    members: Mapping[str, Native] = field(default_factory=dict)
+
+    def __call__(self, *arguments: object, **keywords: object) -> object:
+        """The function of the arguments."""
+        return self.function(*arguments, **keywords)
+
+    def __repr__(self) -> str:
+        return f"<built-in function {self.name}>"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bound:
+    """A function of the reference with the budget that it pays from, and for a method with its subject."""
+
+    name: str
+    function: Callable[..., object]
+    budget: Budget
+    subject: tuple[object, ...] = ()
+    members: Mapping[str, Native] = field(default_factory=dict)
+
+    def __call__(self, *arguments: object, **keywords: object) -> object:
+        """The function of the budget, the subject and the arguments."""
+        return self.function(self.budget, *self.subject, *arguments, **keywords)
+
+    def afresh(self, *arguments: object, **keywords: object) -> object:
+        """The same with a budget of its own, for one call of many rows."""
+        return self.function(Budget(), *self.subject, *arguments, **keywords)
+
+    def __repr__(self) -> str:
+        return f"<built-in function {self.name}>"
+
+
+class Pairs(NamedTuple):
+    """The entries of a dictionary whose keys are symbols: weights of `Discrete`, and nothing else."""
+
+    pairs: list[tuple[object, object]]
+
+
+class Entries(dict):
+    """A dictionary with random keys, as it is in this run; `pairs` are its entries before equal keys became one."""
+
+    pairs: list[tuple[object, object]]

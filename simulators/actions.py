@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 from ..interpreter.simulating import Body
 from ..semantics.kinds import kind_name
@@ -45,6 +46,11 @@ CARS = ("Car", "EgoCar", "NPCCar", "Vehicle", "Truck", "Rover")
 @dataclass(frozen=True, slots=True)
 class Action:
     """An action; `reason_against` says why a body cannot take it."""
+
+    scenic_names: ClassVar[frozenset[str]] = frozenset(
+        {"throttle", "brake", "steer", "handbrake", "reverse", "position", "velocity", "heading", "speed"}
+    )
+    """What a program may ask of actions."""
 
     def reason_against(self, body: Body) -> str | None:
         """Why this object cannot take the action, None if it can."""

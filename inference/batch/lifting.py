@@ -7,9 +7,9 @@ import operator
 from collections.abc import Callable, Iterator
 from functools import partial, reduce
 
+from ...semantics.arithmetic import BINARY, UNARY
 from ...semantics.calls import invoke
 from ...semantics.comparisons import COMPARE
-from ...semantics.expressions import BINARY, UNARY
 from ...semantics.regions import CircularRegion, RectangularRegion, Region, SectorRegion
 from ...semantics.symbols import NotLifted
 from ...semantics.values import Dynamic, Function, Instance, Method, Module, Random, ScenicClass
@@ -20,7 +20,13 @@ from .trace import Trace
 
 LIFTED: dict[Callable[..., object], Callable[..., object]] = {
     **{f: f for f in (*BINARY.values(), *UNARY.values(), *COMPARE.values()) if f in OPERATORS},
+    BINARY["+"]: operator.add,
+    BINARY["-"]: operator.sub,
+    BINARY["&"]: operator.and_,
+    BINARY["|"]: operator.or_,
+    BINARY["^"]: operator.xor,
     BINARY["*"]: operator.mul,
+    BINARY["%"]: operator.mod,
     UNARY["not"]: operator.invert,
     builtins.abs: operator.abs,
 }

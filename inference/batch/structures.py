@@ -8,9 +8,9 @@ from collections.abc import Callable
 from types import BuiltinFunctionType, MethodType
 from typing import Any
 
-from ...semantics.expressions import Pairs
+from ...semantics.sets import FrozenSet, Set
 from ...semantics.symbols import NotLifted
-from ...semantics.values import Dynamic, Function, Instance, Method, Module, Random, ScenicClass
+from ...semantics.values import Dynamic, Function, Instance, Method, Module, Pairs, Random, ScenicClass
 from ...semantics.vectors import Vector
 from .graph import Node
 from .symbols import Choice, Traced
@@ -94,7 +94,7 @@ def in_row(value: object, resolve: Resolve) -> object:
 
 def _like(container: object, content: Any) -> object:
     """The content in a container of the same type."""
-    if type(container) not in (list, tuple, set, frozenset, dict):
+    if type(container) not in (list, tuple, Set, FrozenSet, dict):
         raise NotLifted(f"a {type(container).__name__} holds random values")
     kind: Any = type(container)
     return kind(content)

@@ -110,12 +110,14 @@ def _from_points(points: Sequence[Vector | Sequence[float]]) -> Polygon:
 
 
 def _parts(polygon: object) -> list[Polygon]:
-    """The polygons that `polygon` is or holds."""
+    """The polygons that `polygon` is or holds; a polygonal region stands for its own."""
+    if isinstance(polygon, PolygonalRegion):
+        polygon = polygon.polygon
     if isinstance(polygon, Polygon):
         return [polygon]
     members = polygon.geoms if isinstance(polygon, MultiPolygon) else polygon
     if not isinstance(members, Iterable):
-        raise BadRegion(f"a polygonal region is made of shapely polygons, not of {polygon!r}")
+        raise BadRegion(f"a polygonal region is made of polygons, not of {polygon!r}")
     return [part for member in members for part in _parts(member)]
 
 

@@ -251,7 +251,7 @@ def test_unbounded_regions_have_no_random_point() -> None:
         (lambda: PolygonalRegion([(0, 0), (1, math.nan), (2, 2)]), "must be finite"),
         (lambda: PolygonalRegion(polygon=Polygon()), "finite coordinates"),
         (lambda: PolygonalRegion(), "either by its points or by a polygon"),
-        (lambda: PolygonalRegion(polygon=3), "made of shapely polygons"),  # pyright: ignore[reportArgumentType]
+        (lambda: PolygonalRegion(polygon=3), "made of polygons"),  # pyright: ignore[reportArgumentType]
         (lambda: PolylineRegion([(0, 0)]), "at least 2 different points"),
         (lambda: PolylineRegion([(0, 0), (math.inf, 0)]), "must be finite"),
         (lambda: CircularRegion(ORIGIN, -1.0), "the radius of a circle must not be negative"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 
 @dataclass(frozen=True, slots=True)
@@ -12,6 +13,8 @@ class Model:
     name: str
     width: float
     length: float
+
+    scenic_names: ClassVar[frozenset[str]] = frozenset({"name", "width", "length", "height"})
 
     @property
     def height(self) -> float:

@@ -1,0 +1,95 @@
+"""What a run may use up: one budget for everything that host code does and makes on the program's behalf.
+
+The steps of the machine are counted by whoever drives it (`fuel`). A host call is one step, however much it does; so it pays here for what it
+goes through and for what it makes, in units that are about a byte of memory or a nanosecond or two.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sized
+
+from .errors import FuelExhausted, RunError
+
+LARGEST_WORK = 2_000_000_000
+"""The units of one run."""
+LARGEST_SEQUENCE = 10_000_000
+"""The most elements or characters of one value."""
+LARGEST_INTEGER_BITS = 100_000
+STEP = 200
+"""What a step of the machine costs in a function that host code calls."""
+ITEM = 64
+"""What an element costs that is made when it is asked for."""
+PLAIN = (bool, int, float, type(None))
+
+
+class Budget:
+    """The units that are left to a run."""
+
+    __slots__ = ("left",)
+
+    def __init__(self, left: int = LARGEST_WORK) -> None:
+        self.left = left
+
+    def spend(self, units: int) -> None:
+        """Pay. Raises `FuelExhausted` if that is too much."""
+        self.left -= units
+        if self.left < 0:
+            raise FuelExhausted("the program goes through more, or makes more, than one run may", hint="make fewer or smaller lists and texts")
+
+    def go_through(self, arguments: Iterable[object]) -> None:
+        """Pay for what host code goes through."""
+        for value in arguments:
+            if type(value) not in PLAIN and isinstance(value, Sized):
+                self.spend(size_of(value))
+
+    def made(self, value: object) -> None:
+        """Pay for what was made, without what is inside."""
+        if type(value) not in PLAIN or type(value) is int:
+            self.spend(type(value).__sizeof__(value))
+
+    def metered(self, items: Iterable[object]) -> Metered:
+        """The items one by one, each paid for when it is asked for."""
+        return Metered(iter(items), self)
+
+
+class Metered:
+    """An iterator of a program; nothing goes through it without paying, and Ctrl-C is heard between two items."""
+
+    __slots__ = ("budget", "items")
+
+    def __init__(self, items: Iterator[object], budget: Budget) -> None:
+        self.items = items
+        self.budget = budget
+
+    def __iter__(self) -> Metered:
+        return self
+
+    def __next__(self) -> object:
+        item = next(self.items)
+        self.budget.spend(ITEM + (8 * len(item) if isinstance(item, (tuple, str, list)) else 0))
+        return item
+
+    def __repr__(self) -> str:
+        return "<iterator>"
+
+
+def size_of(value: Sized) -> int:
+    """How many elements host code meets that goes through the value; 0 for a class, or where the program itself counts them."""
+    if isinstance(value, range):
+        return ITEM * (max(0, (value.stop - value.start + value.step - (1 if value.step > 0 else -1)) // value.step))
+    return len(value) if type(value).__len__ in COUNTED else 0
+
+
+COUNTED = frozenset(t.__len__ for t in (list, tuple, dict, set, frozenset, str, bytes))
+
+
+def refuse_too_long(count: int) -> None:
+    """Raise an error where one value would get so many elements or characters."""
+    if count > LARGEST_SEQUENCE:
+        raise RunError(f"{count:,} elements or characters are too many for one value: at most {LARGEST_SEQUENCE:,}", rule="E-Call-Host")
+
+
+def refuse_too_large(bits: float) -> None:
+    """Raise an error where a whole number would get so many binary digits."""
+    if bits > LARGEST_INTEGER_BITS:
+        raise RunError(f"a whole number of {bits:,.0f} binary digits is too large: at most {LARGEST_INTEGER_BITS:,}", rule="E-Call-Host")
