@@ -10,7 +10,6 @@ from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
-import shapely
 
 from ...semantics.geometry import TAU
 from ...semantics.regions import (
@@ -26,7 +25,6 @@ from ...semantics.regions import (
 )
 from .columns import tests_of
 from .graph import Node
-from .polygons import edges_of
 from .symbols import Choice, Opaque, Traced
 
 ColumnOf = Callable[[Node], np.ndarray]
@@ -63,6 +61,13 @@ def numbers_in(region: Region) -> list[object]:
         case _:
             found = []
     return [v for v in found if isinstance(v, Traced)]
+
+
+def discs_in(region: Region) -> list[Region]:
+    """The disc of a sector that is none itself: near its arc the sides hide what is near the arc alone."""
+    if isinstance(region, SectorRegion) and not (isinstance(region.angle, (int, float)) and region.angle >= TAU):
+        return [SectorRegion(region.center, region.radius, 0.0, TAU)]
+    return discs_in(region.region) if isinstance(region, Workspace) else []
 
 
 def reach_of(region: Region) -> float | None:
@@ -110,16 +115,27 @@ def inside_sector(x: Array, y: Array, radius: Array | float, heading: Array | fl
 
 
 def inside_polygon(region: PolygonalRegion, x: Array, y: Array) -> Array:
-    """How far inside a polygon the points are."""
+    """How far inside a polygon the points are, up to `reach_within` of it: further inside and outside all are at that distance."""
+    tests, reach = tests_of(region), reach_within(region)
+    grid, _ = tests.grid_for(reach)
     known = np.isfinite(x) & np.isfinite(y)
-    result = np.full(len(x), np.nan)
-    at = shapely.points(x[known], y[known])
-    (rows, _), distance = edge_tree(region).query_nearest(at, all_matches=False, return_distance=True)
-    result[np.flatnonzero(known)[rows]] = distance
-    return np.where(tests_of(region).contains_point(np.where(known, x, 0.0), np.where(known, y, 0.0)), result, -result)
+    px, py = np.where(known, x, 0.0), np.where(known, y, 0.0)
+    square, rows = grid.square_of(px, py), np.arange(len(px))
+    nearest = np.full(len(px), reach * reach)
+    for k in range(grid.most):
+        rows = rows[grid.counts[square[rows]] > k]
+        if not len(rows):
+            break
+        ax, ay, bx, by = tests.edges[grid.lists[square[rows], k]].T
+        dx, dy, ux, uy = bx - ax, by - ay, px[rows] - ax, py[rows] - ay
+        along = np.clip((ux * dx + uy * dy) / np.maximum(dx * dx + dy * dy, 1e-300), 0.0, 1.0)
+        off = (ux - along * dx) ** 2 + (uy - along * dy) ** 2
+        nearest[rows] = np.minimum(nearest[rows], off)
+    distance = np.sqrt(nearest)
+    return np.where(known, np.where(tests.contains_point(px, py), distance, -distance), np.nan)
 
 
 @lru_cache(maxsize=64)
-def edge_tree(region: PolygonalRegion) -> shapely.STRtree:
-    """The edges of a polygon, in a tree."""
-    return shapely.STRtree(list(shapely.linestrings(edges_of(region.polygon).reshape(-1, 2, 2))))  # type: ignore[arg-type]
+def reach_within(region: PolygonalRegion) -> float:
+    """How far from the boundary of a polygon points are told apart, in metres: half the width of a road, for a net of them."""
+    return float(region.polygon.area / region.polygon.length)

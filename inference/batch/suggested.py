@@ -20,7 +20,7 @@ from ...semantics.vectors import Vector
 from ..statistics.columns import Table
 from ..statistics.facts import Support
 from ..statistics.relations import MOST_RELATED, corners, pose_of
-from .boundaries import inside_by, is_known, numbers_in, reach_of
+from .boundaries import discs_in, inside_by, is_known, numbers_in, reach_of
 from .columns import column
 from .features import nodes_by_feature
 from .graph import Event, Graph, Node, RowDraw, Site
@@ -114,7 +114,7 @@ class Suggested:
                 if not (same or all(is_moved(p, d) for p, d in zip(place, drawn, strict=True))):
                     continue
                 yield from self.inside(f"boundaryDistance({i}, its region)", i, region, exact=same and sure)
-                smaller = pruned.get(address)
+                smaller = pruned.get(address) if not same else None
                 if isinstance(smaller, PointIn):
                     yield from self.inside(f"boundaryDistance({i}, its pruned region)", i, smaller.region, exact=False)
 
@@ -124,6 +124,8 @@ class Suggested:
         if is_known(region) and self.follows([v.node for v in parts if isinstance(v, Traced)]):
             reach = reach_of(region) if exact and not parts else None
             yield Suggestion(name, partial(self.depth, i, region), None if reach is None else Support(low=0.0, scale=2.0 * reach))
+            for disc in discs_in(region):
+                yield Suggestion(name.replace(")", ", from its arc)"), partial(self.depth, i, disc))
 
     def depth(self, i: int, region: Region, table: Table) -> np.ndarray | None:
         """The values of `inside`."""

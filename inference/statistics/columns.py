@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from operator import itemgetter
 
 import numpy as np
 
@@ -111,15 +112,15 @@ def features_of(scenes: Sequence[Mapping[str, object]]) -> Iterator[tuple[str, l
     """The features that stand in scenes as they are, by name, with their value in each scene (`ABSENT` where there is none)."""
     rows = [scene["columns"] for scene in scenes if "columns" in scene]  # rows of a CSV file
     if rows:
-        yield from ((name, values_at(rows, name)) for name in names_in(rows))  # type: ignore[arg-type]
+        yield from fields(rows)  # type: ignore[arg-type]
         return
     if any("attempts" in scene for scene in scenes):
         yield "attempts", values_at(scenes, "attempts")
-    params: list[Mapping[str, object]] = [scene.get("params", {}) for scene in scenes]  # type: ignore[misc]
     if any("ego" in scene for scene in scenes):
         yield "ego", [ABSENT if v is ABSENT else str(v) for v in values_at(scenes, "ego")]
-    for name in names_in(params):
-        yield from spread(f"params.{name}", values_at(params, name))
+    params: list[Mapping[str, object]] = [scene.get("params", {}) for scene in scenes]  # type: ignore[misc]
+    for name, values in fields(params):
+        yield from spread(f"params.{name}", values)
     lists: list[Sequence[Mapping[str, object]]] = [scene.get("objects", []) for scene in scenes]  # type: ignore[misc]
     yield "objects", [str(len(objects)) for objects in lists]
     for i in range(max(map(len, lists), default=0)):
@@ -128,14 +129,17 @@ def features_of(scenes: Sequence[Mapping[str, object]]) -> Iterator[tuple[str, l
             if any(name in o for o in objects):
                 yield from spread(f"objects[{i}].{name}", values_at(objects, name))
         properties: list[Mapping[str, object]] = [o.get("properties", {}) for o in objects]  # type: ignore[misc]
-        for name in names_in(properties):
-            yield from spread(f"objects[{i}].properties.{name}", values_at(properties, name))
+        for name, values in fields(properties):
+            yield from spread(f"objects[{i}].properties.{name}", values)
 
 
-def names_in(rows: Sequence[Mapping[str, object]]) -> Iterable[str]:
-    """All keys, in the order in which they come first."""
-    first = rows[0].keys() if rows else ()
-    return first if all(row.keys() == first for row in rows) else dict.fromkeys(name for row in rows for name in row)
+def fields(rows: Sequence[Mapping[str, object]]) -> Iterator[tuple[str, list[object]]]:
+    """All keys, in the order in which they come first, with their value in each row."""
+    first = rows[0].keys() if rows else {}.keys()
+    if all(row.keys() == first for row in rows):
+        yield from ((name, list(map(itemgetter(name), rows))) for name in first)
+    else:
+        yield from ((name, values_at(rows, name)) for name in dict.fromkeys(name for row in rows for name in row))
 
 
 def values_at(rows: Sequence[Mapping[str, object]], name: str) -> list[object]:
@@ -155,8 +159,7 @@ def spread(name: str, values: list[object]) -> Iterator[tuple[str, list[object]]
         for key in values[0]:  # type: ignore[attr-defined]
             yield from spread(f"{name}.{key}", [v[key] for v in values])  # type: ignore[index]
     else:
-        rows = [dict(below(name, v)) for v in values]
-        yield from ((leaf, values_at(rows, leaf)) for leaf in names_in(rows))
+        yield from fields([dict(below(name, v)) for v in values])
 
 
 def below(name: str, value: object) -> Iterator[tuple[str, object]]:
@@ -177,6 +180,9 @@ def below(name: str, value: object) -> Iterator[tuple[str, object]]:
 def columns_of(name: str, values: list[object]) -> Iterator[tuple[str, Array]]:
     """The column of a feature; where only some values are numbers, one with NaN for the others, and one for what these are."""
     kinds = set(map(type, values))
+    if len(kinds) == 1 and values.count(values[0]) == len(values):  # most features of most programs
+        yield name, np.broadcast_to(array_of(values[:1]), len(values))
+        return
     if kinds <= SCALARS or not kinds & SCALARS:
         yield name, array_of(values)
         return
@@ -198,10 +204,13 @@ def array_of(values: list[object]) -> Array:
             return np.array(values, dtype=np.float64)
         except OverflowError:
             pass
-    if len(kinds) == 1 and kinds <= {str, bool, type(None)}:  # few different ones, so that equal texts are kept once
-        known: dict[object, str] = {}
-        return np.array([known.setdefault(v, text_of(v)) for v in values], dtype=object)
-    return np.array([text_of(v) for v in values], dtype=object)
+    known: dict[object, str] = {}  # equal texts are kept once
+    if kinds == {str}:
+        return np.array([known.setdefault(v, v) for v in values], dtype=object)  # type: ignore[arg-type]
+    if kinds == {dict} and all(v.keys() == {"repr"} for v in values):  # type: ignore[attr-defined]
+        known = {name: text_of({"repr": name}) for name in {str(v["repr"]) for v in values}}  # type: ignore[index]
+        return np.array([known[str(v["repr"])] for v in values], dtype=object)  # type: ignore[index]
+    return np.array([known.setdefault(text, text) for text in map(text_of, values)], dtype=object)
 
 
 def text_of(value: object) -> str:
@@ -242,4 +251,4 @@ def otherwise(table: Table, name: str) -> Array:
 
 def full(n: int, text: str) -> Array:
     """A column of one text."""
-    return np.full(n, text, dtype=object)
+    return np.broadcast_to(np.array([text], dtype=object), n)

@@ -33,7 +33,8 @@ from .samples import AnyScene, Samples
 from .verdict import BURNED_SHARE, FIRST_BLOCK, Kind, Verdict
 
 DEFAULT_TV = 0.01
-GROWTH = 1.5
+GROWTH = 1.25
+"""After so many times as many scenes one looks again."""
 LEAST_TOLERANCE = 1e-12
 MOST_AT_ONCE = 1 << 13
 """So many scenes of each side are counted at a time."""

@@ -15,7 +15,7 @@ from fnmatch import fnmatchcase
 from ...interpreter.scenes import OWN_FIELDS
 from ...semantics.errors import UsageError
 from .betting import Array
-from .columns import OTHERWISE, Table
+from .columns import OTHERWISE, Table, last_part
 
 SHORT = re.compile(r"(\d+)\.(\w+)((?:\[\d+\])*)")
 OWN = ("class", *OWN_FIELDS[1:])
@@ -109,5 +109,7 @@ class Names:
 
 def unknown(option: str, name: str, there: Sequence[str]) -> UsageError:
     """The error for a name that is nowhere."""
-    near = get_close_matches(long_name(name), there, n=1) or get_close_matches(name, [n.rpartition(".")[2] for n in there], n=1)
-    return UsageError(f"{option} {name}: neither the samples nor the program have that", hint=f"did you mean {near[0]}?" if near else "")
+    place = long_name(name).partition(".")[0] if "." in name else ""
+    ends = {last_part(n): n for n in reversed(there) if n.startswith(place)}
+    near = get_close_matches(last_part(long_name(name)), list(ends), n=1)
+    return UsageError(f"{option} {name}: neither the samples nor the program have that", hint=f"did you mean {ends[near[0]]}?" if near else "")

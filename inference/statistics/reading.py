@@ -10,7 +10,9 @@ from __future__ import annotations
 import csv
 import json
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from itertools import islice
 from pathlib import Path
 
 from ...interpreter.scenes import OWN_FIELDS, SCHEMA
@@ -22,6 +24,8 @@ LONG = re.compile(r"objects\[(\d+)\]\.(?:(position)\[([01])\]|(heading|width|len
 OTHER = re.compile(r"(?:params\.\w+(?:\[\d+\])*|attempts|weight|seed)")
 CONSTANTS: Mapping[str, object] = {"None": None, "null": None, "True": True, "true": True, "False": False, "false": False}
 
+AT_ONCE = 256
+"""So many lines are read together."""
 Numbered = tuple[int, dict[str, object]]
 """A line's number and its scene."""
 
@@ -54,17 +58,32 @@ def read_samples(path: str | Path) -> list[dict[str, object]]:
 
 
 def _lines(file: Iterable[str], path: str) -> Iterator[Numbered]:
-    for number, line in enumerate(file, 1):
-        if not line.strip():
-            continue
+    lines = ((number, line) for number, text in enumerate(file, 1) if (line := text.strip()))
+    while several := list(islice(lines, AT_ONCE)):
+        for number, scene in zip([number for number, _ in several], parsed(several, path), strict=True):
+            problem = problem_of(scene)
+            if problem:
+                raise UsageError(f"{path}, line {number}: {problem}", hint=f"the format is {SCHEMA}; `scenic-ref run FILE -n 1` shows an example")
+            yield number, scene  # type: ignore[misc]
+
+
+def parsed(lines: Sequence[tuple[int, str]], path: str) -> Iterable[object]:
+    """What stands on some lines: all at a time if each is an object of JSON, which is quicker, else line by line. Raises `UsageError`."""
+    if all(line[0] == "{" and line[-1] == "}" for _, line in lines):
+        with suppress(ValueError, RecursionError):
+            found = json.loads(f"[{','.join(line for _, line in lines)}]")
+            if len(found) == len(lines):
+                return found
+    return one_by_one(lines, path)
+
+
+def one_by_one(lines: Sequence[tuple[int, str]], path: str) -> Iterator[object]:
+    """What stands on some lines. Raises `UsageError`."""
+    for number, line in lines:
         try:
-            scene = json.loads(line)
+            yield json.loads(line)
         except (ValueError, RecursionError):
             raise UsageError(f"{path}, line {number}: this is not JSON", hint="one scene per line, as `scenic-ref run -o` writes them") from None
-        problem = problem_of(scene)
-        if problem:
-            raise UsageError(f"{path}, line {number}: {problem}", hint=f"the format is {SCHEMA}; `scenic-ref run FILE -n 1` shows an example")
-        yield number, scene
 
 
 def problem_of(scene: object) -> str:

@@ -14,10 +14,10 @@ import numpy as np
 from .betting import Array
 from .columns import Table, stacked
 
-HEAPS = 128
+HEAPS = 32
 KEPT = 64 << 20
 """So many bytes stay in memory."""
-CHUNK = 8192
+CHUNK = 1 << 14
 """Pieces are put together into tables of so many scenes before they are dealt out."""
 
 Packed = tuple[str, object, object]
@@ -76,17 +76,18 @@ class Shuffled:
 
 def packed(values: Array) -> Packed:
     """A column in little room: one value where all are equal, texts once."""
+    if bool((values == values[0]).all()):
+        return "same", values[:1].copy(), len(values)
     if values.dtype == np.float64:
-        same = bool((values == values[0]).all())
-        return ("same", float(values[0]), len(values)) if same else ("numbers", values, None)
+        return "numbers", values, None
     places: dict[str, int] = {}
     codes = np.array([places.setdefault(v, len(places)) for v in values], dtype=np.int32)
-    return ("same", values[0], len(values)) if len(places) == 1 else ("texts", list(places), codes)
+    return "texts", list(places), codes
 
 
 def unpacked(column: Packed) -> Array:
     """The column."""
     kind, values, rest = column
     if kind == "same":
-        return np.full(rest, values, dtype=object if isinstance(values, str) else float)  # type: ignore[arg-type]
+        return np.broadcast_to(values, rest)  # type: ignore[arg-type]
     return values if kind == "numbers" else np.array(values, dtype=object)[rest]  # type: ignore[return-value, index]
