@@ -63,11 +63,23 @@ def numbers_in(region: Region) -> list[object]:
     return [v for v in found if isinstance(v, Traced)]
 
 
-def discs_in(region: Region) -> list[Region]:
-    """The disc of a sector that is none itself: near its arc the sides hide what is near the arc alone."""
-    if isinstance(region, SectorRegion) and not (isinstance(region.angle, (int, float)) and region.angle >= TAU):
-        return [SectorRegion(region.center, region.radius, 0.0, TAU)]
-    return discs_in(region.region) if isinstance(region, Workspace) else []
+def sectors_in(region: Region) -> list[SectorRegion]:
+    """The sectors that a region is made of, but for discs: near the arc of one its sides hide what is near the arc alone."""
+    match region:
+        case Workspace():
+            return sectors_in(region.region)
+        case IntersectionRegion() | UnionRegion() | DifferenceRegion():
+            return [*sectors_in(region.first), *sectors_in(region.second)]
+        case SectorRegion(angle=angle) if not isinstance(angle, (int, float)) or angle < TAU:
+            return [region]
+        case _:
+            return []
+
+
+def within_arc(region: SectorRegion, x: Array, y: Array, column_of: ColumnOf) -> Array:
+    """How far within the circle of a sector's arc the points are."""
+    x0, y0, radius = (column_of(v.node) if isinstance(v, Traced) else v for v in (region.center.x, region.center.y, region.radius))
+    return radius - np.hypot(x - x0, y - y0)
 
 
 def reach_of(region: Region) -> float | None:

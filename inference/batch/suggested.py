@@ -20,7 +20,7 @@ from ...semantics.vectors import Vector
 from ..statistics.columns import Table
 from ..statistics.facts import Support
 from ..statistics.relations import MOST_RELATED, corners, pose_of
-from .boundaries import discs_in, inside_by, is_known, numbers_in, reach_of
+from .boundaries import inside_by, is_known, numbers_in, reach_of, sectors_in, within_arc
 from .columns import column
 from .features import nodes_by_feature
 from .graph import Event, Graph, Node, RowDraw, Site
@@ -123,15 +123,15 @@ class Suggested:
         parts = numbers_in(region)
         if is_known(region) and self.follows([v.node for v in parts if isinstance(v, Traced)]):
             reach = reach_of(region) if exact and not parts else None
-            yield Suggestion(name, partial(self.depth, i, region), None if reach is None else Support(low=0.0, scale=2.0 * reach))
-            for disc in discs_in(region):
-                yield Suggestion(name.replace(")", ", from its arc)"), partial(self.depth, i, disc))
+            yield Suggestion(name, partial(self.depth, i, region, inside_by), None if reach is None else Support(low=0.0, scale=2.0 * reach))
+            for sector in sectors_in(region):
+                yield Suggestion(name.replace(")", ", from its arc)"), partial(self.depth, i, sector, within_arc))
 
-    def depth(self, i: int, region: Region, table: Table) -> np.ndarray | None:
-        """The values of `inside`."""
+    def depth(self, i: int, region: Region, how_far: Callable[..., np.ndarray], table: Table) -> np.ndarray | None:
+        """The values of `inside`: how far, by a function of the region, the position and the columns of its numbers."""
         pose = pose_of(table.arrays, i)
         found = self.evaluated([v.node for v in numbers_in(region) if isinstance(v, Traced)], table)
-        return None if pose is None or found is None else inside_by(region, pose[0], pose[1], lambda node: found[node.number])
+        return None if pose is None or found is None else how_far(region, pose[0], pose[1], lambda node: found[node.number])
 
     def of_workspace(self) -> Iterator[Suggestion]:
         """How far inside the workspace the worst corner of each object is."""
