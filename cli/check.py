@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
@@ -18,6 +18,7 @@ from .options import (
     ReadingOption,
     Source,
     TrustOption,
+    pairs,
     read_source,
 )
 
@@ -38,6 +39,15 @@ def check(
     detect_tv: Annotated[
         float, typer.Option("--detect-tv", metavar="E", help="The difference, in total variation of a feature, that must not be missed.")
     ] = 0.01,
+    tolerance: Annotated[
+        float, typer.Option("--tolerance", metavar="T", help="Numbers that differ by T or less, relative to the larger of them and 1, are the same.")
+    ] = 5e-6,
+    ignore: Annotated[
+        list[str] | None, typer.Option("--ignore", metavar="FEATURE", help="Do not compare a feature: objects[1].width, 1.speed, class, ...")
+    ] = None,
+    mapped: Annotated[
+        list[str] | None, typer.Option("--map", metavar="A=B", help="A feature or class that the samples call A and the program B.")
+    ] = None,
     reference: Annotated[
         str | None, typer.Option("--reference", metavar="PATH", help="Scenes of the program, drawn earlier; else they are drawn now.")
     ] = None,
@@ -67,14 +77,15 @@ def check(
         session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, fuel=fuel, trust=trust
     )
     if samples is None:
-        options = ("alpha", "detect_tv", "reference", "report", "junit", "seed", "workers")
-        given = [f"--{name.replace('_', '-')}" for name in options if is_given(context, name)]
+        options = ("alpha", "detect_tv", "tolerance", "ignore", "mapped", "reference", "report", "junit", "seed", "workers")
+        given = [f"--{name.replace('_', '-').replace('mapped', 'map')}" for name in options if is_given(context, name)]
         if given:
             raise UsageError(f"{given[0]} belongs to --samples", hint="scenic-ref check FILE --samples PATH")
         assert source.load().rehearsed
         print("ok")
         return
-    verdict = compared(source, samples, reference, alpha, detect_tv, seed, workers, report, junit)
+    asked = Asked(samples, reference, alpha, detect_tv, tolerance, tuple(ignore or ()), dict(pairs(mapped, "--map", "A=B")), seed, workers)
+    verdict = compared(source, asked, report, junit)
     print(verdict)
     raise typer.Exit(EXIT_CODES[verdict.kind])
 
@@ -85,27 +96,34 @@ def is_given(context: typer.Context, name: str) -> bool:
     return source is not None and source.name == "COMMANDLINE"
 
 
-def compared(
-    source: Source, samples: str, reference: str | None, alpha: float, detect_tv: float, seed: int, workers: int, report: str | None,
-    junit: str | None,
-) -> Verdict:
+class Asked(NamedTuple):
+    """Which samples to compare, with what, and how."""
+
+    samples: str
+    reference: str | None
+    alpha: float
+    detect_tv: float
+    tolerance: float
+    ignore: tuple[str, ...]
+    mapped: dict[str, str]
+    seed: int
+    workers: int
+
+
+def compared(source: Source, asked: Asked, report: str | None, junit: str | None) -> Verdict:
     """The verdict on the samples, with its reports written. Raises `UsageError` and the program's errors."""
-    from ..inference.statistics.reading import read_samples
-    from ..testing import same_distribution
+    from ..testing import judged
     from .check_reports import check_report_paths, write_junit, write_page
     from .references import References, replay_of
 
+    samples, reference = asked.samples, asked.reference
     read = {"the program itself": source.file, "the file of samples": samples, "the file of references": reference}
     check_report_paths(report, junit, read)
-    scenes = read_samples(samples)
-    scenario = source.load()
-    assert scenario.rehearsed
-    known = read_samples(reference) if reference is not None else None
-    replay = replay_of(source, samples, reference, alpha, detect_tv, seed)
-    with References(source, workers, len(scenes)) as drawing:
-        verdict = same_distribution(
-            scenes, scenario, alpha=alpha, detect_tv=detect_tv, seed=seed, reference=known, draw=drawing, replay=replay,
-        )
+    replay = replay_of(source, samples, reference, asked.alpha, asked.detect_tv, asked.seed, asked.tolerance, asked.ignore, asked.mapped)
+    verdict = judged(
+        samples, source.load(), alpha=asked.alpha, detect_tv=asked.detect_tv, seed=asked.seed, tolerance=asked.tolerance, ignore=asked.ignore,
+        map=asked.mapped, reference=reference, draw=lambda total: References(source, asked.workers, total), replay=replay,
+    )  # fmt: skip
     if report is not None:
         write_page(report, verdict, source, samples)
     if junit is not None:

@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..inference.enumeration import Enumeration
-from ..inference.statistics.columns import Column, table_of
+from ..inference.statistics.columns import Column
+from ..inference.statistics.relations import table_of
 from ..semantics.errors import UsageError
 from .drawing import drawing_of
 from .files import check_place, write

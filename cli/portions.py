@@ -11,15 +11,17 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from ..inference.batch import Batch, Block
+from ..inference.batch.features import features_in
 from ..inference.batch.jobs import FIRST, Pace, Workers, block_of
 from ..inference.batch.output import lines_of, table_of
+from ..inference.statistics.columns import Table as Features
 from ..interpreter.tables import Columns
 from ..semantics.outcome import Requirement
 from .drawing import Drawing, Softness, drawing_of
 from .options import Source
 from .workers import Failed, Job, failed
 
-Form = Literal["lines", "table"]
+Form = Literal["lines", "table", "features"]
 MOST_LOOKED_AT = 500
 """Of so many scenes is it found out, with the interpreter, how often a soft requirement held."""
 SMALL_PARTS = 4
@@ -27,8 +29,8 @@ SMALL_PARTS = 4
 
 
 class Portion(NamedTuple):
-    """Scenes `start` to `start + len(attempts) - 1`, as lines (in one text, which is quickly sent) or as columns, how often which requirement
-    failed, and how long that took (seconds of a processor, so that other work of the machine does not count).
+    """Scenes `start` to `start + len(attempts) - 1`, as lines (in one text, which is quickly sent), as columns or as features, how often which
+    requirement failed, and how long that took (seconds of a processor, so that other work of the machine does not count).
 
     `left` runs were left to the interpreter. `failed` is the error that ended the job early, at the scene behind the last.
     """
@@ -42,6 +44,7 @@ class Portion(NamedTuple):
     left: int
     seconds: float
     failed: Failed | None
+    features: Features | None = None
 
 
 class PortionJob(NamedTuple):
@@ -70,9 +73,10 @@ def draw_portion(drawing: Drawing, asked: PortionJob) -> Portion:
     block = block_of(batch, job.seed, job.start, job.stop, job.max_attempts, asked.ahead)
     lines = "".join(f"{line}\n" for line in lines_of(batch.template, block, job.seed)).encode() if asked.form == "lines" else b""
     columns = table_of(batch.template, block, job.seed) if asked.form == "table" and len(block.attempts) else None
-    soft = softness_of(drawing, block, job.seed, asked.looked) if drawing.has_soft_requirements else ()
+    features = features_in(batch.template, block) if asked.form == "features" else None
+    soft = softness_of(drawing, block, job.seed, asked.looked) if asked.form != "features" and drawing.has_soft_requirements else ()
     ended = failed(block.error, []) if block.error is not None else None
-    return Portion(job.start, block.attempts + 1, lines, columns, block.stuck, soft, block.left, time.thread_time() - begun, ended)
+    return Portion(job.start, block.attempts + 1, lines, columns, block.stuck, soft, block.left, time.thread_time() - begun, ended, features)
 
 
 def softness_of(drawing: Drawing, block: Block, seed: int, stop: int) -> tuple[Softness, ...]:

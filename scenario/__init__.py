@@ -13,12 +13,15 @@ from pathlib import Path
 from typing import Literal
 
 from ..inference.batch import Batch, Block, Impossible, NotLifted
+from ..inference.batch.features import features_in
 from ..inference.batch.jobs import Pace, block_of
 from ..inference.enumeration import DEFAULT_RUNS, Enumeration, enumerate_runs
 from ..inference.histories import Histories, enumerate_simulations
 from ..inference.pruning import TECHNIQUES, Finding, Pruning, prune
 from ..inference.rejection import DEFAULT_ATTEMPTS, Sampled, exhausted, sample
 from ..inference.simulation import SampledRun, sample_simulation
+from ..inference.statistics.columns import Table, features_table
+from ..inference.statistics.facts import Facts
 from ..interpreter.checks import check
 from ..interpreter.choosers import AS_THEY_ARE, Draws, from_stream
 from ..interpreter.modules import library_of, read_text, with_old_imports
@@ -36,7 +39,7 @@ from ..semantics.syntax import Program
 from ..simulators import by_name
 from ..simulators.actions import ACTIONS
 from ..simulators.worlds import WORLDS
-from .constants import constants_of
+from .constants import constants_of, facts_of
 
 Backend = Literal["auto", "interpreter", "batch"]
 FEW = 10
@@ -93,6 +96,11 @@ class Scenario:
         """The features of a scene that are the same whatever is drawn, by their place in the scene format. Raises `AttemptsExhausted`."""
         assert self.rehearsed
         return constants_of(self.start, fuel=self.fuel)
+
+    @cached_property
+    def facts(self) -> Facts:
+        """What is known of the scenes, whatever is drawn: for comparisons. Raises `AttemptsExhausted`."""
+        return facts_of(self.constants, self.batch, self.pruning.draws)
 
     def sample(self, seed: int = 0, index: int = 0, *, max_attempts: int = DEFAULT_ATTEMPTS) -> Scene:
         """Scene number `index` of `seed`."""
@@ -253,6 +261,18 @@ class Scenario:
                 return _by_batch(batch, n, seed, start, max_attempts)
         return (self.sample(seed, index, max_attempts=max_attempts) for index in range(start, start + n))
 
+    def feature_tables(
+        self, n: int, seed: int = 0, *, start: int = 0, max_attempts: int = DEFAULT_ATTEMPTS
+    ) -> Iterator[Table]:  # fmt: skip
+        """The features of scenes `start` to `start + n - 1` of `seed`, as columns of some scenes after the other; for comparisons."""
+        if self.impossible is not None:
+            raise self.impossible
+        if self.batch is None:
+            yield features_table(self.sample(seed, index, max_attempts=max_attempts) for index in range(start, start + n))
+            return
+        for block in _blocks(self.batch, n, seed, start, max_attempts):
+            yield features_in(self.batch.template, block)
+
 
 def check_whole(*named: tuple[str, object, int | None]) -> None:
     """Arguments by name, each with its least value. Raises `UsageError` for what is no whole number, or too small."""
@@ -263,12 +283,18 @@ def check_whole(*named: tuple[str, object, int | None]) -> None:
 
 def _by_batch(batch: Batch, n: int, seed: int, start: int, max_attempts: int) -> Iterator[Scene]:
     """The scenes of some jobs, one after the other."""
+    for block in _blocks(batch, n, seed, start, max_attempts):
+        yield from batch.scenes_of(block, seed)
+
+
+def _blocks(batch: Batch, n: int, seed: int, start: int, max_attempts: int) -> Iterator[Block]:
+    """Some jobs, one after the other. Raises the error that ends one, after its block."""
     pace = Pace(objects=len(batch.template.objects))
     for first, stop in pace.parts(start, start + n):
         begun = time.thread_time()
         block = block_of(batch, seed, first, stop, max_attempts, start + n - stop)
         pace.took(stop - first, time.thread_time() - begun)
-        yield from batch.scenes_of(block, seed)
+        yield block
         if block.error is not None:
             raise block.error
 

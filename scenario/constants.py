@@ -1,11 +1,17 @@
-"""What is the same in every scene of a program, whatever is drawn."""
+"""What is known of every scene of a program, whatever is drawn."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
+from ..inference.batch import Batch
+from ..inference.batch.features import supports_of
+from ..inference.batch.plan import only_rejects
+from ..inference.batch.suggested import Suggested
 from ..inference.rejection import DEFAULT_ATTEMPTS, sample
 from ..inference.statistics.columns import leaves
+from ..inference.statistics.facts import Facts
+from ..interpreter.choosers import Draws
 from ..interpreter.scenes import OWN_FIELDS, json_value, scene_of
 from ..semantics.config import Config, State
 from ..semantics.outcome import Done, Outcome
@@ -32,6 +38,19 @@ def constants_of(start: Callable[[], Config], *, max_attempts: int = DEFAULT_ATT
     assert isinstance(objects, list)
     kept = [_constant_part(o, state, i) for i, o in enumerate(objects)]
     return dict(leaves({"ego": scene["ego"], "params": params, "objects": kept}))
+
+
+def facts_of(constants: dict[str, object], batch: Batch | None, pruned: Draws) -> Facts:
+    """What is known of the scenes: with a graph, also the supports that it shows and the features that it suggests.
+
+    Where runs that the graph does not describe are left to the interpreter, there are no supports.
+    """
+    if batch is None:
+        return Facts(constants)
+    sure = all(map(only_rejects, batch.graph.events))
+    suggested = Suggested(batch.graph, batch.template, pruned, sure=sure)
+    supports = {name: support for name, support in supports_of(batch.template).items() if name not in constants} if sure else {}
+    return Facts(constants, {**supports, **suggested.supports}, suggested)
 
 
 def _constant_part(written: dict[str, object], state: State, number: int) -> dict[str, object]:

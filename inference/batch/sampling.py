@@ -44,8 +44,8 @@ FEW = 512
 """Fewer runs than this take no less time."""
 
 
-COMPILE_LEAST, COMPILE_NODE = 1.5, 0.01
-"""Seconds that compiling takes, by and large: at least, and for each node."""
+COMPILE_LEAST, COMPILE_NODE = 2.0, 0.02
+"""Seconds of a processor that compiling takes, by and large: at least, and for each node."""
 
 
 LARGEST_COMPILED = 4000
@@ -98,7 +98,7 @@ class Batch:
         self.stage = stages(graph, whole, self.outputs, rejects)
         self.fused: Fused | None = None
         self.not_fused = ""
-        self.spent, self.drawn = 0.0, 0  # seconds and scenes, on columns
+        self.spent, self.drawn = 0.0, 0  # seconds of a processor, and scenes, on columns
 
     def compile(self) -> bool:
         """Use the compiled evaluator from now on, if there is one; else `not_fused` says why. Takes seconds."""
@@ -151,7 +151,7 @@ class Batch:
         """
         if self.may_compile and self.spent * (1 + ahead / max(self.drawn, 1)) > COMPILE_LEAST + COMPILE_NODE * len(self.graph.nodes):
             self.compile()
-        begun = time.monotonic()
+        begun = time.thread_time()
         drawing = Drawing(self, seed, start, stop, max_attempts)
         while len(drawing.pending):
             if self.fused is not None:
@@ -159,7 +159,7 @@ class Batch:
             else:
                 drawing.wave()
         if self.fused is None:
-            self.spent += time.monotonic() - begun
+            self.spent += time.thread_time() - begun
             self.drawn += stop - start
         return drawing.block()
 

@@ -19,6 +19,8 @@ from .laws import EDGES, SAME, Categorical, Continuous
 FEW = 24  # as many different values, or fewer, get a cell each
 MOST_EXACT = 256  # against an exact law
 QUARTERS = (0.25, 0.5, 0.75)
+REPEATED, MOST_LEARNT, MOST_REPEATED = 3, 16, 256
+"""A value that comes so often in one block is remembered, at most so many of a block, at most about so many in all."""
 FEWEST = 5  # draws of the first block beyond the outermost edge
 
 
@@ -29,6 +31,7 @@ class Values:
     names: tuple[str, ...]
     numbers: Array | None
     opening: float | None = None
+    tolerance: float = SAME
 
     @property
     def count(self) -> int:
@@ -49,7 +52,7 @@ class Values:
         after = np.minimum(after, len(self.numbers) - 1)
         nearest = np.where(np.abs(self.numbers[before] - values) <= np.abs(self.numbers[after] - values), before, after)
         off = np.abs(self.numbers[nearest] - values)
-        return np.where(off <= SAME * np.maximum(1.0, np.abs(values)), nearest, len(self.names))
+        return np.where(off <= self.tolerance * np.maximum(1.0, np.abs(values)), nearest, len(self.names))
 
     def labels(self) -> tuple[str, ...]:
         """A name for each cell."""
@@ -107,35 +110,116 @@ class OfLaw:
         return self.law.labels()
 
 
-Cells = Values | Intervals | OfLaw
+@dataclass(frozen=True)
+class Codes:
+    """A cell for each of the whole numbers from 0 on, and a last one for all other values: `names` says what they are."""
+
+    names: tuple[str, ...]
+
+    @property
+    def count(self) -> int:
+        """How many cells there are."""
+        return len(self.names) + 1
+
+    def assign(self, column: Column) -> Array:
+        """The cell of each value."""
+        codes = column.values.astype(int)
+        return np.where(codes < 0, len(self.names), codes)
+
+    def labels(self) -> tuple[str, ...]:
+        """A name for each cell."""
+        return (*self.names, "any other")
 
 
-def cells_of(column: Column, weights: Array | None = None, levels: tuple[float, ...] = EDGES, *, exact: bool = False) -> Cells:
-    """Cells for a feature, from values of it (each with a weight). `levels` are those of the quantiles."""
+class Repeated:
+    """Two cells: values that were seen more than once in a block that came before, which are learnt as one goes, and all others.
+
+    What a bet is made on is known before the draw that it is made on, so that the bet is as fair as one on cells that stay.
+    """
+
+    count = 2
+
+    def __init__(self) -> None:
+        self.known = np.zeros(0)
+
+    def assign(self, column: Column) -> Array:
+        """The cell of each value."""
+        if not len(self.known) or not column.is_number:
+            return np.zeros(len(column.values), dtype=int)
+        after = np.minimum(np.searchsorted(self.known, column.values), len(self.known) - 1)
+        near = [np.abs(self.known[k] - column.values) for k in (after, np.maximum(after - 1, 0))]
+        return (np.minimum(*near) <= SAME * np.maximum(1.0, np.abs(column.values))).astype(int)
+
+    def learn(self, column: Column) -> None:
+        """Look for values that come more than once, after the bets on them: those that come most often are remembered."""
+        if column.is_number and len(self.known) < MOST_REPEATED:
+            different, counts = np.unique(column.values[np.isfinite(column.values)], return_counts=True)
+            often = np.argsort(-counts, kind="stable")[:MOST_LEARNT]
+            self.known = np.union1d(self.known, different[often[counts[often] >= REPEATED]])
+
+    def labels(self) -> tuple[str, ...]:
+        """A name for each cell."""
+        return "values seen at most twice before", f"one of {', '.join(f'{v:.9g}' for v in self.known[:6])}" if len(self.known) else "none yet"
+
+
+Cells = Values | Intervals | OfLaw | Codes | Repeated
+
+
+def cells_of(
+    column: Column, weights: Array | None = None, levels: tuple[float, ...] = EDGES, *, exact: bool = False, tolerance: float = SAME
+) -> Cells:
+    """Cells for a feature, from values of it (each with a weight). `levels` are those of the quantiles; numbers that differ by no more than the
+    tolerance (relative, from 1 on) are the same."""
     few = MOST_EXACT if exact else min(FEW, len(levels) + 1)
     if not column.is_number:
         return Values(tuple(dict.fromkeys(column.values))[:MOST_EXACT], None)
-    known = ~np.isnan(column.values)
+    known = np.isfinite(column.values)
     weights = weights[known] if weights is not None else None
     opening = opening_of(column.values) if is_angle(column.name) else None
     values = opened(column.values[known], opening)
-    different = merged(np.unique(values))
+    every = np.unique(values)
+    different = merged(every, tolerance, few)
     if len(different) <= few:
-        return Values(tuple(f"{v:.9g}" for v in different), different, opening)
+        return Values(tuple(f"{v:.9g}" for v in different), different, opening, tolerance)
     order = np.argsort(values, kind="stable")
     share = np.cumsum((np.ones(len(values)) if weights is None else weights)[order])
     enough = FEWEST / len(values)
     at = [np.searchsorted(share, level * share[-1]) for level in levels if enough <= level <= 1 - enough]
     edges = np.unique(values[order][np.minimum(at, len(values) - 1)])
-    return Intervals(edges - SAME * np.maximum(1.0, np.abs(edges)), opening)  # just below, so that rounding does not split an atom
+    return Intervals(np.unique([clear_edge(float(edge), every, tolerance) for edge in edges]), opening)
 
 
-def merged(values: Array) -> Array:
-    """Sorted values without those that differ from the one before by rounding only."""
-    if len(values) < 2:
-        return values
-    apart = np.diff(values) > SAME * np.maximum(1.0, np.abs(values[1:]))
-    return values[np.concatenate([[True], apart])]
+def all_values(column: Column, tolerance: float) -> Values:
+    """A cell for each value of a feature, however many there are."""
+    if not column.is_number:
+        return Values(tuple(dict.fromkeys(column.values)), None)
+    opening = opening_of(column.values) if column.is_angle else None
+    different = merged(np.unique(opened(column.values, opening)), tolerance)
+    return Values(tuple(f"{v:.9g}" for v in different), different, opening, tolerance)
+
+
+def clear_edge(edge: float, values: Array, tolerance: float) -> float:
+    """An edge near the given value where there is most room between the sorted `values`: one just below it unless rounding could cross that.
+
+    Values that are the same but for rounding, such as those of an atom, so stay in one cell.
+    """
+    width = 2.0 * tolerance * max(1.0, abs(edge))
+    low, high = np.searchsorted(values, [edge - width, edge + width])
+    low, high = max(0, int(low) - 1), min(len(values) - 1, int(high))
+    if high <= low:
+        return edge - SAME * max(1.0, abs(edge))
+    widest = low + int(np.argmax(np.diff(values[low : high + 1])))
+    return float(values[widest] + values[widest + 1]) / 2
+
+
+def merged(values: Array, tolerance: float = SAME, most: int | None = None) -> Array:
+    """Sorted values without those that differ from one before, which is kept, by rounding only; the first ones, if there are more than `most`."""
+    kept: list[int] = []
+    at = 0
+    while at < len(values) and (most is None or len(kept) <= most):
+        kept.append(at)
+        at = int(np.searchsorted(values, values[at] + tolerance * max(1.0, abs(values[at])), side="right"))
+    return values[kept]
 
 
 def opening_of(angles: Array) -> float:

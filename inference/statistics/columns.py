@@ -1,8 +1,7 @@
-"""Scenes as columns: one array per property of each object, per parameter and per relation between objects.
+"""Scenes as columns: one array per property of each object and per parameter, in the order of the scenes.
 
 A column is named by its place in the scene format: `objects[1].position[0]`, `objects[0].properties.color[2]`, `params.time`, `attempts`.
-Relations are `distance(0, 1)`, `bearing(0, 1)` (of object 1 as seen from object 0, relative to its heading),
-`relativeHeading(0, 1)` and `smallestGap`, the least distance between any two boxes. Metres and radians.
+Metres and radians. Relations between objects are in `relations`.
 """
 
 from __future__ import annotations
@@ -11,10 +10,10 @@ import json
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from functools import cached_property
+from operator import itemgetter
 
 import numpy as np
-import shapely
 
 from ...interpreter.scenes import OWN_FIELDS, Scene
 from .betting import Array
@@ -22,8 +21,7 @@ from .betting import Array
 ABSENT = "(absent)"
 OTHERWISE, A_NUMBER = " where it is no number", "(a number)"
 ANGLES = ("heading", "Heading", "bearing")
-MOST_RELATED = 12  # relations are looked at between the first so many objects
-BOX = np.array([(0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5)])
+SCALARS = {int, float}
 
 
 @dataclass(frozen=True)
@@ -46,12 +44,17 @@ class Column:
     @property
     def is_relation(self) -> bool:
         """Whether the feature follows from others."""
-        return "(" in self.name or self.name == "smallestGap"
+        return is_relation(self.name)
 
 
 def is_angle(name: str) -> bool:
     """Whether a feature of that name is an angle."""
     return last_part(name).endswith(ANGLES)
+
+
+def is_relation(name: str) -> bool:
+    """Whether a feature of that name follows from others."""
+    return "(" in name or name == "smallestGap"
 
 
 def last_part(name: str) -> str:
@@ -60,62 +63,103 @@ def last_part(name: str) -> str:
 
 
 class Table:
-    """The features of `n` scenes by name; all columns have that length."""
+    """The features of `n` scenes by name; all columns have that length. `numbers` are those of the scenes, counted from 1."""
 
-    def __init__(self, columns: Mapping[str, Array], n: int) -> None:
+    def __init__(self, columns: Mapping[str, Array], n: int, numbers: Array | None = None) -> None:
         self.n = n
-        self.columns = {name: Column(name, values) for name, values in columns.items()}
+        self.arrays = columns
+        self.numbers = np.arange(1, n + 1) if numbers is None else numbers
+
+    @cached_property
+    def columns(self) -> dict[str, Column]:
+        """The columns by name."""
+        return {name: Column(name, values) for name, values in self.arrays.items()}
 
     def rows(self, start: int, stop: int) -> Table:
+        """Some of the scenes, one after the other."""
+        return self.chosen(slice(start, max(start, min(stop, self.n))))
+
+    def chosen(self, which: Array | slice) -> Table:
         """Some of the scenes."""
-        return Table({name: c.values[start:stop] for name, c in self.columns.items()}, max(0, min(stop, self.n) - start))
+        numbers = self.numbers[which]
+        return Table({name: values[which] for name, values in self.arrays.items()}, len(numbers), numbers)
+
+    def plus(self, columns: Mapping[str, Array]) -> Table:
+        """The scenes with further features."""
+        return Table({**self.arrays, **columns}, self.n, self.numbers)
 
 
-def table_of(scenes: Iterable[Scene | Mapping[str, object]]) -> Table:
-    """The table of scenes, given as such or as JSON objects in the scene format."""
-    rows = [dict(leaves(scene.to_json() if isinstance(scene, Scene) else scene)) for scene in scenes]
-    names = dict.fromkeys(name for row in rows for name in row)
-    columns = dict(column for name in names for column in columns_of(name, [row.get(name, ABSENT) for row in rows]))
-    return Table({**columns, **relations(columns, len(rows))}, len(rows))
+# From scenes
 
 
-def columns_of(name: str, values: list[object]) -> Iterator[tuple[str, Array]]:
-    """The column of a feature; where only some values are numbers, one with NaN for the others, and one for what these are."""
-    numbers = [is_number(v) for v in values]
-    if all(numbers) or not any(numbers):
-        yield name, array_of(values)
-        return
-    yield name, array_of([v if known else math.nan for v, known in zip(values, numbers, strict=True)])
-    yield name + OTHERWISE, np.array([A_NUMBER if known else text_of(v) for v, known in zip(values, numbers, strict=True)], dtype=object)
+def features_table(scenes: Iterable[Scene | Mapping[str, object]]) -> Table:
+    """The table of the features that stand in scenes as they are; the scenes are given as such or as JSON objects in the scene format."""
+    written = [scene.to_json() if isinstance(scene, Scene) else scene for scene in scenes]
+    return Table(arrays_of(features_of(written)), len(written))
 
 
-def is_number(value: object) -> bool:
-    """Whether a value in JSON is a number."""
-    return type(value) is float or type(value) is int
+def arrays_of(features: Iterable[tuple[str, list[object]]]) -> dict[str, Array]:
+    """The columns of features that are given as lists of values in JSON."""
+    return dict(column for name, values in features for column in columns_of(name, values))
 
 
 def leaves(scene: Mapping[str, object]) -> Iterator[tuple[str, object]]:
     """The features that stand in a scene as they are, by name."""
-    if "columns" in scene:  # a row of a CSV file
-        found = scene["columns"]
-        assert isinstance(found, Mapping)
-        yield from found.items()
+    return ((name, values[0]) for name, values in features_of([scene]))
+
+
+def features_of(scenes: Sequence[Mapping[str, object]]) -> Iterator[tuple[str, list[object]]]:
+    """The features that stand in scenes as they are, by name, with their value in each scene (`ABSENT` where there is none)."""
+    rows = [scene["columns"] for scene in scenes if "columns" in scene]  # rows of a CSV file
+    if rows:
+        yield from fields(rows)  # type: ignore[arg-type]
         return
-    if "attempts" in scene:
-        yield "attempts", scene["attempts"]
-    if "ego" in scene:
-        yield "ego", str(scene["ego"])
-    params, objects = scene.get("params", {}), scene.get("objects", [])
-    assert isinstance(params, Mapping) and isinstance(objects, Sequence)
-    for name, value in params.items():
-        yield from below(f"params.{name}", value)
-    yield "objects", str(len(objects))
-    for i, o in enumerate(objects):
+    if any("attempts" in scene for scene in scenes):
+        yield "attempts", values_at(scenes, "attempts")
+    if any("ego" in scene for scene in scenes):
+        yield "ego", [ABSENT if v is ABSENT else str(v) for v in values_at(scenes, "ego")]
+    params: list[Mapping[str, object]] = [scene.get("params", {}) for scene in scenes]  # type: ignore[misc]
+    for name, values in fields(params):
+        yield from spread(f"params.{name}", values)
+    lists: list[Sequence[Mapping[str, object]]] = [scene.get("objects", []) for scene in scenes]  # type: ignore[misc]
+    yield "objects", [str(len(objects)) for objects in lists]
+    for i in range(max(map(len, lists), default=0)):
+        objects = [found[i] if i < len(found) else {} for found in lists]
         for name in ("class", *OWN_FIELDS):
-            if name in o:
-                yield from below(f"objects[{i}].{name}", o[name])
-        for name, value in o.get("properties", {}).items():
-            yield from below(f"objects[{i}].properties.{name}", value)
+            if any(name in o for o in objects):
+                yield from spread(f"objects[{i}].{name}", values_at(objects, name))
+        properties: list[Mapping[str, object]] = [o.get("properties", {}) for o in objects]  # type: ignore[misc]
+        for name, values in fields(properties):
+            yield from spread(f"objects[{i}].properties.{name}", values)
+
+
+def fields(rows: Sequence[Mapping[str, object]]) -> Iterator[tuple[str, list[object]]]:
+    """All keys, in the order in which they come first, with their value in each row."""
+    first = rows[0].keys() if rows else {}.keys()
+    if all(row.keys() == first for row in rows):
+        yield from ((name, list(map(itemgetter(name), rows))) for name in first)
+    else:
+        yield from ((name, values_at(rows, name)) for name in dict.fromkeys(name for row in rows for name in row))
+
+
+def values_at(rows: Sequence[Mapping[str, object]], name: str) -> list[object]:
+    """The value of a key in each row."""
+    return [row.get(name, ABSENT) for row in rows]
+
+
+def spread(name: str, values: list[object]) -> Iterator[tuple[str, list[object]]]:
+    """The leaves of values in JSON, one for each scene."""
+    kinds = set(map(type, values))
+    if not kinds & {list, dict}:
+        yield name, values
+    elif kinds == {list} and len(set(map(len, values))) == 1 and values[0]:  # type: ignore[arg-type]
+        for i in range(len(values[0])):  # type: ignore[arg-type]
+            yield from spread(f"{name}[{i}]", [v[i] for v in values])  # type: ignore[index]
+    elif kinds == {dict} and values[0] and set(values[0]) != {"repr"} and all(v.keys() == values[0].keys() for v in values):  # type: ignore[attr-defined, call-overload]
+        for key in values[0]:  # type: ignore[attr-defined]
+            yield from spread(f"{name}.{key}", [v[key] for v in values])  # type: ignore[index]
+    else:
+        yield from fields([dict(below(name, v)) for v in values])
 
 
 def below(name: str, value: object) -> Iterator[tuple[str, object]]:
@@ -126,18 +170,47 @@ def below(name: str, value: object) -> Iterator[tuple[str, object]]:
     elif isinstance(value, dict) and value and set(value) != {"repr"}:
         for key, item in value.items():
             yield from below(f"{name}.{key}", item)
-    else:
+    elif value is not ABSENT:
         yield name, value
+
+
+# Values
+
+
+def columns_of(name: str, values: list[object]) -> Iterator[tuple[str, Array]]:
+    """The column of a feature; where only some values are numbers, one with NaN for the others, and one for what these are."""
+    kinds = set(map(type, values))
+    if len(kinds) == 1 and values.count(values[0]) == len(values):  # most features of most programs
+        yield name, np.broadcast_to(array_of(values[:1]), len(values))
+        return
+    if kinds <= SCALARS or not kinds & SCALARS:
+        yield name, array_of(values)
+        return
+    numbers = [is_number(v) for v in values]
+    yield name, array_of([v if known else math.nan for v, known in zip(values, numbers, strict=True)])
+    yield name + OTHERWISE, np.array([A_NUMBER if known else text_of(v) for v, known in zip(values, numbers, strict=True)], dtype=object)
+
+
+def is_number(value: object) -> bool:
+    """Whether a value in JSON is a number."""
+    return type(value) is float or type(value) is int
 
 
 def array_of(values: list[object]) -> Array:
     """Floats if all are numbers, otherwise each value's JSON text, numbers rounded to nine digits."""
-    if all(map(is_number, values)):
+    kinds = set(map(type, values))
+    if kinds <= SCALARS:
         try:
             return np.array(values, dtype=np.float64)
         except OverflowError:
             pass
-    return np.array([text_of(v) for v in values], dtype=object)
+    known: dict[object, str] = {}  # equal texts are kept once
+    if kinds == {str}:
+        return np.array([known.setdefault(v, v) for v in values], dtype=object)  # type: ignore[arg-type]
+    if kinds == {dict} and all(v.keys() == {"repr"} for v in values):  # type: ignore[attr-defined]
+        known = {name: text_of({"repr": name}) for name in {str(v["repr"]) for v in values}}  # type: ignore[index]
+        return np.array([known[str(v["repr"])] for v in values], dtype=object)  # type: ignore[index]
+    return np.array([known.setdefault(text, text) for text in map(text_of, values)], dtype=object)
 
 
 def text_of(value: object) -> str:
@@ -147,37 +220,35 @@ def text_of(value: object) -> str:
     return f"{value:.9g}" if type(value) is float else json.dumps(value)
 
 
-def relations(columns: Mapping[str, Array], n: int) -> dict[str, Array]:
-    """The relations between all pairs of (the first) objects whose poses are numbers throughout."""
-    poses = [pose for i in range(MOST_RELATED) if (pose := pose_of(columns, i)) is not None]
-    found: dict[str, Array] = {}
-    for (i, one), (j, other) in combinations(enumerate(poses), 2):
-        dx, dy = other[0] - one[0], other[1] - one[1]
-        found[f"distance({i}, {j})"] = np.hypot(dx, dy)
-        found[f"bearing({i}, {j})"] = wrapped(np.arctan2(-dx, dy) - one[2])
-        found[f"relativeHeading({i}, {j})"] = wrapped(other[2] - one[2])
-    gaps = [shapely.distance(boxes(one), boxes(other)) for one, other in combinations(poses, 2) if len(one) == len(other) == 5]
-    if gaps:
-        found["smallestGap"] = np.min(gaps, axis=0)
-    return found
+# Tables one after the other
 
 
-def pose_of(columns: Mapping[str, Array], i: int) -> list[Array] | None:
-    """x, y, heading and, where they are known, width and length of object `i`."""
-    names = [f"objects[{i}].{name}" for name in ("position[0]", "position[1]", "heading", "width", "length")]
-    found = [columns[name] for name in names if name in columns and columns[name].dtype == np.float64]
-    return found if len(found) == 5 or (len(found) == 3 and all(name in columns for name in names[:3])) else None
+def stacked(tables: Sequence[Table]) -> Table:
+    """The scenes of some tables, one after the other; a feature that some lack is absent there."""
+    if len(tables) == 1:
+        return tables[0]
+    known = [table for table in tables if table.n]
+    names = dict.fromkeys(name for table in tables for name in table.arrays if not name.endswith(OTHERWISE))
+    columns: dict[str, Array] = {}
+    for name in names:
+        found = [table.arrays.get(name, full(table.n, ABSENT)) for table in known]
+        kinds = {values.dtype for values in found}
+        if len(kinds) == 1 and not any(name + OTHERWISE in table.arrays for table in tables):
+            columns[name] = np.concatenate(found)
+        else:
+            columns[name] = np.concatenate([v if v.dtype == np.float64 else np.full(len(v), math.nan) for v in found])
+            columns[name + OTHERWISE] = np.concatenate([otherwise(table, name) for table in known])
+    return Table(columns, sum(table.n for table in known), np.concatenate([np.zeros(0, dtype=int), *(table.numbers for table in known)]))
 
 
-def boxes(pose: Sequence[Array]) -> Array:
-    """The bounding boxes, as shapes."""
-    x, y, heading, width, length = pose
-    u, v = BOX[:, 0] * width[:, None], BOX[:, 1] * length[:, None]
-    s, c = np.sin(heading)[:, None], np.cos(heading)[:, None]
-    corners = np.stack([x[:, None] + u * c - v * s, y[:, None] + u * s + v * c], axis=-1)
-    return np.asarray(shapely.polygons(corners))
+def otherwise(table: Table, name: str) -> Array:
+    """What a feature is where it is no number."""
+    values = table.arrays.get(name)
+    if values is None or values.dtype != np.float64:
+        return full(table.n, ABSENT) if values is None else values
+    return table.arrays.get(name + OTHERWISE, full(table.n, A_NUMBER))
 
 
-def wrapped(angle: Array) -> Array:
-    """The angles in (-π, π]."""
-    return -((math.pi - angle) % math.tau - math.pi)
+def full(n: int, text: str) -> Array:
+    """A column of one text."""
+    return np.broadcast_to(np.array([text], dtype=object), n)

@@ -1,14 +1,15 @@
 """`compare`: whether two sources of scenes have the same distribution, with a stated risk of a false alarm and a stated power.
 
 The features come from the scenes themselves: every property, every parameter, relations between objects, the number of attempts, and the cells of
-pairs of features. Each feature has a betting e-process (`betting`); the average of all is one more, and one may look
-at it at any time.
+pairs of features; and from the program: see `facts`. Each feature has a betting e-process (`betting`); the average of all is one more, and one may
+look at it at any time.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple, Protocol, runtime_checkable
 
@@ -18,19 +19,25 @@ from ...interpreter.scenes import Scene
 from ...semantics.errors import UsageError
 from ..enumeration import Enumeration
 from .betting import combined
-from .columns import Table, table_of
-from .features import Cut, FeatureTest, assigned, tests_against, tests_between, tests_of_laws
-from .impossible import MOST_LISTED, constants_of_law, off_the_law, wrong_constants
+from .columns import Table, features_table, is_relation, stacked
+from .facts import Facts, WithFacts
+from .features import Cut, FeatureTest, assigned, learn, one_sided, tests_between, tests_of_laws
+from .impossible import MOST_LISTED, Findings, constants_of
 from .laws import DEFAULT_ALPHA, Categorical, Continuous
+from .names import Names
+from .outcomes import TOGETHER, Outcomes
 from .power import Hardest, detectable, needed
+from .relations import related
+from .rounding import DEFAULT_TOLERANCE, Rounding, rounded, roundings_of
+from .samples import AnyScene, Samples
 from .verdict import BURNED_SHARE, FIRST_BLOCK, Kind, Verdict
 
 DEFAULT_TV = 0.01
-GROWTH = 1.5
-
-
-AnyScene = Scene | Mapping[str, object]
-"""A scene, or the JSON object of one."""
+GROWTH = 1.25
+"""After so many times as many scenes one looks again."""
+LEAST_TOLERANCE = 1e-12
+MOST_AT_ONCE = 1 << 13
+"""So many scenes of each side are counted at a time."""
 
 
 class Sampler(Protocol):
@@ -42,12 +49,11 @@ class Sampler(Protocol):
 
 
 @runtime_checkable
-class WithConstants(Protocol):
-    """Something that knows which features no draw changes, such as a scenario."""
+class WithTables(Protocol):
+    """A sampler that gives the features of many scenes at a time."""
 
-    @property
-    def constants(self) -> Mapping[str, object]:
-        """The values of these features."""
+    def feature_tables(self, n: int, seed: int = 0, *, start: int = 0) -> Iterable[Table]:
+        """The features of scenes `start` to `start + n - 1` of `seed`, some scenes after the other."""
         ...
 
 
@@ -55,32 +61,34 @@ Laws = Mapping[str, Continuous | Categorical]
 """Exact laws of features in closed form, by the features' names."""
 
 Scenes = Sequence[Scene] | Sequence[Mapping[str, object]]
-Source = Scenes | Table | Sampler
+Source = Scenes | Table | Sampler | Samples
 
 
 def compare(
     a: Source, b: Source | Enumeration | Laws, *, alpha: float = DEFAULT_ALPHA, detect_tv: float = DEFAULT_TV, budget: int | None = None,
-    seeds: tuple[int, int] = (0, 1), constants: Mapping[str, object] | None = None, replay: str = "",
-) -> Verdict:
+    seeds: tuple[int, int] = (0, 1), facts: Facts | None = None, names: Names | None = None, tolerance: float = DEFAULT_TOLERANCE,
+    replay: str = "",
+) -> Verdict:  # fmt: skip
     """Whether the draws `a` have the distribution of the draws `b`, or an exact one: an enumeration, or laws of features in closed form.
 
     `a` and `b` are scenes (as such, as JSON objects in the scene format, or as a table), or draw them with `seeds`. P("different") <= `alpha`
     if there is no difference. `budget` is the largest number of scenes of each side; without one all that are there are
-    used, or as many as a difference of `detect_tv` needs. `constants` are values that features must have, whatever is drawn; a
-    scenario given as `b` knows its own.
+    used, or as many as a difference of `detect_tv` needs. `facts` are what is known of the scenes of `b`, whatever is drawn; a
+    scenario given as `b` knows its own. `names` says what is not compared, and what `a` calls the features; numbers that differ by no more than
+    `tolerance` (relative to the larger of them and 1) are the same.
     Raises `UsageError` for settings or scenes that cannot be compared.
     """
-    check_settings(alpha, detect_tv, budget)
-    if constants is None and isinstance(b, WithConstants):
-        constants = b.constants
+    check_settings(alpha, detect_tv, budget, tolerance)
+    names = names or Names()
+    known = facts if facts is not None else b.facts if isinstance(b, WithFacts) else Facts()
     again = replay or f"compare(a, b, alpha={alpha:g}, detect_tv={detect_tv:g}, budget={budget}, seeds={seeds})"
-    terms = Terms(alpha, detect_tv, constants or {}, seeds, again)
+    terms = Terms(alpha, detect_tv, known.without(names.ignored), names, tolerance, seeds, again)
     if isinstance(b, (Enumeration, Mapping)):
-        return _with_law(Stream(a, seeds[0]), b, budget, terms)
-    return _two_samples(Stream(a, seeds[0]), Stream(b, seeds[1]), budget, terms)
+        return _with_law(a, b, budget, terms)
+    return _two_samples(Stream(a, seeds[0], terms), Stream(b, seeds[1], terms, theirs=False), budget, terms)
 
 
-def check_settings(alpha: float, detect_tv: float, budget: int | None) -> None:
+def check_settings(alpha: float, detect_tv: float, budget: int | None, tolerance: float = DEFAULT_TOLERANCE) -> None:
     """Raise `UsageError` for levels that are none."""
     if not 0 < alpha < 1:
         raise UsageError(f"alpha is a probability between 0 and 1, not {alpha:g}")
@@ -88,34 +96,8 @@ def check_settings(alpha: float, detect_tv: float, budget: int | None) -> None:
         raise UsageError(f"the total variation to detect is between 0 and 1, not {detect_tv:g}")
     if budget is not None and budget < 1:
         raise UsageError(f"the budget is a number of scenes, not {budget}")
-
-
-class Stream:
-    """The scenes of a source, block by block; `length` is None if there is no end to them, and `whole` is then empty.
-
-    Scenes that are given are taken in a random order (a function of the seed), so that it does not matter how they were sorted.
-    """
-
-    def __init__(self, source: Source, seed: int) -> None:
-        self.seed = seed
-        self.at = 0
-        self.sampler: Sampler | None = None
-        self.whole = self.table = Table({}, 0)
-        self.length: int | None = None
-        if isinstance(source, (Table, Sequence)):
-            self.whole = source if isinstance(source, Table) else table_of(source)
-            self.length = self.whole.n
-            order = np.random.Generator(np.random.Philox(seed % (1 << 64))).permutation(self.length)
-            self.table = Table({name: column.values[order] for name, column in self.whole.columns.items()}, self.length)
-        else:
-            self.sampler = source
-
-    def take(self, n: int) -> Table:
-        """The next `n` scenes, or as many as are left."""
-        start, self.at = self.at, self.at + n
-        if self.sampler is not None:
-            return table_of(self.sampler.sample_many(n, self.seed, start=start))
-        return self.table.rows(start, start + n)
+    if not LEAST_TOLERANCE <= tolerance < 1:
+        raise UsageError(f"the tolerance is between {LEAST_TOLERANCE:g} (the rounding of one's own arithmetic) and 1, not {tolerance:g}")
 
 
 class Terms(NamedTuple):
@@ -123,9 +105,76 @@ class Terms(NamedTuple):
 
     alpha: float
     detect_tv: float
-    constants: Mapping[str, object]
+    facts: Facts
+    names: Names
+    tolerance: float
     seeds: tuple[int, int]
     replay: str
+
+
+class Stream:
+    """The scenes of a source, block by block; `length` is None if there is no end to them. `theirs`: these are the samples.
+
+    `found` is what cannot be among the scenes that were taken, or among all if they are given; what is given is looked at as a whole.
+    """
+
+    def __init__(self, source: Source, seed: int, terms: Terms, *, theirs: bool = True) -> None:
+        self.seed = seed
+        self.terms = terms
+        self.theirs = theirs
+        self.at = 0
+        self.sampler: Sampler | None = None
+        self.length: int | None = None
+        self.found = Findings(terms.facts, terms.tolerance)
+        self.tables: Iterator[Table] = iter(())
+        self.left: list[Table] = []
+        if isinstance(source, (Samples, Table, Sequence)):
+            facts = terms.facts if theirs else Facts()
+            given = source if isinstance(source, Samples) else Samples(
+                source, seed, facts=facts, names=terms.names, tolerance=terms.tolerance, theirs=theirs
+            )
+            self.length, self.tables, self.found = given.n, given.tables(), given.found
+        else:
+            self.sampler = source
+
+    def take(self, n: int) -> Table:
+        """The next `n` scenes, or as many as are left."""
+        if self.sampler is not None:
+            start, self.at = self.at, self.at + n
+            return self.drawn(n, start)
+        while sum(table.n for table in self.left) < n and (more := next(self.tables, None)) is not None:
+            self.left.append(more)
+        whole = stacked(self.left) if self.left else Table({}, 0)
+        self.left = [whole.rows(n, whole.n)]
+        return whole.rows(0, n)
+
+    def drawn(self, n: int, start: int) -> Table:
+        """Scenes from `start` on, drawn now."""
+        sampler = self.sampler
+        if isinstance(sampler, WithTables):
+            table = stacked(list(sampler.feature_tables(n, self.seed, start=start)))
+        else:
+            assert sampler is not None
+            table = features_table(sampler.sample_many(n, self.seed, start=start))
+        table = Table(table.arrays, table.n, np.arange(start + 1, start + 1 + table.n))
+        if not self.theirs:
+            return self.terms.names.kept(table)
+        table = self.terms.names.translated(table)
+        self.found.look(table)
+        return table
+
+
+@dataclass(frozen=True)
+class View:
+    """What is compared of scenes: their features, rounded alike on both sides, and what follows from them."""
+
+    facts: Facts = field(default_factory=Facts)
+    roundings: Mapping[str, Rounding] = field(default_factory=dict)
+
+    def __call__(self, table: Table) -> Table:
+        """The table with all features."""
+        found = related(rounded(table, self.roundings))
+        return found.plus(self.facts.derived(found))
 
 
 def _two_samples(a: Stream, b: Stream, budget: int | None, terms: Terms) -> Verdict:
@@ -134,60 +183,73 @@ def _two_samples(a: Stream, b: Stream, budget: int | None, terms: Terms) -> Verd
     if available == 0:
         raise UsageError("there are no scenes to compare")
     burned = FIRST_BLOCK[1] if available is None else min(max(available // BURNED_SHARE, min(FIRST_BLOCK[0], (available + 1) // 2)), FIRST_BLOCK[1])
-    impossible = wrong_constants(a.whole, terms.constants)
     first = a.take(burned), b.take(burned)
-    tests, skipped = tests_between(*first, terms.constants)
-    collected = Collected(tests, terms, impossible or wrong_constants(first[0], terms.constants), exact=False)
+    view = View(terms.facts, roundings_of(*first, terms.tolerance))
+    one, other = map(view, first)
+    own = view.facts.derived(one)
+    skipped = one_sided(*first, terms.facts.constants)
+    tests = tests_between(one, other, terms.facts.constants, lambda name: name not in own, terms.tolerance)
+    collected = Collected(tests, terms, a.found, exact=False)
+    a.found.look_derived(one)
     limit = collected.needed if available is None else available - burned
     while collected.n < limit and not collected.decided:
-        size = min(max(burned, int(collected.n * (GROWTH - 1))), limit - collected.n)
-        one = a.take(size)
-        collected.impossible += wrong_constants(one, terms.constants, a.at - size) if a.length is None else []
-        collected.add(one, b.take(size))
+        stop = min(collected.n + max(burned, int(collected.n * (GROWTH - 1))), limit)
+        while collected.n < stop:
+            size = min(MOST_AT_ONCE, stop - collected.n)
+            table = view(a.take(size))
+            a.found.look_derived(table)
+            collected.count(table, view(b.take(size)))
+        collected.look()
     return collected.verdict(burned, skipped)
 
 
-def _with_law(a: Stream, law: Enumeration | Laws, budget: int | None, terms: Terms) -> Verdict:
-    first = a.take(FIRST_BLOCK[0])
-    looked_at = first if a.length is None else a.whole
+def _with_law(a: Source, law: Enumeration | Laws, budget: int | None, terms: Terms) -> Verdict:
     if isinstance(law, Enumeration):
-        terms = terms._replace(constants={**constants_of_law(law), **terms.constants})
-        tests, skipped = tests_against(looked_at, law, terms.constants)
-    else:
-        tests, skipped = tests_of_laws(looked_at, law), []
-    impossible = wrong_constants(looked_at, terms.constants) or off_the_law(looked_at, tests)
-    collected = Collected(tests, terms, impossible, exact=True)
-    limit = min((n for n in (a.length, budget) if n is not None), default=collected.needed)
-    if limit < 1:
+        always = constants_of(terms.names.kept(features_table(law.scenes)))
+        terms = terms._replace(facts=replace(terms.facts, constants={**always, **terms.facts.constants}))
+    stream = Stream(a, terms.seeds[0], terms)
+    if stream.length == 0:
         raise UsageError("there are no scenes to compare")
-    block = first
-    while not collected.decided:
-        block = block.rows(0, limit - collected.n)
-        if a.length is None:
-            collected.impossible += wrong_constants(block, terms.constants, collected.n) or off_the_law(block, tests, collected.n)
-        collected.add(block, None)
-        if collected.n >= limit:
-            break
-        block = a.take(max(FIRST_BLOCK[0], int(collected.n * (GROWTH - 1))))
-    return collected.verdict(0, skipped)
+    block = stream.take(FIRST_BLOCK[0])
+    view: Callable[[Table], Table] = related
+    skipped: list[str] = []
+    if isinstance(law, Enumeration):
+        outcomes = Outcomes(law, block, terms.facts, terms.names, terms.tolerance)
+        view, tests = outcomes.complete, outcomes.tests(block)
+        hidden = ("attempts", TOGETHER)
+        skipped = [name for name in one_sided(block, outcomes.table, terms.facts.constants) if name not in hidden and not is_relation(name)]
+    else:
+        tests = tests_of_laws(related(block), law)
+    collected = Collected(tests, terms, stream.found, exact=True)
+    limit = min((n for n in (stream.length, budget) if n is not None), default=collected.needed)
+    block = block.rows(0, limit)
+    while True:
+        for start in range(0, block.n, MOST_AT_ONCE):
+            table = view(block.rows(start, start + MOST_AT_ONCE))
+            stream.found.look_at_law(table, tests)
+            collected.count(table, None)
+        collected.look()
+        if collected.decided or collected.n >= limit:
+            return collected.verdict(0, skipped)
+        block = stream.take(min(max(FIRST_BLOCK[0], int(collected.n * (GROWTH - 1))), limit - collected.n))
 
 
 class Collected:
     """The counts so far, and the largest evidence that they ever gave."""
 
-    def __init__(self, tests: list[FeatureTest], terms: Terms, impossible: list[str], *, exact: bool) -> None:
+    def __init__(self, tests: list[FeatureTest], terms: Terms, found: Findings, *, exact: bool) -> None:
         self.tests = tests
         self.terms = terms
         self.exact = exact
         self.cuts: list[Cut] = [test.cuts[0] for test in tests if len(test.cuts) == 1]
         self.evidence = 0.0
-        self.impossible = impossible
+        self.found = found
         self.n = 0
 
     @cached_property
     def hardest(self) -> Hardest:
         """The differences that are hardest to see, by the law or by the first blocks."""
-        return Hardest([test.expected for test in self.tests], exact=self.exact)
+        return Hardest([test.expected for test in self.tests if test.stated], exact=self.exact)
 
     @cached_property
     def needed(self) -> int:
@@ -197,14 +259,20 @@ class Collected:
     @property
     def decided(self) -> bool:
         """Whether a difference was found."""
-        return bool(self.impossible) or self.evidence >= -math.log10(self.terms.alpha)
+        return bool(self.found.lines) or self.evidence >= -math.log10(self.terms.alpha)
 
-    def add(self, a: Table, b: Table | None) -> None:
-        """Count another block of both sides (or of one, against a law), and look at the evidence."""
+    def count(self, a: Table, b: Table | None) -> None:
+        """Count some scenes of both sides (or of one, against a law)."""
         one, other = assigned(self.cuts, a), None if b is None else assigned(self.cuts, b)
         self.n += a.n
+        for test in self.tests:
+            test.count(one, other)
+        learn(self.cuts, a)
+
+    def look(self) -> None:
+        """Look at the evidence."""
         if self.tests:
-            wealth = combined(np.array([test.add(one, other) for test in self.tests]))
+            wealth = combined(np.array([test.look() for test in self.tests]))
             self.evidence = max(self.evidence, wealth / math.log(10.0))
 
     def verdict(self, burned: int, skipped: Sequence[str]) -> Verdict:
@@ -212,10 +280,11 @@ class Collected:
         features = sorted((test.feature() for test in self.tests), key=lambda f: -f.evidence)
         kind: Kind = "different" if self.decided else "equivalent" if self.n >= self.needed else "inconclusive"
         return Verdict(
-            kind=kind, evidence=math.inf if self.impossible else self.evidence, alpha=self.terms.alpha, detect_tv=self.terms.detect_tv,
+            kind=kind, evidence=math.inf if self.found.lines else self.evidence, alpha=self.terms.alpha, detect_tv=self.terms.detect_tv,
             detectable=detectable(self.n, self.terms.alpha, len(self.tests), self.hardest), n=self.n, needed=self.needed,
-            burned=burned, features=tuple(features), impossible=tuple(self.impossible[:MOST_LISTED]), skipped=tuple(skipped),
-            constants=len(self.terms.constants), exact=self.exact, seeds=self.terms.seeds, replay=self.terms.replay,
+            burned=burned, features=tuple(features), stated=sum(test.stated for test in self.tests),
+            impossible=tuple(self.found.lines[:MOST_LISTED]), skipped=tuple(skipped),
+            constants=len(self.terms.facts.constants), exact=self.exact, seeds=self.terms.seeds, replay=self.terms.replay,
         )
 
 

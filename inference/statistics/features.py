@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations
 
@@ -12,8 +12,8 @@ import numpy as np
 from ...semantics.errors import UsageError
 from ..enumeration import Enumeration
 from .betting import Array, one_sample_wealth, two_sample_wealth
-from .cells import QUARTERS, Cells, Intervals, OfLaw, Values, cells_of
-from .columns import ABSENT, Column, Table, table_of
+from .cells import QUARTERS, Cells, Intervals, OfLaw, Repeated, Values, cells_of
+from .columns import ABSENT, Column, Table, is_relation
 from .laws import Categorical, Continuous
 from .verdict import Feature
 
@@ -24,16 +24,27 @@ LEAST_TAIL = 1e-3  # numbers of attempts that are rarer than this share a cell
 
 @dataclass(frozen=True)
 class Cut:
-    """The cells of one feature: fine ones for itself, coarse ones for its pairs with others."""
+    """The cells of one feature: fine ones for itself, coarse ones for its pairs with others.
+
+    `column` is the feature's name, unless the cells have another one; `whole` says that it stands for all features together.
+    """
 
     name: str
     fine: Cells
     coarse: Cells
+    column: str = ""
+    whole: bool = False
+
+    def column_of(self, table: Table) -> Column:
+        """The column that is cut."""
+        name = self.column or self.name
+        return table.columns.get(name) or Column(name, np.full(table.n, ABSENT, dtype=object))
 
     def assign(self, table: Table) -> tuple[Array, Array]:
         """The fine and the coarse cell of each scene."""
-        column = table.columns.get(self.name) or Column(self.name, np.full(table.n, ABSENT, dtype=object))
-        return self.fine.assign(column), self.coarse.assign(column)
+        column = self.column_of(table)
+        fine = self.fine.assign(column)
+        return fine, fine if self.coarse is self.fine else self.coarse.assign(column)
 
 
 Assigned = Mapping[str, tuple[Array, Array]]
@@ -48,12 +59,13 @@ def assigned(cuts: Sequence[Cut], table: Table) -> Assigned:
 class FeatureTest:
     """The e-process of one feature, or of a pair: counts in its cells so far, and the law's probabilities if there is one.
 
-    `first` are the counts of the first blocks, which only tell how the cells are filled.
+    `first` are the counts of the first blocks, which only tell how the cells are filled. `stated`: the stated power is that for this feature, too.
     """
 
     cuts: tuple[Cut, ...]
     law: Array | None = None
     first: Array | None = None
+    stated: bool = True
     counts: Array = field(init=False)
     others: Array = field(init=False)
     best: float = field(init=False, default=0.0)
@@ -85,11 +97,14 @@ class FeatureTest:
         one, other = self.cuts
         return found[one.name][1] * other.coarse.count + found[other.name][1]
 
-    def add(self, a: Assigned, b: Assigned | None) -> float:
-        """Count a block of both sides, or of one; the log wealth after it."""
+    def count(self, a: Assigned, b: Assigned | None) -> None:
+        """Count some scenes of both sides, or of one."""
         self.counts += np.bincount(self.cells(a), minlength=self.size)
         if b is not None:
             self.others += np.bincount(self.cells(b), minlength=self.size)
+
+    def look(self) -> float:
+        """The log wealth now."""
         wealth = float(two_sample_wealth(self.counts, self.others) if self.law is None else one_sample_wealth(self.counts, self.law))
         self.best = max(self.best, wealth)
         return wealth
@@ -103,23 +118,40 @@ class FeatureTest:
         return Feature(self.name, self.best / math.log(10.0), labels, tuple(self.counts.tolist()), tuple(expected.tolist()))
 
 
-def tests_between(a: Table, b: Table, constants: Mapping[str, object]) -> tuple[list[FeatureTest], list[str]]:
-    """The tests for two samples, cut by their first blocks, and the names of features that only one of them has."""
+def tests_between(a: Table, b: Table, constants: Mapping[str, object], stated: Callable[[str], bool], tolerance: float) -> list[FeatureTest]:
+    """The tests for two samples, cut by their first blocks; the stated power is that for the features that `stated` says."""
     shared = [name for name in a.columns if name in b.columns and name not in constants]
-    skipped = one_sided(a, b, constants)
-    cuts, seen = [], set()
+    cuts: list[Cut] = []
+    seen: set[object] = set()
     for name in shared:
-        one, other = a.columns[name], b.columns[name]
-        column = pooled(one, other)
+        column = pooled(a.columns[name], b.columns[name])
         key = (column.is_number, column.values.tobytes() if column.is_number else tuple(column.values))
         if key not in seen:
             seen.add(key)
-            cuts.append(cut_of(column))
-    tests = [FeatureTest((cut,)) for cut in cuts] + [FeatureTest(pair) for pair in pairs_of(cuts)]
-    blocks = [assigned(cuts, table) for table in (a, b)]
+            cuts.append(cut_of(column, tolerance=tolerance))
+    tests = [FeatureTest((cut,), stated=stated(cut.name)) for cut in cuts] + [FeatureTest(pair) for pair in pairs_of(cuts)]
+    tests += [FeatureTest((again,), stated=False) for again in map(repeated, cuts) if again is not None]
+    every = [test.cuts[0] for test in tests if len(test.cuts) == 1]
+    blocks = [assigned(every, table) for table in (a, b)]
     for test in tests:
         test.first = np.sum([np.bincount(test.cells(block), minlength=test.size) for block in blocks], axis=0)
-    return tests, skipped
+    learn(every, a)
+    return tests
+
+
+def repeated(cut: Cut) -> Cut | None:
+    """The values of a feature that come again and again, if it is a number with many values."""
+    if not isinstance(cut.fine, Intervals) or is_relation(cut.name) or cut.name == "attempts":
+        return None
+    cells = Repeated()
+    return Cut(f"repeated values of {cut.name}", cells, cells, cut.name)
+
+
+def learn(cuts: Sequence[Cut], table: Table) -> None:
+    """Remember the values that come again and again in a block of the samples, for the bets on the blocks behind it."""
+    for cut in cuts:
+        if isinstance(cut.fine, Repeated):
+            cut.fine.learn(cut.column_of(table))
 
 
 def one_sided(a: Table, b: Table, constants: Mapping[str, object]) -> list[str]:
@@ -135,12 +167,11 @@ def pooled(one: Column, other: Column) -> Column:
     return Column(one.name, np.concatenate([one.values, other.values]))
 
 
-def cut_of(column: Column, weights: Array | None = None) -> Cut:
+def cut_of(column: Column, weights: Array | None = None, *, tolerance: float) -> Cut:
     """The cells of a feature by values of it; against a law, `weights` are their probabilities."""
-    exact = weights is not None
-    fine = cells_of(column, weights, exact=exact)
+    fine = cells_of(column, weights, exact=weights is not None, tolerance=tolerance)
     if column.is_number:
-        return Cut(column.name, fine, cells_of(column, weights, QUARTERS))
+        return Cut(column.name, fine, cells_of(column, weights, QUARTERS, tolerance=tolerance))
     shares = np.ones(len(column.values)) if weights is None else weights
     totals = {name: float(np.sum(shares[column.values == name])) for name in dict.fromkeys(column.values)}
     most = sorted(totals, key=lambda name: -totals[name])[:MOST_COARSE]
@@ -149,26 +180,9 @@ def cut_of(column: Column, weights: Array | None = None) -> Cut:
 
 def pairs_of(cuts: Sequence[Cut]) -> Iterator[tuple[Cut, Cut]]:
     """Pairs of features that vary and stand in the scene as they are, nearest to each other first."""
-    varying = [cut for cut in cuts if cut.coarse.count > 2 and not Column(cut.name, np.empty(0)).is_relation and cut.name != "attempts"]
+    varying = [cut for cut in cuts if cut.coarse.count > 2 and not is_relation(cut.name) and cut.name != "attempts"]
     found = sorted(combinations(range(len(varying)), 2), key=lambda pair: (pair[1] - pair[0], pair))
     yield from ((varying[i], varying[j]) for i, j in found[:MOST_PAIRS])
-
-
-def tests_against(a: Table, law: Enumeration, constants: Mapping[str, object]) -> tuple[list[FeatureTest], list[str]]:
-    """The tests of a sample against an exact law, and the names of features that only one of them has. Raises `UsageError`."""
-    if law.discretized is not None:
-        raise UsageError("a discretized enumeration is an approximation, and nothing can be tested against it")
-    outcomes = table_of(law.scenes)
-    weights = np.array([float(outcome.probability) for outcome in law.outcomes])
-    known = [name for name in outcomes.columns if name in a.columns and name != "attempts" and name not in constants]
-    skipped = [name for name in one_sided(a, outcomes, constants) if name != "attempts"]
-    cuts = [cut_of(outcomes.columns[name], weights) for name in known]
-    tests = [FeatureTest((cut,)) for cut in cuts] + [FeatureTest(pair) for pair in pairs_of(cuts)]
-    found = assigned(cuts, outcomes)
-    for test in tests:
-        shares = np.bincount(test.cells(found), weights=weights, minlength=test.size)
-        test.law = shares / shares.sum()
-    return tests + ([attempts_test(law)] if "attempts" in a.columns else []), skipped
 
 
 def tests_of_laws(a: Table, laws: Mapping[str, Continuous | Categorical]) -> list[FeatureTest]:

@@ -3,37 +3,126 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from ..enumeration import Enumeration
-from .columns import OTHERWISE, Column, Table, is_angle, table_of, text_of
+from .betting import Array
+from .columns import A_NUMBER, ABSENT, OTHERWISE, Table, is_angle, text_of
+from .facts import Facts, Support, equal, missing
 from .features import FeatureTest, assigned
-from .laws import SAME
 
 MOST_LISTED = 5
+Place = Callable[[int], str]
+"""How a scene is named, by its number."""
 
 
-def wrong_constants(table: Table, constants: Mapping[str, object], start: int = 0) -> list[str]:
-    """What a table holds that a constant of the program cannot be, one line per feature; scenes are counted from `start` + 1."""
-    found: list[str] = []
-    for name in sorted(constants, key=lambda name: name != "objects"):
-        wrong = first_other(table, name, constants[name]) if name in table.columns else None
-        if wrong is not None:
-            always, seen = shown(constants[name]), shown(value_in(table, name, wrong))
-            what = "the number of objects" if name == "objects" else name
-            found.append(f"{what} is always {always}, but {seen} in sample {start + wrong + 1}")
+def sample_number(number: int) -> str:
+    """A scene by its number alone."""
+    return f"sample {number}"
+
+
+class Findings:
+    """What samples hold that cannot be: one line per feature, for the first scene in which it was seen."""
+
+    def __init__(self, facts: Facts, tolerance: float, place: Place = sample_number) -> None:
+        self.facts = facts
+        self.tolerance = tolerance
+        self.place = place
+        self.found: dict[str, str] = {}
+
+    @property
+    def lines(self) -> list[str]:
+        """The first of them."""
+        return list(self.found.values())[:MOST_LISTED]
+
+    def look(self, table: Table) -> None:
+        """Look at the features of further scenes that stand in them."""
+        if "objects" in self.found:
+            return  # the features of a missing object are wrong as well
+        for name, row, text in impossible_in(table, self.facts, self.tolerance):
+            self.found.setdefault(name, text + f" in {self.place(int(table.numbers[row]))}")
             if name == "objects":
-                break  # the features of a missing object are wrong as well
-    return found[:MOST_LISTED]
+                return
+
+    def look_derived(self, table: Table) -> None:
+        """Look at features that follow from others."""
+        for name, support in self.facts.supports.items():
+            if name not in self.found and "(" in name and name in table.arrays:
+                row = first(support.outside(table.arrays[name], self.tolerance))
+                if row is not None:
+                    self.found[name] = f"{name} is {support}, but {seen(table, name, row)} in {self.place(int(table.numbers[row]))}"
+
+    def look_at_law(self, table: Table, tests: Sequence[FeatureTest]) -> None:
+        """Look for what has probability 0 under the laws of the tests: in one feature, or else in all together."""
+        single = [test for test in tests if len(test.cuts) == 1 and test.law is not None]
+        cells = assigned([test.cuts[0] for test in single], table)
+        known = len(self.found)
+        for test in single:
+            assert test.law is not None
+            row = first(test.law[test.cells(cells)] <= 0)
+            if row is None or test.name in self.found or (test.cuts[0].whole and len(self.found) > known):
+                continue
+            where = self.place(int(table.numbers[row]))
+            if test.cuts[0].whole:
+                self.found[test.name] = f"the values in {where}, each of which can be, have probability 0 together"
+            elif test.name in table.arrays:
+                self.found[test.name] = f"{test.name} is {seen(table, test.name, row)} in {where}, which has probability 0"
 
 
-def value_in(table: Table, name: str, row: int) -> object:
-    """The value of a feature in a scene; its text where it is no number though others are."""
-    value = table.columns[name].values[row]
-    otherwise = table.columns.get(name + OTHERWISE)
-    return otherwise.values[row] if otherwise is not None and isinstance(value, float) and math.isnan(value) else value
+def impossible_in(table: Table, facts: Facts, tolerance: float) -> Iterator[tuple[str, int, str]]:
+    """Each feature with a value that cannot be, the first row of it, and what is wrong there; the number of objects comes first."""
+    for name in sorted(facts.constants, key=lambda name: name != "objects"):
+        values = table.arrays.get(name)
+        if values is not None:
+            row = first(~equal(values, facts.constants[name], tolerance, angle=is_angle(name)))
+            if row is not None:
+                what = "the number of objects" if name == "objects" else name
+                yield name, row, f"{what} is always {shown(facts.constants[name])}, but {seen(table, name, row)}"
+    for name, values in table.arrays.items():
+        row = first(not_finite(table, name))
+        if row is not None:
+            yield name, row, f"{name} is {shown(float(values[row]))}"
+            continue
+        support = facts.supports.get(name)
+        row = first(outside(table, name, support, tolerance)) if support is not None else None
+        if row is not None:
+            yield name, row, f"{name} is {support}, but {seen(table, name, row)}"
+
+
+def outside(table: Table, name: str, support: Support, tolerance: float) -> Array:
+    """Where a feature is outside its support; a scene that does not have it is none."""
+    values = table.arrays[name]
+    wrong = support.outside(values, tolerance)
+    otherwise = table.arrays.get(name + OTHERWISE)
+    if otherwise is not None and support.values is None:
+        return wrong | (np.isnan(values) & (otherwise != ABSENT))
+    if otherwise is not None and support.values is not None:
+        texts = support.outside(otherwise, tolerance) & (otherwise != ABSENT)
+        return np.where(np.isnan(values), texts, wrong)
+    return wrong & ~missing(values)
+
+
+def not_finite(table: Table, name: str) -> Array:
+    """Where a feature is a number that is infinite, or NaN."""
+    values = table.arrays[name]
+    if values.dtype != np.float64:
+        return np.zeros(len(values), dtype=bool)
+    otherwise = table.arrays.get(name + OTHERWISE)
+    return ~np.isfinite(values) & (True if otherwise is None else otherwise == A_NUMBER)
+
+
+def first(where: Array) -> int | None:
+    """The first place at which something holds, None if there is none."""
+    found = np.flatnonzero(where)
+    return int(found[0]) if len(found) else None
+
+
+def seen(table: Table, name: str, row: int) -> str:
+    """The value of a feature in a scene, for people; its text where it is no number though others are."""
+    value = table.arrays[name][row]
+    otherwise = table.arrays.get(name + OTHERWISE)
+    return shown(otherwise[row] if otherwise is not None and isinstance(value, float) and math.isnan(value) else value)
 
 
 def shown(value: object) -> str:
@@ -41,39 +130,7 @@ def shown(value: object) -> str:
     return f"{value:.9g}" if isinstance(value, float) else text_of(value)
 
 
-def first_other(table: Table, name: str, value: object) -> int | None:
-    """The first scene in which a feature has not its constant value (to 1e-9), None if there is none."""
-    column = table.columns[name]
-    if column.is_number and isinstance(value, (int, float)) and not isinstance(value, bool):
-        off = np.abs(column.values - value)
-        if is_angle(name):
-            off = np.minimum(off % math.tau, math.tau - off % math.tau)
-        wrong = np.flatnonzero(~(off <= SAME * max(1.0, abs(value))))
-    else:
-        wrong = np.flatnonzero(np.array([str(v) for v in column.values]) != text_of(value))
-    return int(wrong[0]) if len(wrong) else None
-
-
-def constants_of_law(law: Enumeration) -> dict[str, object]:
-    """The features that have one value in all outcomes."""
-    columns = table_of(law.scenes).columns.values()
-    return {c.name: value_of(c) for c in columns if not c.is_relation and c.name != "attempts" and len(set(c.values.tolist())) == 1}
-
-
-def value_of(column: Column) -> object:
-    """The one value of a column."""
-    return float(column.values[0]) if column.is_number else column.values[0]
-
-
-def off_the_law(table: Table, tests: Sequence[FeatureTest], start: int = 0) -> list[str]:
-    """What a table holds that has probability 0 under the laws of the tests, one line per feature."""
-    single = [test for test in tests if len(test.cuts) == 1 and test.law is not None]
-    cells = assigned([test.cuts[0] for test in single], table)
-    found: list[str] = []
-    for test in single:
-        assert test.law is not None
-        wrong = np.flatnonzero(test.law[test.cells(cells)] <= 0)
-        if len(wrong) and test.name in table.columns:
-            seen = shown(value_in(table, test.name, int(wrong[0])))
-            found.append(f"{test.name} is {seen} in sample {start + int(wrong[0]) + 1}, which has probability 0")
-    return found[:MOST_LISTED]
+def constants_of(table: Table) -> dict[str, object]:
+    """The features that have one value in all scenes."""
+    columns = [c for c in table.columns.values() if not c.is_relation and c.name != "attempts" and len(set(c.values.tolist())) == 1]
+    return {c.name: float(c.values[0]) if c.is_number else c.values[0] for c in columns}

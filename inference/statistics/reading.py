@@ -9,55 +9,85 @@ from __future__ import annotations
 
 import csv
 import json
-import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from itertools import islice
 from pathlib import Path
 
 from ...interpreter.scenes import OWN_FIELDS, SCHEMA
 from ...semantics.errors import UsageError
+from .columns import is_number
+from .names import SHORT, long_name
 
-SHORT = re.compile(r"(\d+)\.(\w+)((?:\[\d+\])*)")
 LONG = re.compile(r"objects\[(\d+)\]\.(?:(position)\[([01])\]|(heading|width|length|class|properties\.\w+)((?:\[\d+\])*))")
 OTHER = re.compile(r"(?:params\.\w+(?:\[\d+\])*|attempts|weight|seed)")
 CONSTANTS: Mapping[str, object] = {"None": None, "null": None, "True": True, "true": True, "False": False, "false": False}
 
-Samples = list[dict[str, object]]
+AT_ONCE = 256
+"""So many lines are read together."""
+Numbered = tuple[int, dict[str, object]]
+"""A line's number and its scene."""
 
 
-def read_samples(path: str | Path) -> Samples:
-    """The scenes in a file. Raises `UsageError` naming the line where it is not in one of the two formats."""
-    where = Path(path)
+def scenes_in(path: str | Path) -> Iterator[Numbered]:
+    """The scenes in a file, one after the other. Raises `UsageError` naming the line where it is not in one of the two formats."""
+    where, weight = Path(path), None
     try:
-        text = where.read_text(encoding="utf-8-sig")
+        with where.open(encoding="utf-8-sig", newline="") as file:
+            for number, scene in _csv(file, str(path)) if where.suffix.lower() == ".csv" else _lines(file, str(path)):
+                weight = scene_weight(scene) if weight is None else weight
+                if scene_weight(scene) != weight:
+                    raise UsageError(f"{path} holds weighted scenes, which cannot be compared: draw scenes of equal weight")
+                yield number, scene
     except OSError as error:
         raise UsageError(f"{path} cannot be read: {error.strerror or error}") from None
     except UnicodeDecodeError:
         raise UsageError(f"{path} is not text in UTF-8") from None
-    samples = list(_csv(text, str(path)) if where.suffix.lower() == ".csv" else _lines(text, str(path)))
-    if not samples:
-        raise UsageError(f"{path} holds no scenes")
-    if any(s.get("weight", 1.0) != samples[0].get("weight", 1.0) for s in samples):
-        raise UsageError(f"{path} holds weighted scenes, which cannot be compared: draw scenes of equal weight")
-    return samples
 
 
-def _lines(text: str, path: str) -> Iterator[dict[str, object]]:
-    for number, line in enumerate(text.split("\n"), 1):
-        if not line.strip():
-            continue
+def scene_weight(scene: Mapping[str, object]) -> object:
+    """The weight of a scene, or of the row of a CSV file."""
+    columns = scene.get("columns")
+    return (columns if isinstance(columns, Mapping) else scene).get("weight", 1.0)
+
+
+def read_samples(path: str | Path) -> list[dict[str, object]]:
+    """The scenes in a file, as a list. Raises `UsageError`."""
+    return [scene for _, scene in scenes_in(path)]
+
+
+def _lines(file: Iterable[str], path: str) -> Iterator[Numbered]:
+    lines = ((number, line) for number, text in enumerate(file, 1) if (line := text.strip()))
+    while several := list(islice(lines, AT_ONCE)):
+        for number, scene in zip([number for number, _ in several], parsed(several, path), strict=True):
+            problem = problem_of(scene)
+            if problem:
+                raise UsageError(f"{path}, line {number}: {problem}", hint=f"the format is {SCHEMA}; `scenic-ref run FILE -n 1` shows an example")
+            yield number, scene  # type: ignore[misc]
+
+
+def parsed(lines: Sequence[tuple[int, str]], path: str) -> Iterable[object]:
+    """What stands on some lines: all at a time if each is an object of JSON, which is quicker, else line by line. Raises `UsageError`."""
+    if all(line[0] == "{" and line[-1] == "}" for _, line in lines):
+        with suppress(ValueError, RecursionError):
+            found = json.loads(f"[{','.join(line for _, line in lines)}]")
+            if len(found) == len(lines):
+                return found
+    return one_by_one(lines, path)
+
+
+def one_by_one(lines: Sequence[tuple[int, str]], path: str) -> Iterator[object]:
+    """What stands on some lines. Raises `UsageError`."""
+    for number, line in lines:
         try:
-            scene = json.loads(line)
+            yield json.loads(line)
         except (ValueError, RecursionError):
             raise UsageError(f"{path}, line {number}: this is not JSON", hint="one scene per line, as `scenic-ref run -o` writes them") from None
-        problem = problem_of(scene)
-        if problem:
-            raise UsageError(f"{path}, line {number}: {problem}", hint=f"the format is {SCHEMA}; `scenic-ref run FILE -n 1` shows an example")
-        yield scene
 
 
 def problem_of(scene: object) -> str:
-    """What keeps a value from being a scene of the format; "" if nothing does."""
+    """What keeps a value from being a scene of the format; "" if nothing does. Numbers may be infinite or NaN: that is a finding."""
     if not isinstance(scene, dict):
         return "a scene is an object in braces"
     if scene.get("schema", SCHEMA) != SCHEMA:
@@ -71,53 +101,46 @@ def problem_of(scene: object) -> str:
         if not isinstance(o, dict) or not isinstance(o.get("properties", {}), dict):
             return f"objects[{i}] is not an object of the format"
         position = o.get("position")
-        if not (isinstance(position, list) and len(position) == 2 and all(is_finite(v) for v in position)):
-            return f"objects[{i}].position is not a pair of finite numbers"
-        wrong = [name for name in OWN_FIELDS[1:] if name in o and not is_finite(o[name])]
-        if wrong:
-            return f"objects[{i}].{wrong[0]} is not a finite number"
+        if not (isinstance(position, list) and len(position) == 2 and is_number(position[0]) and is_number(position[1])):
+            return f"objects[{i}].position is not a pair of numbers"
+        for name in OWN_FIELDS[1:]:
+            if name in o and not is_number(o[name]):
+                return f"objects[{i}].{name} is not a number"
     return ""
-
-
-def is_finite(value: object) -> bool:
-    """Whether a value in JSON is a finite number."""
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
 
 
 def is_count(value: object) -> bool:
     """Whether a value is a whole number of at least 1."""
-    return isinstance(value, int) and not isinstance(value, bool) and value >= 1
+    return type(value) is int and value >= 1
 
 
-def _csv(text: str, path: str) -> Iterator[dict[str, object]]:
-    rows = csv.reader(text.splitlines())
-    names = [feature_named(name.strip(), path) for name in next(rows, [])]
-    if len(set(names)) != len(names):
-        raise UsageError(f"{path}: two columns have the same name")
-    for row in rows:
-        if row and len(row) != len(names):
-            raise UsageError(f"{path}, line {rows.line_num}: {len(row)} values, where the first line names {len(names)}")
-        if row:
-            found = {name: cell_value(cell.strip()) for name, cell in zip(names, row, strict=True)}
-            for name, value in found.items():
-                if value == "" or (isinstance(value, float) and not math.isfinite(value)) or (name == "attempts" and not is_count(value)):
-                    raise UsageError(f"{path}, line {rows.line_num}: {value!r} is no value of {name}", hint="None, True and False can be written so")
-            yield {"columns": found}
+def _csv(file: Iterable[str], path: str) -> Iterator[Numbered]:
+    rows = csv.reader(file)
+    try:
+        names = [feature_named(name.strip(), path) for name in next(rows, [])]
+        if len(set(names)) != len(names):
+            raise UsageError(f"{path}: two columns have the same name")
+        for row in rows:
+            if row and len(row) != len(names):
+                raise UsageError(f"{path}, line {rows.line_num}: {len(row)} values, where the first line names {len(names)}")
+            if row:
+                found = {name: cell_value(cell.strip()) for name, cell in zip(names, row, strict=True)}
+                for name, value in found.items():
+                    if value == "" or (name == "attempts" and not is_count(value)):
+                        where = f"{path}, line {rows.line_num}"
+                        raise UsageError(f"{where}: {value!r} is no value of {name}", hint="None, True and False can be written so")
+                yield rows.line_num, {"columns": found}
+    except csv.Error as error:
+        raise UsageError(f"{path}, line {rows.line_num}: {error}") from None
 
 
 def feature_named(name: str, path: str) -> str:
     """The feature that a column of a CSV file holds. Raises `UsageError`."""
     if OTHER.fullmatch(name) or LONG.fullmatch(name):
         return name
-    short = SHORT.fullmatch(name)
-    if short is None:
+    if SHORT.fullmatch(name) is None:
         raise UsageError(f"{path}: {name!r} names no feature", hint="columns are named like 0.x, 1.heading, objects[1].properties.speed, params.time")
-    number, field, indices = short.groups()
-    place = f"objects[{int(number)}]"
-    if field in ("x", "y"):
-        return f"{place}.position[{'xy'.index(field)}]{indices}"
-    own = field in ("heading", "width", "length", "class")
-    return f"{place}.{field}{indices}" if own else f"{place}.properties.{field}{indices}"
+    return long_name(name)
 
 
 def cell_value(cell: str) -> object:

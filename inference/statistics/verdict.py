@@ -46,7 +46,8 @@ class Verdict:
     probability at most `alpha` if there is no difference. "equivalent" means that it did not, though a difference of `detect_tv` in total variation
     in the cells of any one feature would have made it with probability 0.99; "inconclusive", that there were too few
     scenes for this: `detectable` is the smallest difference that these would have shown. `n` scenes of each side were used after
-    `burned` ones, which only gave the cells; `features` begins with the worst. `impossible` lists values that cannot be, one line each.
+    `burned` ones, which only gave the cells; `features` begins with the worst, and the power is stated for `stated` of them.
+    `impossible` lists values that cannot be, one line each.
     `skipped` are features that only one of the sides has. `seeds` are those of what was drawn for the comparison.
     """
 
@@ -59,6 +60,7 @@ class Verdict:
     needed: int
     burned: int
     features: tuple[Feature, ...]
+    stated: int
     impossible: tuple[str, ...]
     skipped: tuple[str, ...]
     constants: int
@@ -90,7 +92,7 @@ class Verdict:
             case "equivalent":
                 return [
                     f"equivalent within the stated power: {sides}{burned}; a difference of {self.detect_tv:.2%} in total variation in the cells of "
-                    f"any of the {len(self.features):,} features would have shown with probability 0.99 (risk of a false alarm {risk})"
+                    f"any of {self.stated:,} features would have shown with probability 0.99 (risk of a false alarm {risk})"
                 ]
             case _:
                 if self.detectable >= 1:

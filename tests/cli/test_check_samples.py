@@ -98,14 +98,14 @@ def test_a_minimal_csv_is_enough(files):
 @pytest.mark.parametrize(
     ("name", "text", "message"),
     [
-        ("s.jsonl", "", "holds no scenes"),
         ("s.jsonl", "{\n", "line 1: this is not JSON"),
         ("s.jsonl", '{"objects": 3}\n', "line 1: a scene has a list `objects`"),
-        ("s.jsonl", '{"objects": [{"position": [1, NaN]}]}\n', "line 1: objects[0].position is not a pair of finite numbers"),
+        ("s.jsonl", '{"objects": [{"position": [1, "x"]}]}\n', "line 1: objects[0].position is not a pair of numbers"),
+        ("s.jsonl", '{"objects": []},{"objects": []}\n', "line 1: this is not JSON"),
+        ("s.jsonl", '{"objects": []}\n\n{"objects": []}{"objects": []}\n', "line 3: this is not JSON"),
         ("s.jsonl", '{"schema": "other/1", "objects": []}\n', "line 1: this is 'other/1', not a scene"),
         ("s.jsonl", '{"objects": [], "weight": 1}\n{"objects": [], "weight": 2}\n', "weighted scenes"),
         ("s.jsonl", '{"objects": [], "attempts": 0}\n', "line 1: `attempts` is not a whole number of at least 1"),
-        ("s.csv", "0.x\nnan\n", "line 2: nan is no value of objects[0].position[0]"),
         ("s.csv", "0.x,0.y\n1,\n", "line 2: '' is no value of objects[0].position[1]"),
         ("s.csv", "attempts\n-1\n", "line 2: -1 is no value of attempts"),
         ("s.csv", "0.x,1.lenght\n1,2\n", "scenes of the program have no objects[1].properties.lenght"),

@@ -10,8 +10,10 @@ import scenic_ref
 from scenic_ref.inference.statistics import BoundedMean, Categorical, Continuous, compare, compare_invariance, contradicts, evidence
 from scenic_ref.inference.statistics.betting import combined, one_sample_wealth, two_sample_wealth
 from scenic_ref.inference.statistics.cells import cells_of, opening_of
-from scenic_ref.inference.statistics.columns import Column, Table, table_of
+from scenic_ref.inference.statistics.columns import Column, Table
+from scenic_ref.inference.statistics.facts import Facts
 from scenic_ref.inference.statistics.power import Hardest, detectable, needed
+from scenic_ref.inference.statistics.relations import table_of
 from scenic_ref.semantics.errors import UsageError
 
 UNIFORM = Continuous("uniform", lambda x: min(max(x, 0.0), 1.0))
@@ -203,7 +205,7 @@ def test_headings_are_compared_modulo_a_turn():
 
 def test_constants_are_compared_exactly():
     one = Table({"x": np.append(np.full(999, 2.0), 2.1)}, 1000)
-    verdict = compare(one, Table({"x": np.full(1000, 2.0)}, 1000), constants={"x": 2.0})
+    verdict = compare(one, Table({"x": np.full(1000, 2.0)}, 1000), facts=Facts({"x": 2.0}))
     assert verdict.kind == "different"
     assert "2.1 in sample 1000" in str(verdict)
     assert compare(one, Table({"x": np.full(1000, 2.0)}, 1000)).kind == "inconclusive"
@@ -284,7 +286,7 @@ def test_settings_that_are_none_are_refused(wrong):
 @pytest.mark.parametrize("n", [1, 2, 50])
 def test_few_scenes_are_inconclusive_but_one_wrong_value_is_still_a_proof(n):
     assert compare(table(1, n), table(2, n)).kind == "inconclusive"
-    assert compare(Table({"x": np.ones(n)}, n), table(2, n), constants={"x": 2.0}).kind == "different"
+    assert compare(Table({"x": np.ones(n)}, n), table(2, n), facts=Facts({"x": 2.0})).kind == "different"
 
 
 def test_no_scenes_are_refused():
