@@ -21,12 +21,16 @@ from .values import Instance, plain
 def make_settings(
     readings: dict[str, str], library: dict[str, object], params: dict[str, object], model: str | None, scenario: str | None = None
 ) -> Settings:  # fmt: skip
-    """What stays the same during a run."""
+    """What stays the same in every run of a program; its door is of no run (see `initial`)."""
     return Settings(readings=readings, library=library, machine=step, door=Door(enter), params=params, model=model, scenario=scenario)  # type: ignore[arg-type]
 
 
 def initial(program: Program, settings: Settings) -> Config:
-    """⟨program, ∅, ∅, ∅⟩; a world model named from outside replaces the program's (paper, "Selecting a World Model"), or comes first."""
+    """⟨program, ∅, ∅, ∅⟩; a world model named from outside replaces the program's (paper, "Selecting a World Model"), or comes first.
+
+    Each run has a door of its own, so that runs of one program side by side never meet.
+    """
+    settings = settings._replace(door=Door(enter))  # type: ignore[arg-type]
     scope = Scope("module", builtin_scope())
     statements: Block = program.statements
     if settings.model is not None:
