@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import tempfile
 from collections.abc import Iterator, Sequence
@@ -10,6 +9,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..interpreter.extras import is_installed
 from ..semantics.errors import UsageError
 from .bench_figures import Cell, Figures, load
 from .bench_growth import WHAT, contenders, programs
@@ -49,7 +49,7 @@ def measure(request: Request) -> None:
         others = [released(text).at(Path(directory)) for text in request.against]
         if len({other.name for other in others}) < len(others):
             raise UsageError("--against names the same implementation twice")
-        numba = importlib.util.find_spec("numba") is not None
+        numba = is_installed("numba")
         if not numba:
             tell(NO_NUMBA)
         rivals: list[Contender] = [*ours(numba, request.prune), *others]
