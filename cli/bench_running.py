@@ -15,7 +15,7 @@ from .bench_figures import Cell, Figures, load
 from .bench_growth import WHAT, contenders, programs
 from .bench_processes import Contender, Ours, Process, Program, released
 from .bench_tables import show
-from .files import check_place, write
+from .files import PICTURES, check_ending, check_place, write
 from .session import tell
 
 NO_NUMBA = "numba is not installed: the compiled evaluator is not measured (pip install 'scenic-ref[fast]')"
@@ -94,13 +94,13 @@ def translation(path: str, directory: str | None) -> str | None:
 
 def check_outputs(request: Request) -> None:
     """Raise `UsageError` unless the files can be written."""
-    from ..interpreter.pictures import check_format
-
     for place in (request.output, request.plot):
         if place is not None:
             check_place(place, {f"the program {Path(p).stem}": p for p in request.programs})
+    if request.output is not None:
+        check_ending("--json", request.output, "figures", (".json",))
     if request.plot is not None:
-        check_format(Path(request.plot).suffix[1:].lower())
+        check_ending("--plot", request.plot, "pictures", PICTURES)
 
 
 @contextmanager

@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from ..inference.enumeration import Enumeration
 from ..inference.statistics.columns import Column, table_of
-from ..semantics.errors import UsageError
 from .drawing import drawing_of
-from .files import check_place, write
+from .files import PICTURES, check_ending, check_place, write
 from .options import Source
-from .production import FORMATS, rehearse
+from .production import rehearse
 from .session import Session, tell
 
 if TYPE_CHECKING:
@@ -90,10 +89,10 @@ def check_paths(source: Source, request: Request) -> None:
         if path is None or path == "-":
             continue
         check_place(path, {"the program itself": source.file})
-    if request.output is not None and request.output != "-" and Path(request.output).suffix.lower() != ".json":
-        raise UsageError(f"-o {request.output}: an enumeration is written as .json")
-    if request.plot is not None and Path(request.plot).suffix[1:].lower() not in FORMATS:
-        raise UsageError(f"--plot {request.plot}: pictures are written as .png, .pdf or .svg")
+    if request.output is not None:
+        check_ending("-o", request.output, "enumerations", (".json",))
+    if request.plot is not None:
+        check_ending("--plot", request.plot, "pictures", PICTURES)
 
 
 def varying(found: Enumeration) -> list[Column]:

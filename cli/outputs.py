@@ -232,7 +232,7 @@ def open_output(path: str | None, *, resume: bool) -> Output:
         return Terminal()
     if path is None or path == "-":
         return Pipe()
-    if path.endswith(SUFFIXES):
+    if path.lower().endswith(SUFFIXES):
         if resume:
             raise UsageError("a table cannot be resumed, since it is there only when it is complete", hint="write JSON Lines: -o PATH.jsonl")
         return TableOutput(path)

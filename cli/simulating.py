@@ -15,11 +15,11 @@ from ..inference.simulation import SampledRun
 from ..interpreter.recordings import to_line
 from ..interpreter.simulating import Failed
 from ..scenario import Scenario
-from ..semantics.errors import InternalError, UsageError
+from ..semantics.errors import InternalError
 from ..semantics.outcome import Requirement
 from ..simulators import by_name
 from .drawing import Drawn, drawing_of
-from .files import check_place
+from .files import LINES, check_ending, check_place
 from .options import Source
 from .outputs import Output, open_output
 from .production import rehearse
@@ -114,14 +114,13 @@ def check_places(source: Source, request: Request) -> None:
     read = {"the program itself": source.file, "the recording": request.replay}
     if request.output is not None and request.output != "-":
         check_place(request.output, read)
-        if request.output.endswith((".parquet", ".npz")):
-            raise UsageError("simulations are written as JSON Lines", hint="-o PATH.jsonl")
+        check_ending("-o", request.output, "simulations", LINES)
     if request.html is not None:
         check_place(request.html, {**read, "the output": request.output})
+        check_ending("--html", request.html, "pages", (".html", ".htm"))
     if request.gif is not None:
         check_place(request.gif, {**read, "the output": request.output, "the page": request.html})
-        if Path(request.gif).suffix not in ("", ".gif"):
-            raise UsageError(f"--gif {request.gif}: moving pictures are written as .gif")
+        check_ending("--gif", request.gif, "moving pictures", (".gif",))
 
 
 def shown_only(request: Request) -> bool:

@@ -325,4 +325,4 @@ def numpy_kind(name: str) -> np.dtype[Any]:
 
 def open_table(path: Path) -> Table:
     """The table that the suffix asks for. Raises `UsageError`."""
-    return ParquetTable(path) if path.suffix == ".parquet" else NpzTable(path)
+    return ParquetTable(path) if path.suffix.lower() == ".parquet" else NpzTable(path)
