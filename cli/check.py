@@ -60,6 +60,7 @@ def check(
     usage, 5 inconclusive (too few samples for --detect-tv).
     """
     from ..semantics.errors import UsageError
+    from .session import escaped
 
     session = context.obj
     session.seed = seed
@@ -71,11 +72,11 @@ def check(
         given = [f"--{name.replace('_', '-')}" for name in options if is_given(context, name)]
         if given:
             raise UsageError(f"{given[0]} belongs to --samples", hint="scenic-ref check FILE --samples PATH")
-        assert source.load().rehearsed
+        source.load().rehearse()
         print("ok")
         return
     verdict = compared(source, samples, reference, alpha, detect_tv, seed, workers, report, junit)
-    print(verdict)
+    print(escaped(str(verdict)))
     raise typer.Exit(EXIT_CODES[verdict.kind])
 
 
@@ -99,7 +100,7 @@ def compared(
     check_report_paths(report, junit, read)
     scenes = read_samples(samples)
     scenario = source.load()
-    assert scenario.rehearsed
+    scenario.rehearse()
     known = read_samples(reference) if reference is not None else None
     replay = replay_of(source, samples, reference, alpha, detect_tv, seed)
     with References(source, workers, len(scenes)) as drawing:

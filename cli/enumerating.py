@@ -15,7 +15,7 @@ from .drawing import drawing_of
 from .files import PICTURES, check_ending, check_place, write
 from .options import Source
 from .production import rehearse
-from .session import Session, tell
+from .session import Session, escaped, tell
 
 if TYPE_CHECKING:
     from rich.status import Status
@@ -136,9 +136,9 @@ def show(found: Enumeration) -> None:
     table.add_column("probability", justify="right", no_wrap=True)
     table.add_column("", justify="right", no_wrap=True)
     for column in columns[:MOST_COLUMNS]:
-        table.add_column(escape(short(column.name)), justify="right")
+        table.add_column(escape(escaped(short(column.name))), justify="right")
     for row, (p, _) in enumerate(found.outcomes[:MOST_ROWS]):
-        table.add_row(str(p) if len(str(p)) <= 24 else "", f"{float(p):.4%}", *(escape(cell(c, row)) for c in columns[:MOST_COLUMNS]))
+        table.add_row(str(p) if len(str(p)) <= 24 else "", f"{float(p):.4%}", *(escape(escaped(cell(c, row))) for c in columns[:MOST_COLUMNS]))
     more = [f"{len(found.outcomes) - MOST_ROWS:,} more outcomes"] if len(found.outcomes) > MOST_ROWS else []
     more += [f"{len(columns) - MOST_COLUMNS:,} more features that differ"] if len(columns) > MOST_COLUMNS else []
     table.caption = f"... and {' and '.join(more)}; -o PATH.json writes all of them" if more else None

@@ -12,6 +12,11 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, NamedTuple
 
+try:
+    import fcntl
+except ImportError:  # not on this system
+    fcntl = None
+
 from ..inference.batch.jobs import uninterrupted
 from ..interpreter.scenes import SCHEMA
 from ..interpreter.tables import SUFFIXES
@@ -91,6 +96,9 @@ class LinesFile(Output):
         if resume and not self.is_regular:
             os.close(self.file)
             raise UsageError(f"{path} cannot be resumed: it is not an ordinary file")
+        if self.is_regular and not locked(self.file):
+            os.close(self.file)
+            raise UsageError(f"{path} is being written by another process", hint="wait until that has ended, or write to another file")
         if not resume:
             self.cut()
 
@@ -206,6 +214,22 @@ class TableOutput(Output):
     def close(self) -> None:
         """Remove an unfinished table."""
         self.table.close()
+
+
+def locked(file: int) -> bool:
+    """Whether this process, and no other, may write the file from now on; the system takes the lock back when the process ends, however it does.
+
+    Where there are no such locks (Windows, some network drives) everyone may.
+    """
+    if fcntl is None:
+        return True
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:
+        return True
+    return True
 
 
 def in_pieces(lines: bytes) -> Iterator[memoryview]:

@@ -27,7 +27,7 @@ from .progress import Progress
 from .recorded import Replays, check_recordings
 from .replaying import MOST, write_movie, write_page
 from .reports import requirement_lines
-from .session import Session, tell
+from .session import Session, escaped, tell
 
 
 class Request(NamedTuple):
@@ -150,7 +150,8 @@ def write(output: Output | None, run: SampledRun) -> None:
     if output is None:
         simulation = run.simulation
         steps = len(simulation.moments) - 1
-        print(f"simulation {index}: {simulation.result} after {steps:,} time steps ({steps * simulation.timestep:g} s): {simulation.reason}")
+        told = f"simulation {index}: {simulation.result} after {steps:,} time steps ({steps * simulation.timestep:g} s): {simulation.reason}"
+        print(escaped(told))
         return
     try:
         line = to_line(run.simulation, run.attempts)

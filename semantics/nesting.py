@@ -25,7 +25,7 @@ def check_nesting(what: str, value: object, span: Span = NOWHERE) -> None:
         level = list({id(part): part for outer in level for part in containers_in(outer)}.values())
         if not level:
             return
-    raise RunError(f"{what} contains itself, or holds containers more than {DEEPEST} deep", span, hint="a scene is written, and so must be its values")
+    raise RunError(f"{what} contains itself, or holds containers more than {DEEPEST} deep", span, hint="the values of a scene are written")
 
 
 def containers_in(value: object) -> list[object]:

@@ -10,8 +10,8 @@ from .distributions import BadParameters, Coin
 from .errors import RunError
 from .host import host, is_user_made
 from .kinds import is_object, is_scalar, kind_name
-from .outcome import Change, Draw, Next, Observe, Outcome, Requirement, Stuck
 from .nesting import check_nesting
+from .outcome import Change, Draw, Next, Observe, Outcome, Requirement, Stuck
 from .premises import premises
 from .symbols import is_finite_number, is_truth
 from .syntax import statements as s

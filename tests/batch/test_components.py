@@ -46,13 +46,13 @@ def always(monkeypatch):
 
 
 def factorised(scenario: Scenario) -> Batch:
-    assert scenario.rehearsed
+    scenario.rehearse()
     return Batch(scenario.start, fuel=scenario.fuel, factorised=True)
 
 
 def graph_of(text: str):
     scenario = scenic_ref.loads(text)
-    assert scenario.rehearsed
+    scenario.rehearse()
     return trace(scenario.start, scenario.fuel)[0]
 
 

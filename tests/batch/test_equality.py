@@ -17,7 +17,7 @@ ATTEMPTS = 60
 
 
 def batch_of(scenario: scenic_ref.Scenario) -> Batch:
-    assert scenario.rehearsed
+    scenario.rehearse()
     return Batch(scenario.start, fuel=scenario.fuel)
 
 
