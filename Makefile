@@ -1,9 +1,12 @@
 # Everything sets itself up in .venv: `make demo` and `make test` need Python 3.11 or later and nothing else.
+# Another interpreter: make test VENV=.venv-3.13 PYTHON=python3.13. Only some of the tests: make test TESTS=tests/cli
 PYTHON ?= python3
-VENV := .venv
+VENV ?= .venv
 BIN := $(VENV)/bin
+PLAIN ?= .venv-plain
+TESTS ?=
 
-.PHONY: demo test nightly check docs bench clean
+.PHONY: demo test test-plain nightly check docs bench clean
 
 $(VENV)/.core: pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit("scenic-ref needs Python 3.11 or later" if sys.version_info < (3, 11) else 0)'
@@ -12,7 +15,7 @@ $(VENV)/.core: pyproject.toml constraints.txt
 	touch $@
 
 $(VENV)/.test: $(VENV)/.core
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[fast,parquet,cluster,dynamics,test,style]'
 	touch $@
 
 $(VENV)/.docs: $(VENV)/.core
@@ -27,7 +30,17 @@ demo: $(VENV)/.core
 
 ## The test suite
 test: $(VENV)/.test
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest $(TESTS)
+
+## The test suite without any extra, in an environment of its own: what needs one is skipped, nothing else
+test-plain: $(PLAIN)/.test
+	$(PLAIN)/bin/python -m pytest $(TESTS)
+
+$(PLAIN)/.test: pyproject.toml constraints.txt
+	$(PYTHON) -c 'import sys; sys.exit("scenic-ref needs Python 3.11 or later" if sys.version_info < (3, 11) else 0)'
+	$(PYTHON) -m venv $(PLAIN)
+	$(PLAIN)/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test]'
+	touch $@
 
 ## Statistical checks with fresh seeds, which are printed; a failure is a finding, and its seed repeats it
 nightly: $(VENV)/.test
@@ -50,4 +63,4 @@ bench: $(VENV)/.test
 	$(BIN)/python benchmarks/batch.py $(if $(AGAINST),--against $(AGAINST)) --prune
 
 clean:
-	rm -rf $(VENV) demo site build dist *.egg-info
+	rm -rf $(VENV) $(PLAIN) demo site build dist *.egg-info

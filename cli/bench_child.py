@@ -70,7 +70,7 @@ def prepare(task: Task) -> tuple[Draw, dict[str, float]]:
     """The program ready to be drawn, and the seconds that its parts took. Raises `Skipped`, and the program's errors."""
     times = [time.process_time()]
     scenario = load(task.program, trust=task.trust)
-    assert scenario.rehearsed
+    scenario.rehearse()
     times.append(time.process_time())
     if task.prune:
         scenario = scenario.pruned()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import tempfile
 from collections.abc import Iterator, Sequence
@@ -10,12 +9,13 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..interpreter.extras import is_installed
 from ..semantics.errors import UsageError
 from .bench_figures import Cell, Figures, load
 from .bench_growth import WHAT, contenders, programs
 from .bench_processes import Contender, Ours, Process, Program, released
 from .bench_tables import show
-from .files import check_place, write
+from .files import PICTURES, check_ending, check_place, write
 from .session import tell
 
 NO_NUMBA = "numba is not installed: the compiled evaluator is not measured (pip install 'scenic-ref[fast]')"
@@ -49,7 +49,7 @@ def measure(request: Request) -> None:
         others = [released(text).at(Path(directory)) for text in request.against]
         if len({other.name for other in others}) < len(others):
             raise UsageError("--against names the same implementation twice")
-        numba = importlib.util.find_spec("numba") is not None
+        numba = is_installed("numba")
         if not numba:
             tell(NO_NUMBA)
         rivals: list[Contender] = [*ours(numba, request.prune), *others]
@@ -94,13 +94,13 @@ def translation(path: str, directory: str | None) -> str | None:
 
 def check_outputs(request: Request) -> None:
     """Raise `UsageError` unless the files can be written."""
-    from ..interpreter.pictures import check_format
-
     for place in (request.output, request.plot):
         if place is not None:
             check_place(place, {f"the program {Path(p).stem}": p for p in request.programs})
+    if request.output is not None:
+        check_ending("--json", request.output, "figures", (".json",))
     if request.plot is not None:
-        check_format(Path(request.plot).suffix[1:].lower())
+        check_ending("--plot", request.plot, "pictures", PICTURES)
 
 
 @contextmanager

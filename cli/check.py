@@ -70,6 +70,7 @@ def check(
     usage, 5 inconclusive (too few samples for --detect-tv).
     """
     from ..semantics.errors import UsageError
+    from .session import escaped
 
     session = context.obj
     session.seed = seed
@@ -81,12 +82,12 @@ def check(
         given = [f"--{name.replace('_', '-').replace('mapped', 'map')}" for name in options if is_given(context, name)]
         if given:
             raise UsageError(f"{given[0]} belongs to --samples", hint="scenic-ref check FILE --samples PATH")
-        assert source.load().rehearsed
+        source.load().rehearse()
         print("ok")
         return
     asked = Asked(samples, reference, alpha, detect_tv, tolerance, tuple(ignore or ()), dict(pairs(mapped, "--map", "A=B")), seed, workers)
     verdict = compared(source, asked, report, junit)
-    print(verdict)
+    print(escaped(str(verdict)))
     raise typer.Exit(EXIT_CODES[verdict.kind])
 
 

@@ -37,13 +37,14 @@ def conformance(
     """
     from ..conformance import Ourselves, load_vectors
     from ..conformance.reports import all_passed
-    from .files import check_place
+    from .files import check_ending, check_place
 
     implementation = Ourselves()
     chosen = selected(load_vectors(), chapter, vector)
     check_dialect(dialect)
     if output is not None and output != "-":
         check_place(output, {})
+        check_ending("--json", output, "results", (".json",))
     results = list(judged(implementation, chosen, dialect, seed))
     if output is not None:
         write_report(output, implementation.name, results)

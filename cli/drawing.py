@@ -92,7 +92,7 @@ class Drawing:
     def rehearse(self, printed: list[str]) -> None:
         """Find the program's errors before the first scene; `printed` gets what it printed before one."""
         try:
-            assert self.scenario.rehearsed
+            self.scenario.rehearse()
         except ScenicError:
             if self.prints:
                 printed.clear()

@@ -12,12 +12,11 @@ from typing import TYPE_CHECKING, NamedTuple
 from ..inference.enumeration import Enumeration
 from ..inference.statistics.columns import Column
 from ..inference.statistics.relations import table_of
-from ..semantics.errors import UsageError
 from .drawing import drawing_of
-from .files import check_place, write
+from .files import PICTURES, check_ending, check_place, write
 from .options import Source
-from .production import FORMATS, rehearse
-from .session import Session, tell
+from .production import rehearse
+from .session import Session, escaped, tell
 
 if TYPE_CHECKING:
     from rich.status import Status
@@ -91,10 +90,10 @@ def check_paths(source: Source, request: Request) -> None:
         if path is None or path == "-":
             continue
         check_place(path, {"the program itself": source.file})
-    if request.output is not None and request.output != "-" and Path(request.output).suffix.lower() != ".json":
-        raise UsageError(f"-o {request.output}: an enumeration is written as .json")
-    if request.plot is not None and Path(request.plot).suffix[1:].lower() not in FORMATS:
-        raise UsageError(f"--plot {request.plot}: pictures are written as .png, .pdf or .svg")
+    if request.output is not None:
+        check_ending("-o", request.output, "enumerations", (".json",))
+    if request.plot is not None:
+        check_ending("--plot", request.plot, "pictures", PICTURES)
 
 
 def varying(found: Enumeration) -> list[Column]:
@@ -138,9 +137,9 @@ def show(found: Enumeration) -> None:
     table.add_column("probability", justify="right", no_wrap=True)
     table.add_column("", justify="right", no_wrap=True)
     for column in columns[:MOST_COLUMNS]:
-        table.add_column(escape(short(column.name)), justify="right")
+        table.add_column(escape(escaped(short(column.name))), justify="right")
     for row, (p, _) in enumerate(found.outcomes[:MOST_ROWS]):
-        table.add_row(str(p) if len(str(p)) <= 24 else "", f"{float(p):.4%}", *(escape(cell(c, row)) for c in columns[:MOST_COLUMNS]))
+        table.add_row(str(p) if len(str(p)) <= 24 else "", f"{float(p):.4%}", *(escape(escaped(cell(c, row))) for c in columns[:MOST_COLUMNS]))
     more = [f"{len(found.outcomes) - MOST_ROWS:,} more outcomes"] if len(found.outcomes) > MOST_ROWS else []
     more += [f"{len(columns) - MOST_COLUMNS:,} more features that differ"] if len(columns) > MOST_COLUMNS else []
     table.caption = f"... and {' and '.join(more)}; -o PATH.json writes all of them" if more else None

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..semantics.errors import AttemptsExhausted, InternalError, ScenicError, UsageError
-from .session import coloured, tell
+from .session import coloured, escaped, tell
 
 if TYPE_CHECKING:
     from ..semantics.syntax.nodes import Span
@@ -32,7 +32,7 @@ def report(error: Exception, session: Session) -> int:
         session.hang_up()
         error = UsageError(f"standard output cannot be written: {error.strerror}")
     if isinstance(error, ScenicError) and not isinstance(error, InternalError):
-        tell(render(error, session.texts, colours=coloured(sys.stderr)))
+        print(render(error, session.texts, colours=coloured(sys.stderr)), file=sys.stderr, flush=True)
         return error.exit_code
     tell(internal(error, session))
     return InternalError.exit_code
@@ -60,28 +60,29 @@ def render(error: ScenicError, texts: Mapping[str, str], *, colours: bool = Fals
     if error.span.line > 0:
         lines += _excerpt(error.span, texts, margin, paint)
     notes = [("expected", ", ".join(getattr(error, "expected", ()))), ("hint", error.hint), ("rule", _rule(error.rule))]
-    lines += [f"{margin} {paint(BLUE, '=')} {paint(BOLD, name)}: {text}" for name, text in notes if text]
+    lines += [f"{margin} {paint(BLUE, '=')} {paint(BOLD, name)}: {escaped(text)}" for name, text in notes if text]
     if isinstance(error, AttemptsExhausted):
-        lines += _worst(error, texts)
+        lines += map(escaped, _worst(error, texts))
     return "\n".join(lines)
 
 
 def _painter(colours: bool) -> Paint:
-    return (lambda colour, text: f"{colour}{text}{PLAIN}") if colours else (lambda colour, text: text)
+    return (lambda colour, text: f"{colour}{escaped(text)}{PLAIN}") if colours else (lambda colour, text: escaped(text))
 
 
 def _excerpt(span: Span, texts: Mapping[str, str], margin: str, paint: Paint) -> list[str]:
     """`--> place`, the source line, and carets under the span."""
     bar = paint(BLUE, "|")
-    found = [f"{margin}{paint(BLUE, '-->')} {span}"]
+    found = [f"{margin}{paint(BLUE, '-->')} {escaped(str(span))}"]
     line = source_line(span, texts)
     if line is None:
         return found
     start = min(max(span.column - 1, 0), len(line))
     stop = min(span.end_column - 1, len(line)) if span.end_line == span.line else len(line.rstrip())
     line, start, stop = _clipped(line, start, max(stop, start))
-    lead = "".join("\t" if char == "\t" else " " * _columns(char) for char in line[:start])
-    carets = "^" * max(1, sum(_columns(char) for char in line[start:stop]))
+    before, marked, line = escaped(line[:start]), escaped(line[start:stop]), escaped(line)
+    lead = "".join("\t" if char == "\t" else " " * _columns(char) for char in before)
+    carets = "^" * max(1, sum(_columns(char) for char in marked))
     number = paint(BLUE, str(span.line))
     return [*found, f"{margin} {bar}", f"{number} {bar} {line}", f"{margin} {bar} {lead}{paint(RED, carets)}"]
 

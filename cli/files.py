@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ..semantics.errors import UsageError
+
+LINES = (".jsonl", ".ndjson", "")
+"""The endings of files of JSON Lines."""
+PICTURES = (".png", ".pdf", ".svg")
+"""The endings of pictures."""
 
 
 def check_place(path: str, read: Mapping[str, str | None]) -> None:
@@ -17,6 +22,15 @@ def check_place(path: str, read: Mapping[str, str | None]) -> None:
         raise UsageError(f"{path} cannot be written: there is no directory {Path(path).parent}")
     if Path(path).is_dir():
         raise UsageError(f"{path} cannot be written: it is a directory")
+
+
+def check_ending(option: str, path: str, what: str, endings: Sequence[str]) -> None:
+    """Raise `UsageError` unless the ending of `path` is one that is written; devices and standard output (-) need none, but for a picture."""
+    is_stream = path == "-" or (Path(path).exists() and not Path(path).is_file())
+    if Path(path).suffix.lower() in endings or (is_stream and endings != PICTURES):
+        return
+    *others, last = (ending or "a name without an ending" for ending in endings)
+    raise UsageError(f"{option} {path}: {what} are written as {', '.join(others)}{' or ' if others else ''}{last}")
 
 
 def same(path: str, other: str) -> bool:

@@ -12,6 +12,11 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, NamedTuple
 
+try:
+    import fcntl
+except ImportError:  # not on this system
+    fcntl = None
+
 from ..inference.batch.jobs import uninterrupted
 from ..interpreter.scenes import SCHEMA
 from ..interpreter.tables import SUFFIXES
@@ -91,6 +96,9 @@ class LinesFile(Output):
         if resume and not self.is_regular:
             os.close(self.file)
             raise UsageError(f"{path} cannot be resumed: it is not an ordinary file")
+        if self.is_regular and not locked(self.file):
+            os.close(self.file)
+            raise UsageError(f"{path} is being written by another process", hint="wait until that has ended, or write to another file")
         if not resume:
             self.cut()
 
@@ -208,6 +216,22 @@ class TableOutput(Output):
         self.table.close()
 
 
+def locked(file: int) -> bool:
+    """Whether this process, and no other, may write the file from now on; the system takes the lock back when the process ends, however it does.
+
+    Where there are no such locks (Windows, some network drives) everyone may.
+    """
+    if fcntl is None:
+        return True
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:
+        return True
+    return True
+
+
 def in_pieces(lines: bytes) -> Iterator[memoryview]:
     """Lines with their ends, some whole ones at a time."""
     start = 0
@@ -232,7 +256,7 @@ def open_output(path: str | None, *, resume: bool) -> Output:
         return Terminal()
     if path is None or path == "-":
         return Pipe()
-    if path.endswith(SUFFIXES):
+    if path.lower().endswith(SUFFIXES):
         if resume:
             raise UsageError("a table cannot be resumed, since it is there only when it is complete", hint="write JSON Lines: -o PATH.jsonl")
         return TableOutput(path)

@@ -5,14 +5,14 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, ExitStack
-from pathlib import Path
 from typing import NamedTuple
 
 from ..inference.batch.jobs import Workers, cluster, processes
+from ..interpreter.tables import SUFFIXES
 from ..scenario import FEW
 from ..semantics.errors import ScenicError, UsageError
 from .drawing import Drawing, Drawn, drawing_of
-from .files import check_place
+from .files import LINES, PICTURES, check_ending, check_place
 from .options import Source
 from .outputs import Output, Resumed, open_output
 from .portions import portions
@@ -23,7 +23,6 @@ from .workers import Failed, Job, draw_here, drawn_by
 
 MOST_PLOTTED = 16
 MOST_FINDINGS, MOST_PARTS = 16, 16
-FORMATS = ("png", "pdf", "svg")
 
 
 class Request(NamedTuple):
@@ -187,8 +186,10 @@ def check_paths(source: Source, request: Request) -> None:
         if path is None or path == "-":
             continue
         check_place(path, {"the program itself": source.file})
-    if request.plot is not None and Path(request.plot).suffix[1:].lower() not in FORMATS:
-        raise UsageError(f"--plot {request.plot}: pictures are written as .png, .pdf or .svg")
+    if request.output is not None:
+        check_ending("-o", request.output, "scenes", (*LINES, *SUFFIXES))
+    if request.plot is not None:
+        check_ending("--plot", request.plot, "pictures", PICTURES)
 
 
 def check_earlier(drawing: Drawing, request: Request, earlier: Resumed) -> None:

@@ -33,7 +33,7 @@ def run(
     seed: SeedOption = 0,
     scene: Annotated[int | None, typer.Option("--scene", metavar="K", min=0, help="Draw just scene K of the seed.")] = None,
     output: Annotated[
-        str | None, typer.Option("-o", "--output", metavar="PATH", help="Write JSON Lines (a table, if PATH ends in .parquet or .npz); - for stdout.")
+        str | None, typer.Option("-o", "--output", metavar="PATH", help="Write JSON Lines (PATH.jsonl), or a table (.parquet, .npz); - for stdout.")
     ] = None,
     plot: Annotated[str | None, typer.Option("--plot", metavar="PATH", help="Draw the scenes (or the probabilities), as .png, .pdf or .svg.")] = None,
     profile: ProfileOption = "paper",

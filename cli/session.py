@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 from dataclasses import dataclass, field
+
+CONTROL = re.compile("[\\x00-\\x08\\x0b-\\x1f\\x7f-\\x9f\\u061c\\u200e\\u200f\\u2028-\\u202e\\u2066-\\u2069]")
+"""Control characters but for tabs and ends of lines, and those that turn the direction of writing."""
 
 
 @dataclass
@@ -32,6 +36,11 @@ def coloured(stream: object) -> bool:
     return bool(is_terminal) and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
 
 
+def escaped(text: str) -> str:
+    """`text` with control characters as Python writes them: what a program, its names and its files say never steers the terminal."""
+    return CONTROL.sub(lambda found: found[0].encode("unicode_escape").decode("ascii"), text)
+
+
 def tell(text: str = "") -> None:
-    """A line on standard error."""
-    print(text, file=sys.stderr, flush=True)
+    """Lines on standard error."""
+    print(escaped(text), file=sys.stderr, flush=True)

@@ -15,11 +15,11 @@ from ..inference.simulation import SampledRun
 from ..interpreter.recordings import to_line
 from ..interpreter.simulating import Failed
 from ..scenario import Scenario
-from ..semantics.errors import InternalError, UsageError
+from ..semantics.errors import InternalError
 from ..semantics.outcome import Requirement
 from ..simulators import by_name
 from .drawing import Drawn, drawing_of
-from .files import check_place
+from .files import LINES, check_ending, check_place
 from .options import Source
 from .outputs import Output, open_output
 from .production import rehearse
@@ -27,7 +27,7 @@ from .progress import Progress
 from .recorded import Replays, check_recordings
 from .replaying import MOST, write_movie, write_page
 from .reports import requirement_lines
-from .session import Session, tell
+from .session import Session, escaped, tell
 
 
 class Request(NamedTuple):
@@ -114,14 +114,13 @@ def check_places(source: Source, request: Request) -> None:
     read = {"the program itself": source.file, "the recording": request.replay}
     if request.output is not None and request.output != "-":
         check_place(request.output, read)
-        if request.output.endswith((".parquet", ".npz")):
-            raise UsageError("simulations are written as JSON Lines", hint="-o PATH.jsonl")
+        check_ending("-o", request.output, "simulations", LINES)
     if request.html is not None:
         check_place(request.html, {**read, "the output": request.output})
+        check_ending("--html", request.html, "pages", (".html", ".htm"))
     if request.gif is not None:
         check_place(request.gif, {**read, "the output": request.output, "the page": request.html})
-        if Path(request.gif).suffix not in ("", ".gif"):
-            raise UsageError(f"--gif {request.gif}: moving pictures are written as .gif")
+        check_ending("--gif", request.gif, "moving pictures", (".gif",))
 
 
 def shown_only(request: Request) -> bool:
@@ -151,7 +150,8 @@ def write(output: Output | None, run: SampledRun) -> None:
     if output is None:
         simulation = run.simulation
         steps = len(simulation.moments) - 1
-        print(f"simulation {index}: {simulation.result} after {steps:,} time steps ({steps * simulation.timestep:g} s): {simulation.reason}")
+        told = f"simulation {index}: {simulation.result} after {steps:,} time steps ({steps * simulation.timestep:g} s): {simulation.reason}"
+        print(escaped(told))
         return
     try:
         line = to_line(run.simulation, run.attempts)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from .drawing import Drawn
 from .outputs import Output
+from .session import escaped
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -58,7 +59,7 @@ def table_of(scene: dict[str, Any]) -> Table:
     params = ", ".join(f"{name} = {shown(value)}" for name, value in scene["params"].items())
     title = f"seed {scene['seed']}, scene {scene['scene']} (metres, degrees)"
     table = Table(
-        title=title, title_justify="left", title_style="bold", caption=escape(params) or None, caption_justify="left", caption_style="dim",
+        title=title, title_justify="left", title_style="bold", caption=escape(escaped(params)) or None, caption_justify="left", caption_style="dim",
         box=SIMPLE_HEAD,
     )
     for name in ("", "name", "class"):
@@ -68,7 +69,8 @@ def table_of(scene: dict[str, Any]) -> Table:
     for o in scene["objects"]:
         x, y = o["position"]
         numbers = (f"{x:.2f}", f"{y:.2f}", f"{math.degrees(o['heading']):.1f}", f"{o['width']:.2f}", f"{o['length']:.2f}")
-        table.add_row(str(o["id"]), escape(o["name"] or ""), escape(o["class"]), *numbers, style="bold" if o["id"] == scene["ego"] else None)
+        named = (escape(escaped(o["name"] or "")), escape(escaped(o["class"])))
+        table.add_row(str(o["id"]), *named, *numbers, style="bold" if o["id"] == scene["ego"] else None)
     return table
 
 

@@ -60,6 +60,7 @@ def trace(
     """
     from ..semantics.errors import UsageError
     from ..simulators import by_name
+    from .files import check_ending, check_place
     from .tracing import Asked, traced, traced_simulation, write_page, write_text
 
     session = context.obj
@@ -67,6 +68,9 @@ def trace(
     source = read_source(
         session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, fuel=fuel, trust=trust, scenario=scenario
     )
+    if html is not None:
+        check_place(html, {"the program itself": source.file})
+        check_ending("--html", html, "pages", (".html", ".htm"))
     asked = Asked(seed, scene, attempt, max_attempts)
     if steps is None:
         if simulator != "still" or timestep is not None:

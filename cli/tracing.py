@@ -22,7 +22,7 @@ from ..semantics.rules import RULES
 from .drawing import drawing_of
 from .errors import source_line, source_text
 from .options import Source
-from .session import tell
+from .session import escaped, tell
 
 
 class Asked(NamedTuple):
@@ -116,7 +116,7 @@ def accepted_attempt(scenario: Scenario, draw: Callable[[Callable[[int], None]],
         stuck = attempts
 
     try:
-        assert scenario.rehearsed
+        scenario.rehearse()
     except UsageError:
         raise
     except ScenicError as error:
@@ -131,21 +131,21 @@ def accepted_attempt(scenario: Scenario, draw: Callable[[Callable[[int], None]],
 
 def write_text(found: Traced, texts: Mapping[str, str], *, everything: bool) -> None:
     """Print the trace: source lines, and below each the rules that fired there."""
-    print(found.title)
+    print(escaped(found.title))
     place = None
     for event in shown_events(found.trace, everything=everything):
         if event.kind == "time":
             place = None
-            print(f"\n{'':-<8} {event.change}")
+            print(escaped(f"\n{'':-<8} {event.change}"))
             continue
         here = (event.span.file, event.span.line)
         if here != place:
             place = here
             line = (source_line(event.span, texts) or "").strip()
-            print(f"\n{event.span.file}:{event.span.line}: {line}" if event.span.line else "\n(no place in the source)")
-        print(event_line(event))
+            print(escaped(f"\n{event.span.file}:{event.span.line}: {line}" if event.span.line else "\n(no place in the source)"))
+        print(escaped(event_line(event)))
     hidden = len(found.trace.events) - sum(1 for _ in shown_events(found.trace, everything=everything))
-    print(f"\n{found.ending}")
+    print(escaped(f"\n{found.ending}"))
     if hidden:
         print(f"{hidden:,} rules of Python and for default values are not shown: --all shows them")
     sys.stdout.flush()

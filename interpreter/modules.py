@@ -36,7 +36,10 @@ def _members(module: object, without: tuple[str, ...] = ()) -> Mapping[str, obje
 class Seeded(random.Random):
     """`random.Random(seed)`: only with a seed, so that a scene is a function of the program, its seed and its number."""
 
-    scenic_names = frozenset(
+    scenic_names = frozenset({
+        "random", "uniform", "randint", "randrange", "choice", "choices", "sample", "shuffle", "gauss", "normalvariate", "triangular", "betavariate",
+        "expovariate", "gammavariate", "lognormvariate", "vonmisesvariate", "paretovariate", "weibullvariate",
+    })  # fmt: skip
         ["random", "uniform", "randint", "randrange", "choice", "choices", "sample", "shuffle", "gauss", "normalvariate", "triangular", "betavariate", "expovariate", "gammavariate", "lognormvariate", "vonmisesvariate", "paretovariate", "weibullvariate"]
     )
 
@@ -110,6 +113,8 @@ def find(
 ) -> Program | Mapping[str, object] | Exception | None:
     """The module of that name; an error to raise at the import; None if there is none."""
     local = scenic_file(name, directory)
+    if local is not None and leads_away(local, folder_of(name, directory)):
+        return linked_program(name, local, dialect)
     if local is not None and not (importer and local.resolve() == Path(importer).resolve()):
         return read_program(local, dialect)
     if name in worlds:
@@ -129,16 +134,33 @@ def find(
     return load_python(name, directory)
 
 
+def leads_away(path: Path, folder: Path | None) -> bool:
+    """Whether a link leads from the folder in which a module is looked for to a file elsewhere."""
+    return folder is not None and not path.resolve().is_relative_to(folder.resolve())
+
+
+def linked_program(name: str, path: Path, dialect: str | None) -> Program | Exception:
+    """A module elsewhere; if it is no program, nothing of what stands there is told but its name."""
+    try:
+        return read_program(path, dialect)
+    except (ScenicError, OSError):
+        return ImportRefused(f"{name} is a link to a file outside the program's folder, and that is no Scenic program")
+
+
 def scenic_file(name: str, directory: Path | None) -> Path | None:
     """NAME.scenic next to the program, dots being folders."""
-    if directory is None:
+    base = folder_of(name, directory)
+    if base is None:
         return None
-    base = directory
     stripped = name.lstrip(".")
-    for _ in range(len(name) - len(stripped) - 1):
-        base = base.parent
     path = base.joinpath(*stripped.split(".")).with_suffix(".scenic") if stripped else base
     return path if path.is_file() else None
+
+
+def folder_of(name: str, directory: Path | None) -> Path | None:
+    """The folder that a module's name begins in: the program's, or one above it for each dot after the first."""
+    dots = len(name) - len(name.lstrip("."))
+    return directory if directory is None or dots < 2 else directory.joinpath(*[".."] * (dots - 1))
 
 
 def read_program(path: Path, dialect: str | None) -> Program:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from ..semantics.config import Config, Stack, State, Value
 from ..semantics.errors import FuelExhausted, RandomBranch, RunError, ScenicError
+from ..semantics.nesting import too_deep
 from ..semantics.outcome import Act, Done, Draw, Fault, Finish, Next, Observe, Outcome, Requirement, Stuck
 from ..semantics.regions import EmptyRegion, UnboundedRegion
 from ..semantics.step import place, step
@@ -59,7 +60,7 @@ def drive(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL, witness:
                 raise RunError(str(unbounded), outcome.node.span, rule=outcome.rule) from None  # type: ignore[union-attr]
             if witness is not None:
                 witness(outcome, drawn)
-            config = outcome.resume(drawn)  # type: ignore[union-attr]
+            config = resumed(outcome, drawn)  # type: ignore[arg-type]
         elif kind is Fault:
             raise outcome.error  # type: ignore[union-attr]
         else:
@@ -69,6 +70,14 @@ def drive(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL, witness:
     raise FuelExhausted(
         f"the program took {fuel:,} steps without ending: is this an endless loop?", place(config), hint="raise --fuel if it really is that long"
     )
+
+
+def resumed(draw: Draw, drawn: object) -> Config:
+    """What follows a draw that is answered. Raises the program's error for a value that contains itself."""
+    try:
+        return draw.resume(drawn)
+    except RecursionError:
+        raise too_deep(draw.node.span) from None
 
 
 def run(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL, witness: Witness | None = None) -> Run:
@@ -108,7 +117,7 @@ def _rehearse(config: Config, end: Stack | None, choose: Chooser, fuel: int, *, 
                     drawn, stuck = Vector(0.0, 0.0), True
                 except UnboundedRegion as unbounded:
                     raise RunError(str(unbounded), draw.node.span, rule=draw.rule) from None
-                config = draw.resume(drawn)
+                config = resumed(draw, drawn)
             case Stuck(beyond=beyond):
                 stuck = True
                 if beyond is None:

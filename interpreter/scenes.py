@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from ..semantics.config import State
 from ..semantics.geometry import normalise_heading
 from ..semantics.kinds import is_scalar
+from ..semantics.nesting import check_nesting
 from ..semantics.programs import ego_of
 from ..semantics.regions import Region, everywhere
 from ..semantics.termination import workspace_of
@@ -119,12 +120,22 @@ def stable_repr(value: object) -> str:
 
 
 def scene_of(state: State, seed: int, index: int, attempts: int, weight: float = 1.0, *, pruned: bool = False) -> Scene:
-    """The scene (π, O) of a finished run."""
+    """The scene (π, O) of a finished run. Raises `RunError` for values that cannot be written, since they contain themselves."""
+    check_written(state)
     numbers = {instance.number: i for i, instance in enumerate(state.scene)}
     objects = tuple(_scene_object(i, instance, state) for i, instance in enumerate(state.scene))
     params = {name: unwrap(value)[0] for name, value in state.params.items()}
     workspace = workspace_of(state)
     return Scene(objects, numbers[ego_of(state).number], params, seed, index, attempts, weight, workspace, pruned)
+
+
+def check_written(state: State) -> None:
+    """What changed after it was given to the scene can be written still."""
+    for name, value in state.params.items():
+        check_nesting(f"the parameter {name}", value)
+    for instance in state.scene:
+        for name, value in state.objects[instance.number].items():
+            check_nesting(f"the property {name} of {state.names.get(instance.number) or instance.class_.name}", value)
 
 
 def _scene_object(number: int, instance: Instance, state: State) -> SceneObject:

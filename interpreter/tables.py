@@ -19,6 +19,7 @@ from typing import IO, Any, NamedTuple
 import numpy as np
 
 from ..semantics.errors import UsageError
+from .extras import needed
 
 ROWS_AT_ONCE = 1 << 16
 """A group of rows ends with the first scene that brings it to so many."""
@@ -216,8 +217,8 @@ class ParquetTable(Table):
         try:
             import pyarrow
             from pyarrow import parquet
-        except ImportError:
-            raise UsageError("Parquet tables need the package pyarrow", hint="pip install 'scenic-ref[parquet]', or write .npz") from None
+        except ImportError as problem:
+            raise needed("a Parquet table", "pyarrow", problem, ", or write .npz") from None
         super().__init__(path)
         self.arrow = pyarrow
         self.schema = pyarrow.schema([(name, getattr(pyarrow, "bool_" if kind == "bool" else kind)()) for name, kind in COLUMNS.items()])
@@ -324,4 +325,4 @@ def numpy_kind(name: str) -> np.dtype[Any]:
 
 def open_table(path: Path) -> Table:
     """The table that the suffix asks for. Raises `UsageError`."""
-    return ParquetTable(path) if path.suffix == ".parquet" else NpzTable(path)
+    return ParquetTable(path) if path.suffix.lower() == ".parquet" else NpzTable(path)

@@ -68,6 +68,7 @@ class Scenario:
         self.scenario = scenario
         self.draws: Draws = AS_THEY_ARE
         self.factorised = False
+        self._rehearsed = False
         check(program)
 
     @cached_property
@@ -85,16 +86,16 @@ class Scenario:
         """The configuration that every run begins with."""
         return initial(with_old_imports(self.program, self.settings.library), self.settings)  # type: ignore[arg-type]
 
-    @cached_property
-    def rehearsed(self) -> bool:
-        """True once the program was run through without a branch on a random value. Raises the program's error."""
-        rehearse(self.start(), from_stream(0, 0, 0), fuel=self.fuel)
-        return True
+    def rehearse(self) -> None:
+        """Run the program through, once, to find a branch on a random value. Raises the program's error."""
+        if not self._rehearsed:
+            rehearse(self.start(), from_stream(0, 0, 0), fuel=self.fuel)
+            self._rehearsed = True
 
     @cached_property
     def constants(self) -> dict[str, object]:
         """The features of a scene that are the same whatever is drawn, by their place in the scene format. Raises `AttemptsExhausted`."""
-        assert self.rehearsed
+        self.rehearse()
         return constants_of(self.start, fuel=self.fuel)
 
     @cached_property
@@ -115,7 +116,7 @@ class Scenario:
         Where parts are drawn apart, the graph finds the attempts, which `on_attempt` is not told of; only the last run is witnessed, and its
         steps are those that are given.
         """
-        assert self.rehearsed
+        self.rehearse()
         if not self.in_parts:
             return sample(
                 self.start, seed, index, max_attempts=max_attempts, fuel=self.fuel, on_attempt=on_attempt, witnessed=witnessed, draws=self.draws,
@@ -131,14 +132,16 @@ class Scenario:
         """The last attempt at a scene that is known to need so many, alone; `block` is a drawing of it by the batch backend, if there is one."""
         attempt: int | Callable[[tuple[int, ...]], int] = attempts - 1
         if self.in_parts:
-            assert self.batch is not None
-            attempt = self.batch.attempts_of(block or self._alone(seed, index, attempts), index)
+            batch = self.batch
+            assert batch is not None
+            attempt = batch.attempts_of(block or self._alone(seed, index, attempts), index)
         return run(self.start(), from_stream(seed, index, attempt, self.draws), fuel=self.fuel, witness=witness)
 
     def _alone(self, seed: int, index: int, max_attempts: int) -> Block:
         """A scene by the batch backend. Raises its error."""
-        assert self.batch is not None
-        block = block_of(self.batch, seed, index, index + 1, max_attempts)
+        batch = self.batch
+        assert batch is not None
+        block = block_of(batch, seed, index, index + 1, max_attempts)
         if block.error is not None:
             raise block.error
         return block
@@ -158,7 +161,7 @@ class Scenario:
         `simulator` is one of `simulators.SIMULATORS` by name (`timestep`, in seconds, is then that of the simulation), or a simulator itself.
         """
         check_whole(("steps", steps, 0), ("seed", seed, None), ("index", index, 0), ("max_attempts", max_attempts, 1))
-        assert self.rehearsed
+        self.rehearse()
         found = by_name(simulator, timestep) if isinstance(simulator, str) else simulator
         return sample_simulation(
             self.start, found, steps, seed, index, max_attempts=max_attempts, fuel=self.fuel,
@@ -170,7 +173,7 @@ class Scenario:
 
         Raises `UsageError` if the record is not one of this program, or if its actions cannot be taken.
         """
-        assert self.rehearsed
+        self.rehearse()
         recording = record if isinstance(record, Recording) else recording_of(record)
         found = by_name(simulator, recording.timestep if timestep is None else timestep) if isinstance(simulator, str) else simulator
         return replay_once(self.start(), recording, found, self.action_classes, fuel=self.fuel)
@@ -186,14 +189,14 @@ class Scenario:
     ) -> Histories:  # fmt: skip
         """The exact distribution of simulations of at most `steps` time steps; see `inference.histories.enumerate_simulations`."""
         check_whole(("steps", steps, 0), ("max_runs", max_runs, 1))
-        assert self.rehearsed
+        self.rehearse()
         found = by_name(simulator, timestep) if isinstance(simulator, str) else simulator
         return enumerate_simulations(self.start, found, steps, max_runs=max_runs, fuel=self.fuel)
 
     @cached_property
     def pruning(self) -> Pruning:
         """Which points may be drawn from smaller regions, and why others may not (paper, Section "Domain-Specific Sampling Techniques")."""
-        assert self.rehearsed
+        self.rehearse()
         try:
             return prune(self.start, self.fuel)
         except NotLifted as reason:
@@ -210,13 +213,13 @@ class Scenario:
         self, *, max_runs: int = DEFAULT_RUNS, discretize: int | None = None, on_run: Callable[[int, Fraction], None] | None = None
     ) -> Enumeration:
         """The exact distribution of the scenes; see `enumerate_runs`."""
-        assert self.rehearsed
+        self.rehearse()
         return enumerate_runs(self.start, max_runs=max_runs, discretize=discretize, fuel=self.fuel, on_run=on_run)
 
     @cached_property
     def _lifted(self) -> Batch | AttemptsExhausted | str:
         """The program as a graph, or why there is none; the error if it can have no scene."""
-        assert self.rehearsed
+        self.rehearse()
         try:
             return Batch(self.start, fuel=self.fuel, draws=self.draws, factorised=self.factorised)
         except Impossible as never:

@@ -45,7 +45,7 @@ class Budget:
     def made(self, value: object) -> None:
         """Pay for what was made, without what is inside."""
         if type(value) not in PLAIN or type(value) is int:
-            self.spend(type(value).__sizeof__(value))
+            self.spend(type(value).__sizeof__(value))  # type: ignore[arg-type]
 
     def metered(self, items: Iterable[object]) -> Metered:
         """The items one by one, each paid for when it is asked for."""

@@ -15,6 +15,7 @@ from .allowed import is_value
 from .budget import PLAIN, STEP, Budget
 from .config import Abrupt, Config, State, Value
 from .errors import FuelExhausted, RunError, ScenicError
+from .nesting import too_deep
 from .outcome import Draw, Fault, Next, Observe, Operand, Stuck
 from .symbols import NotLifted
 from .values import Function, Instance, Origin, unwrap, wrap
@@ -145,7 +146,7 @@ def host(door: Door, state: State, operation: Callable[..., object], *arguments:
     except (ScenicError, DoorStuck, HostException):
         raise
     except RecursionError:
-        raise RunError("this operation nests too deeply") from None
+        raise too_deep() from None
     except MemoryError:
         raise RunError("this operation needs more memory than there is") from None
     except Exception as exception:  # whatever library code raises is the program's to catch
@@ -182,7 +183,7 @@ def raw(door: Door, state: State, operation: Callable[..., object], *arguments: 
     except (ScenicError, DoorStuck, HostException):
         raise
     except RecursionError:
-        raise RunError("this operation nests too deeply") from None
+        raise too_deep() from None
     except MemoryError:
         raise RunError("this operation needs more memory than there is") from None
     except Exception as exception:  # whatever library code raises is the program's to catch

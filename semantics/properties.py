@@ -6,6 +6,7 @@ from .classes import BOOLEAN_PROPERTIES, NON_NEGATIVE_PROPERTIES, SCALAR_PROPERT
 from .config import State
 from .errors import RunError
 from .kinds import Reader, has_kind, is_finite, kind_name
+from .nesting import check_nesting
 from .symbols import is_truth
 from .syntax.nodes import Span
 from .values import Instance, Random, unwrap
@@ -25,6 +26,7 @@ def checked_property(name: str, assigned: object, place: Span, source: str, stat
             raise _bad(name, "True or False", unwrap(assigned)[0], place, source)
         return assigned
     else:
+        check_nesting(f"{source}: the property {name}", assigned, place)
         return assigned
     reader = Reader(state)
     inner = reader.plain(assigned)

@@ -12,6 +12,7 @@ from .draws import numbered_apart
 from .errors import RunError
 from .host import host
 from .kinds import is_object, is_scalar, kind_name
+from .nesting import check_nesting
 from .outcome import Change, Draw, Next, Observe, Outcome, Requirement, Stuck
 from .premises import premises
 from .symbols import is_finite_number, is_truth, met
@@ -27,6 +28,8 @@ def param(node: s.Param, stack: Stack, state: State) -> Outcome:
 def conclude_param(node: s.Param, values: list[object], stack: Stack, state: State) -> Outcome:
     """π[x/v]; a value given on the command line wins."""
     assigned = {a.name: v for a, v in zip(node.assignments, values, strict=True) if a.name not in state.settings.params}
+    for name, assignment in assigned.items():
+        check_nesting(f"the parameter {name}", assignment, node.span)
     change = Change("π", ", ".join(assigned), next(iter(assigned.values()), None))
     return done("S-Param", node, stack, state._replace(params={**state.params, **assigned}), change)
 

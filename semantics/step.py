@@ -32,6 +32,7 @@ from .dynamics.guards import GuardViolation
 from .errors import RunError, ScenicError, UncaughtException
 from .fields import BadField, OutsideField
 from .host import DoorStuck, HostException
+from .nesting import too_deep
 from .outcome import Fault, Next, Outcome, Requirement, Stuck
 from .regions import BadRegion, EmptyRegion, UnboundedRegion
 from .syntax import dynamics as d
@@ -233,6 +234,8 @@ def step(config: Config) -> Outcome:
         return Fault(RunError(str(bad), place(config), rule="E-Call-Host"))
     except EmptyRegion as empty:
         return Stuck("E-Call-Host", Requirement("region", place(config), str(empty)))
+    except RecursionError:
+        return Fault(too_deep(place(config)))
     except OverflowError:
         return Fault(RunError("a number is too large", place(config)))
     except ScenicError as error:

@@ -12,8 +12,8 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from ..interpreter.extras import needed
 from ..interpreter.simulating import Body, Pose
-from ..semantics.errors import UsageError
 from ..semantics.vectors import Vector
 from . import actions as a
 from .controls import ACCELERATION, BRAKING, PROPERTIES, Controls, along, checked_timestep, reason_against, velocity_at_first
@@ -67,8 +67,8 @@ class Physics:
             raise ValueError(f"a time step of pymunk is at most {LONGEST:g} seconds, not {timestep:g}")
         try:
             import pymunk
-        except ImportError:
-            raise UsageError("the simulator pymunk needs the package pymunk", hint="pip install 'scenic-ref[dynamics]'") from None
+        except ImportError as problem:
+            raise needed("the simulator pymunk", "pymunk", problem) from None
         self.pymunk = pymunk
         self.destroy()
 

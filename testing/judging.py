@@ -48,7 +48,7 @@ def judged(
     check_settings(alpha, detect_tv, None, tolerance)
     names = Names(tuple(ignore), dict(map or {}))
     scenes, first = opened(samples)
-    assert scenario.rehearsed
+    scenario.rehearse()
     again = replay or replay_of(samples, scenario, alpha, detect_tv, seed, tolerance, names, drawn=reference is None)
     if first is None:
         return verdict_on_none(scenario, alpha, detect_tv, seed, again)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import ast
+import resource
 import subprocess
 import sys
-import time
 import tomllib
 import zipfile
 from pathlib import Path
@@ -116,15 +116,19 @@ def test_the_wheel_holds_every_module_and_resource(tmp_path):
     assert not {n for n in names if n.startswith(("scenic_ref/tests", "tests"))}
 
 
-def test_help_answers_in_under_half_a_second():
-    command = [sys.executable, "-m", "scenic_ref", "--help"]
-    subprocess.run(command, check=True, capture_output=True)
-    times = []
-    for _ in range(5):
-        begun = time.perf_counter()
-        subprocess.run(command, check=True, capture_output=True)
-        times.append(time.perf_counter() - begun)
-    assert min(times) < 0.5, times
+def test_help_takes_at_most_ten_times_as_much_processor_time_as_python_alone():
+    """That is under half a second where Python starts in 0.05 s."""
+
+    def least(*arguments: str) -> float:
+        times = []
+        for _ in range(5):
+            before = resource.getrusage(resource.RUSAGE_CHILDREN)
+            subprocess.run([sys.executable, *arguments], check=True, capture_output=True)
+            after = resource.getrusage(resource.RUSAGE_CHILDREN)
+            times.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+        return min(times)
+
+    assert least("-m", "scenic_ref", "--help") < 10 * least("-c", "pass")
 
 
 def test_the_core_needs_none_of_the_extras():

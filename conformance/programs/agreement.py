@@ -83,7 +83,8 @@ def examine(index: int, *, seed: int, settings: ProgramSettings, rival: Rival = 
     try:
         exact = scenario.enumerate(max_runs=settings.max_outcomes)
     except AttemptsExhausted:
-        assert never_accepted(scenario, own), f"program {index} is infeasible, and has a scene"
+        if not never_accepted(scenario, own):
+            raise AssertionError(f"program {index} is infeasible, and has a scene") from None
         return Examined(index, 0.0, 0.0, (), 0, Fraction(0), 0)
     count = max(1, int(ATTEMPTS * exact.acceptance))
     scenes = list(sample(sampled, own, count, rival))

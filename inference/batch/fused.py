@@ -1,6 +1,6 @@
 """A compiled evaluator of one program: its graph written as a function of one run after the other, which ends at the first thing that fails.
 
-It gives the same bits as the columns, which evaluate the same graph. `NotFused` says what of a graph it cannot do.
+It gives the same bits as the columns, which evaluate the same graph. `NotFused` says what of a graph it cannot do. To import this needs numba.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from ...interpreter.streams import site_code
 from ...semantics.regions import PolygonalRegion
 from ...semantics.symbols import Elementary
 from ...semantics.vectors import Vector
+from . import compiled
 from .clipped import curve_tests, largest_radius
 from .columns import constant_cells, field_of, has_columns, is_clipped, tests_of
 from .components import Stage
@@ -47,9 +48,6 @@ class Writer:
     """The source of an evaluator, and what its names stand for."""
 
     def __init__(self) -> None:
-        from . import compiled
-
-        self.compiled = compiled
         self.lines: list[str] = []
         self.names: dict[str, object] = {"math": math, "np": np, "philox": compiled.philox, "bisect_right": compiled.bisect_right}
         self.arrays: dict[str, np.ndarray] = {}
@@ -124,9 +122,9 @@ class Writer:
             return f"np.mod({operands[0]}, {operands[1]})"
         name = getattr(function, "__name__", "")
         if isinstance(function, Elementary) or function is np.hypot:
-            self.names.setdefault(name, self.compiled.from_libm(name, LIBRARY[name]))
+            self.names.setdefault(name, compiled.from_libm(name, LIBRARY[name]))
         elif name in SPECIAL:
-            self.names.setdefault(name, self.compiled.from_scipy(SPECIAL[name]))
+            self.names.setdefault(name, compiled.from_scipy(SPECIAL[name]))
         else:
             raise NotFused(f"the function {name}" if name else "a point drawn row by row")
         return f"{name}({', '.join(operands)})"
@@ -156,9 +154,9 @@ class Writer:
             raise NotFused("a point drawn row by row")
         tests = curve_tests(found.curve, largest_radius(found.radius))
         self.site(f"{name}_u", Site(draw.address, 0, draw.per_scene))
-        self.names["clipped_point"] = self.compiled.clipped_point
+        self.names["clipped_point"] = compiled.clipped_point
         values = [self.operand(v.node if isinstance(v, Traced) else v) for v in (found.x, found.y, found.radius, found.heading, found.angle)]
-        grid = self.kept_arrays(tests.grid, lambda: self.compiled.grid_arrays(tests.grid))
+        grid = self.kept_arrays(tests.grid, lambda: compiled.grid_arrays(tests.grid))
         arrays = [self.array(a) for a in (tests.start, tests.along, *grid)]
         self.add(f"{name}, {name}_x, {name}_y = clipped_point({', '.join([*values, f'{name}_u', *arrays])})")
 
@@ -183,16 +181,16 @@ class Writer:
         """Whether a point or box lies in a polygonal region."""
         tests = tests_of(region)
         shared = [self.array(a) for a in self.kept_arrays(tests, lambda: (tests.edges, tests.reference, tests.reference_inside))]
-        grid = [self.array(a) for a in self.kept_arrays(tests.grid, lambda: self.compiled.grid_arrays(tests.grid))]
+        grid = [self.array(a) for a in self.kept_arrays(tests.grid, lambda: compiled.grid_arrays(tests.grid))]
         scale = repr(float(tests.scale))
         if len(values) == 2:
-            self.names["point_in"] = self.compiled.point_in
+            self.names["point_in"] = compiled.point_in
             self.add(f"q = point_in({', '.join([*values, scale, *shared, *grid])})")
         else:
-            self.names["box_in"] = self.compiled.box_in
+            self.names["box_in"] = compiled.box_in
             largest = self.largest_box(call)
             near, known = tests.grid_for(largest)
-            lists = [self.array(a) for a in (*self.kept_arrays(near, lambda: self.compiled.grid_arrays(near)), known)]
+            lists = [self.array(a) for a in (*self.kept_arrays(near, lambda: compiled.grid_arrays(near)), known)]
             self.add(f"q = box_in({', '.join([*values, scale, repr(largest), *shared, *grid, *lists])})")
         self.add("if q == 2:")
         self.leave()
@@ -213,8 +211,8 @@ class Writer:
     def field(self, name: str, field: Any, values: list[str]) -> None:
         """The heading of a field with constant cells."""
         tests, headings = field_of(field)
-        self.names["first_cell"] = self.compiled.first_cell
-        grid = [self.array(a) for a in self.kept_arrays(tests.grid, lambda: self.compiled.grid_arrays(tests.grid))]
+        self.names["first_cell"] = compiled.first_cell
+        grid = [self.array(a) for a in self.kept_arrays(tests.grid, lambda: compiled.grid_arrays(tests.grid))]
         arrays = [self.array(a) for a in (tests.edges, tests.number)]
         self.add(f"q = first_cell({', '.join([*values, repr(float(tests.scale)), *arrays, *grid, self.array(tests.known)])})")
         self.add("if q == -2:")
@@ -315,7 +313,7 @@ def fuse(stage: Stage) -> tuple[Callable[..., tuple[int, int]], tuple[np.ndarray
     source = "\n".join([*head, *writer.lines, "    return runs, len(live)"])
     space: dict[str, Any] = dict(writer.names)
     exec(source, space)  # our own text
-    return writer.compiled.compile_(space["evaluator"]), tuple(writer.arrays.values()), events  # type: ignore[return-value]
+    return compiled.compile_(space["evaluator"]), tuple(writer.arrays.values()), events  # type: ignore[return-value]
 
 
 def compiled_macro(macro: Macro) -> Callable[..., object]:
@@ -342,7 +340,7 @@ def compiled_macro(macro: Macro) -> Callable[..., object]:
     source = "\n".join([f"def function({', '.join(arguments)}):", *writer.lines, f"    return {returned}"])
     space: dict[str, Any] = dict(writer.names)
     exec(source, space)  # our own text
-    return writer.compiled.compile_(space["function"])
+    return compiled.compile_(space["function"])
 
 
 __all__ = ["ACCEPTED", "EXHAUSTED", "LEFT", "PENDING", "NotFused", "fuse"]

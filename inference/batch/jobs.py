@@ -18,6 +18,7 @@ from contextlib import contextmanager
 from multiprocessing import connection
 from typing import NamedTuple, TypeVar
 
+from ...interpreter.extras import needed
 from ...semantics.errors import AttemptsExhausted, InternalError, UsageError
 from ..rejection import DEFAULT_ATTEMPTS, exhausted
 from .sampling import Batch, Block
@@ -149,8 +150,8 @@ def cluster(address: str, count: int | None = None) -> Iterator[Workers]:
     """
     try:
         from distributed import Client, LocalCluster
-    except ImportError:
-        raise UsageError("a cluster needs the package distributed", hint="pip install 'scenic-ref[cluster]'") from None
+    except ImportError as problem:
+        raise needed("a cluster", "distributed", problem) from None
     try:
         with uninterrupted():  # a thread that starts processes is made here
             options = {"n_workers": count, "threads_per_worker": 1, "dashboard_address": None, "silence_logs": 50}

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ...interpreter.choosers import AS_THEY_ARE, Draws, from_stream
+from ...interpreter.extras import why_missing
 from ...interpreter.running import Accepted, run
 from ...interpreter.scenes import Scene, scene_of
 from ...semantics.config import Config
@@ -108,8 +109,8 @@ class Batch:
             try:
                 from .compiling import Fused
                 from .fused import NotFused
-            except ImportError:
-                self.not_fused = "numba is not installed"
+            except ImportError as problem:
+                self.not_fused = why_missing("numba", problem)
                 return False
             try:
                 self.fused = Fused(self.stage)

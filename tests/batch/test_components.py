@@ -46,13 +46,13 @@ def always(monkeypatch):
 
 
 def factorised(scenario: Scenario) -> Batch:
-    assert scenario.rehearsed
+    scenario.rehearse()
     return Batch(scenario.start, fuel=scenario.fuel, factorised=True)
 
 
 def graph_of(text: str):
     scenario = scenic_ref.loads(text)
-    assert scenario.rehearsed
+    scenario.rehearse()
     return trace(scenario.start, scenario.fuel)[0]
 
 
@@ -174,8 +174,9 @@ def test_interpreter_columns_and_compiled_code_give_the_same_scenes(text, always
     assert [scene.to_line() for scene in batch.scenes(count, 3)] == one_by_one
     assert [scene.to_line() for scene in batch.scenes(5, 3, start=6)] == one_by_one[6:11]
     columns = batch.block(3, 0, 900)
-    pytest.importorskip("numba")
-    assert batch.compile(), batch.not_fused
+    if not batch.compile():
+        assert batch.not_fused == "numba is not installed"
+        return
     compiled = batch.block(3, 0, 900)
     assert compiled.attempts_by_stage.tolist() == columns.attempts_by_stage.tolist()
     assert [scene.to_line() for scene in batch.scenes_of(compiled, 3)] == [scene.to_line() for scene in batch.scenes_of(columns, 3)]
@@ -193,14 +194,13 @@ def test_the_numbers_of_a_scene_are_those_of_the_attempts_at_its_parts(always):
     assert [attempt(first), attempt(second)] == block.attempts_by_stage[1:, 7].tolist()
 
 
-@pytest.mark.parametrize("compiled", [False, True])
+@pytest.mark.parametrize("compiled", [False, pytest.param(True, marks=pytest.mark.extra("fast"))])
 def test_a_part_that_cannot_be_drawn_is_an_error(always, compiled):
     text = "x = Range(0, 1)\ny = Range(0, 1)\nz = Range(0, 1)\nrequire x < 0.3\nrequire y < 0.00001\nrequire z < 0.5\nego = Object with v x"
     scenario = scenic_ref.loads(text).pruned()
     batch = scenario.batch
     assert batch is not None
     if compiled:
-        pytest.importorskip("numba")
         assert batch.compile(), batch.not_fused
     with pytest.raises(AttemptsExhausted, match=r"no scene in 100 attempts.*line 5"):
         list(batch.scenes(5, 1, max_attempts=100))
@@ -208,9 +208,9 @@ def test_a_part_that_cannot_be_drawn_is_an_error(always, compiled):
         scenario.sample(1, 0, max_attempts=100)
 
 
+@pytest.mark.extra("fast")
 def test_ties_are_drawn_on_columns(always):
     """Boxes whose edges lie on the border: the compiled evaluator cannot tell, and the same scenes come out."""
-    pytest.importorskip("numba")
     text = "workspace = Workspace(PolygonalRegion([(0, 0), (8, 0), (8, 4), (0, 4)]))\n" + "".join(
         f"{name} = Object at (Uniform(0.5, 1, 2, 3.5, {x}), Uniform(0.25, 0.5, 3.5)), with requireVisible False\n"
         for name, x in (("ego", 7.75), ("other", 7.5))
@@ -272,13 +272,14 @@ def test_columns_compiled_code_and_interpreter_agree_to_the_last_attempt(text, a
     for k in range(25):
         if columns[k] != "exhausted":
             assert scenario.sample(1, k, max_attempts=attempts).to_line() == columns[k]
-    pytest.importorskip("numba")
-    assert batch.compile(), batch.not_fused
+    if not batch.compile():
+        assert batch.not_fused == "numba is not installed"
+        return
     assert lines(batch, 150, 1, attempts) == columns
 
 
+@pytest.mark.extra("fast")
 def test_no_scene_is_lost_where_the_compiled_code_leaves_some(always):
-    pytest.importorskip("numba")
     text = "workspace = Workspace(PolygonalRegion([(0, 0), (8, 0), (8, 4), (0, 4)]))\n" + "".join(
         f"{name} = Object at (Uniform(0.5, 1, 2, 3.5, 9, {x}), Uniform(0.25, 1.5, 2)), with requireVisible False\n"
         for name, x in (("ego", 7.75), ("other", 7.25))

@@ -17,7 +17,7 @@ ATTEMPTS = 60
 
 
 def batch_of(scenario: scenic_ref.Scenario) -> Batch:
-    assert scenario.rehearsed
+    scenario.rehearse()
     return Batch(scenario.start, fuel=scenario.fuel)
 
 
@@ -49,9 +49,9 @@ def test_gallery_programs_give_the_same_scenes(path):
     assert [scene.to_line() for scene in batch.scenes(count - 3, 31, start=3)] == expected[3:]
 
 
+@pytest.mark.extra("fast")
 @pytest.mark.parametrize("name", COMPILED)
 def test_compiled_code_gives_the_same_columns(name):
-    pytest.importorskip("numba")
     scenario = scenic_ref.load(next(path for path in GALLERY if path.stem == name))
     columns, compiled = batch_of(scenario), batch_of(scenario)
     assert compiled.compile(), compiled.not_fused
@@ -120,9 +120,9 @@ ALSO_COMPILED = (
 )  # fmt: skip
 
 
+@pytest.mark.extra("fast")
 @pytest.mark.parametrize("name", ALSO_COMPILED)
 def test_short_programs_give_the_same_scenes_compiled(name):
-    pytest.importorskip("numba")
     scenario = scenic_ref.loads(SHORT[name])
     batch = batch_of(scenario)
     assert batch.compile(), batch.not_fused
@@ -142,8 +142,8 @@ def test_what_depends_on_more_than_the_numbers_is_not_lifted():
             Batch(scenario.start, fuel=scenario.fuel)
 
 
+@pytest.mark.extra("fast")
 def test_a_graph_that_would_take_minutes_is_not_compiled():
-    pytest.importorskip("numba")
     text = "ego = Object at (0, 0)\nfor i in range(60):\n    Object at (Range(0, 900), Range(0, 9)), with requireVisible False\n"
     batch = batch_of(scenic_ref.loads(text))
     assert not batch.compile()

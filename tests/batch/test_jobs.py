@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import threading
-import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -17,6 +16,7 @@ from scenic_ref.interpreter import tables
 from scenic_ref.interpreter.tables import COLUMNS, Columns, Groups, Texts, chosen, columns_of, in_first_order, joined, open_table
 from scenic_ref.semantics.errors import AttemptsExhausted
 
+SUFFIXES = [pytest.param(s, marks=pytest.mark.extra("parquet") if s == ".parquet" else ()) for s in tables.SUFFIXES]
 EXAMPLES = Path(__file__).parents[2] / "examples"
 PROGRAMS = {
     "values": (
@@ -113,13 +113,17 @@ def test_jobs_grow_while_they_are_quick_and_shrink_while_they_are_slow():
 
 
 def test_results_come_in_order_and_few_jobs_are_under_way():
+    """Of each two jobs the second is done first."""
     lock, begun, given = threading.Lock(), [], []
+    done = [threading.Event() for _ in range(40)]
 
     def work(job: int) -> int:
         with lock:
             begun.append(job)
             assert len(begun) - len(given) <= 6
-        time.sleep(0.002 * (7 * job % 5))
+        if job % 2 == 0:
+            done[job + 1].wait()
+        done[job].set()
         return job
 
     with ThreadPoolExecutor(4) as pool:
@@ -157,10 +161,8 @@ def test_groups_of_rows_end_with_scenes_and_do_not_depend_on_the_pieces(rows, mo
     assert same(joined(found[0]), rows)
 
 
-@pytest.mark.parametrize("suffix", tables.SUFFIXES)
+@pytest.mark.parametrize("suffix", SUFFIXES)
 def test_a_table_has_the_same_bytes_whatever_the_pieces(rows, suffix, tmp_path, monkeypatch):
-    if suffix == ".parquet":
-        pytest.importorskip("pyarrow")
     monkeypatch.setattr(tables, "ROWS_AT_ONCE", 13)
     written = []
     for scenes in (1, 7, 60):
@@ -189,11 +191,9 @@ def test_an_npz_table_is_read_by_numpy_alone(rows, tmp_path):
                 assert (read[name].dtype, read[name].tobytes()) == (column.dtype, column.tobytes())
 
 
-def test_an_unfinished_table_leaves_nothing(rows, tmp_path):
-    for suffix in tables.SUFFIXES:
-        if suffix == ".parquet":
-            pytest.importorskip("pyarrow")
-        table = open_table(tmp_path / f"scenes{suffix}")
-        table.add_columns(rows)
-        table.close()
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_an_unfinished_table_leaves_nothing(rows, suffix, tmp_path):
+    table = open_table(tmp_path / f"scenes{suffix}")
+    table.add_columns(rows)
+    table.close()
     assert not list(tmp_path.iterdir())

@@ -156,7 +156,7 @@ PROGRAM = "a = Range(0, 1)\nb = Range(0, 1)\nrequire a * a * a < b * b * b * b\n
 
 def graph_of(text: str):
     scenario = scenic_ref.loads(text)
-    assert scenario.rehearsed
+    scenario.rehearse()
     return trace(scenario.start, scenario.fuel)
 
 

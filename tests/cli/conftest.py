@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
+import signal
+import subprocess
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
-from typing import NamedTuple
+from typing import IO, NamedTuple
 
 import pytest
 from scenic_ref.cli import answer
@@ -45,5 +49,37 @@ def ask(capfd: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.M
         code = answer([str(a) for a in arguments])
         out, err = capfd.readouterr()
         return Answer(code, out, err)
+
+    return command
+
+
+class Started(subprocess.Popen):
+    """A process in a group of its own, which is killed when the `with` is left."""
+
+    stdout: IO[str]
+    stderr: IO[str]
+
+    def until(self, condition: Callable[[], bool]) -> None:
+        """Wait until something is so, or the process has ended: how long that takes does not matter."""
+        while not condition():
+            with suppress(subprocess.TimeoutExpired):
+                self.wait(0.001)
+                return
+
+    def __exit__(self, *of_exception: object) -> None:
+        with suppress(ProcessLookupError):
+            os.killpg(self.pid, signal.SIGKILL)
+        super().__exit__(*of_exception)  # type: ignore[arg-type]
+
+
+Start = Callable[[Sequence[str]], Started]
+
+
+@pytest.fixture
+def start(tmp_path: Path) -> Start:
+    """Starts a command in the directory of the test."""
+
+    def command(arguments: Sequence[str]) -> Started:
+        return Started(arguments, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
 
     return command

@@ -6,11 +6,10 @@ import json
 import os
 import random
 import signal
-import subprocess
 import sys
-import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 KILLS = int(os.environ.get("SCENIC_REF_KILLS", "2"))
@@ -23,13 +22,12 @@ require x > 0.3
 require[0.5] x > 0.5
 param p = x
 """
+PARQUET = pytest.param("parquet", marks=pytest.mark.extra("parquet"))
 
 
-@pytest.mark.parametrize("suffix", ["jsonl", "parquet", "npz"])
+@pytest.mark.parametrize("suffix", ["jsonl", PARQUET, "npz"])
 @pytest.mark.parametrize("program", ["random", "soft", "many"])
 def test_both_backends_write_the_same_bytes(ask, program, suffix):
-    if suffix == "parquet":
-        pytest.importorskip("pyarrow")
     Path("many.scenic").write_text(MANY)
     reports = []
     for backend in ("interpreter", "batch"):
@@ -52,8 +50,8 @@ def test_the_number_of_processes_changes_neither_a_byte_nor_the_report(ask, work
     assert one.err.splitlines()[0].split(",")[:2] == several.err.splitlines()[0].split(",")[:2]
 
 
+@pytest.mark.extra("cluster")
 def test_a_cluster_writes_what_this_process_writes(ask):
-    pytest.importorskip("distributed")
     ask("run", "random.scenic", "-n", 60, "-o", "one.jsonl")
     found = ask("run", "random.scenic", "-n", 60, "-o", "cluster.jsonl", "--cluster", "local", "--workers", 2)
     assert found.code == 0
@@ -68,7 +66,7 @@ def test_a_cluster_that_is_not_there_is_wrong_usage(ask, monkeypatch):
 
 
 @pytest.mark.parametrize("kill", range(KILLS))
-def test_a_killed_run_resumes_to_the_same_bytes(ask, tmp_path, kill):
+def test_a_killed_run_resumes_to_the_same_bytes(ask, start, kill):
     """Killed with SIGKILL as soon as a random share of the file is there, resumed, killed again, and resumed to its end."""
     Path("many.scenic").write_text(MANY)
     ask("run", "many.scenic", "-n", 12_000, "-o", "whole.jsonl")
@@ -77,12 +75,11 @@ def test_a_killed_run_resumes_to_the_same_bytes(ask, tmp_path, kill):
     command = [sys.executable, "-m", "scenic_ref", "run", "many.scenic", "-n", "12000", "-o", "killed.jsonl", "--resume"]
     size = 0
     for workers in ("1", "2"):
-        process = subprocess.Popen([*command, "--workers", workers], cwd=tmp_path, stderr=subprocess.DEVNULL)
         limit = chance.uniform(size, len(whole))
-        while process.poll() is None and (not Path("killed.jsonl").exists() or os.path.getsize("killed.jsonl") < limit):
-            time.sleep(0.0005)
-        process.send_signal(signal.SIGKILL)
-        process.wait()
+        with start([*command, "--workers", workers]) as process:
+            process.until(lambda limit=limit: Path("killed.jsonl").exists() and os.path.getsize("killed.jsonl") >= limit)
+            process.send_signal(signal.SIGKILL)
+            process.communicate()
         size = os.path.getsize("killed.jsonl")
     assert ask("run", "many.scenic", "-n", 12_000, "-o", "killed.jsonl", "--resume").code == 0
     assert Path("killed.jsonl").read_bytes() == whole
@@ -143,21 +140,18 @@ def test_errors_come_at_the_same_scene_in_the_same_words(ask, text, options, cod
 
 
 def test_a_table_without_scenes_is_an_empty_table(ask):
-    numpy = pytest.importorskip("numpy")
     for backend in ("interpreter", "batch"):
         assert ask("run", "random.scenic", "-n", 0, "-o", f"{backend}.npz", "--backend", backend).code == 0
     assert Path("interpreter.npz").read_bytes() == Path("batch.npz").read_bytes()
-    assert numpy.load("batch.npz")["x"].shape == (0,)
+    assert np.load("batch.npz")["x"].shape == (0,)
 
 
-def test_a_table_is_there_whole_or_not_at_all(ask):
+@pytest.mark.parametrize("suffix", [PARQUET, "npz"])
+def test_a_table_is_there_whole_or_not_at_all(ask, suffix):
     Path("fails.scenic").write_text("x = Range(0, 1)\nego = Object at (x, 0)\nrequire x > 0.7\n")
-    for suffix in ("parquet", "npz"):
-        if suffix == "parquet":
-            pytest.importorskip("pyarrow")
-        Path(f"scenes.{suffix}").write_text("precious\n")
-        assert ask("run", "fails.scenic", "-n", 60, "--max-attempts", 3, "-o", f"scenes.{suffix}").code == 3
-        assert Path(f"scenes.{suffix}").read_text() == "precious\n"
+    Path(f"scenes.{suffix}").write_text("precious\n")
+    assert ask("run", "fails.scenic", "-n", 60, "--max-attempts", 3, "-o", f"scenes.{suffix}").code == 3
+    assert Path(f"scenes.{suffix}").read_text() == "precious\n"
     assert not list(Path().glob(".*unfinished"))
 
 
@@ -171,16 +165,14 @@ def test_soft_requirements_are_looked_at_in_the_first_scenes_of_many(ask, monkey
     assert f"held in {held} of 25 scenes" in found.err
 
 
-def test_an_interrupt_ends_several_processes_at_once_and_leaves_whole_lines(ask, tmp_path):
+def test_an_interrupt_ends_several_processes_at_once_and_leaves_whole_lines(ask, start):
     command = [sys.executable, "-m", "scenic_ref", "run", "random.scenic", "-n", "10000000", "-o", "scenes.jsonl", "--workers", "2"]
-    process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
-    deadline = time.monotonic() + 60
-    while (not Path("scenes.jsonl").exists() or os.path.getsize("scenes.jsonl") < 10**6) and time.monotonic() < deadline:
-        time.sleep(0.01)
-    os.killpg(process.pid, signal.SIGINT)
-    out, err = process.communicate(timeout=60)
+    with start(command) as process:
+        process.until(lambda: Path("scenes.jsonl").exists() and os.path.getsize("scenes.jsonl") >= 10**6)
+        os.killpg(process.pid, signal.SIGINT)
+        out, err = process.communicate()
     data = Path("scenes.jsonl").read_bytes()
-    assert (process.returncode, out, err.count(b"\n")) == (130, b"", 1)
+    assert (process.returncode, out, err.count("\n")) == (130, "", 1)
     assert data.endswith(b"\n")
     assert all(json.loads(line)["scene"] == k for k, line in enumerate(data.splitlines()))
 

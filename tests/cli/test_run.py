@@ -6,9 +6,7 @@ import json
 import os
 import re
 import signal
-import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -92,8 +90,10 @@ def test_a_program_error_leaves_an_older_output_alone(ask):
     assert Path("scenes.jsonl").read_text() == "precious\n"
 
 
+@pytest.mark.extra("parquet")
 def test_a_parquet_table_has_one_row_per_object(ask):
-    parquet = pytest.importorskip("pyarrow.parquet")
+    from pyarrow import parquet
+
     lines = ask("run", "random.scenic", "-n", 3).out.splitlines()
     assert ask("run", "random.scenic", "-n", 3, "-o", "scenes.parquet").code == 0
     rows = parquet.read_table("scenes.parquet").to_pylist()
@@ -105,8 +105,8 @@ def test_a_parquet_table_has_one_row_per_object(ask):
     assert not list(Path().glob(".*unfinished"))
 
 
+@pytest.mark.extra("parquet")
 def test_an_unfinished_parquet_table_leaves_nothing(ask):
-    pytest.importorskip("pyarrow")
     found = ask("run", "never.scenic", "-o", "scenes.parquet", "--max-attempts", 5)
     assert found.code == 3
     assert not list(Path().glob("*.parquet")) + list(Path().glob(".*unfinished"))
@@ -166,26 +166,23 @@ def test_parameters_are_python_literals_or_text(ask):
     assert json.loads(found.out)["params"] == {"time": 12, "weather": "RAIN", "list": [1, 2]}
 
 
-def test_an_interrupt_leaves_whole_lines_and_says_one(ask, tmp_path):
+def test_an_interrupt_leaves_whole_lines_and_says_one(ask, start):
     command = [sys.executable, "-m", "scenic_ref", "run", "random.scenic", "-n", "1000000", "-o", "scenes.jsonl"]
-    process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    deadline = time.monotonic() + 60
-    while (not (tmp_path / "scenes.jsonl").exists() or os.path.getsize("scenes.jsonl") == 0) and time.monotonic() < deadline:
-        time.sleep(0.01)
-    process.send_signal(signal.SIGINT)
-    out, err = process.communicate(timeout=30)
+    with start(command) as process:
+        process.until(lambda: Path("scenes.jsonl").exists() and os.path.getsize("scenes.jsonl") > 0)
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate()
     data = Path("scenes.jsonl").read_bytes()
-    assert (process.returncode, out, err.count(b"\n")) == (130, b"", 1)
-    assert err.startswith(b"interrupted;")
+    assert (process.returncode, out, err.count("\n")) == (130, "", 1)
+    assert err.startswith("interrupted;")
     assert data.endswith(b"\n")
     assert all(json.loads(line)["scene"] == k for k, line in enumerate(data.splitlines()))
 
 
-def test_a_reader_that_goes_away_is_no_error(ask, tmp_path):
+def test_a_reader_that_goes_away_is_no_error(ask, start):
     command = [sys.executable, "-m", "scenic_ref", "run", "ok.scenic", "-n", "100000"]
-    process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    assert process.stdout is not None and process.stderr is not None
-    process.stdout.readline()
-    process.stdout.close()
-    assert process.stderr.read() == b""
-    assert process.wait(timeout=30) == 0
+    with start(command) as process:
+        process.stdout.readline()
+        process.stdout.close()
+        assert process.stderr.read() == ""
+        assert process.wait() == 0

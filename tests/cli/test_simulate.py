@@ -56,7 +56,7 @@ def test_wrong_usage(ask, tmp_path):
         (("--simulator", "carla"), "there are still, kinematic, pymunk"),
         (("--simulator", "kinematic", "--dt", "0"), "positive number of seconds"),
         (("--run", "1", "-n", "2"), "--run asks for a single simulation"),
-        (("-o", "runs.parquet"), "written as JSON Lines"),
+        (("-o", "runs.parquet"), "simulations are written as .jsonl"),
         (("-o", "nowhere/runs.jsonl"), "there is no directory"),
         (("-o", "p.scenic"), "the program itself"),
     ):

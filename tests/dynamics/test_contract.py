@@ -13,12 +13,11 @@ from scenic_ref.testing import BrokenContract, check_simulator
 
 
 @pytest.mark.parametrize(("name", "action"), [
-    ("still", 3), ("kinematic", SetThrottleAction(1)), ("kinematic", SetSpeedAction(3)), ("kinematic", None), ("pymunk", SetThrottleAction(1)),
-    ("pymunk", None),
+    ("still", 3), ("kinematic", SetThrottleAction(1)), ("kinematic", SetSpeedAction(3)), ("kinematic", None),
+    pytest.param("pymunk", SetThrottleAction(1), marks=pytest.mark.extra("dynamics")),
+    pytest.param("pymunk", None, marks=pytest.mark.extra("dynamics")),
 ])  # fmt: skip
 def test_our_simulators_keep_it(name, action):
-    if name == "pymunk":
-        pytest.importorskip("pymunk")
     check_simulator(lambda: by_name(name), action)
 
 

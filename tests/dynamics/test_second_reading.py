@@ -180,10 +180,9 @@ def test_a_simulator_that_cannot_end_and_one_that_says_nonsense():
 @pytest.mark.parametrize(("arguments", "message"), [
     ({"simulator": object()}, "a simulator has the methods"), ({"simulator": Kinematic}, "the class Kinematic"), ({"steps": -1}, "at least 0"),
     ({"steps": 2.5}, "whole number"), ({"seed": "a"}, "whole number"), ({"index": -1}, "at least 0"),
-    ({"simulator": "pymunk", "timestep": 1e9}, "at most 60 seconds"),
+    pytest.param({"simulator": "pymunk", "timestep": 1e9}, "at most 60 seconds", marks=pytest.mark.extra("dynamics")),
 ])  # fmt: skip
 def test_wrong_arguments_are_told(arguments, message):
-    pytest.importorskip("pymunk")
     with pytest.raises(UsageError, match=message):
         scenic_ref.loads("ego = Object at (0, 0)").simulate(**arguments)
 

@@ -229,10 +229,10 @@ third = Car at (50, 0), with behavior Go(0.6, 0.3)
 
 
 def by_pymunk(text: str, steps: int, **options: object) -> Simulated:
-    pytest.importorskip("pymunk")
     return scenic_ref.loads(text).simulate("pymunk", steps, **options).simulation  # type: ignore[arg-type]
 
 
+@pytest.mark.extra("dynamics")
 def test_collisions_are_reported_once_and_push_cars_apart():
     run = by_pymunk(TWO_CARS, 60)
     told = [(moment.step, event) for moment in run.moments for event in moment.events]
@@ -245,8 +245,8 @@ def test_collisions_are_reported_once_and_push_cars_apart():
     assert min(gaps) > 4.5 - 16.2 / 60  # no deeper than what an internal step covers
 
 
+@pytest.mark.extra("dynamics")
 def test_the_same_seed_gives_the_same_trajectory_in_another_process(tmp_path):
-    pytest.importorskip("pymunk")
     (tmp_path / "p.scenic").write_text(TWO_CARS.replace("(50, 0)", "(Range(40, 60), 0)"))
     command = [sys.executable, "-m", "scenic_ref", "simulate", "p.scenic", "--simulator", "pymunk", "--steps", "80", "-n", "2"]
     first, again = (subprocess.run(command, cwd=tmp_path, capture_output=True, check=True).stdout for _ in range(2))
@@ -254,6 +254,7 @@ def test_the_same_seed_gives_the_same_trajectory_in_another_process(tmp_path):
     assert first.count(b"\n") == 2
 
 
+@pytest.mark.extra("dynamics")
 def test_throttle_brake_drag_and_steering():
     """At full throttle the speed approaches 50 m/s as tanh; brakes and tyres have limits."""
     car = CAR + "behavior B():\n{}\nego = Car at (0, 0), facing 0.5, with behavior B\n"
@@ -274,6 +275,7 @@ def test_throttle_brake_drag_and_steering():
 
 
 @pytest.mark.parametrize("speed", [10, 25, 40])
+@pytest.mark.extra("dynamics")
 def test_nothing_passes_through_a_thin_wall(speed):
     text = CAR + "class Wall:\n    width: 20\n    length: 0.1\nclass Stone:\n    width: 0.1\n    length: 0.1\n"
     text += f"ego = Stone at (0, 0), with velocity (0, {speed})\nWall at (0, 7.3)\n"
@@ -282,6 +284,7 @@ def test_nothing_passes_through_a_thin_wall(speed):
     assert run.moments[-1].objects[0]["position"].y < 7.3  # type: ignore[attr-defined]
 
 
+@pytest.mark.extra("dynamics")
 def test_rocks_stand_still_and_pedestrians_walk():
     text = CAR + "class Rock:\n    width: 1\n    length: 1\nbehavior W():\n    take SetWalkingDirectionAction(0), SetWalkingSpeedAction(1.5)\n"
     text += "ego = Pedestrian at (0, 0), with behavior W\nRock at (0, 6)\n"
@@ -293,11 +296,9 @@ def test_rocks_stand_still_and_pedestrians_walk():
         by_pymunk(CAR + "class Rock:\n    width: 1\nbehavior B():\n    take SetSpeedAction(1)\nego = Rock at (0, 0), with behavior B", 3)
 
 
-@pytest.mark.parametrize("name", ["still", "kinematic", "pymunk"])
+@pytest.mark.parametrize("name", ["still", "kinematic", pytest.param("pymunk", marks=pytest.mark.extra("dynamics"))])
 def test_the_contract_of_simulators(name):
     """What any simulator must do: declared properties come back, new objects are taken in, it can be used again."""
-    if name == "pymunk":
-        pytest.importorskip("pymunk")
     simulator = by_name(name)
     assert simulator.timestep > 0
     text = "class Car:\n    width: 2\nscenario Sub():\n    setup:\n        Car at (9, 0)\nscenario Main():\n    setup:\n        ego = Car at (0, 0)\n"

@@ -11,7 +11,7 @@ from scenic_ref.simulators.still import Still
 def simulated(text: str, steps: int = 8, *, seed: int = 0, timestep: float = 1.0, **options: object) -> Simulated | Failed:
     """One run of a program."""
     scenario = scenic_ref.loads(text, **options)  # type: ignore[arg-type]
-    assert scenario.rehearsed
+    scenario.rehearse()
     return simulate_once(scenario.start(), from_stream(seed, 0, 0), Still(timestep), steps, fuel=scenario.fuel)
 
 

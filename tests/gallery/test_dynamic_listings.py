@@ -11,17 +11,16 @@ from scenic_ref.interpreter.simulating import Simulated
 LISTINGS = sorted((Path(__file__).parent.parent.parent / "examples" / "paper" / "dynamic").glob("*.scenic"))
 READINGS = {"pulling_ahead": {"interrupt-first-step": "later-steps"}}
 STEPS = 90
+SIMULATORS = ["kinematic", pytest.param("pymunk", marks=pytest.mark.extra("dynamics"))]
 
 
 def simulated(name: str, simulator: str, steps: int = STEPS, seed: int = 0) -> Simulated:
-    if simulator == "pymunk":
-        pytest.importorskip("pymunk")
     path = next(p for p in LISTINGS if p.stem == name)
     scenario = scenic_ref.load(path, readings=READINGS.get(name, {}))
     return scenario.simulate(simulator, steps, seed, max_attempts=60).simulation
 
 
-@pytest.mark.parametrize("simulator", ["kinematic", "pymunk"])
+@pytest.mark.parametrize("simulator", SIMULATORS)
 @pytest.mark.parametrize("name", [p.stem for p in LISTINGS])
 def test_the_listing_runs(name, simulator):
     run = simulated(name, simulator)
@@ -63,11 +62,9 @@ def behaviors_in(run: Simulated) -> set[str]:
     return {text.split(" > ")[-1].split("(")[0] for moment in run.moments for id, text in moment.doing.items() if id == 0}
 
 
-@pytest.mark.parametrize("simulator", ["kinematic", "pymunk"])
+@pytest.mark.parametrize("simulator", SIMULATORS)
 def test_a_car_drives_to_its_lane_and_stays_there(simulator):
     """From the right lane to the left one, and back."""
-    if simulator == "pymunk":
-        pytest.importorskip("pymunk")
     for start, lane in ((1.75, -1.75), (-1.75, 1.75)):
         text = f"model street\nego = Car at ({start}, 0), with behavior FollowLaneBehavior(8, {lane})"
         run = scenic_ref.loads(text).simulate(simulator, 150).simulation

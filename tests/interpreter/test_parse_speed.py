@@ -1,8 +1,8 @@
-"""How long parsing takes, with bounds generous enough for a busy machine."""
+"""How much work parsing is."""
 
 from __future__ import annotations
 
-import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -21,12 +21,10 @@ require[0.5] ego can see car2 and car.width < 4.5
 """
 
 
-def test_a_thousand_lines_parse_within_two_seconds() -> None:
+def test_a_thousand_lines_parse_within_about_two_seconds_of_a_processor(effort: Callable[[Callable[[], object]], float]) -> None:
     parse("x = 1")
     text = "".join(BLOCK.replace("{i}", str(i)) for i in range(100))
-    start = time.perf_counter()
-    parse(text)
-    assert time.perf_counter() - start < 2
+    assert effort(lambda: parse(text)) < 20
 
 
 def test_ten_thousand_lines_parse() -> None:

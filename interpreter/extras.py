@@ -1,0 +1,35 @@
+"""The optional packages: by which extra each is installed, whether it is there, and what is said where it is not.
+
+Each is imported in one place, lazily, by whoever needs it; all else works without.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+
+from ..semantics.errors import UsageError
+
+EXTRAS = {"numba": "fast", "pyarrow": "parquet", "distributed": "cluster", "pymunk": "dynamics"}
+"""The extra of each optional package."""
+
+
+def is_installed(package: str) -> bool:
+    """Whether an optional package can be imported, as far as can be told without doing so."""
+    if package in sys.modules:
+        return sys.modules[package] is not None
+    return importlib.util.find_spec(package) is not None
+
+
+def why_missing(package: str, problem: ImportError) -> str:
+    """What is wrong with an optional package whose import failed: it is not installed, or it does not fit the others. Raises a fault of ours."""
+    if problem.name is not None and problem.name.split(".")[0] == "scenic_ref":
+        raise problem
+    return f"{package} cannot be imported ({problem})" if is_installed(package) else f"{package} is not installed"
+
+
+def needed(what: str, package: str, problem: ImportError, otherwise: str = "") -> UsageError:
+    """The error that `what` needs a package whose import failed; `otherwise` is what one can do without it."""
+    found = why_missing(package, problem)
+    text = f"{what} needs the package {package}" + ("" if found.endswith("not installed") else f": {found}")
+    return UsageError(text, hint=f"pip install 'scenic-ref[{EXTRAS[package]}]'{otherwise}")

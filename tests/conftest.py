@@ -1,0 +1,133 @@
+"""What holds for the whole suite: nothing is skipped but for a missing extra, no test depends on the clock, and what a test starts ends with it.
+
+`@pytest.mark.extra("fast")` says which extra a test needs, and stands also among the `marks` of a single parameter.
+"""
+
+from __future__ import annotations
+
+import os
+import select
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, settings
+from scenic_ref.interpreter.extras import EXTRAS, is_installed
+
+PACKAGE_OF = {extra: package for package, extra in EXTRAS.items()}
+REASON = "needs the extra "
+REASONS = (REASON, "this system has no ")
+PROBLEMS = pytest.StashKey[list[str]]()
+RUN = "SCENIC_REF_TEST_RUN"
+"""The variable by which processes that tests started, and those that they started, are known."""
+ENDING = 60
+"""Seconds that a process which was told to end may still take at the end of the run."""
+
+settings.register_profile("whatever the clock says", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("whatever the clock says")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """The marker; a list of what is wrong with the run as a whole; a mark on all that it starts."""
+    config.addinivalue_line("markers", "extra(name): the test needs the packages of this extra of scenic-ref")
+    config.stash[PROBLEMS] = []
+    os.environ[RUN] = str(os.getpid())
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Skip a test that needs an extra which is not installed."""
+    for mark in item.iter_markers("extra"):
+        if not is_installed(PACKAGE_OF[mark.args[0]]):
+            pytest.skip(REASON + mark.args[0])
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> Iterator[None]:
+    """A test that is skipped for another reason is one that nobody runs."""
+    report: pytest.TestReport = yield  # pyright: ignore[reportAssignmentType]
+    if report.skipped and call.excinfo is not None and not str(call.excinfo.value).startswith(REASONS):
+        item.config.stash[PROBLEMS].append(f"{item.nodeid} was skipped, and not for an extra: {call.excinfo.value}")
+    return report  # pyright: ignore[reportReturnType]
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """What the tests started is gone, or the run fails; then it is ended here."""
+    problems = session.config.stash[PROBLEMS]
+    problems += [f"a process is left: {process}" for process in ended_here()]
+    if problems and session.exitstatus == pytest.ExitCode.OK:
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    """Tell what was wrong with the run as a whole."""
+    for problem in config.stash[PROBLEMS]:
+        terminalreporter.write_line(f"FAILED {problem}", red=True)
+
+
+def ended_here() -> Iterator[str]:
+    """The processes that tests of this run started and that do not end, each with its test and command; they are killed. Nothing without /proc."""
+    for number in started_by_tests():
+        with suppress(OSError):
+            handle = os.pidfd_open(number)
+            try:
+                if select.select([handle], [], [], ENDING)[0]:
+                    continue
+                test, command = variables(number).get("PYTEST_CURRENT_TEST", "?"), Path(f"/proc/{number}/cmdline").read_bytes()
+                os.kill(number, signal.SIGKILL)
+                yield f"{command.replace(bytes(1), b' ').decode(errors='replace').strip()} (started by {test})"
+            finally:
+                os.close(handle)
+
+
+def started_by_tests() -> list[int]:
+    """The numbers of other processes that carry the mark of this run; not multiprocessing's own, which ends with this one."""
+    if not hasattr(os, "pidfd_open") or not Path("/proc").is_dir():
+        return []
+    found = [int(p.name) for p in Path("/proc").iterdir() if p.name.isdigit() and int(p.name) != os.getpid()]
+    return [n for n in found if variables(n).get(RUN) == os.environ[RUN] and "resource_tracker" not in Path(f"/proc/{n}/cmdline").read_text()]
+
+
+def variables(number: int) -> dict[str, str]:
+    """The environment that a process was started with; empty if it is gone, or another's."""
+    try:
+        text = Path(f"/proc/{number}/environ").read_bytes().decode(errors="replace")
+    except OSError:
+        return {}
+    return dict(entry.split("=", 1) for entry in text.split("\0") if "=" in entry)
+
+
+# Processor time
+
+
+def calculation() -> int:
+    """A fixed piece of work, of the kind that the reference does: about a tenth of a second."""
+    found: dict[str, int] = {}
+    for number in range(400_000):
+        key = str(number * number % 9973)
+        found[key] = found.get(key, 0) + len(key)
+    return sum(found.values())
+
+
+def seconds_of(action: Callable[[], object]) -> float:
+    """The processor time of this process and of those that ended in it."""
+    before = os.times()
+    action()
+    after = os.times()
+    return sum(after[:4]) - sum(before[:4])
+
+
+@pytest.fixture
+def effort() -> Callable[[Callable[[], object]], float]:
+    """Gives how many times as much processor time a call takes as a fixed calculation that is made before and after it.
+
+    Neither other processes nor a slow machine change it much, so that a limit on it says something about the program.
+    """
+
+    def measured(action: Callable[[], object]) -> float:
+        before = seconds_of(calculation)
+        took = seconds_of(action)
+        return took / max(before, seconds_of(calculation), 1e-3)
+
+    return measured

@@ -1,0 +1,72 @@
+"""The optional packages: what works without each, and what is said by what does not."""
+
+from __future__ import annotations
+
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+import scenic_ref
+from scenic_ref.inference.batch import sampling
+from scenic_ref.interpreter.extras import EXTRAS, is_installed
+from scenic_ref.interpreter.tables import open_table
+from scenic_ref.semantics.errors import UsageError
+from scenic_ref.simulators import by_name
+
+ROOT = Path(__file__).parent.parent
+COMPILER = ("compiled", "fused", "compiling")
+
+
+@pytest.fixture
+def afresh(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What needs numba is imported anew."""
+    for name in [n for n in sys.modules if n.split(".")[0] in ("numba", "llvmlite")] + [f"scenic_ref.inference.batch.{name}" for name in COMPILER]:
+        monkeypatch.delitem(sys.modules, name, raising=False)
+
+
+def test_the_table_of_extras_is_that_of_the_package():
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+    ours = {package: name for name in EXTRAS.values() for package in [extras[name][0].split(">")[0]]}
+    assert ours == EXTRAS
+    assert set(extras) == {*EXTRAS.values(), "test", "style", "docs", "all"}
+
+
+def test_without_numba_long_runs_are_drawn_on_columns(afresh, monkeypatch):
+    monkeypatch.setitem(sys.modules, "numba", None)
+    monkeypatch.setattr(sampling, "COMPILE_LEAST", -1e9)  # the compiled evaluator is wanted at once
+    scenario = scenic_ref.load(ROOT / "examples" / "gallery" / "two_cars.scenic")
+    assert len(list(scenario.sample_many(600, seed=3, backend="batch"))) == 600
+    assert scenario.batch is not None
+    assert not scenario.batch.compile()
+    assert scenario.batch.not_fused == "numba is not installed"
+    assert not is_installed("numba")
+
+
+def test_a_numba_that_does_not_fit_is_told_and_not_used(afresh, monkeypatch, tmp_path):
+    (tmp_path / "numba").mkdir()
+    (tmp_path / "numba" / "__init__.py").write_text("raise ImportError('Numba needs NumPy 1.0 or less')\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    batch = scenic_ref.loads("ego = Object at (Range(0, 1), 0)").batch
+    assert batch is not None
+    assert not batch.compile()
+    assert batch.not_fused == "numba cannot be imported (Numba needs NumPy 1.0 or less)"
+
+
+def test_a_fault_of_ours_is_not_taken_for_a_missing_package(afresh, monkeypatch):
+    monkeypatch.setitem(sys.modules, "scenic_ref.inference.batch.compiled", None)
+    batch = scenic_ref.loads("ego = Object at (Range(0, 1), 0)").batch
+    assert batch is not None
+    with pytest.raises(ImportError):
+        batch.compile()
+
+
+@pytest.mark.parametrize(
+    ("package", "use"), [("pymunk", lambda place: by_name("pymunk")), ("pyarrow", lambda place: open_table(place / "x.parquet"))]
+)
+def test_what_needs_a_package_says_which_extra_has_it(package, use, monkeypatch, tmp_path):
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(UsageError, match=f"needs the package {package}$") as caught:
+        use(tmp_path)
+    assert f"scenic-ref[{EXTRAS[package]}]" in caught.value.hint
+    assert not list(tmp_path.iterdir())
