@@ -40,7 +40,6 @@ class Seeded(random.Random):
         "random", "uniform", "randint", "randrange", "choice", "choices", "sample", "shuffle", "gauss", "normalvariate", "triangular", "betavariate",
         "expovariate", "gammavariate", "lognormvariate", "vonmisesvariate", "paretovariate", "weibullvariate",
     })  # fmt: skip
-        ["random", "uniform", "randint", "randrange", "choice", "choices", "sample", "shuffle", "gauss", "normalvariate", "triangular", "betavariate", "expovariate", "gammavariate", "lognormvariate", "vonmisesvariate", "paretovariate", "weibullvariate"]
     )
 
     def __init__(self, seed: object = None) -> None:
