@@ -40,7 +40,6 @@ class Seeded(random.Random):
         "random", "uniform", "randint", "randrange", "choice", "choices", "sample", "shuffle", "gauss", "normalvariate", "triangular", "betavariate",
         "expovariate", "gammavariate", "lognormvariate", "vonmisesvariate", "paretovariate", "weibullvariate",
     })  # fmt: skip
-    )
 
     def __init__(self, seed: object = None) -> None:
         if not isinstance(seed, (int, str)):
