@@ -77,7 +77,7 @@ ATTRIBUTES: Mapping[type, Names] = {
     NoneType: names(""),
     NotImplementedType: names(""),
     EllipsisType: names(""),
-    object: names("__init__"),
+    object: names(""),
     BaseException: names("args"),
     StopIteration: names("value"),
     property: names("setter getter deleter"),
@@ -159,10 +159,17 @@ def is_hidden(name: str) -> bool:
 def may_ask(value: object, name: str) -> bool:
     """Whether a program may ask the value, which is none of the machine's types, for the attribute."""
     if isinstance(value, type):
+        if name == "__init__" and is_base(value):
+            return True
         return (is_known(value) and name in CLASSES) or any(name in of_class(c, name) for c in value.__mro__) or is_member(value, name)
     if is_user_made(value) and name in getattr(value, "__dict__", ()) and not is_hidden(name):
         return True
     return any(name in of_class(c, name) for c in type(value).__mro__)
+
+
+def is_base(class_: type) -> bool:
+    """Whether a class of the program may be derived from the Python class."""
+    return is_user_class(class_) or class_ in BASES or issubclass(class_, Exception)
 
 
 def of_class(class_: type, name: str) -> Names | dict[str, None]:

@@ -6,7 +6,7 @@ import operator as python
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from .budget import LARGEST_INTEGER_BITS, LARGEST_SEQUENCE
+from .budget import LARGEST_INTEGER_BITS, refuse_too_long
 from .sets import VIEWS, Set
 from .texts import check_percent
 
@@ -14,8 +14,8 @@ SEQUENCES = (str, bytes, list, tuple)
 
 
 def _plus(left: object, right: object) -> object:
-    if isinstance(left, SEQUENCES) and isinstance(right, SEQUENCES) and len(left) + len(right) > LARGEST_SEQUENCE:
-        raise MemoryError
+    if isinstance(left, SEQUENCES) and isinstance(right, SEQUENCES):
+        refuse_too_long(len(left) + len(right))
     return left + right  # type: ignore[operator]
 
 
@@ -27,8 +27,8 @@ def _power(left: object, right: object) -> object:
 
 def _times(left: object, right: object) -> object:
     for sequence, count in ((left, right), (right, left)):
-        if isinstance(sequence, SEQUENCES) and isinstance(count, int) and len(sequence) * count > LARGEST_SEQUENCE:
-            raise MemoryError
+        if isinstance(sequence, SEQUENCES) and isinstance(count, int):
+            refuse_too_long(len(sequence) * count)
     if isinstance(left, int) and isinstance(right, int) and left.bit_length() + right.bit_length() > LARGEST_INTEGER_BITS:
         raise OverflowError("an integer is too large")
     return left * right  # type: ignore[operator]

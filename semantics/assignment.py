@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping
 
 from .allowed import is_hidden, is_user_made
 from .arithmetic import BINARY
-from .budget import LARGEST_SEQUENCE
+from .budget import refuse_too_long
 from .classes import canonical
 from .config import PASS, Config, Stack, State
 from .errors import RunError
@@ -254,8 +254,8 @@ def change_in_place(node: s.AugmentedAssignment, operation: Callable[..., object
             f"`{node.operator}=` with a random operand would change {kind_name(current)} at random", node.span, rule="S-Assignment",
             hint=f"make a new one: x = x {node.operator} ...",
         )
-    if isinstance(current, (list, deque)) and node.operator == "*" and isinstance(operand, int) and len(current) * operand > LARGEST_SEQUENCE:
-        raise RunError("this operation needs more memory than there is", node.span, rule="S-Assignment")
+    if isinstance(current, (list, deque)) and node.operator == "*" and isinstance(operand, int):
+        refuse_too_long(len(current) * operand)
     return raw(door, state, operation, current, operand)
 
 

@@ -10,12 +10,12 @@ from collections.abc import Iterable, Iterator, Sized
 
 from .errors import FuelExhausted, RunError
 
-LARGEST_WORK = 2_000_000_000
+LARGEST_WORK = 400_000_000
 """The units of one run."""
-LARGEST_SEQUENCE = 10_000_000
+LARGEST_SEQUENCE = 2_000_000
 """The most elements or characters of one value."""
 LARGEST_INTEGER_BITS = 100_000
-STEP = 200
+STEP = 1000
 """What a step of the machine costs in a function that host code calls."""
 ITEM = 64
 """What an element costs that is made when it is asked for."""

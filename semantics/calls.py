@@ -8,7 +8,7 @@ from types import BuiltinFunctionType, MethodType
 
 from .allowed import is_known, is_user_class
 from .assignment import random_write
-from .budget import ITEM, LARGEST_SEQUENCE, refuse_too_large, refuse_too_long, size_of
+from .budget import ITEM, LARGEST_SEQUENCE, Budget, refuse_too_large, refuse_too_long, size_of
 from .conditions import random_branch
 from .config import Stack, State, value
 from .distributions import BadParameters
@@ -20,6 +20,7 @@ from .fields import BadField, VectorField
 from .functions import bind, enter
 from .host import HostException, host, raw
 from .kinds import kind_name
+from .nesting import check_written
 from .outcome import Next, Outcome
 from .premises import premises
 from .regions import BadRegion, Region
@@ -28,7 +29,7 @@ from .specials import HOST_RULES, SPECIALS, STORED, call_container_method, conta
 from .syntax import python_expressions as p
 from .syntax.dynamics import ScenarioDefinition
 from .syntax.nodes import Node
-from .values import Constructor, Dynamic, Function, Instance, Method, Random, ScenicClass, Special, plain, unwrap, wrap
+from .values import Bound, Constructor, Dynamic, Function, Instance, Method, Random, ScenicClass, Special, plain, unwrap, wrap
 from .vectors import Vector
 
 
@@ -124,7 +125,7 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
             raise random_write(Random(function.value.__self__, function.origin), node)  # type: ignore[attr-defined]
         if type(function) is not Random:
             return value("E-Call-Host", call_container_method(node, function, arguments, keywords, state), stack, state, node)  # type: ignore[arg-type]
-    function = on_plain_elements(function)
+    function, keywords = on_plain_elements(function), paid_key(keywords, state)
     if is_geometric(plain(function)):
         arguments = tuple(as_positions(a, state) for a in arguments)
         keywords = {k: as_positions(v, state) for k, v in keywords.items()}
@@ -144,12 +145,31 @@ def check_call(function: object, arguments: tuple[object, ...], keywords: Mappin
     if function is not range and any(isinstance(a, range) and size_of(a) > ITEM * LARGEST_SEQUENCE for a in inner):
         raise RunError("a range with so many elements cannot be turned into a collection", rule="E-Call-Host")
     state.settings.door.budget.go_through(inner)
+    if function in COMPARING:
+        check_written(*inner)
     if function is bytes and inner and isinstance(inner[0], int):
         refuse_too_long(inner[0])
     if function is int and inner and isinstance(inner[0], (str, bytes)):
         refuse_too_large(4 * len(inner[0]))
     if isinstance(function, type) and not state.settings.trusted and not is_known(function):
         raise RunError(f"{function.__name__} is no class of this language", rule="E-Call-Host")
+
+
+def paid_key(keywords: Mapping[str, object], state: State) -> Mapping[str, object]:
+    """The keywords of a call, where a key function that is Python's own pays for what it goes through."""
+    key = plain(keywords.get("key"))
+    if not isinstance(key, (type, BuiltinFunctionType)) or state.settings.door.lift is not None:
+        return keywords
+
+    def paying(budget: Budget, item: object) -> object:
+        budget.go_through((item,))
+        return key(item)
+
+    return {**keywords, "key": Bound("key", paying, state.settings.door.budget)}
+
+
+COMPARING = frozenset({sorted, min, max})
+"""Functions that compare what they go through."""
 
 
 def invoke(function: Callable[..., object], *arguments: object, **keywords: object) -> object:

@@ -11,6 +11,7 @@ from .conditions import before_operands, bool_of, combine, truth_of, where_open
 from .config import Stack, State, Value, reduce, value
 from .host import HostException, host
 from .kinds import has_kind, kind_name
+from .nesting import check_written
 from .operations import membership
 from .outcome import Next, Outcome
 from .premises import Premises, premises
@@ -85,6 +86,7 @@ def link(node: p.Comparison, name: str, left: object, right: object, state: Stat
             return name == "is not"
         if type(left) is not Random and type(right) is not Random:
             return COMPARE[name](left, right)
+    check_written(plain(left), plain(right))
     return host(state.settings.door, state, COMPARE[name], left, right)
 
 

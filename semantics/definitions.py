@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from .allowed import BASES, MARK, is_hidden, is_user_class
+from .allowed import MARK, is_base, is_hidden
 from .assignment import done
 from .classes import OBJECT_CLASS, canonical
 from .config import Abrupt, Config, Stack, State
@@ -48,7 +48,7 @@ def conclude_superclasses(node: s.ClassDefinition, values: list[object], stack: 
             raise RunError(f"the Scenic class {node.name} has more than one superclass", node.span, rule="S-Class")
         return block(node.body, (ClassBody(node, state.sigma, superclasses[0]), stack), inner)
     for superclass in superclasses:
-        if not (isinstance(superclass, type) and (state.settings.trusted or may_be_derived_from(superclass))):
+        if not (isinstance(superclass, type) and (state.settings.trusted or is_base(superclass))):
             name = superclass.__name__ if isinstance(superclass, type) else kind_name(superclass)
             raise RunError(f"{node.name} cannot be a subclass of {name}", node.span, rule="S-Class")
     if node.properties:
@@ -113,11 +113,6 @@ def make_python_class(node: s.ClassDefinition, superclasses: tuple[type, ...], m
     except Exception as exception:
         raise HostException(exception) from exception
     return made
-
-
-def may_be_derived_from(class_: type) -> bool:
-    """Whether a class of the program may be derived from the Python class."""
-    return is_user_class(class_) or class_ in BASES or issubclass(class_, Exception)
 
 
 # Modules

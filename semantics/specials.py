@@ -15,6 +15,7 @@ from .expressions import elements, get_attribute, host_container, instance_text
 from .functions import InScope
 from .host import HostException, host, raw
 from .kinds import kind_name
+from .nesting import check_written
 from .outcome import Change, Next, Outcome
 from .premises import describe_origin
 from .scopes import MISSING, Scope
@@ -247,6 +248,10 @@ KEEPING = frozenset({"copy", "items", "keys", "values", "get"})
 GIVING = frozenset({"pop", "popitem", "popleft", "setdefault"})
 
 
+COMPARING = frozenset({"sort", "remove"})
+"""Methods that compare the elements."""
+
+
 def container_method(function: object) -> str:
     """The name of the method, if this is a method of a Python container that changes it or does not look at the elements."""
     name = getattr(function, "__name__", "") if isinstance(function, (BuiltinFunctionType, MethodType)) else ""
@@ -274,6 +279,8 @@ def call_container_method(
         return host(state.settings.door, state, getattr(unwrap(owner)[0], name), *arguments, **keywords)
     if met or (name in ("sort", "remove") and unwrap(owner)[1] is not None):
         raise random_place(name, node)
+    if name in COMPARING:
+        check_written(owner)
     result = raw(state.settings.door, state, function, *arguments, **keywords)
     if name in STORED and name not in GIVING and type(result) is Random:  # a key function or comparison of the program met something random
         raise random_place(name, node)

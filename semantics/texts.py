@@ -10,6 +10,7 @@ from typing import Any
 
 from .budget import Budget, refuse_too_long
 from .errors import RunError
+from .nesting import check_written
 
 NUMBER = re.compile(r"\d+")
 ADDRESS = re.compile(r"(<[^<>]*) at 0x[0-9a-fA-F]+")
@@ -25,11 +26,13 @@ def check_specification(specification: str) -> str:
 
 def represented(value: object) -> str:
     """`repr(value)`, never with an address in memory, which would differ from run to run."""
+    check_written(value)
     return without_addresses(repr(value))
 
 
 def written(value: object) -> str:
     """`str(value)`, never with an address in memory."""
+    check_written(value)
     return str(value) if isinstance(value, str) else without_addresses(str(value))
 
 
@@ -42,6 +45,7 @@ def formatted(value: object, specification: str = "") -> str:
     """`format(value, specification)`."""
     if not isinstance(specification, str):
         raise TypeError("a format specification is a text")
+    check_written(value)
     text = format(value, check_specification(specification))
     return text if isinstance(value, str) else without_addresses(text)
 
@@ -87,7 +91,8 @@ def paid(budget: Budget, text: Any) -> Any:
 
 
 def check_percent(template: str, values: object) -> None:
-    """Refuse `template % values` where a width or precision is too large. Raises `RunError`."""
+    """Refuse `template % values` where a width or precision, or a value, is too large. Raises `RunError`."""
+    check_written(values)
     for parts in DIRECTIVE.findall(template):
         for part in parts:
             if part == "*":

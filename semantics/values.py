@@ -7,11 +7,11 @@ Booleans, scalars, strings, tuples, lists, ... are Python's own; vectors, fields
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from .budget import Budget
 from .errors import RunError
@@ -56,21 +56,44 @@ def unwrap(value: object) -> tuple[object, Origin | None]:
     if isinstance(value, Random):
         inner, _ = unwrap(value.value)
         return inner, value.origin
-    if not isinstance(value, CONTAINERS):
-        return value, None
+    return _unwrapped(value, {}) if isinstance(value, CONTAINERS) else (value, None)
+
+
+def _unwrapped(value: Any, seen: dict[int, tuple[object, Origin | None]]) -> tuple[object, Origin | None]:
+    """`unwrap` of a container; what stands in several places is looked at once."""
+    known = seen.get(id(value))
+    if known is None:
+        known = seen[id(value)] = _unwrapped_first(value, seen)
+    return known
+
+
+def _unwrapped_first(value: Any, seen: dict[int, tuple[object, Origin | None]]) -> tuple[object, Origin | None]:
     kind = type(value)
     if isinstance(value, dict):
-        pairs = [(unwrap(key), unwrap(item)) for key, item in value.items()]
+        if is_flat(value.keys()) and is_flat(value.values()):
+            return value, None
+        pairs = [(_part(key, seen), _part(item, seen)) for key, item in value.items()]
         origin = next((o for pair in pairs for _, o in pair if o is not None), None)
         return (value, None) if origin is None else (_refilled(value, {k[0]: v[0] for k, v in pairs}), origin)
-    if isinstance(value, tuple) and kind is not tuple:
+    if (isinstance(value, tuple) and kind is not tuple) or is_flat(value):
         return value, None
-    found = [unwrap(item) for item in value]
+    found = [_part(item, seen) for item in value]
     origin = next((o for _, o in found if o is not None), None)
     if origin is None:
         return value, None
     items = [v for v, _ in found]
     return _refilled(value, items) if isinstance(value, (list, deque)) else kind(items) if kind in PLAIN else items, origin
+
+
+def _part(item: object, seen: dict[int, tuple[object, Origin | None]]) -> tuple[object, Origin | None]:
+    if isinstance(item, Random):
+        return _part(item.value, seen)[0], item.origin
+    return _unwrapped(item, seen) if isinstance(item, CONTAINERS) else (item, None)
+
+
+def is_flat(items: Iterable[object]) -> bool:
+    """Whether there is neither a random value nor a container among the items."""
+    return not any(kind is Random or issubclass(kind, CONTAINERS) for kind in set(map(type, items)))
 
 
 PLAIN = (tuple, Set, FrozenSet, set, frozenset)

@@ -9,17 +9,16 @@ from functools import partial, reduce
 
 from ...semantics.arithmetic import BINARY, UNARY
 from ...semantics.calls import invoke
-from ...semantics.comparisons import COMPARE
 from ...semantics.regions import CircularRegion, RectangularRegion, Region, SectorRegion
 from ...semantics.symbols import NotLifted
-from ...semantics.values import Dynamic, Function, Instance, Method, Module, Random, ScenicClass
+from ...semantics.values import Bound, Dynamic, Function, Instance, Method, Module, Random, ScenicClass
 from ...semantics.vectors import Vector
 from .structures import symbols_in
 from .symbols import OPERATORS, Choice, Scalar, Traced
 from .trace import Trace
 
 LIFTED: dict[Callable[..., object], Callable[..., object]] = {
-    **{f: f for f in (*BINARY.values(), *UNARY.values(), *COMPARE.values()) if f in OPERATORS},
+    **{f: f for f in OPERATORS},
     BINARY["+"]: operator.add,
     BINARY["-"]: operator.sub,
     BINARY["&"]: operator.and_,
@@ -44,6 +43,8 @@ def lift(trace: Trace, operation: Callable[..., object], arguments: list[object]
         return operation(*arguments, **keywords)
     if operation is invoke and not isinstance(arguments[0], Traced):
         operation, *arguments = arguments  # type: ignore[assignment]
+    if isinstance(operation, Bound):
+        operation = operation.afresh
     basic = LIFTED.get(operation)
     if basic is not None and _numeric(basic, arguments):
         return _operator(trace, basic, arguments)
