@@ -13,13 +13,13 @@ from .conditions import random_branch
 from .config import Stack, State, value
 from .distributions import BadParameters
 from .draws import draw
-from .dynamics.queries import Clock, Closest, distance_to_closest
+from .dynamics.queries import Clock, Closest, check_running, distance_to_closest
 from .errors import RunError
 from .expressions import elements
 from .fields import BadField, VectorField
 from .functions import bind, enter
 from .host import HostException, host, raw
-from .kinds import kind_name
+from .kinds import is_scalar, kind_name
 from .nesting import check_written
 from .outcome import Next, Outcome
 from .premises import premises
@@ -89,6 +89,7 @@ def apply(node: Node, function: object, arguments: tuple[object, ...], keywords:
         case Dynamic():
             return value("E-Call-Dynamic", invocation(function, arguments, keywords), stack, state, node)
         case Clock():
+            check_running(node, state)
             return value("E-Call", function, stack, state, node)
         case Closest():
             return value("E-Call", distance_to_closest(function, arguments, node, state), stack, state, node)
@@ -151,6 +152,8 @@ def check_call(function: object, arguments: tuple[object, ...], keywords: Mappin
         refuse_too_long(inner[0])
     if function is int and inner and isinstance(inner[0], (str, bytes)):
         refuse_too_large(4 * len(inner[0]))
+    if function is Vector and not all(is_scalar(unwrap(a)[0]) for a in (*arguments, *keywords.values())):
+        raise RunError(f"Vector(x, y) takes two scalars, not {', '.join(map(kind_name, inner))}", rule="E-Call-Host")
     if isinstance(function, type) and not state.settings.trusted and not is_known(function):
         raise RunError(f"{function.__name__} is no class of this language", rule="E-Call-Host")
 

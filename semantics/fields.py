@@ -41,7 +41,7 @@ class VectorField:
     """
 
     def __init__(self, name: str, value: Callable[[Vector], float], minSteps: int = 4, defaultStepSize: float = 5) -> None:
-        if not callable(value):
+        if not callable(value) or isinstance(value, type):
             raise BadField(f"the value of a vector field must be a function of a point, not {value!r}")
         self.name = name
         self.value = value

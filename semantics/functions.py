@@ -16,7 +16,8 @@ from .syntax import statements as s
 from .syntax.nodes import NOWHERE, Node
 from .values import Function
 
-LARGEST_DEPTH = 400
+LARGEST_DEPTH = 3_000
+"""So many calls may be open: the machine needs none of Python's stack for them."""
 
 
 class Called(NamedTuple):

@@ -16,6 +16,7 @@ from ..values import Instance, ScenicClass, plain
 if TYPE_CHECKING:
     from ..config import State
     from ..syntax.nodes import Node
+    from .simulation import Simulation
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,13 +34,18 @@ class Closest:
     instance: Instance
 
 
+def check_running(node: Node, state: State) -> Simulation:
+    """The simulation that runs. Raises `RunError` while the scene is generated."""
+    if state.simulation is None:
+        raise RunError("there is no simulation while the scene is generated", node.span, rule="E-Attribute", hint="ask in a behavior")
+    return state.simulation
+
+
 def attribute_of_clock(name: str, node: Node, state: State) -> object:
     """`simulation.currentTime`: in seconds, or in steps (reading `time-unit`)."""
     if name != "currentTime":
         raise RunError(f"`simulation` has no {name}", node.span, rule="E-Attribute", hint="it has currentTime")
-    simulation = state.simulation
-    if simulation is None:
-        raise RunError("there is no simulation while the scene is generated", node.span, rule="E-Attribute", hint="ask in a behavior")
+    simulation = check_running(node, state)
     return simulation.step if state.reading("time-unit") == "steps" else simulation.step * simulation.timestep
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import shapely
-from shapely.geometry import Polygon
+from shapely.geometry import Point, Polygon
 
 from ..fields import OutsideField, VectorField
 from ..symbols import every, lifted
@@ -19,6 +19,7 @@ from ..vectors import Vector
 from . import intervals
 from .approximation import (
     NO_BOUNDS,
+    TOLERANCE,
     Approximation,
     Bounds,
     as_core,
@@ -162,7 +163,18 @@ class IntersectionRegion(_Combination):
 
     @property
     def dimension(self) -> int:  # pyright: ignore[reportIncompatibleVariableOverride]
-        return min(self.first.dimension, self.second.dimension)
+        least = min(self.first.dimension, self.second.dimension)
+        return 0 if least == 1 and self._crossings and self._segment_sampler.length == 0 else least
+
+    @cached_property
+    def _crossings(self) -> tuple[Vector, ...]:
+        """The points in which two curves meet."""
+        bounds = self.bounds()
+        if self.first.dimension != 1 or self.second.dimension != 1 or bounds is None or bounds == NO_BOUNDS:
+            return ()
+        window = window_around(bounds, TOLERANCE)
+        both = shapely.intersection(self.first.approximate(1, window).cover, self.second.approximate(1, window).cover)
+        return tuple(Vector(float(part.x), float(part.y)) for part in shapely.get_parts(both) if isinstance(part, Point))
 
     @property
     def orientation(self) -> VectorField | None:  # pyright: ignore[reportIncompatibleVariableOverride]
@@ -197,6 +209,8 @@ class IntersectionRegion(_Combination):
         return _parts(curve, other.intervals, near)
 
     def points(self) -> Iterable[Vector]:
+        if self._crossings:
+            return self._crossings
         few, other = (self.first, self.second) if self.first.dimension == 0 else (self.second, self.first)
         return (point for point in few.points() if other.contains_point(point))
 

@@ -9,6 +9,7 @@ from shapely.geometry import Polygon
 from ..fields import VectorField
 from ..vectors import Vector
 from .approximation import Approximation, Bounds
+from .errors import BadRegion
 from .intervals import Intervals
 from .region import Region, everywhere
 from .sampling import Numbers, Segment
@@ -18,6 +19,8 @@ class Workspace(Region):
     """A region in the role of the workspace; as a set of points it is that region."""
 
     def __init__(self, region: Region = everywhere) -> None:
+        if not isinstance(region, Region):
+            raise BadRegion(f"a workspace is a region, not {region!r}")
         self.region = region
 
     def __repr__(self) -> str:

@@ -173,8 +173,8 @@ FAULTS = (
                 "            bound[parameter.name] = anew(defaults[parameter.name])\n",
             ),
             Edit(
-                "semantics/functions.py", "LARGEST_DEPTH = 400\n",
-                "LARGEST_DEPTH = 400\nSOURCE = __import__('random').Random(5)\n\n\n"
+                "semantics/functions.py", "LARGEST_DEPTH = 3_000\n",
+                "LARGEST_DEPTH = 3_000\nSOURCE = __import__('random').Random(5)\n\n\n"
                 "def anew(default):\n"
                 "    distribution = getattr(getattr(default, 'origin', None), 'distribution', None)\n"
                 "    return default if distribution is None else type(default)(distribution.sample(SOURCE.random), default.origin)\n",

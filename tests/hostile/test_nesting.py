@@ -47,5 +47,8 @@ def test_a_hundred_lists_in_each_other_can_be_written():
 
 
 def test_lists_that_share_are_looked_at_once():
-    text = "ego = Object at (0, 0)\na = [1]\nfor i in range(90):\n    a = [a, a]\nego.z = a\nego.z = 1\n"
-    assert scenic_ref.loads(text).sample().ego["z"] == 1
+    begin = "ego = Object at (0, 0)\na = [1]\nfor i in range(90):\n    a = [a, a]\n"
+    assert scenic_ref.loads(begin + "ego.z = len(a)\n").sample().ego["z"] == 2
+    for use in ("ego.z = a", "x = str(a)", "x = a == [a[0], a[1]]", "x = f'{a}'", "param p = a", "x = sorted([a, a])", "print(a)"):
+        with pytest.raises(errors.RunError, match="2,000,000 parts"):
+            scenic_ref.loads(begin + use + "\n").sample()
