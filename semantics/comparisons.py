@@ -9,6 +9,7 @@ from typing import Any
 from .budget import ITEM, refuse_too_long, size_of
 from .conditions import before_operands, bool_of, combine, truth_of, where_open
 from .config import Stack, State, Value, reduce, value
+from .expressions import as_vector
 from .host import HostException, host
 from .kinds import has_kind, kind_name
 from .nesting import check_written
@@ -18,6 +19,7 @@ from .premises import Premises, premises
 from .regions import Region
 from .syntax import python_expressions as p
 from .values import Random, plain, unwrap
+from .vectors import Vector
 
 
 def contains(container: Any, item: object) -> bool:
@@ -87,6 +89,8 @@ def link(node: p.Comparison, name: str, left: object, right: object, state: Stat
         if type(left) is not Random and type(right) is not Random:
             return COMPARE[name](left, right)
     check_written(plain(left), plain(right))
+    if name in ("==", "!=") and isinstance(plain(left), Vector) is not isinstance(plain(right), Vector) and state.reading("pairs") == "vector":
+        left, right = (as_vector(v, state) for v in (left, right))
     return host(state.settings.door, state, COMPARE[name], left, right)
 
 

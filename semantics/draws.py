@@ -9,10 +9,10 @@ from .config import Abrupt, Config, Stack, State, Value, value
 from .distributions import BadParameters, Distribution, Range
 from .errors import RunError
 from .kinds import has_kind
-from .outcome import Draw, Next, Outcome
+from .outcome import Draw, Next, Outcome, Requirement, Stuck
 from .premises import premises
 from .syntax import expressions as e
-from .syntax.nodes import Node
+from .syntax.nodes import Node, Span
 from .values import Constructor, Origin, Random, plain, unwrap
 
 
@@ -24,10 +24,17 @@ def draw(node: Node, constructor: Constructor, arguments: tuple[object, ...], ke
         else:
             distribution = constructor.make(*(unwrap(a)[0] for a in arguments), **{k: unwrap(v)[0] for k, v in keywords.items()})
     except BadParameters as bad:
-        raise RunError(str(bad), node.span, rule="E-Distributions") from None
+        return invalid("E-Distributions", bad, node.span, state)
     except TypeError:
         raise RunError(f"the parameters of {constructor.name} are ({constructor.takes})", node.span, rule="E-Distributions") from None
     return ask(node, distribution, "E-Distributions", stack, state, f"{constructor.name}(...)")
+
+
+def invalid(rule: str, bad: BadParameters, span: Span, state: State) -> Stuck:
+    """No rule fires for a θ that is none (reading `invalid-parameters`): an error, or the run is stuck."""
+    if state.reading("invalid-parameters") == "error":
+        raise RunError(str(bad), span, rule=rule)
+    return Stuck(rule, Requirement("parameters", span, str(bad)))
 
 
 def ask(node: Node, distribution: Distribution, rule: str, stack: Stack, state: State, text: str) -> Draw:

@@ -18,7 +18,7 @@ from .config import Stack, State, value
 from .dynamics.queries import Clock, Closest, attribute_of_clock
 from .errors import RunError
 from .host import HostException, host, raw
-from .kinds import has_kind, kind_name
+from .kinds import Reader, has_kind, is_scalar, kind_name
 from .library import ascii_of, attribute_of, bound
 from .outcome import Outcome
 from .premises import premises, raw_axiom
@@ -31,6 +31,7 @@ from .syntax.nodes import Node
 from .texts import formatted as format_value
 from .texts import represented, written
 from .values import Bound, Dynamic, Entries, Function, Instance, Method, Module, Native, Pairs, Random, ScenicClass, plain, unwrap, wrap
+from .vectors import Vector
 
 
 def axiom_rule(node: Node, stack: Stack, state: State) -> Outcome:
@@ -210,6 +211,8 @@ def get_host_attribute(subject: object, name: str, node: p.Attribute, state: Sta
     door = state.settings.door
     if isinstance(subject, Symbol) or (state.settings.trusted and not name.startswith("_")):
         return raw(door, state, getattr, subject, name)
+    if name in ("x", "y") and is_pair(subject) and state.reading("pairs") == "vector":
+        return subject["xy".index(name)]  # type: ignore[index]
     if may_ask(subject, name):
         return raw(door, state, attribute_of, subject, name, door.budget)
     fallback = getattr(type(subject), "__getattr__", None) if is_user_made(subject) and not isinstance(subject, type) else None
@@ -281,7 +284,36 @@ def binary(node: p.BinaryOperation, stack: Stack, state: State) -> Outcome:
 
 def conclude_binary(node: p.BinaryOperation, values: list[object], stack: Stack, state: State) -> Outcome:
     """Python's arithmetic; a Point operand is read as its position (Section "Data Types")."""
-    return apply_host("E-Arithmetic", node, BINARY[node.operator], as_vectors(values, state), stack, state)
+    operands = as_vectors(values, state)
+    if node.operator in "+-*/" and state.reading("pairs") == "vector" and any(map(is_pair, operands)):
+        operands = pairs_as_vectors(node.operator, operands, state)
+    return apply_host("E-Arithmetic", node, BINARY[node.operator], operands, stack, state)
+
+
+def is_pair(value: object) -> bool:
+    """Whether the value is a tuple of two scalars."""
+    inner = plain(value)
+    if isinstance(inner, Symbol):
+        return inner.always(is_pair)
+    return type(inner) is tuple and len(inner) == 2 and all(is_scalar(plain(part)) for part in inner)
+
+
+def pairs_as_vectors(operator: str, operands: list[object], state: State) -> list[object]:
+    """Pairs of scalars as vectors where the operator is one of vectors: two of them, or one and a scalar (reading `pairs`)."""
+    others = [unwrap(v)[0] for v in operands if not is_pair(v)]
+    if operator in "+-":
+        fits = all(isinstance(v, Vector) for v in others)
+    else:
+        fits = len(others) == 1 and has_kind(others[0], "scalar") and not (operator == "/" and is_pair(operands[1]))
+    return [as_vector(v, state) for v in operands] if fits else operands
+
+
+def as_vector(value: object, state: State) -> object:
+    """A pair of scalars as a vector, random if one of them is; anything else as it is."""
+    if not is_pair(value):
+        return value
+    reader = Reader(state)
+    return reader.wrap(reader.read(reader.plain(value), "vector"))
 
 
 def as_vectors(values: list[object], state: State) -> list[object]:

@@ -10,6 +10,7 @@ from typing import NamedTuple
 from . import geometry
 from .config import PASS, Config, Stack, State, Value
 from .distributions import BadParameters, Normal
+from .draws import invalid
 from .dynamics.initial import begin_initial, main_scenario, scenarios_in
 from .errors import RunError
 from .kinds import Reader, View, is_scalar, kind_name
@@ -104,7 +105,9 @@ def mutate_objects(frame: Mutating, stack: Stack, state: State) -> Outcome:
     deviation = deviation_of(instance, frame.component, reader)
     try:
         distribution = Normal(0.0, number(scale) * number(deviation))
-    except (BadParameters, TypeError):
+    except BadParameters as bad:
+        return invalid("T-Mutate", bad, instance.span, state)
+    except TypeError:
         raise RunError(f"the standard deviation of the noise on {instance!r} is not a number", instance.span, rule="T-Mutate") from None
     if distribution.stdDev == 0:
         return mutate_objects(frame._replace(component=frame.component + 1, noise=(*frame.noise, 0.0)), stack, state)

@@ -153,8 +153,8 @@ def unchecked(running: Running) -> bool:
 
 
 def ended_by_monitor(number: int, state: State) -> State:
-    """`terminate` in a monitor ends the scenario that declares it (reading `terminate-who`): the top level by the flag."""
-    if number == TOP:
+    """`terminate` in a monitor ends the scenario that declares it, the top level by the flag; or the flag is the simulation's (`terminate-who`)."""
+    if number == TOP or state.reading("terminate-who") == "simulation":
         return flagged("a monitor executed `terminate`", state)
     return end_scenario(number, state)
 

@@ -15,6 +15,7 @@ from .conflicts import CONFLICTS
 from .conflicts_of_examples import CONFLICTS_OF_EXAMPLES
 from .conflicts_of_policy import CONFLICTS_OF_POLICY
 from .reading import PROFILES, Probe, Reading
+from .second_look import SECOND_LOOK
 from .silences import SILENCES
 from .silences_of_language import SILENCES_OF_LANGUAGE
 from .silences_of_policy import SILENCES_OF_POLICY
@@ -23,7 +24,7 @@ READINGS: Mapping[str, Reading] = {
     r.id: r
     for r in (
         *CONFLICTS, *CONFLICTS_OF_EXAMPLES, *CONFLICTS_OF_POLICY,
-        *SILENCES, *SILENCES_OF_LANGUAGE, *SILENCES_OF_POLICY,
+        *SILENCES, *SILENCES_OF_LANGUAGE, *SILENCES_OF_POLICY, *SECOND_LOOK,
     )
 }
 

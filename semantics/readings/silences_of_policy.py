@@ -47,25 +47,6 @@ SILENCES_OF_POLICY: tuple[Reading, ...] = (
         ),
     ),
     Reading(
-        id="terminate-who",
-        kind="silence",
-        about="policy",
-        question="Which scenario does `terminate` end?",
-        places=(PROCEDURE + ', steps 1 and 3: "the flag"', SECTION_4_4 + ', "Termination Conditions"; ' + DYNAMIC + ', "Terminating the Scenario"'),
-        alternatives={
-            "declaring": "in a behavior, or a monitor of the top level: the top-level scenario; in the compose block or a monitor of a "
-            "sub-scenario: that one, at once, so that what it has overridden is as before when behaviors run",
-        },
-        consequence="Concerns behaviors, monitors and scenarios.",
-        code=("semantics.dynamics.policy.ended_by_monitor",),
-        probe=Probe(
-            "scenario Sub():\n    compose:\n        wait\n        terminate\nscenario Main():\n    setup:\n        ego = Object at (0, 0)\n"
-            "    compose:\n"
-            "        do Sub()\n        wait",
-            {"declaring": "Main goes on after Sub has ended: the simulation has three time steps"},
-        ),
-    ),
-    Reading(
         id="behaviors-after-terminate",
         kind="silence",
         about="policy",

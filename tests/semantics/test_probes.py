@@ -174,6 +174,15 @@ EXPECTED: Mapping[str, Mapping[str, Expectation]] = {
     "intervals": {
         "dialect": Gives([True, True, Vector(3, 4)], lambda s: [1 <= s.ego["x"] <= 2, s.ego["x"] != s.ego["y"], s.ego.position])  # type: ignore[operator]
     },
+    "invalid-parameters": {
+        "error": Fails(errors.RunError, "E-Distributions"),
+        "stuck": Chance(1 / 2, lambda s: s.params["d"] == 1, rivals=(1 / 3,), attempts=1.5, always=lambda s: s.params["d"] > 0),  # type: ignore[operator]
+    },
+    "pairs": {"vector": Gives([[4, 6], [2, 4]]), "tuple": Gives([[1, 2, 3, 4], [1, 2, 1, 2]])},
+    "set-order": {"insertion": Gives([["pear", "apple", "plum"]])},
+    "workspace-value": {"region": Gives([0])},
+    "combined-orientation": {"first": Gives([0.5])},
+    "point-set": {"once": Chance(1 / 2, lambda s: s.ego.position.x == 4, rivals=(1 / 4,))},
     "time-unit": {"seconds": Gives([15, 3]), "steps": Gives([15, 3])},
 }
 

@@ -11,11 +11,12 @@ from scenic_ref.semantics.readings import PROFILES, READINGS, Reading, select
 from scenic_ref.semantics.readings.conflicts import CONFLICTS
 from scenic_ref.semantics.readings.conflicts_of_examples import CONFLICTS_OF_EXAMPLES
 from scenic_ref.semantics.readings.conflicts_of_policy import CONFLICTS_OF_POLICY
+from scenic_ref.semantics.readings.second_look import SECOND_LOOK
 from scenic_ref.semantics.readings.silences import SILENCES
 from scenic_ref.semantics.readings.silences_of_language import SILENCES_OF_LANGUAGE
 from scenic_ref.semantics.readings.silences_of_policy import SILENCES_OF_POLICY
 
-TABLES = (CONFLICTS, CONFLICTS_OF_EXAMPLES, CONFLICTS_OF_POLICY, SILENCES, SILENCES_OF_LANGUAGE, SILENCES_OF_POLICY)
+TABLES = (CONFLICTS, CONFLICTS_OF_EXAMPLES, CONFLICTS_OF_POLICY, SILENCES, SILENCES_OF_LANGUAGE, SILENCES_OF_POLICY, SECOND_LOOK)
 ALL = pytest.mark.parametrize("reading", READINGS.values(), ids=READINGS)
 
 
