@@ -66,4 +66,4 @@ bench: $(VENV)/.test
 	$(BIN)/python benchmarks/batch.py $(if $(AGAINST),--against $(AGAINST)) --prune
 
 clean:
-	rm -rf $(VENV) $(PLAIN) demo site build dist *.egg-info
+	rm -rf $(VENV) $(PLAIN) .venv-scenic-3 demo site build dist *.egg-info

@@ -1,6 +1,7 @@
 """Is every `scenic-3` text of the vectors Scenic 3? The released parser is asked, by a Python in whose environment the release is installed.
 
-`python released.py PYTHON` exits with 1 and says which texts that release cannot parse; `make nightly` runs it. Vectors of syntax errors are left out.
+`python released.py PYTHON` exits with 1 and says which texts that release cannot parse; `make nightly` runs it. Vectors of syntax
+errors are left out.
 """
 
 from __future__ import annotations
