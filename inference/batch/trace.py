@@ -14,6 +14,7 @@ from ...semantics.outcome import Requirement
 from ...semantics.regions import EmptyRegion
 from ...semantics.symbols import Elementary, NotLifted, is_macro, position_in
 from ...semantics.syntax.nodes import NOWHERE
+from ...semantics.values import Bound, Native
 from ...semantics.vectors import Vector
 from .graph import AsFloat, Event, Graph, Kind, Macro, Node, Part, RowCall, Search, Site, Table, bounds_of, decided
 from .structures import in_row, symbols_in
@@ -258,12 +259,12 @@ class Trace:
         except (OutsideField, EmptyRegion) as stuck:
             raise Retry(str(stuck)) from None
         except (ScenicError, HostException, DoorStuck, Exception) as problem:
-            raise NotLifted(f"{getattr(function, '__name__', function)}: {problem}") from None
+            raise NotLifted(f"{name_of(function)}: {problem}") from None
         if symbols_in(example):
             raise NotLifted("a function gives a random value that it has hidden")
         if result is float and type(example) is not bool:
             example = float(example)  # type: ignore[arg-type]
-        text = getattr(function, "__qualname__", repr(function))
+        text = name_of(function)
         call = RowCall(function, arguments, dict(keywords), type(example), result is float, text)
         kind: Kind = "float" if type(example) is float else "bool" if type(example) is bool else "object"
         key = self.key_of(function, arguments, keywords)
@@ -348,6 +349,12 @@ class Trace:
     def imagined(self) -> bool:
         """Whether the traced run would not come to where the machine is."""
         return self.condition is not None and not self.condition.example
+
+
+def name_of(function: object) -> str:
+    """A function as reports call it."""
+    owner = getattr(function, "__self__", function)
+    return owner.name if isinstance(owner, (Native, Bound)) else getattr(function, "__qualname__", repr(function))
 
 
 def premise_of(arguments: tuple[object, ...], text: str) -> str:

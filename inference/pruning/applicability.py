@@ -15,7 +15,7 @@ from ...semantics.fields import PolygonalVectorField
 from ..batch.graph import Graph, Node
 from .algorithms import Cell, prune_by_containment, prune_by_heading, prune_by_offset, prune_by_width
 from .facts import Contained, Located, Truth, limits, points_apart, truths
-from .forms import Aligned, Offset, Operand, Point, aligned, offset
+from .forms import Aligned, Offset, Operand, Point, aligned, bounds_of_terms, field_looked_up, offset, terms
 from .intervals import ZERO, Interval
 from .scene_facts import Apart
 from .shapes import Shape, common_part, erode, union_of
@@ -84,15 +84,33 @@ def orientation(point: Point, shape: Shape, known: Known) -> Applied:
 def relative_headings(point: Point, known: Known, facts: list[Truth] | None = None) -> Iterator[tuple[Aligned, Aligned, list[Interval]]]:
     """X aligned at the point, Y aligned elsewhere, and the intervals, one of which holds Y's heading minus X's in every scene (as a plain number)."""
     for node, intervals in limits(known.facts if facts is None else facts).items():
-        if node.function is not np.subtract or not all(isinstance(a, (Node, float)) for a in node.arguments):
+        found = difference_of_headings(node)
+        if found is None or found[0].point == found[1].point:
             continue
-        first, second = (aligned(a) for a in node.arguments)  # type: ignore[arg-type]
-        if first is None or second is None or first.point == second.point:
-            continue
+        first, second, less = found
+        differences = [i + Interval(-less, -less) for i in intervals]
         if second.point == point:
-            yield second, first, intervals
+            yield second, first, differences
         if first.point == point:
-            yield first, second, [-i for i in intervals]
+            yield first, second, [-i for i in differences]
+
+
+def difference_of_headings(node: Node) -> tuple[Aligned, Aligned, float] | None:
+    """A number as the first heading minus the second plus a constant: two that are aligned to fields, if it is that."""
+    if node.function is np.subtract and all(isinstance(a, (Node, float)) for a in node.arguments):
+        first, second = (aligned(a) for a in node.arguments)  # type: ignore[arg-type]
+        if first is not None and second is not None:
+            return first, second, 0.0
+    sum_ = terms(node)
+    less = sum_.pop(1.0, 0.0)
+    plus, minus = ([p for p, s in sum_.items() if isinstance(p, Node) and s == sign and field_looked_up(p) is not None] for sign in (1.0, -1.0))
+    if len(plus) != 1 or len(minus) != 1:
+        return None
+    first, second = aligned(plus[0]), aligned(minus[0])
+    deviation = bounds_of_terms({part: share for part, share in sum_.items() if part not in (plus[0], minus[0])})
+    if first is None or second is None or not deviation.bounded:
+        return None
+    return first._replace(deviation=deviation), second, less
 
 
 def distance_between(x: Aligned, y: Aligned, known: Known) -> float:

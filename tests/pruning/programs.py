@@ -75,6 +75,7 @@ def requirement(rng: np.random.Generator, name: str) -> str:
     conditions.append(f"abs(relative heading of {name}) <= {abs(angle):.2f}")
     conditions.append(f"abs(relative heading of {name}) >= {abs(angle):.2f}")
     conditions.append(f"(relative heading of {name}) >= {angle:.2f} and (relative heading of {name}) <= {angle + 1:.2f}")
+    conditions.append(f"abs((relative heading of {name}) - {angle:.2f}) <= 0.6")
     conditions.append(f"not (relative heading of ego from {name}) >= {angle:.2f}")
     conditions.append(f"(distance to {name}) <= {rng.uniform(4, 20):.2f}")
     conditions.append(f"{name} in lane0")

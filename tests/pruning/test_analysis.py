@@ -125,6 +125,14 @@ def test_an_interval_of_plain_numbers_is_compared_without_wrapping():
     assert found.after < 600
 
 
+@pytest.mark.parametrize("condition", ["abs((relative heading of other) - 3) <= 0.2", "abs(3 - (relative heading of other)) <= 0.2"])
+def test_a_relative_heading_may_be_compared_with_an_angle_by_their_difference(condition):
+    found = finding(pruning(EGO + ALIGNED + NEAR + f"require {condition}\n"), "ego", "orientation")
+    same = finding(pruning(EGO + ALIGNED + NEAR + "require 2.8 <= (relative heading of other) <= 3.2\n"), "ego", "orientation")
+    assert found.after is not None
+    assert found.after == pytest.approx(same.after)
+
+
 # Size
 
 ACROSS = "other = Object at ego offset by (7, 0), with width 0.5, facing direction\n"
