@@ -26,7 +26,7 @@ def check_arguments(function: object, arguments: Sequence[object], keywords: Map
     budget.go_through(given if owner is None or getattr(function, "__name__", "") in QUICK else [*given, owner])
     if isinstance(function, type):
         check_construction(function, arguments, keywords)
-    if (isinstance(function, (type, KEY)) or isinstance(owner, property)) and not is_user_class(function):
+    if (isinstance(function, type) or type(function) is KEY or isinstance(owner, property)) and not is_user_class(function):
         check_chain(function, arguments, keywords)
 
 
@@ -48,7 +48,7 @@ def check_construction(function: type, arguments: Sequence[Any], keywords: Mappi
 
 def is_holder(value: object) -> bool:
     """Whether a chain could go on with the value."""
-    return isinstance(value, HOLDERS) or isinstance(value, BaseException)
+    return isinstance(value, (*HOLDERS, BaseException))
 
 
 def check_chain(function: object, arguments: Sequence[object], keywords: Mapping[str, object]) -> None:
@@ -56,7 +56,7 @@ def check_chain(function: object, arguments: Sequence[object], keywords: Mapping
     if isinstance(function, type) and issubclass(function, NAMING):
         chained = any(map(is_holder, (*arguments[2:], *keywords.values())))
     else:
-        holds = isinstance(function, KEY) or not isinstance(function, type) or function in HOLDERS
+        holds = type(function) is KEY or not isinstance(function, type) or function in HOLDERS
         chained = holds and any(map(is_holder, (*arguments, *keywords.values())))
     if chained:
         name = getattr(function, "__name__", "this")

@@ -6,6 +6,7 @@ import importlib
 import os
 import subprocess
 import sys
+from contextlib import suppress
 from itertools import product
 from pathlib import Path
 
@@ -92,7 +93,7 @@ out = []
 ACCESS = {
     "attribute": "out.append(({subject}).{name})", "getattr": "out.append(getattr({subject}, '{name}'))", "with default": "out.append(getattr({subject}, '{name}', None))",
     "hasattr": "out.append(None if hasattr({subject}, '{name}') else None)", "setattr": "setattr({subject}, '{name}', f)\nout.append(1)",
-    "assignment": "x = {subject}\nx.{name} = f\nout.append(1)", "f-string": "out.append(f'{{({subject}).{name}}}')", "format": "out.append('{{0.{name}}}'.format({subject}))",
+    "assignment": "x = {subject}\nx.{name} = f\nout.append(1)", "f-string": 'out.append(f"{{({subject}).{name}}}")', "format": "out.append('{{0.{name}}}'.format({subject}))",
     "format_map": "out.append('{{x.{name}}}'.format_map({{'x': {subject}}}))", "str.format": "out.append(str.format('{{0.{name}}}', {subject}))",
     "partial": "out.append(functools.partial('{{0.{name}}}'.format)({subject}))", "map": "out.extend(map('{{0.{name}}}'.format, [{subject}]))",
     "map getattr": "out.extend(map(getattr, [{subject}], ['{name}']))", "key": "sorted([{subject}], key=lambda v: out.append(v.{name}) or 0)",
@@ -101,7 +102,8 @@ ACCESS = {
     "reduce": "out.append(functools.reduce(getattr, ['{name}'], {subject}))", "starmap": "out.extend(itertools.starmap(getattr, [({subject}, '{name}')]))",
     "raise": "try: raise ValueError({subject})\nexcept ValueError as e: out.append(e.args[0].{name})", "match": "out.append([v.{name} for v in ({subject},)])",
 }  # fmt: skip
-PUBLIC = allowed.names("__doc__ __name__")
+SHARE = 7
+"""Each way is tried with one in so many pairs, with others than the way before it; together about 2,300 programs."""
 
 
 def ends_of(text: str) -> str | list[object]:
@@ -112,13 +114,16 @@ def ends_of(text: str) -> str | list[object]:
     except errors.ScenicError as error:
         assert not isinstance(error, errors.InternalError)
         return str(error)
+    if not isinstance(ended, crawling.Accepted):
+        return ended.requirement.text
     return list(ended.state.sigma.bindings["out"])
 
 
 @pytest.mark.parametrize("way", ACCESS)
 def test_no_way_of_access_gives_what_is_private(way):
     template, refused = ACCESS[way], 0
-    for name, subject in product(DUNDERS, SUBJECTS):
+    pairs = list(product(DUNDERS, SUBJECTS))[list(ACCESS).index(way) % SHARE :: SHARE]
+    for name, subject in pairs:
         given = ends_of(template.format(subject=SUBJECTS[subject], name=name))
         if isinstance(given, str):
             refused += 1
@@ -127,7 +132,7 @@ def test_no_way_of_access_gives_what_is_private(way):
             assert all(map(allowed.is_value, crawling.inside(value, set()))), (way, name, subject)
             if way in ("f-string", "format", "format_map", "str.format", "partial", "map"):
                 assert not ("0x" in str(value) or "<class" in str(value) or "<slot" in str(value)), (way, name, subject, value)
-    assert refused > (0 if way in ("with default", "hasattr", "subclass") else len(DUNDERS) * len(SUBJECTS) * 0.6)
+    assert refused > (0 if way in ("with default", "hasattr", "subclass") else len(pairs) * 0.6)
 
 
 ROUTES = {
@@ -198,10 +203,8 @@ param v = list(itertools.chain.from_iterable([[1], [2]])), w = len([sum([1, 2])]
 def test_a_program_leaves_nothing_behind():
     before = scenic_ref.loads(AFTER).sample().params
     for text in LEAVES.values():
-        try:
+        with suppress(errors.ProgramError):
             scenic_ref.loads("ego = Object at (0, 0)\n" + text + "\n").sample()
-        except errors.ProgramError:
-            pass
         assert scenic_ref.loads(AFTER).sample().params == before, text
 
 
@@ -216,8 +219,8 @@ CHAINS = {
     "setters": "x = property(len)\nfor i in range(N): x = property(len).setter(x)", "keys": "import functools\nk = functools.cmp_to_key(max)\nx = 1\nfor i in range(N): x = k(x)",
     "files": "x = 1\nfor i in range(N): x = OSError(1, 'a', x)", "objects of errors": "x = 1\nfor i in range(N): x = AttributeError('a', obj=x)",
     "paths": "x = 1\nfor i in range(N): x = ImportError('a', path=x)", "names": "x = 1\nfor i in range(N): x = NameError('a', name=x)",
-    "accumulated": "import itertools\nx = list(itertools.accumulate([1] * N, slice))", "exceptions": "x = 1\nfor i in range(N): x = ValueError(x)",
-    "partials": "import functools\nx = len\nfor i in range(N // 4): x = functools.partial(x)\nx([1])", "iterators": "import itertools\nx = []\nfor i in range(N // 4): x = itertools.chain(x)\nx = list(x)",
+    "accumulated": "import itertools\nx = list(itertools.accumulate([1] * N, slice))",
+    "iterators": "import itertools\nx = []\nfor i in range(N // 4): x = itertools.chain(x)\nx = list(x)",
 }  # fmt: skip
 
 
