@@ -110,7 +110,7 @@ OWN: tuple[type, ...] = (
 
 BUILTINS: Names = names(
     "abs all any bin bool bytes chr classmethod complex divmod float hex int max min object oct ord property range slice sorted staticmethod str "
-    "list tuple dict len map filter zip enumerate reversed"
+    "list tuple dict len"
 )
 """The builtins that are Python's own: they go through what is there, and make no more."""
 
@@ -151,6 +151,11 @@ def is_user_made(value: object) -> bool:
     return is_user_class(value if isinstance(value, type) else type(value))
 
 
+def may_override(name: str, member: object) -> bool:
+    """Whether a class of the program may define `name`, one of `OVERRIDES`, as that: as a function of its own, whose steps are counted."""
+    return isinstance(member, Function) or member is None or name == "__doc__"
+
+
 def is_hidden(name: str) -> bool:
     """Whether a name of a class of the program is Python's affair rather than the program's."""
     return name == MARK or (name.startswith("_") and name.endswith("_") and name not in OVERRIDES)
@@ -158,6 +163,8 @@ def is_hidden(name: str) -> bool:
 
 def may_ask(value: object, name: str) -> bool:
     """Whether a program may ask the value, which is none of the machine's types, for the attribute."""
+    if name == "__init__" and not is_user_made(value):
+        return isinstance(value, type) and (value in BASES or issubclass(value, Exception))
     if isinstance(value, type):
         if name == "__init__" and is_base(value):
             return True

@@ -3,39 +3,43 @@
 from __future__ import annotations
 
 import operator as python
+from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from .budget import LARGEST_INTEGER_BITS, refuse_too_long
+from .budget import LARGEST_INTEGER_BITS, length_of, refuse_too_long, whole
 from .sets import VIEWS, Set
 from .texts import check_percent
 
 SEQUENCES = (str, bytes, list, tuple)
+REPEATED = (*SEQUENCES, deque)
 
 
 def _plus(left: object, right: object) -> object:
     if isinstance(left, SEQUENCES) and isinstance(right, SEQUENCES):
-        refuse_too_long(len(left) + len(right))
+        refuse_too_long(length_of(left) + length_of(right))
     return left + right  # type: ignore[operator]
 
 
 def _power(left: object, right: object) -> object:
-    if isinstance(left, int) and isinstance(right, int) and right > 0 and left.bit_length() * right > LARGEST_INTEGER_BITS:
-        raise OverflowError(f"{left} ** {right} is too large" if left.bit_length() < 1000 and right < 10**100 else "a power is too large")
+    if isinstance(left, int) and isinstance(right, int):
+        base, exponent = whole(left), whole(right)
+        if exponent > 0 and base.bit_length() * exponent > LARGEST_INTEGER_BITS:
+            raise OverflowError(f"{base} ** {exponent} is too large" if base.bit_length() < 1000 and exponent < 10**100 else "a power is too large")
     return left**right  # type: ignore[operator]
 
 
 def _times(left: object, right: object) -> object:
     for sequence, count in ((left, right), (right, left)):
-        if isinstance(sequence, SEQUENCES) and isinstance(count, int):
-            refuse_too_long(len(sequence) * count)
-    if isinstance(left, int) and isinstance(right, int) and left.bit_length() + right.bit_length() > LARGEST_INTEGER_BITS:
+        if isinstance(sequence, REPEATED) and hasattr(type(count), "__index__"):
+            refuse_too_long(length_of(sequence) * whole(count))
+    if isinstance(left, int) and isinstance(right, int) and int.bit_length(left) + int.bit_length(right) > LARGEST_INTEGER_BITS:
         raise OverflowError("an integer is too large")
     return left * right  # type: ignore[operator]
 
 
 def _shift(left: object, right: object) -> object:
-    if isinstance(left, int) and isinstance(right, int) and left.bit_length() + right > LARGEST_INTEGER_BITS:
+    if isinstance(left, int) and isinstance(right, int) and int.bit_length(left) + whole(right) > LARGEST_INTEGER_BITS:
         raise OverflowError("an integer is too large")
     return left << right  # type: ignore[operator]
 

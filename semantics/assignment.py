@@ -6,9 +6,9 @@ import operator as python
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 
-from .allowed import is_hidden, is_user_made
+from .allowed import OVERRIDES, is_hidden, is_user_made, may_override
 from .arithmetic import BINARY
-from .budget import refuse_too_long
+from .budget import length_of, refuse_too_long, whole
 from .classes import canonical
 from .config import PASS, Config, Stack, State
 from .errors import RunError
@@ -195,6 +195,8 @@ def set_attribute(subject: object, name: str, assigned: object, node: Node, stat
         case _ if is_user_made(inner):
             if is_hidden(name):
                 raise RunError(f"{name} is private to Python objects", node.span, rule="S-Assignment")
+            if isinstance(inner, type) and name in OVERRIDES and not may_override(name, assigned):
+                raise RunError(f"{name} must be a function of the program", node.span, rule="S-Assignment")
             raw(state.settings.door, state, setattr, inner, name, assigned)
             return state
         case _:
@@ -254,8 +256,8 @@ def change_in_place(node: s.AugmentedAssignment, operation: Callable[..., object
             f"`{node.operator}=` with a random operand would change {kind_name(current)} at random", node.span, rule="S-Assignment",
             hint=f"make a new one: x = x {node.operator} ...",
         )
-    if isinstance(current, (list, deque)) and node.operator == "*" and isinstance(operand, int):
-        refuse_too_long(len(current) * operand)
+    if isinstance(current, (list, deque)) and node.operator == "*" and hasattr(type(operand), "__index__"):
+        refuse_too_long(length_of(current) * whole(operand))
     return raw(door, state, operation, current, operand)
 
 

@@ -6,7 +6,10 @@ goes through and for what it makes, in units that are about a byte of memory or 
 
 from __future__ import annotations
 
+import operator
+from collections import deque
 from collections.abc import Iterable, Iterator, Sized
+from typing import Any
 
 from .errors import FuelExhausted, RunError
 
@@ -77,14 +80,25 @@ def size_of(value: Sized) -> int:
     """How many elements host code meets that goes through the value; 0 for a class, or where the program itself counts them."""
     if isinstance(value, range):
         return ITEM * (max(0, (value.stop - value.start + value.step - (1 if value.step > 0 else -1)) // value.step))
-    return len(value) if type(value).__len__ in COUNTED else 0
+    return 0 if isinstance(value, type) else length_of(value)
 
 
-COUNTED = frozenset(t.__len__ for t in (list, tuple, dict, set, frozenset, str, bytes))
+COUNTED: tuple[type[Any], ...] = (list, tuple, dict, str, set, frozenset, bytes, deque, type({}.keys()), type({}.values()), type({}.items()))
+
+
+def length_of(value: object) -> int:
+    """How many elements a container of Python really has, whatever a class of the program says of it; 0 for anything else."""
+    return next((counted.__len__(value) for counted in COUNTED if isinstance(value, counted)), 0)
+
+
+def whole(number: Any) -> int:
+    """The whole number that library code takes a value for, whatever a class of the program says of it. Raises `TypeError`."""
+    return int.__add__(operator.index(number), 0)
 
 
 def refuse_too_long(count: int) -> None:
     """Raise an error where one value would get so many elements or characters."""
+    count = whole(count)
     if count > LARGEST_SEQUENCE:
         raise RunError(f"{count:,} elements or characters are too many for one value: at most {LARGEST_SEQUENCE:,}", rule="E-Call-Host")
 

@@ -8,7 +8,6 @@ from types import BuiltinFunctionType, MethodType
 
 from .allowed import is_known, is_user_class
 from .assignment import random_write
-from .budget import ITEM, LARGEST_SEQUENCE, Budget, refuse_too_large, refuse_too_long, size_of
 from .conditions import random_branch
 from .config import Stack, State, value
 from .distributions import BadParameters
@@ -23,13 +22,14 @@ from .kinds import is_scalar, kind_name
 from .nesting import check_written
 from .outcome import Next, Outcome
 from .premises import premises
+from .prices import as_callback, check_arguments
 from .regions import BadRegion, Region
 from .scopes import Scope, function_names
 from .specials import HOST_RULES, SPECIALS, STORED, call_container_method, container_method
 from .syntax import python_expressions as p
 from .syntax.dynamics import ScenarioDefinition
 from .syntax.nodes import Node
-from .values import Bound, Constructor, Dynamic, Function, Instance, Method, Random, ScenicClass, Special, plain, unwrap, wrap
+from .values import Constructor, Dynamic, Function, Instance, Method, Native, Random, ScenicClass, Special, plain, unwrap, wrap
 from .vectors import Vector
 
 
@@ -101,7 +101,7 @@ def apply(node: Node, function: object, arguments: tuple[object, ...], keywords:
             return instantiate(node, function, arguments, keywords, stack, state)
         case MethodType(__func__=Function() as code):
             return Next("E-Call", enter(code, (function.__self__, *arguments), keywords, state, stack, node), node)
-        case type() | BuiltinFunctionType() if function in HOST_RULES:
+        case type() | BuiltinFunctionType() | Native() if function in HOST_RULES:
             check_call(function, arguments, keywords, state)
             return HOST_RULES[function](node, arguments, keywords, stack, state)
         case _:
@@ -121,12 +121,14 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
     if not callable(plain(function)):
         raise HostException(TypeError(f"{kind_name(function)} is not callable"))
     check_call(plain(function), arguments, keywords, state)
+    if "key" in keywords and type(keywords["key"]) is not Random and state.settings.door.lift is None:
+        keywords = {**keywords, "key": as_callback(keywords["key"], state.settings.door.budget)}
     if container_method(plain(function)):
         if type(function) is Random and function.value.__name__ in STORED:  # type: ignore[attr-defined]
             raise random_write(Random(function.value.__self__, function.origin), node)  # type: ignore[attr-defined]
         if type(function) is not Random:
             return value("E-Call-Host", call_container_method(node, function, arguments, keywords, state), stack, state, node)  # type: ignore[arg-type]
-    function, keywords = on_plain_elements(function), paid_key(keywords, state)
+    function = on_plain_elements(function)
     if is_geometric(plain(function)):
         arguments = tuple(as_positions(a, state) for a in arguments)
         keywords = {k: as_positions(v, state) for k, v in keywords.items()}
@@ -141,34 +143,15 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
 
 
 def check_call(function: object, arguments: tuple[object, ...], keywords: Mapping[str, object], state: State) -> None:
-    """Pay for what library code goes through, and refuse what it would make of a single number or a long range."""
-    inner = [plain(a) for a in (*arguments, *keywords.values())]
-    if function is not range and any(isinstance(a, range) and size_of(a) > ITEM * LARGEST_SEQUENCE for a in inner):
-        raise RunError("a range with so many elements cannot be turned into a collection", rule="E-Call-Host")
-    state.settings.door.budget.go_through(inner)
+    """Pay for what library code goes through, and refuse what it must not be given (`prices`), or what is none of a program's classes."""
+    inner, named = list(map(plain, arguments)), {name: plain(a) for name, a in keywords.items()}
+    check_arguments(function, inner, named, state.settings.door.budget)
     if function in COMPARING:
-        check_written(*inner)
-    if function is bytes and inner and isinstance(inner[0], int):
-        refuse_too_long(inner[0])
-    if function is int and inner and isinstance(inner[0], (str, bytes)):
-        refuse_too_large(4 * len(inner[0]))
+        check_written(*inner, *named.values())
     if function is Vector and not all(is_scalar(unwrap(a)[0]) for a in (*arguments, *keywords.values())):
-        raise RunError(f"Vector(x, y) takes two scalars, not {', '.join(map(kind_name, inner))}", rule="E-Call-Host")
+        raise RunError(f"Vector(x, y) takes two scalars, not {', '.join(map(kind_name, (*inner, *named.values())))}", rule="E-Call-Host")
     if isinstance(function, type) and not state.settings.trusted and not is_known(function):
         raise RunError(f"{function.__name__} is no class of this language", rule="E-Call-Host")
-
-
-def paid_key(keywords: Mapping[str, object], state: State) -> Mapping[str, object]:
-    """The keywords of a call, where a key function that is Python's own pays for what it goes through."""
-    key = plain(keywords.get("key"))
-    if not isinstance(key, (type, BuiltinFunctionType)) or state.settings.door.lift is not None:
-        return keywords
-
-    def paying(budget: Budget, item: object) -> object:
-        budget.go_through((item,))
-        return key(item)
-
-    return {**keywords, "key": Bound("key", paying, state.settings.door.budget)}
 
 
 COMPARING = frozenset({sorted, min, max})

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from .allowed import MARK, is_base, is_hidden
+from .allowed import MARK, OVERRIDES, is_base, is_hidden, may_override
 from .assignment import done
 from .classes import OBJECT_CLASS, canonical
 from .config import Abrupt, Config, Stack, State
@@ -102,14 +102,17 @@ def make_python_class(node: s.ClassDefinition, superclasses: tuple[type, ...], m
     hidden = next(filter(is_hidden, members), None)
     if hidden is not None:
         raise RunError(f"a class cannot define {hidden}", node.span, rule="S-Class", hint="docs/security.md lists what it can")
+    foreign = next((name for name, member in members.items() if name in OVERRIDES and not may_override(name, member)), None)
+    if foreign is not None:
+        raise RunError(f"{foreign} must be a function of the program", node.span, rule="S-Class", hint="write def")
     try:
         kind = type(superclasses[0])
         namespace = kind.__prepare__(node.name, superclasses)
         for name, member in members.items():
             namespace[name] = member
         namespace["__module__"] = "scenic"
+        namespace[MARK] = True  # before the class is made: an enumeration runs functions of the program when it is
         made = kind(node.name, superclasses, namespace)  # type: ignore[arg-type]
-        setattr(made, MARK, True)
     except Exception as exception:
         raise HostException(exception) from exception
     return made

@@ -138,6 +138,7 @@ def host(door: Door, state: State, operation: Callable[..., object], *arguments:
         plain_keywords[name], found = unwrap(argument)
         origin = origin or found
     door.state, door.origin = state, None
+    door.budget.go_through(plain_arguments)
     try:
         result = (
             operation(*plain_arguments, **plain_keywords) if door.lift is None or origin is None

@@ -18,11 +18,12 @@ from typing import Any
 
 from .allowed import BUILTINS, MARK, OURS_OF_MATH, is_user_made
 from .arithmetic import BINARY
-from .budget import ITEM, Budget, Metered, refuse_too_large, refuse_too_long, size_of
+from .budget import ITEM, Budget, Metered, length_of, refuse_too_large, refuse_too_long, size_of, whole
+from .prices import as_callback, with_callbacks
 from .regions import PolygonalRegion
 from .sets import FrozenSet, Set
 from .texts import METHODS as OF_TEXTS
-from .texts import formatted, represented
+from .texts import decode, formatted, represented
 from .values import Bound, Native
 
 
@@ -59,7 +60,7 @@ def sum_of(budget: Budget, items: Iterable[Any], start: Any = 0) -> Any:
 
 def iterator(budget: Budget, subject: Any, *sentinel: object) -> Metered:
     """`iter(subject)`, `iter(function, sentinel)`."""
-    return budget.metered(python.iter(subject, *sentinel))
+    return budget.metered(python.iter(as_callback(subject, budget) if sentinel else subject, *sentinel))  # type: ignore[call-overload]
 
 
 def following(items: Any, *default: object) -> object:
@@ -72,6 +73,7 @@ def power(base: object, exponent: object, modulus: object = None) -> object:
     if modulus is None:
         return BINARY["**"](base, exponent)
     if isinstance(base, int) and isinstance(exponent, int) and isinstance(modulus, int):
+        base, exponent, modulus = whole(base), whole(exponent), whole(modulus)
         refuse_too_large(base.bit_length() / 16)
         refuse_too_large(exponent.bit_length() * 16)
         refuse_too_large(modulus.bit_length() * 16)
@@ -81,7 +83,7 @@ def power(base: object, exponent: object, modulus: object = None) -> object:
 def rounded(number: Any, digits: Any = None) -> object:
     """`round(number, digits)`."""
     if isinstance(digits, int) and isinstance(number, int):
-        refuse_too_large(abs(digits) * 4)
+        refuse_too_large(abs(whole(digits)) * 4)
     return python.round(number) if digits is None else python.round(number, digits)
 
 
@@ -108,7 +110,19 @@ def hash_of(value: object) -> int:
             raise TypeError(f"the hash of {represented(value)} is not a matter of the program: compare it, or hash what it is made of")
 
 
+def listing(make: Callable[..., Iterable[object]]) -> Native:
+    """A builtin of Python's that gives its elements when they are asked for, as one that gives a list.
+
+    Python frees a long chain of such iterators, and goes through it, by a recursion that it does not count.
+    """
+    return native(lambda *arguments, **keywords: list(make(*arguments, **keywords)), make.__name__)
+
+
+LISTING = {made.name: made for made in map(listing, (python.map, python.filter, python.zip, python.enumerate, python.reversed))}
+"""Builtins that are lazy in Python, by name."""
+
 BUILTIN: Mapping[str, object] = {
+    **LISTING,
     **{name: getattr(python, name) for name in BUILTINS},
     "set": Set,
     "frozenset": FrozenSet,
@@ -130,21 +144,24 @@ BUILTIN: Mapping[str, object] = {
 
 def factorial(n: int) -> int:
     """`math.factorial(n)`."""
-    if isinstance(n, int) and n > 1:
+    n = whole(n)
+    if n > 1:
         refuse_too_large(n * math.log2(n))
     return math.factorial(n)
 
 
 def comb(n: int, k: int) -> int:
     """`math.comb(n, k)`."""
-    if isinstance(n, int) and isinstance(k, int) and 0 < k < n:
+    n, k = whole(n), whole(k)
+    if 0 < k < n:
         refuse_too_large(min(k, n - k) * n.bit_length())
     return math.comb(n, k)
 
 
 def perm(n: int, k: int | None = None) -> int:
     """`math.perm(n, k)`."""
-    if isinstance(n, int) and n > 1:
+    n, k = whole(n), None if k is None else whole(k)
+    if n > 1:
         refuse_too_large((n if k is None else min(max(k, 0), n)) * n.bit_length())
     return math.perm(n, k)
 
@@ -159,7 +176,7 @@ def product_of(items: Iterable[Any], *, start: Any = 1) -> Any:
 
 def least_common_multiple(*numbers: int) -> int:
     """`math.lcm(*numbers)`."""
-    refuse_too_large(python.sum(n.bit_length() for n in numbers if isinstance(n, int)))
+    refuse_too_large(python.sum(whole(n).bit_length() for n in numbers))
     return math.lcm(*numbers)
 
 
@@ -172,6 +189,10 @@ MATH: Mapping[str, object] = {
 # itertools
 
 
+CALLING = frozenset({"accumulate", "dropwhile", "filterfalse", "starmap", "takewhile"})
+"""Functions of `itertools` that call what they are given."""
+
+
 def metering(
     make: Callable[..., Iterator[object]], check: Callable[..., None] | None = None, members: Mapping[str, Native] | None = None
 ) -> Native:  # fmt: skip
@@ -180,6 +201,8 @@ def metering(
     def made(budget: Budget, *arguments: object, **keywords: object) -> Metered:
         if check is not None:
             check(*arguments, **keywords)
+        if make.__name__ in CALLING:
+            arguments, keywords = tuple(with_callbacks(arguments, budget)), {k: as_callback(v, budget) for k, v in keywords.items()}
         return budget.metered(make(*arguments, **keywords))
 
     return Native(make.__name__, made, pays=True, members=members or {})
@@ -187,12 +210,12 @@ def metering(
 
 def check_product(*pools: Any, repeat: int = 1) -> None:
     """Refuse more pools than fit into memory."""
-    refuse_too_long(repeat * python.sum(len(pool) if hasattr(pool, "__len__") else 1 for pool in pools) if isinstance(repeat, int) else 0)
+    refuse_too_long(whole(repeat) * python.sum(max(1, length_of(pool)) for pool in pools))
 
 
 def check_size(items: object, r: Any = None) -> None:
     """Refuse rows that do not fit into memory."""
-    refuse_too_long(r if isinstance(r, int) else 0)
+    refuse_too_long(0 if r is None else r)
 
 
 def tee(budget: Budget, items: Iterable[object], n: int = 2) -> tuple[Metered, ...]:
@@ -203,7 +226,7 @@ def tee(budget: Budget, items: Iterable[object], n: int = 2) -> tuple[Metered, .
 
 def grouped(budget: Budget, items: Iterable[object], key: Callable[[object], object] | None = None) -> Metered:
     """`itertools.groupby(items, key)`."""
-    return budget.metered((k, budget.metered(iter(list(group)))) for k, group in itertools.groupby(items, key))
+    return budget.metered((k, budget.metered(iter(list(group)))) for k, group in itertools.groupby(items, as_callback(key, budget)))  # type: ignore[arg-type]
 
 
 ITERTOOLS: Mapping[str, object] = {
@@ -229,12 +252,21 @@ def partial(function: Callable[..., object], *arguments: object, **keywords: obj
     """`functools.partial(function, *arguments, **keywords)`."""
     if not callable(function):
         raise TypeError("partial() takes a function")
-    return native(functools.partial(function, *arguments, **keywords), getattr(function, "name", "partial"))
+
+    def called(*more: object, **others: object) -> object:
+        return as_callback(function, Budget())(*arguments, *more, **{**keywords, **others})  # type: ignore[operator]
+
+    return native(called, getattr(function, "name", "partial"))
 
 
 def reduced(budget: Budget, function: Callable[[object, object], object], items: Iterable[object], *initial: object) -> object:
     """`functools.reduce(function, items, initial)`."""
-    return functools.reduce(function, budget.metered(python.iter(items)), *initial)
+    return functools.reduce(as_callback(function, budget), budget.metered(python.iter(items)), *initial)  # type: ignore[arg-type]
+
+
+def comparing(budget: Budget, function: Callable[[object, object], object]) -> object:
+    """`functools.cmp_to_key(function)`."""
+    return functools.cmp_to_key(as_callback(function, budget))  # type: ignore[arg-type]
 
 
 def record(name: str, fields: str | Sequence[str], *, rename: bool = False, defaults: Sequence[object] | None = None) -> type:
@@ -269,7 +301,7 @@ def repeated_count(budget: Budget, items: Any, value: Any) -> int:
 MODULES: Mapping[str, Mapping[str, object]] = {
     "math": MATH,
     "itertools": ITERTOOLS,
-    "functools": {"partial": native(partial), "reduce": paying(reduced, "reduce"), "cmp_to_key": native(functools.cmp_to_key)},
+    "functools": {"partial": native(partial), "reduce": paying(reduced, "reduce"), "cmp_to_key": paying(comparing, "cmp_to_key")},
     "collections": {
         "namedtuple": native(record, "namedtuple"),
         **{c.__name__: c for c in (collections.Counter, collections.OrderedDict, collections.defaultdict, collections.deque)},
@@ -277,6 +309,7 @@ MODULES: Mapping[str, Mapping[str, object]] = {
     "enum": {c.__name__: c for c in (enum.Enum, enum.IntEnum, enum.Flag, enum.auto)},
 }
 """The harmless standard modules, by name."""
+
 
 def initialise(budget: Budget, subject: object, *arguments: object, **keywords: object) -> None:
     """`C.__init__(subject, ...)` for a class C of Python below which the class of `subject` stands."""
@@ -289,6 +322,7 @@ def initialise(budget: Budget, subject: object, *arguments: object, **keywords: 
 METHODS: Mapping[type, Mapping[str, Callable[..., object]]] = {
     object: {"__init__": initialise},
     str: OF_TEXTS,
+    bytes: {"decode": decode},
     collections.Counter: {"elements": elements},
     range: {"index": repeated_index, "count": repeated_count},
 }
@@ -305,6 +339,7 @@ def method_of(subject: object, name: str, budget: Budget) -> object | None:
         if function is not None:
             return Bound(name, function, budget) if isinstance(subject, type) else Bound(name, function, budget, (subject,))
     return None
+
 
 GIVEN: Mapping[type, Mapping[str, Callable[[Any], object]]] = {PolygonalRegion: {"polygon": lambda region: region}}
 """Attributes whose value is not Python's: a polygonal region stands for its polygon."""

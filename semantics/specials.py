@@ -15,6 +15,7 @@ from .expressions import elements, get_attribute, host_container, instance_text
 from .functions import InScope
 from .host import HostException, host, raw
 from .kinds import kind_name
+from .library import LISTING
 from .nesting import check_written
 from .outcome import Change, Next, Outcome
 from .premises import describe_origin
@@ -208,9 +209,9 @@ STRUCTURAL: Mapping[Callable[..., object], Callable[..., object]] = {
     list: list,
     tuple: tuple,
     dict: lambda *xs, **named: _settled(dict(*xs, **named)),
-    zip: lambda *xs, **named: list(zip(*xs, **named)),
-    enumerate: lambda iterable, start=0: list(enumerate(iterable, start)),
-    reversed: lambda xs: list(reversed(xs)),
+    LISTING["zip"]: LISTING["zip"].function,
+    LISTING["enumerate"]: LISTING["enumerate"].function,
+    LISTING["reversed"]: LISTING["reversed"].function,
 }
 """Builtins that look at a container, not at its elements: these keep their randomness. Lazy ones give lists."""
 
@@ -311,6 +312,6 @@ SPECIALS: Mapping[str, Rule] = {
 SPECIAL_VALUES: Mapping[str, Special] = {name: Special(name) for name in SPECIALS}
 
 HOST_RULES: Mapping[Callable[..., object], Rule] = {
-    **{builtin: structural(builtin) for builtin in STRUCTURAL}, map: map_rule, filter: filter_rule, str: str_rule,
+    **{builtin: structural(builtin) for builtin in STRUCTURAL}, LISTING["map"]: map_rule, LISTING["filter"]: filter_rule, str: str_rule,
 }
 """Python's own builtins with a rule of their own where the program calls them; elsewhere they are ordinary values."""

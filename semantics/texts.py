@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from string import Formatter
 from typing import Any
 
-from .budget import Budget, refuse_too_long
+from .budget import Budget, length_of, refuse_too_long, whole
 from .errors import RunError
 from .nesting import check_written
 
@@ -68,6 +68,11 @@ class Fields(Formatter):
             rest = rest[match.end() :]
         return found, key
 
+    def convert_field(self, value: Any, conversion: str | None) -> Any:
+        """The value as `!r`, `!s` or `!a` ask for it."""
+        text = {"r": represented, "a": represented, "s": written}.get(conversion or "", lambda found: found)(value)
+        return text.encode("ascii", "backslashreplace").decode("ascii") if conversion == "a" else text
+
     def format_field(self, value: Any, format_spec: str) -> str:
         """`format(value, format_spec)`."""
         return formatted(value, format_spec)
@@ -96,7 +101,7 @@ def check_percent(template: str, values: object) -> None:
     for parts in DIRECTIVE.findall(template):
         for part in parts:
             if part == "*":
-                numbers = [v for v in (values if isinstance(values, tuple) else (values,)) if isinstance(v, int)]
+                numbers = [whole(v) for v in (values if isinstance(values, tuple) else (values,)) if isinstance(v, int)]
                 refuse_too_long(max(map(abs, numbers), default=0))
             elif part:
                 check_specification(part)
@@ -105,27 +110,30 @@ def check_percent(template: str, values: object) -> None:
 def join(budget: Budget, separator: Any, parts: Any) -> Any:
     """`separator.join(parts)`."""
     found = list(parts)
-    refuse_too_long(len(separator) * len(found) + sum(len(part) for part in found if isinstance(part, (str, bytes))))
+    refuse_too_long(length_of(separator) * len(found) + sum(map(length_of, found)))
     return paid(budget, separator.join(found))
 
 
 def replace(budget: Budget, text: str, old: str, new: str, count: int = -1) -> str:
     """`text.replace(old, new, count)`."""
-    found = text.count(old)
-    refuse_too_long(len(text) + (found if count < 0 else min(count, found)) * max(0, len(new) - len(old)))
+    found = str.count(text, old)
+    count = whole(count)
+    refuse_too_long(length_of(text) + (found if count < 0 else min(count, found)) * max(0, length_of(new) - length_of(old)))
     return paid(budget, text.replace(old, new, count))
 
 
 def translate(budget: Budget, text: str, table: Any) -> str:
     """`text.translate(table)`."""
-    longest = max((len(v) for v in table.values() if isinstance(v, str)), default=1) if isinstance(table, Mapping) else 1
+    if type(table) is not dict:
+        raise TypeError("translate() takes a dictionary, as str.maketrans makes it")
+    longest = max((length_of(v) for v in table.values() if isinstance(v, str)), default=1)
     refuse_too_long(len(text) * longest)
     return paid(budget, text.translate(table))
 
 
 def expandtabs(budget: Budget, text: str, tabsize: int = 8) -> str:
     """`text.expandtabs(tabsize)`."""
-    refuse_too_long(len(text) + text.count("\t") * max(0, tabsize))
+    refuse_too_long(len(text) + str.count(text, "\t") * max(0, whole(tabsize)))
     return paid(budget, text.expandtabs(tabsize))
 
 
@@ -153,7 +161,56 @@ def zfill(budget: Budget, text: str, width: int) -> str:
     return paid(budget, text.zfill(width))
 
 
+SLOW = ("rfind", "rindex", "rpartition", "rsplit", "strip", "lstrip", "rstrip")
+"""Methods for which Python may compare each character of the text with each of the argument."""
+
+
+def comparing(name: str) -> Any:
+    """A method of texts that pays for the characters that it compares."""
+    method = getattr(str, name)
+
+    def made(budget: Budget, text: str, *arguments: Any, **keywords: Any) -> object:
+        budget.spend(length_of(text) * max([length_of(a) for a in (*arguments, *keywords.values()) if isinstance(a, str)], default=0) // 8)
+        return method(text, *arguments, **keywords)
+
+    return made
+
+
+def beginning(name: str) -> Any:
+    """`startswith` or `endswith`, which pays for each text that may begin or end it."""
+    method = getattr(str, name)
+
+    def made(budget: Budget, text: str, several: Any, *limits: Any) -> object:
+        if isinstance(several, tuple):
+            budget.spend(sum(map(length_of, several)))
+        return method(text, several, *limits)
+
+    return made
+
+
+ENCODINGS = frozenset({"utf8", "utf16", "utf32", "ascii", "latin1", "iso88591", "cp1252"})
+
+
+def check_encoding(name: Any) -> None:
+    """Refuse an encoding that runs more than a few lines of C for each character. Raises `RunError`."""
+    if not isinstance(name, str) or str.replace(str.lower(name), "-", "").replace("_", "") not in ENCODINGS:
+        raise RunError("texts are encoded as utf-8, utf-16, utf-32, ascii, latin-1 or cp1252", rule="E-Call-Host")
+
+
+def encode(budget: Budget, text: str, encoding: str = "utf-8", errors: str = "strict") -> bytes:
+    """`text.encode(encoding, errors)`."""
+    check_encoding(encoding)
+    return paid(budget, str.encode(text, encoding, errors))
+
+
+def decode(budget: Budget, data: bytes, encoding: str = "utf-8", errors: str = "strict") -> str:
+    """`data.decode(encoding, errors)`."""
+    check_encoding(encoding)
+    return paid(budget, bytes.decode(data, encoding, errors))
+
+
 METHODS = {
+    **{name: comparing(name) for name in SLOW}, "startswith": beginning("startswith"), "endswith": beginning("endswith"), "encode": encode,
     "format": format_method, "format_map": format_map_method, "join": join, "replace": replace, "translate": translate, "expandtabs": expandtabs,
     "ljust": ljust, "rjust": rjust, "center": center, "zfill": zfill,
 }
