@@ -87,4 +87,5 @@ def content_of(simulation: Simulated) -> str:
     found = to_json(simulation, 1)
     scene = found["scene"]
     assert isinstance(scene, dict)
-    return json.dumps([scene["params"], scene["ego"], scene["objects"], found["steps"], found["result"], found["reason"]], allow_nan=False)
+    parts = [scene["params"], scene["ego"], scene["objects"], *(found[name] for name in ("created", "steps", "result", "reason"))]
+    return json.dumps(parts, allow_nan=False)

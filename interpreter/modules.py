@@ -14,23 +14,30 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..semantics.budget import refuse_too_long
 from ..semantics.errors import ImportRefused, ScenicError, UsageError
+from ..semantics.imports import beside, key_of, member_key, package_of
 from ..semantics.library import MODULES
 from ..semantics.scopes import descendants
 from ..semantics.syntax import Program
 from ..semantics.syntax import statements as s
 from .parser import parse
 
+Found = Program | Mapping[str, object] | Exception | None
 Library = dict[str, Program | Mapping[str, object] | Exception]
 World = Callable[[], str | Mapping[str, object]]
 """A shipped module: gives the text of a Scenic module, or the namespace of a Python one."""
 
 
-def _members(module: object, without: tuple[str, ...] = ()) -> Mapping[str, object]:
-    return {n: getattr(module, n) for n in dir(module) if not n.startswith("_") and n not in without}
+def _members(module: object) -> Mapping[str, object]:
+    """What a program meets of a Python module: the names that do not begin with an underscore, and those in its `__all__`, which `*` imports."""
+    listed = getattr(module, "__all__", None)
+    found = {name: getattr(module, name) for name in dir(module) if not name.startswith("_")}
+    if isinstance(listed, (list, tuple)) and all(isinstance(name, str) for name in listed):
+        found |= {name: getattr(module, name) for name in listed if hasattr(module, name)} | {"__all__": list(listed)}
+    return found
 
 
 class Seeded(random.Random):
@@ -56,42 +63,79 @@ HARMLESS: Mapping[str, Mapping[str, object]] = {**MODULES, "random": {"Random": 
 """The standard modules that need no trust."""
 
 
+class Asked(NamedTuple):
+    """A module as a statement names it, in a module of `package`; not `needed` where `from m import n` names m.n, which may be no module."""
+
+    name: str
+    level: int
+    package: str
+    needed: bool
+
+
 def library_of(
     program: Program, *, worlds: Mapping[str, World], model: str | None, trust: bool, directory: Path | None, dialect: str | None
 ) -> Library:
-    """Every module that the program, or a module it imports, may ask for by a statement."""
+    """Every module that the program, or a module it imports, may ask for by a statement, by its key (`semantics/imports.py`)."""
     library: Library = {}
-    waiting = [(model, True)] if model else []
-    waiting += imported_names(program)
+    waiting = [Asked(model, 0, ".", needed=True)] if model else []
+    waiting += imported_names(program, ".")
     while waiting:
-        name, is_needed = waiting.pop()
-        if name in library:
+        asked = waiting.pop()
+        key = beside(asked.name, asked.level or 1, asked.package if asked.level else ".")
+        if (key if asked.level else asked.name) in library or isinstance(library.get(key), (Program, Mapping)):
             continue
-        found = find(name, worlds=worlds, trust=trust, directory=directory, dialect=dialect, importer=program.file)
-        if found is None and is_needed:
-            near = get_close_matches(name, [*worlds, *HARMLESS], n=1)
-            found = ImportRefused(f"there is no module {name}", hint=f"did you mean {near[0]}?" if near else "")
+        key, found = located(asked, key, program, worlds=worlds, trust=trust, directory=directory, dialect=dialect)
         if found is not None:
-            library[name] = found
+            library[key] = found
         if isinstance(found, Program):
-            waiting += imported_names(found)
+            waiting += imported_names(found, package_of(key))
     return library
 
 
-def imported_names(program: Program) -> Iterator[tuple[str, bool]]:
-    """The modules that the statements of a program name, wherever they stand; False for `from m import n`, where m.n may be one."""
+def located(
+    asked: Asked, key: str, program: Program, *, worlds: Mapping[str, World], trust: bool, directory: Path | None, dialect: str | None
+) -> tuple[str, Found]:
+    """The key of what was asked for, which would be `key` beside the program, and what it is: None for what need not be there and is not."""
+    found: Found = find_beside(key, directory=directory, dialect=dialect, importer=program.file)
+    if found is not None:
+        return key, found
+    if not asked.level and (asked.name in worlds or asked.name in HARMLESS):
+        return asked.name, shipped(asked.name, worlds)
+    if is_package(key, directory):
+        return key, {}
+    key = key if asked.level else asked.name
+    found = find_python(key, trust=trust, directory=directory) if asked.needed or trust else None
+    return key, absent("." * asked.level + asked.name, worlds) if found is None and asked.needed else found
+
+
+def imported_names(program: Program, package: str) -> Iterator[Asked]:
+    """The modules that the statements of a program name, wherever they stand."""
     for statement in program.statements:
         for node in descendants(statement):
             match node:
                 case s.Import(names=names):
-                    yield from ((n.name, True) for n in names)
+                    yield from (Asked(n.name, 0, package, needed=True) for n in names)
                 case s.ImportFrom(module=module, names=names, level=level):
-                    yield "." * level + module, bool(module)
-                    yield from ((f"{'.' * level}{module}.{n.name}", False) for n in names)
+                    yield Asked(module, level, package, needed=True)
+                    yield from (Asked(member_key(module, n.name).lstrip("."), level, package, needed=False) for n in names)
                 case s.Model(name=name):
-                    yield name, True
+                    yield Asked(name, 0, package, needed=True)
                 case _:
                     pass
+
+
+def absent(name: str, worlds: Mapping[str, World]) -> ModuleNotFoundError:
+    """That there is no such module, and the nearest name that there is."""
+    error = ModuleNotFoundError(f"there is no module {name}")
+    near = get_close_matches(name, [*worlds, *HARMLESS], n=1)
+    if near:
+        error.add_note(f"did you mean {near[0]}?")
+    return error
+
+
+def module_named(name: str, library: Library) -> Found:
+    """The module that the main program means by a name."""
+    return library.get(key_of(name, 0, ".", library))
 
 
 def with_old_imports(program: Program, library: Library) -> Program:
@@ -102,27 +146,42 @@ def with_old_imports(program: Program, library: Library) -> Program:
     for statement in program.statements:
         statements.append(statement)
         if isinstance(statement, s.Import):
-            statements += [s.ImportFrom(module=n.name, names=(), span=n.span) for n in statement.names if isinstance(library.get(n.name), Program)]
+            scenic = [n for n in statement.names if isinstance(module_named(n.name, library), Program)]
+            statements += [s.ImportFrom(module=n.name, names=(), span=n.span) for n in scenic]
     return replace(program, statements=tuple(statements))
 
 
-def find(
-    name: str, *, worlds: Mapping[str, World], trust: bool, directory: Path | None, dialect: str | None, importer: str = ""
-) -> Program | Mapping[str, object] | Exception | None:
-    """The module of that name; an error to raise at the import; None if there is none."""
-    local = scenic_file(name, directory)
-    if local is not None and leads_away(local, folder_of(name, directory)):
-        return linked_program(name, local, dialect)
-    if local is not None and not (importer and local.resolve() == Path(importer).resolve()):
-        return read_program(local, dialect)
-    if name in worlds:
-        found = worlds[name]()
-        return parse(found, f"<{name}>") if isinstance(found, str) else found
-    if name in HARMLESS:
-        return HARMLESS[name]
-    if name.startswith("."):
+def find_beside(key: str, *, directory: Path | None, dialect: str | None, importer: str) -> Program | Exception | None:
+    """The Scenic module beside the program, an error to raise at the import, None if there is none. The program itself is no module."""
+    if directory is None or not key.strip("."):
         return None
-    if not python_module_exists(name, directory):
+    path = path_of(key, directory)
+    file = path.with_name(f"{path.name}.scenic")
+    if not file.is_file():
+        return None
+    if leads_away(file, folder_of(key, directory)):
+        return linked_program(key.lstrip("."), file, dialect)
+    return None if importer and file.resolve() == Path(importer).resolve() else read_program(file, dialect)
+
+
+def is_package(key: str, directory: Path | None) -> bool:
+    """Whether this is the program's folder, one above it, or one below with Scenic modules."""
+    if directory is None:
+        return False
+    path = path_of(key, directory)
+    return not key.strip(".") or (path.is_dir() and not leads_away(path, folder_of(key, directory)) and any(path.glob("*.scenic")))
+
+
+def shipped(name: str, worlds: Mapping[str, World]) -> Program | Mapping[str, object]:
+    """The module that comes with the project, or that every Python has and that is harmless."""
+    found = worlds[name]() if name in worlds else HARMLESS[name]
+    return parse(found, f"<{name}>") if isinstance(found, str) else found
+
+
+def find_python(key: str, *, trust: bool, directory: Path | None) -> Mapping[str, object] | Exception | None:
+    """The Python module, or why it is refused; None if there is none."""
+    name = key[1:] if key.startswith(".") else key
+    if not name or name.startswith(".") or not python_module_exists(name, directory, only_beside=key.startswith(".")):
         return None
     if not trust:
         return ImportRefused(
@@ -132,9 +191,9 @@ def find(
     return load_python(name, directory)
 
 
-def leads_away(path: Path, folder: Path | None) -> bool:
+def leads_away(path: Path, folder: Path) -> bool:
     """Whether a link leads from the folder in which a module is looked for to a file elsewhere."""
-    return folder is not None and not path.resolve().is_relative_to(folder.resolve())
+    return not path.resolve().is_relative_to(folder.resolve())
 
 
 def linked_program(name: str, path: Path, dialect: str | None) -> Program | Exception:
@@ -145,20 +204,15 @@ def linked_program(name: str, path: Path, dialect: str | None) -> Program | Exce
         return ImportRefused(f"{name} is a link to a file outside the program's folder, and that is no Scenic program")
 
 
-def scenic_file(name: str, directory: Path | None) -> Path | None:
-    """NAME.scenic next to the program, dots being folders."""
-    base = folder_of(name, directory)
-    if base is None:
-        return None
-    stripped = name.lstrip(".")
-    path = base.joinpath(*stripped.split(".")).with_suffix(".scenic") if stripped else base
-    return path if path.is_file() else None
+def path_of(key: str, directory: Path) -> Path:
+    """Where a module beside the program stands, without the ending."""
+    stripped = key.lstrip(".")
+    return folder_of(key, directory).joinpath(*stripped.split(".")) if stripped else folder_of(key, directory)
 
 
-def folder_of(name: str, directory: Path | None) -> Path | None:
-    """The folder that a module's name begins in: the program's, or one above it for each dot after the first."""
-    dots = len(name) - len(name.lstrip("."))
-    return directory if directory is None or dots < 2 else directory.joinpath(*[".."] * (dots - 1))
+def folder_of(key: str, directory: Path) -> Path:
+    """The folder that a key begins in: the program's, or one above it for each dot after the first."""
+    return directory.joinpath(*[".."] * (len(key) - len(key.lstrip(".")) - 1))
 
 
 def read_program(path: Path, dialect: str | None) -> Program:
@@ -188,19 +242,23 @@ def read_text(path: Path) -> str:
         raise UsageError(f"{path} is not a text file in UTF-8 (byte {error.start})") from None
 
 
-def python_module_exists(name: str, directory: Path | None) -> bool:
-    """Whether Python would find the module, without running any of it."""
+def python_module_exists(name: str, directory: Path | None, *, only_beside: bool) -> bool:
+    """Whether Python would find the module, or the package that it would be in, without running any of it."""
     first = name.partition(".")[0]
-    if directory is not None and (directory / f"{first}.py").is_file():
-        return True
+    if directory is not None:
+        places = [path_of(f".{name}", directory), path_of(f".{first}", directory)]
+        if any(place.with_name(f"{place.name}.py").is_file() or (place / "__init__.py").is_file() for place in places):
+            return True
+    if only_beside or is_package(f".{first}", directory):
+        return False
     try:
         return importlib.util.find_spec(first) is not None
     except (ImportError, ValueError):
         return False
 
 
-def load_python(name: str, directory: Path | None) -> Mapping[str, object] | Exception:
-    """Import a Python module that the user trusts."""
+def load_python(name: str, directory: Path | None) -> Mapping[str, object] | Exception | None:
+    """Import a Python module that the user trusts; None if it turns out not to exist."""
     if directory is not None and str(directory) not in sys.path:
         sys.path.insert(0, str(directory))
     try:
@@ -208,4 +266,6 @@ def load_python(name: str, directory: Path | None) -> Mapping[str, object] | Exc
     except ScenicError:
         raise
     except Exception as exception:  # trusted code may fail in any way; the import statement reports it
+        if isinstance(exception, ModuleNotFoundError) and exception.name is not None and f"{name}.".startswith(f"{exception.name}."):
+            return None
         return ImportRefused(f"importing {name} failed: {type(exception).__name__}: {exception}")

@@ -24,7 +24,7 @@ from ..inference.statistics.columns import Table, features_table
 from ..inference.statistics.facts import Facts
 from ..interpreter.checks import check
 from ..interpreter.choosers import AS_THEY_ARE, Draws, from_stream
-from ..interpreter.modules import library_of, read_text, with_old_imports
+from ..interpreter.modules import library_of, module_named, read_text, with_old_imports
 from ..interpreter.parser import parse
 from ..interpreter.recorded import Recording, recording_of
 from ..interpreter.replays import replay_once
@@ -78,8 +78,9 @@ class Scenario:
             self.program, worlds=WORLDS, model=self.model, trust=self.trust, directory=self.directory,
             dialect=self.program.dialect if self.program.dialect != "paper" else None,
         )
-        if self.model is not None and isinstance(library.get(self.model), Exception):
-            raise UsageError(f"the world model: {library[self.model]}", hint=getattr(library[self.model], "hint", ""))
+        world = None if self.model is None else module_named(self.model, library)
+        if isinstance(world, Exception):
+            raise UsageError(f"the world model: {world}", hint=getattr(world, "hint", "") or "; ".join(getattr(world, "__notes__", ())))
         return make_settings(self.readings, library, self.params, self.model, self.scenario, trusted=self.trust)  # type: ignore[arg-type]
 
     def start(self) -> Config:

@@ -185,6 +185,7 @@ def set_attribute(subject: object, name: str, assigned: object, node: Node, stat
     inner = subject
     match inner:
         case Instance():
+            refuse_controlled(inner, canonical(name), node, state)
             checked = checked_property(canonical(name), assigned, node.span, f".{name} =", state)
             return state.with_properties(inner, {canonical(name): checked})
         case Module():
@@ -201,6 +202,19 @@ def set_attribute(subject: object, name: str, assigned: object, node: Node, stat
             return state
         case _:
             raise HostException(AttributeError(f"attribute {name} of a {type(inner).__name__} cannot be assigned"))
+
+
+def refuse_controlled(target: Instance, name: str, node: Node, state: State) -> None:
+    """Properties that the simulator updates "are controlled using actions and not direct assignments" (Section "Statements", "Overrides").
+
+    Objects of a setup block that is not over are not in the simulation yet. Raises `RunError`.
+    """
+    simulation = state.simulation
+    if simulation is not None and name in simulation.fixed and target.number < simulation.known and is_object(target):
+        raise RunError(
+            f"{name} of {target!r} is updated by the simulator: it cannot be assigned", node.span, rule="S-Assignment",
+            hint="take an action that changes it; before the simulation, and in the setup block that makes the object, it can be assigned",
+        )
 
 
 def set_item(container: object, index: object, assigned: object, node: Node, state: State) -> None:

@@ -1,4 +1,4 @@
-"""Classes and modules: class definitions, `import`, `model`."""
+"""Class definitions."""
 
 from __future__ import annotations
 
@@ -10,17 +10,15 @@ from .assignment import done
 from .classes import OBJECT_CLASS, canonical
 from .config import Abrupt, Config, Stack, State
 from .control import block
-from .errors import CheckError, ImportRefused, RunError
+from .errors import CheckError, RunError
 from .host import HostException
 from .kinds import kind_name
-from .library import bound
 from .outcome import Change, Next, Outcome
 from .premises import premises
-from .scopes import MISSING, NO_NAMES, Scope
-from .syntax import Program
+from .scopes import NO_NAMES, Scope
 from .syntax import statements as s
 from .syntax.nodes import Node
-from .values import Module, ScenicClass, plain
+from .values import ScenicClass, plain
 
 # Classes
 
@@ -116,120 +114,3 @@ def make_python_class(node: s.ClassDefinition, superclasses: tuple[type, ...], m
     except Exception as exception:
         raise HostException(exception) from exception
     return made
-
-
-# Modules
-
-
-class ModuleBody(NamedTuple):
-    """Frame of an imported module's statements; `then` is the import that goes on afterwards."""
-
-    name: str
-    outer: Scope
-    then: Node
-
-
-def import_statement(node: s.Import, stack: Stack, state: State) -> Outcome:
-    """`import a.b as c`."""
-    for imported in node.names:
-        if imported.name not in state.modules:
-            return load(imported.name, node, stack, state)
-    for imported in node.names:
-        module = state.modules[imported.name]
-        if imported.alias is not None:
-            state.sigma.bind(imported.alias, module)
-        else:
-            bind_dotted(imported.name, module, state)
-    return done("S-Import", node, stack, state)
-
-
-def bind_dotted(name: str, module: object, state: State) -> None:
-    """`import a.b.c` binds a, through which a.b.c is reached."""
-    first, *rest = name.split(".")
-    if not rest:
-        state.sigma.bind(first, module)
-        return
-    found = state.sigma.bindings.get(first)
-    package = found if isinstance(found, Module) else Module(first, Scope("module", None))
-    state.sigma.bind(first, package)
-    for part in rest[:-1]:
-        inner = package.scope.bindings.setdefault(part, Module(part, Scope("module", None)))
-        assert isinstance(inner, Module)
-        package = inner
-    package.scope.bindings[rest[-1]] = module
-
-
-def import_from(node: s.ImportFrom, stack: Stack, state: State) -> Outcome:
-    """`from m import a, b` and `from m import *`."""
-    name = "." * node.level + node.module
-    if name not in state.modules:
-        return load(name, node, stack, state)
-    module = state.modules[name]
-    names = {n.name: n.alias or n.name for n in node.names} or {n: n for n in public_names(module)}
-    for member, alias in names.items():
-        submodule = f"{name}.{member}"
-        found = member_of(module, member)
-        if found is MISSING and submodule in state.settings.library:
-            if submodule not in state.modules:
-                return load(submodule, node, stack, state)
-            found = state.modules[submodule]
-        if found is MISSING and member == "ego" and state.ego is not None:
-            continue  # all modules share it
-        if found is MISSING:
-            raise RunError(f"the module {name} has no {member}", node.span, rule="S-Import")
-        state.sigma.bind(alias, found)
-    return done("S-Import", node, stack, state)
-
-
-def model(node: s.Model, stack: Stack, state: State) -> Outcome:
-    """⟨model m⟩ → ⟨from m import *⟩; the command line may name another m for the program (`programs.initial`)."""
-    return Next("S-Model", Config(s.ImportFrom(module=node.name, names=(), span=node.span), stack, state), node)
-
-
-def public_names(module: object) -> list[str]:
-    """What `*` imports."""
-    names = list(module.scope.bindings) if isinstance(module, Module) else dir(module)
-    return [n for n in names if not n.startswith("_")]
-
-
-def member_of(module: object, name: str) -> object:
-    """A member of a module, or MISSING."""
-    if isinstance(module, Module):
-        return module.scope.bindings.get(name, MISSING)
-    return MISSING if name.startswith("_") else getattr(module, name, MISSING)
-
-
-def load(name: str, node: Node, stack: Stack, state: State) -> Outcome:
-    """Run a Scenic module, once per run, or take a Python one; then try the import again."""
-    found = state.settings.library.get(name, MISSING)
-    if isinstance(found, Program):
-        builtins = state.sigma.module.parent
-        scope = Scope("module", builtins)
-        module = Module(name, scope)
-        begun = state._replace(sigma=scope, modules={**state.modules, name: module})
-        return block(found.statements, (ModuleBody(name, state.sigma, node), stack), begun, "S-Import", node)
-    if isinstance(found, Exception):
-        raise ImportRefused(str(found), node.span, rule="S-Import", hint=getattr(found, "hint", ""))
-    if found is MISSING:
-        raise RunError(f"there is no module {name}", node.span, rule="S-Import")
-    budget = state.settings.door.budget
-    own = {member: bound(own_copy(value), budget) for member, value in found.items()} if isinstance(found, Mapping) else {}
-    module = Module(name, Scope("module", None, bindings=own)) if isinstance(found, Mapping) else found
-    return Next("", Config(node, stack, state._replace(modules={**state.modules, name: module})))
-
-
-def own_copy(value: object) -> object:
-    """A value of a Python module as a run gets it: what the program changes in it, no other run sees."""
-    if type(value) is dict:
-        return {key: own_copy(item) for key, item in value.items()}
-    return [own_copy(item) for item in value] if type(value) is list else value
-
-
-def resume_module_body(frame: ModuleBody, result: object, stack: Stack, state: State) -> Outcome:
-    """The module has run: go on with the import."""
-    return Next("", Config(frame.then, stack, state._replace(sigma=frame.outer)))
-
-
-def unwind_module_body(frame: ModuleBody, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
-    """An exception in the module."""
-    return Next("", Config(abrupt, stack, state._replace(sigma=frame.outer)))

@@ -20,6 +20,7 @@ from . import (
     draws,
     expressions,
     functions,
+    imports,
     object_definitions,
     operators,
     resolution,
@@ -145,7 +146,7 @@ _PAPER = [
     Rule("S-SoftReq-Check", "Soft Requirements (with probability p)", STATEMENTS, statements.soft_requirement),
     Rule("S-SoftReq-Skip", "Soft Requirements (with probability 1-p)", STATEMENTS, statements.soft_requirement),
     Rule("S-Mutate", "Mutations", STATEMENTS, statements.mutate),
-    Rule("S-Model", "Selecting a World Model", 'Section "Statements"', definitions.model),
+    Rule("S-Model", "Selecting a World Model", 'Section "Statements"', imports.model),
     Rule("S-Class", "class definitions", 'Section "Data Types"', definitions.class_definition),
     Rule("S-Dynamic", "dynamic requirements and termination conditions", 'Section "Statements"', declarations.dynamic_requirement),
     Rule("S-Definition", "behaviors, monitors and scenarios", 'Section "Statements"', declarations.dynamic_definition),
@@ -184,7 +185,7 @@ _INHERITED = [
     ("S-Except", "except", control.handle),
     ("S-Finally", "finally", control.resume_finally),
     ("S-Delete", "del", assignment.delete),
-    ("S-Import", "import", definitions.import_statement),
+    ("S-Import", "import", imports.import_statement),
 ]
 
 PROCEDURE = 'Section "Semantics of Scenic", "Dynamic Constructs"'

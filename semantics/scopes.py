@@ -30,14 +30,17 @@ NO_NAMES = Names(frozenset(), frozenset(), frozenset())
 
 
 class Scope:
-    """One level of σ; `kind` is "builtins", "module", "function", "class" or "comprehension"."""
+    """One level of σ; `kind` is "builtins", "module", "function", "class" or "comprehension"; `package` is that of a module."""
 
-    __slots__ = ("bindings", "kind", "names", "parent")
+    __slots__ = ("bindings", "kind", "names", "package", "parent")
 
-    def __init__(self, kind: str, parent: Scope | None, names: Names = NO_NAMES, bindings: dict[str, object] | None = None) -> None:
+    def __init__(
+        self, kind: str, parent: Scope | None, names: Names = NO_NAMES, bindings: dict[str, object] | None = None, package: str = "."
+    ) -> None:
         self.kind = kind
         self.parent = parent
         self.names = names
+        self.package = package
         self.bindings: dict[str, object] = {} if bindings is None else bindings
 
     def lookup(self, name: str) -> object:
@@ -86,7 +89,7 @@ class Scope:
             return self
         seen = {} if seen is None else seen
         parent = None if self.parent is None else self.parent.snapshot(seen)
-        return Scope(self.kind, parent, self.names, {name: copied(value, seen) for name, value in self.bindings.items()})
+        return Scope(self.kind, parent, self.names, {name: copied(value, seen) for name, value in self.bindings.items()}, self.package)
 
 
 def copied(value: object, seen: dict[int, object]) -> object:

@@ -19,6 +19,7 @@ from . import (
     draws,
     expressions,
     functions,
+    imports,
     object_definitions,
     operations,
     premises,
@@ -103,11 +104,11 @@ REDUCE: Mapping[type, Callable[..., Outcome]] = {
     s.Assert: control.assert_statement,
     s.Raise: control.raise_statement,
     s.Try: control.try_statement,
-    s.Import: definitions.import_statement,
-    s.ImportFrom: definitions.import_from,
+    s.Import: imports.import_statement,
+    s.ImportFrom: imports.import_from,
     s.ClassDefinition: definitions.class_definition,
     # Scenic's static statements
-    s.Model: definitions.model,
+    s.Model: imports.model,
     s.Param: statements.param,
     s.Require: statements.hard_requirement,
     s.SoftRequire: statements.soft_requirement,
@@ -156,7 +157,7 @@ RESUME: Mapping[type, Callable[..., Outcome]] = {
     statements.Requiring: statements.resume_requiring,
     draws.Apart: draws.resume_apart,
     definitions.ClassBody: definitions.resume_class_body,
-    definitions.ModuleBody: definitions.resume_module_body,
+    imports.ModuleBody: imports.resume_module_body,
     termination.Finishing: termination.resume_finishing,
     termination.Mutating: termination.resume_mutating,
     termination.Late: termination.resume_late,
@@ -193,7 +194,7 @@ UNWIND: Mapping[type, Callable[..., Outcome]] = {
     control.Finally: control.unwind_finally,
     draws.Apart: draws.unwind_apart,
     definitions.ClassBody: definitions.unwind_class_body,
-    definitions.ModuleBody: definitions.unwind_module_body,
+    imports.ModuleBody: imports.unwind_module_body,
     guards.Guarding: guards.unwind_guarding,
     interrupts.Abortable: interrupts.unwind_abortable,
     interrupts.Interrupting: interrupts.unwind_interrupting,
@@ -270,7 +271,12 @@ def unwind(abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
     if isinstance(exception, GuardViolation):
         return Stuck("D-Guard", Requirement("guard", abrupt.span, str(exception)))
     assert isinstance(exception, BaseException)
-    return Fault(UncaughtException(f"{type(exception).__name__}: {exception}".rstrip(": "), abrupt.span, exception=exception))
+    return Fault(UncaughtException(f"{type(exception).__name__}: {exception}".rstrip(": "), abrupt.span, exception=exception, hint=notes(exception)))
+
+
+def notes(exception: BaseException) -> str:
+    """What was noted on an exception that nothing caught: a suggested repair."""
+    return "; ".join(getattr(exception, "__notes__", ()))
 
 
 def raised(problem: HostException, config: Config) -> Next:

@@ -98,7 +98,11 @@ class Writer:
     def scenarios(self, setup: list[str]) -> list[str]:
         """The objects in a scenario Main, which runs others."""
         lines = ["scenario Part(n=1):", f"    precondition: ego.x < {self.pick('1', '2')}", "    setup:"]
-        lines += indented(indented([f"override ego with x {self.pick('1', 'Uniform(0, 1)')}" if self.random.random() < 0.5 else "y = n"]))
+        setup_of_part = [f"override ego with x {self.pick('1', 'Uniform(0, 1)')}" if self.random.random() < 0.5 else "y = n"]
+        if self.random.random() < 0.4:
+            setup_of_part += [f"made = Object at ({self.pick('0', 'n')}, 9), with made {self.pick('n', 'Uniform(1, 2)')}, with allowCollisions True"]
+            setup_of_part += [self.pick("pass", "made.position = (n, 12)", "made.heading = 1")]
+        lines += indented(indented(setup_of_part))
         lines += ["    compose:", *indented(indented([self.pick("wait", "ego.x = ego.x + n\nwait").replace("\n", "\n        "), "wait"]))]
         choices = "do choose {Part(): 1, Part(2): 1}", "do Part(), Part(2)", "do shuffle Part(), Part(2)"
         compose = self.pick("do Part()", "do Part() for 1 steps", *choices)

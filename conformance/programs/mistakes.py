@@ -245,7 +245,9 @@ EXCEPTIONS = (
     uncaught("exception out of a handler", "try:\n    raise KeyError('a')\nexcept KeyError:\n    raise ValueError('b')"),
     Mistake("import of a Python module", "import os", ImportRefused, "S-Import"),
     Mistake("import from a Python module", "from subprocess import run", ImportRefused, "S-Import"),
-    Mistake("import of no module", "import nothing_of_that_name", ImportRefused, "S-Import"),
+    uncaught("import of no module", "import nothing_of_that_name"),
+    uncaught("import of no name", "from math import nothing_of_that_name"),
+    uncaught("relative import of no module", "from .math import sqrt"),
     Mistake("endless loop", "while True:\n    pass", FuelExhausted),
 )
 

@@ -46,7 +46,7 @@ def begin(state: State, timestep: float = DEFAULT_TIMESTEP, fixed: frozenset[str
     """
     own = state.initial.space if state.initial is not None else None
     top = scenario_from(TOP, state.initial, own or state.sigma, state.dynamic, 0)
-    simulation = Simulation(0, timestep, {TOP: top}, active=(TOP,), fixed=fixed | {"position", "heading"})
+    simulation = Simulation(0, timestep, {TOP: top}, active=(TOP,), fixed=fixed | {"position", "heading"}, known=state.made)
     objects = {number: {name: plain(value) for name, value in properties.items()} for number, properties in state.objects.items()}
     return state._replace(simulation=simulation, objects=objects, dynamic=(), handling=(), depth=0)
 

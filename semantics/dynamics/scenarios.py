@@ -171,7 +171,7 @@ def resume_set_up(frame: SetUp, result: object, stack: Stack, state: State) -> O
     running = scenario_from(number, scenario, state.sigma, state.dynamic, simulation.step, state.depth + 1)
     if number in simulation.scenarios:  # what its setup overrode
         running = running._replace(overrides=simulation.scenarios[number].overrides)
-    state = with_scenario(with_simulation(state, begun=number + 1), running)
+    state = with_scenario(with_simulation(state, begun=number + 1, known=state.made), running)
     state = state._replace(dynamic=setting.before.dynamic, sigma=setting.before.sigma)
     return set_up(setting._replace(index=setting.index + 1, begun=(*setting.begun, number)), stack, state)
 

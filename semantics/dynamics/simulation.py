@@ -77,7 +77,8 @@ class Simulation(NamedTuple):
     """The time in steps, how many seconds a step has, the scenarios by number (in the order in which they began), and the agents.
 
     `active` are the scenarios that run in this time step, `flag` says why the scenario is to end, once it is ("" until then), `limit` that it is to
-    end in this time step in any case, `fixed` are the properties that the simulator updates.
+    end in this time step in any case, `fixed` are the properties that the simulator updates: those of the Objects among the instances below number
+    `known`, which were made in setup blocks that are over.
     """
 
     step: int
@@ -90,6 +91,7 @@ class Simulation(NamedTuple):
     begun: int = 1
     overrides: int = 0
     fixed: frozenset[str] = frozenset()
+    known: int = 0
 
 
 def simulation_of(state: State) -> Simulation:

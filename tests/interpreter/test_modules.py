@@ -1,0 +1,141 @@
+"""Modules: `__all__`, relative names, packages, and imports of what does not exist."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import scenic_ref
+from scenic_ref.semantics.errors import ImportRefused, RunError, UncaughtException
+from scenic_ref.semantics.imports import beside, package_of
+
+
+def params(folder: Path, files: dict[str, str], program: str, **options: bool) -> dict[str, object]:
+    """The parameters of a program among these files."""
+    for name, text in {**files, "program.scenic": program}.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    return dict(scenic_ref.load(folder / "program.scenic", **options).sample().params)  # type: ignore[arg-type]
+
+
+LISTED = "x = 1\n_y = 2\nz = 3\nclass Box(Object):\n    width: 5\n"
+
+
+@pytest.mark.parametrize("statement", ["from lib import *", "model lib", "from .lib import *"])
+@pytest.mark.parametrize("ending", ["scenic", "py"])
+def test_a_star_imports_what_all_says(tmp_path, statement, ending):
+    text = LISTED if ending == "scenic" else LISTED[: LISTED.index("class")]
+    program = f"{statement}\nego = Object\nparam r = [x, _y]\n"
+    files = {f"lib.{ending}": f"{text}__all__ = ['x']\n__all__ += ['_y']\n"}
+    assert params(tmp_path, files, program, trust=True) == {"r": [1, 2]}
+    with pytest.raises(RunError, match="z is not defined"):
+        params(tmp_path, files, f"{program}param s = z\n", trust=True)
+
+
+def test_without_all_a_star_imports_what_does_not_begin_with_an_underscore(tmp_path):
+    files = {"lib.scenic": LISTED}
+    assert params(tmp_path, files, "from lib import *\nego = Box\nparam r = x + z\n") == {"r": 4}
+    with pytest.raises(RunError, match="_y is not defined"):
+        params(tmp_path, files, "from lib import *\nego = Box\nparam r = _y\n")
+
+
+@pytest.mark.parametrize(("listed", "message"), [
+    ("3", "is no list of names"), ("[1]", "is no list of names"), ("'x'", "is no list of names"), ("['w']", "the module lib has no w"),
+    ("[Uniform('x', 'x')]", "is no list of names"),
+])  # fmt: skip
+def test_an_all_that_is_none(tmp_path, listed, message):
+    with pytest.raises(RunError, match=message) as found:
+        params(tmp_path, {"lib.scenic": f"x = 1\n__all__ = {listed}\n"}, "pass\nfrom lib import *\nego = Object\n")
+    assert found.value.span.line == 2
+
+
+TREE = {
+    "top.scenic": "v = 'top'\n",
+    "b.scenic": "v = 'b of the program'\n",
+    "sub/a.scenic": "from .b import *\nfrom . import c\nfrom .deep import d\nfrom ..top import v as above\nimport b as absolute\n"
+    "def late():\n    from .c import v\n    return v\n",
+    "sub/b.scenic": "v = 'sub/b'\n",
+    "sub/c.scenic": "v = 'sub/c'\n",
+    "sub/deep/d.scenic": "from ..b import v\nfrom ...top import v as above\nfrom .. import c\n",
+}
+
+
+def test_relative_names_begin_in_the_folder_of_the_importing_module(tmp_path):
+    program = """
+from sub import a
+import sub.deep.d as d
+from .sub.c import v as c
+ego = Object
+param r = [a.v, a.c.v, a.d.v, a.above, a.absolute.v, a.late()]
+param same = a.d is d and d.c is a.c
+"""
+    expected = ["sub/b", "sub/c", "sub/b", "top", "b of the program", "sub/c"]
+    assert params(tmp_path, TREE, program) == {"r": expected, "same": True}
+
+
+def test_a_module_runs_once_however_it_is_named(tmp_path):
+    files = {"log.scenic": "times = []\n", "sub/a.scenic": "from ..log import times\ntimes.append(1)\n", "sub/b.scenic": "from . import a\n"}
+    program = "import sub.a\nfrom .sub import a, b\nfrom sub.a import times\nfrom .log import times as t\nego = Object\nparam r = [times, t]\n"
+    assert params(tmp_path, files, program) == {"r": [[1], [1]]}
+
+
+def test_a_relative_name_is_no_module_from_elsewhere(tmp_path):
+    for text in ("from .math import sqrt", "from .mars import Rover", "from . import math", "from .sub.math import sqrt"):
+        with pytest.raises(UncaughtException, match=r"there is no module|has no"):
+            params(tmp_path, TREE, f"{text}\nego = Object\n")
+    program = "try:\n    from .math import pi\nexcept ImportError:\n    import math\nego = Object\nparam r = math.floor(2.5)\n"
+    assert params(tmp_path, TREE, program) == {"r": 2}
+
+
+def test_python_modules_beside_the_importing_module_need_trust(tmp_path):
+    files = {"sub/a.scenic": "from .helper import three\n", "sub/helper.py": "three = 3\n"}
+    program = "from sub.a import three\nego = Object\nparam r = three\n"
+    with pytest.raises(ImportRefused, match=r"sub\.helper runs Python code"):
+        params(tmp_path, files, program)
+    assert params(tmp_path, files, program, trust=True) == {"r": 3}
+
+
+@pytest.mark.parametrize("text", [
+    "import nope", "from nope import x", "from math import nope", "from .nope import x", "from sub.a import nope", "import sub.nope",
+])  # fmt: skip
+@pytest.mark.parametrize("kind", ["ImportError", "Exception"])
+def test_what_does_not_exist_can_be_caught(tmp_path, text, kind):
+    program = f"r = 'imported'\ntry:\n    {text}\nexcept {kind} as problem:\n    r = str(problem)\nego = Object\nparam r = r\n"
+    found = params(tmp_path, TREE, program)["r"]
+    assert isinstance(found, str) and ("there is no module" in found or "has no nope" in found)
+
+
+def test_a_module_that_is_refused_cannot_be_caught(tmp_path):
+    with pytest.raises(ImportRefused, match="needs --trust"):
+        params(tmp_path, {}, "try:\n    import os\nexcept ImportError:\n    pass\nego = Object\n")
+
+
+def test_a_module_that_fails_is_not_imported(tmp_path):
+    files = {"bad.scenic": "x = 1\nraise ValueError('bad')\n"}
+    program = "def attempt():\n    try:\n        import bad\n        return bad.x\n    except ValueError as problem:\n        return str(problem)\n"
+    assert params(tmp_path, files, f"{program}ego = Object\nparam r = [attempt(), attempt()]\n") == {"r": ["bad", "bad"]}
+
+
+@pytest.mark.parametrize(("text", "hint"), [
+    ("from math import sqr", "did you mean sqrt?"), ("import maths", "did you mean math?"), ("from sub.a import lat", "did you mean late?"),
+    ("from numpy import arry", "give --trust"),
+])  # fmt: skip
+def test_the_error_names_the_nearest_name(tmp_path, text, hint):
+    with pytest.raises(RunError) as found:
+        params(tmp_path, TREE, f"{text}\nego = Object\n")
+    assert hint in found.value.hint
+    assert found.value.span.line == 1
+
+
+def test_an_unknown_name_of_a_trusted_module(tmp_path):
+    program = "try:\n    from json import nope\nexcept ImportError as problem:\n    r = str(problem)\nego = Object\nparam r = r\n"
+    assert params(tmp_path, {}, program, trust=True) == {"r": "the module json has no nope"}
+    program = program.replace("from json import nope", "import json.nope")
+    assert params(tmp_path, {}, program, trust=True) == {"r": "there is no module json.nope"}
+
+
+def test_keys():
+    assert [beside("b", level, ".sub.deep") for level in (1, 2, 3, 4)] == [".sub.deep.b", ".sub.b", ".b", "..b"]
+    assert [beside("", level, ".") for level in (1, 2)] == [".", ".."]
+    assert [package_of(key) for key in (".a", ".sub.a", "..a", "..sub.deep.a", "math")] == [".", ".sub", "..", "..sub.deep", "."]
