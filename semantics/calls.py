@@ -146,7 +146,7 @@ def check_call(function: object, arguments: tuple[object, ...], keywords: Mappin
     """Pay for what library code goes through, and refuse what it must not be given (`prices`), or what is none of a program's classes."""
     inner, named = list(map(plain, arguments)), {name: plain(a) for name, a in keywords.items()}
     check_arguments(function, inner, named, state.settings.door.budget)
-    if function in COMPARING:
+    if isinstance(function, BuiltinFunctionType) and function in COMPARING:
         check_written(*inner, *named.values())
     if function is Vector and not all(is_scalar(unwrap(a)[0]) for a in (*arguments, *keywords.values())):
         raise RunError(f"Vector(x, y) takes two scalars, not {', '.join(map(kind_name, (*inner, *named.values())))}", rule="E-Call-Host")
