@@ -33,6 +33,13 @@ def main() -> None:
     sys.exit(code)
 
 
+def open_wall() -> None:
+    """Lift the limits of the program that was run, for whoever asks for the next one in this process."""
+    walls = sys.modules.get(f"{__package__}.interpreter.walls".replace(".cli.", "."))
+    if walls is not None:
+        walls.WALL.open()
+
+
 def answer(arguments: list[str]) -> int:
     """The exit code of a command line; what it has to say goes to standard output and standard error."""
     from .session import Session
@@ -45,6 +52,7 @@ def answer(arguments: list[str]) -> int:
             app(arguments, prog_name="scenic-ref", obj=session)
         finally:
             sys.stdout.flush()
+            open_wall()
     except SystemExit as done:
         if isinstance(done.__context__, BrokenPipeError):
             session.hang_up()

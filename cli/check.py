@@ -8,16 +8,21 @@ import typer
 
 from .options import (
     DEFAULT_FUEL,
+    DEFAULT_MEMORY,
+    DEFAULT_SECONDS,
     DebugOption,
     DialectOption,
     FileArgument,
     FuelOption,
+    LimitMemoryOption,
+    LimitSecondsOption,
     ModelOption,
     ParamOption,
     ProfileOption,
     ReadingOption,
     Source,
     TrustOption,
+    limits_of,
     pairs,
     read_source,
 )
@@ -61,6 +66,8 @@ def check(
     model: ModelOption = None,
     param: ParamOption = None,
     fuel: FuelOption = DEFAULT_FUEL,
+    limit_memory: LimitMemoryOption = DEFAULT_MEMORY,
+    limit_seconds: LimitSecondsOption = DEFAULT_SECONDS,
     trust: TrustOption = False,
     debug: DebugOption = False,
 ) -> None:
@@ -75,7 +82,8 @@ def check(
     session = context.obj
     session.seed = seed
     source = read_source(
-        session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, fuel=fuel, trust=trust
+        session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, fuel=fuel, trust=trust,
+        limits=limits_of(limit_memory, limit_seconds)
     )
     if samples is None:
         options = ("alpha", "detect_tv", "tolerance", "ignore", "mapped", "reference", "report", "junit", "seed", "workers")

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..semantics.errors import AttemptsExhausted, InternalError, ScenicError, UsageError
+from ..semantics.errors import AttemptsExhausted, InternalError, RunError, ScenicError, UsageError
 from .session import coloured, escaped, tell
 
 if TYPE_CHECKING:
@@ -31,6 +31,8 @@ def report(error: Exception, session: Session) -> int:
     if isinstance(error, OSError) and error.errno in NO_ROOM:
         session.hang_up()
         error = UsageError(f"standard output cannot be written: {error.strerror}")
+    if isinstance(error, MemoryError):
+        error = RunError("this needs more memory than there is", hint="--limit-memory gives it more, where the machine has more")
     if isinstance(error, ScenicError) and not isinstance(error, InternalError):
         print(render(error, session.texts, colours=coloured(sys.stderr)), file=sys.stderr, flush=True)
         return error.exit_code

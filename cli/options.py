@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ..interpreter.limits import DEFAULT_LIMITS, Limits, bytes_of, seconds_of
+
 if TYPE_CHECKING:
     from ..scenario import Scenario
     from .session import Session
@@ -36,6 +38,16 @@ ParamOption = Annotated[
 ]
 AttemptsOption = Annotated[int, typer.Option("--max-attempts", metavar="M", min=1, help="Give up on a scene after so many attempts.")]
 FuelOption = Annotated[int, typer.Option("--fuel", metavar="F", min=1, help="The most steps that one attempt may take.")]
+LimitMemoryOption = Annotated[
+    str, typer.Option("--limit-memory", metavar="SIZE", help="The memory that a program without --trust may take, such as 512M or 4G; none: all.")
+]
+LimitSecondsOption = Annotated[
+    str,
+    typer.Option(
+        "--limit-seconds", metavar="S", help="The processor time of one attempt, or one time step, of a program without --trust; none: no limit."
+    ),
+]
+DEFAULT_MEMORY, DEFAULT_SECONDS = "4G", "60"
 TrustOption = Annotated[bool, typer.Option("--trust", help="Let the program import any Python module.")]
 
 
@@ -54,11 +66,15 @@ class Source:
     trust: bool = False
     prune: bool = False
     scenario: str | None = None
+    limits: Limits = DEFAULT_LIMITS
 
     def load(self) -> Scenario:
         """The scenario. Raises `ParseError`, `CheckError`, `UsageError`."""
+        from ..interpreter.walls import WALL
         from ..scenario import loads
 
+        if not self.trust:
+            WALL.build(self.limits)
         scenario = loads(
             self.text, file=self.file, dialect=self.dialect, profile=self.profile, readings=dict(self.readings),
             params={name: literal(value) for name, value in self.params}, model=self.model, trust=self.trust,
@@ -69,7 +85,7 @@ class Source:
 
 def read_source(
     session: Session, file: str, *, profile: str, reading: list[str] | None, dialect: str | None, model: str | None, param: list[str] | None,
-    fuel: int, trust: bool, prune: bool = False, scenario: str | None = None,
+    fuel: int, trust: bool, limits: Limits, prune: bool = False, scenario: str | None = None,
 ) -> Source:
     """The program in `file` under the given options. Raises `UsageError`."""
     from ..interpreter.modules import read_text
@@ -79,8 +95,13 @@ def read_source(
     session.texts[file] = text
     return Source(
         file, text, profile, pairs(reading, "--reading", "ID=ALT"), dialect, model, pairs(param, "-p", "NAME=VALUE"), fuel, trust, prune,
-        scenario,
+        scenario, limits,
     )
+
+
+def limits_of(memory: str, seconds: str) -> Limits:
+    """The limits that the options give. Raises `UsageError`."""
+    return Limits(bytes_of(memory), seconds_of(seconds))
 
 
 def pairs(given: list[str] | None, option: str, form: str) -> tuple[tuple[str, str], ...]:

@@ -9,17 +9,22 @@ import typer
 from .options import (
     DEFAULT_ATTEMPTS,
     DEFAULT_FUEL,
+    DEFAULT_MEMORY,
+    DEFAULT_SECONDS,
     AttemptsOption,
     DebugOption,
     DialectOption,
     FileArgument,
     FuelOption,
+    LimitMemoryOption,
+    LimitSecondsOption,
     ModelOption,
     ParamOption,
     ProfileOption,
     ReadingOption,
     SeedOption,
     TrustOption,
+    limits_of,
     read_source,
 )
 
@@ -69,6 +74,8 @@ def run(
         int | None,
         typer.Option("--discretize", metavar="N", min=1, help="enumerate: replace each continuous draw by N values, an approximation."),
     ] = None,
+    limit_memory: LimitMemoryOption = DEFAULT_MEMORY,
+    limit_seconds: LimitSecondsOption = DEFAULT_SECONDS,
     trust: TrustOption = False,
     debug: DebugOption = False,
 ) -> None:
@@ -94,7 +101,8 @@ def run(
     if scene is not None and count != 1:
         raise UsageError("--scene draws a single scene, so -n cannot be given as well")
     source = read_source(
-        session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, fuel=fuel, trust=trust, prune=prune
+        session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, fuel=fuel, trust=trust,
+        limits=limits_of(limit_memory, limit_seconds), prune=prune
     )
     if backend == "enumerate":
         from .enumerating import Request as EnumerationRequest

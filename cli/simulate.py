@@ -9,17 +9,22 @@ import typer
 from .options import (
     DEFAULT_ATTEMPTS,
     DEFAULT_FUEL,
+    DEFAULT_MEMORY,
+    DEFAULT_SECONDS,
     AttemptsOption,
     DebugOption,
     DialectOption,
     FileArgument,
     FuelOption,
+    LimitMemoryOption,
+    LimitSecondsOption,
     ModelOption,
     ParamOption,
     ProfileOption,
     ReadingOption,
     SeedOption,
     TrustOption,
+    limits_of,
     read_source,
 )
 
@@ -68,6 +73,8 @@ def simulate(
     param: ParamOption = None,
     max_attempts: AttemptsOption = DEFAULT_ATTEMPTS,
     fuel: FuelOption = DEFAULT_FUEL,
+    limit_memory: LimitMemoryOption = DEFAULT_MEMORY,
+    limit_seconds: LimitSecondsOption = DEFAULT_SECONDS,
     trust: TrustOption = False,
     debug: DebugOption = False,
 ) -> None:
@@ -92,7 +99,8 @@ def simulate(
     if run is not None and count != 1:
         raise UsageError("--run asks for a single simulation, so -n cannot be given as well")
     source = read_source(
-        session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, fuel=fuel, trust=trust, scenario=scenario
+        session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, fuel=fuel, trust=trust,
+        limits=limits_of(limit_memory, limit_seconds), scenario=scenario
     )
     first = 0 if run is None else run
     produce_simulations(source, Request(first, first + count, seed, max_attempts, simulator, steps, timestep, output, html, gif, replay), session)

@@ -9,17 +9,22 @@ import typer
 from .options import (
     DEFAULT_ATTEMPTS,
     DEFAULT_FUEL,
+    DEFAULT_MEMORY,
+    DEFAULT_SECONDS,
     AttemptsOption,
     DebugOption,
     DialectOption,
     FileArgument,
     FuelOption,
+    LimitMemoryOption,
+    LimitSecondsOption,
     ModelOption,
     ParamOption,
     ProfileOption,
     ReadingOption,
     SeedOption,
     TrustOption,
+    limits_of,
     read_source,
 )
 
@@ -51,6 +56,8 @@ def trace(
     param: ParamOption = None,
     max_attempts: AttemptsOption = DEFAULT_ATTEMPTS,
     fuel: FuelOption = DEFAULT_FUEL,
+    limit_memory: LimitMemoryOption = DEFAULT_MEMORY,
+    limit_seconds: LimitSecondsOption = DEFAULT_SECONDS,
     trust: TrustOption = False,
     debug: DebugOption = False,
 ) -> None:
@@ -66,7 +73,8 @@ def trace(
     session = context.obj
     session.seed = seed
     source = read_source(
-        session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, fuel=fuel, trust=trust, scenario=scenario
+        session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, fuel=fuel, trust=trust,
+        limits=limits_of(limit_memory, limit_seconds), scenario=scenario
     )
     if html is not None:
         check_place(html, {"the program itself": source.file})

@@ -12,6 +12,7 @@ from ..semantics.outcome import Act, Done, Draw, Fault, Finish, Next, Observe, O
 from ..semantics.regions import EmptyRegion, UnboundedRegion
 from ..semantics.step import place, step
 from ..semantics.vectors import Vector
+from .walls import within
 
 Chooser = Callable[[Draw], object]
 """Answers a draw with a value of its distribution; may raise `EmptyRegion`, which makes the run stuck."""
@@ -39,6 +40,7 @@ class Rejected(NamedTuple):
 Run = Accepted | Rejected
 
 
+@within()
 def drive(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL, witness: Witness | None = None) -> tuple[Done | Act | Finish | Stuck, int]:
     """Drive the machine until it has something to say, and in how many steps. Raises the program's error, or `FuelExhausted` after `fuel` steps."""
     for steps in range(fuel):
@@ -89,6 +91,7 @@ def run(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL, witness: W
     return Accepted(outcome.state, steps)
 
 
+@within()
 def rehearse(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL) -> None:
     """One run that goes on where others get stuck, to find every branch on a random value (reading `random-branch`).
 

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from ...interpreter.choosers import AS_THEY_ARE, PER_SCENE, Draws, replaced
 from ...interpreter.streams import Stream
+from ...interpreter.walls import within
 from ...semantics.assignment import written
 from ...semantics.config import Config, State, Value
 from ...semantics.distributions import Coin, Discrete, Distribution, Normal, PointIn, Range, TruncatedNormal, Uniform
@@ -83,6 +84,7 @@ def trace(start: Callable[[], Config], fuel: int, draws: Draws = AS_THEY_ARE) ->
     raise NotLifted(f"in {TRIES} runs this always failed: {reason}")
 
 
+@within()
 def trace_run(config: Config, attempt: int, fuel: int, draws: Draws = AS_THEY_ARE) -> Lifted:
     """The graph that the run of attempt `attempt` at scene 0 of seed 0 gives."""
 

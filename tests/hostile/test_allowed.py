@@ -67,11 +67,13 @@ DUNDERS = (
     "__setattr__", "__self__", "__func__", "__code__", "__closure__", "__builtins__", "__module__", "__loader__", "__wrapped__", "__new__", "__dir__", "__sizeof__", "mro",
 )  # fmt: skip
 SUBJECTS = {
-    "a number": "1", "a text": "'a'", "a list": "[1]", "a class": "C", "an object": "C()", "a method": "C().m", "a function": "f", "a builtin": "len", "ours": "sum",
-    "a region": "CircularRegion((0, 0), 1)", "a polygon": "PolygonalRegion([(0, 0), (1, 0), (1, 1)])", "everywhere": "everywhere", "a field": "F", "a vector": "Vector(1, 2)",
-    "a Scenic class": "Object", "an instance": "ego", "an exception": "caught()", "an enumeration": "E", "a member": "E.A", "a named tuple": "P(1, 2)",
-    "a record": "P", "an iterator": "itertools.count()", "a module": "math", "a partial": "functools.partial(len)", "a behavior": "B", "a distribution": "Range",
-    "random": "Range(0, 1)", "a generator": "random.Random(1)", "the clock": "simulation", "a property": "property(f)", "a bound method": "[].append",
+    "a number": "1", "a text": "'a'", "a list": "[1]", "a class": "C", "an object": "C()", "a method": "C().m", "a function": "f",
+    "a builtin": "len", "ours": "sum", "a region": "CircularRegion((0, 0), 1)", "a polygon": "PolygonalRegion([(0, 0), (1, 0), (1, 1)])",
+    "everywhere": "everywhere", "a field": "F", "a vector": "Vector(1, 2)", "a Scenic class": "Object", "an instance": "ego",
+    "an exception": "caught()", "an enumeration": "E", "a member": "E.A", "a named tuple": "P(1, 2)", "a record": "P",
+    "an iterator": "itertools.count()", "a module": "math", "a partial": "functools.partial(len)", "a behavior": "B", "a distribution": "Range",
+    "random": "Range(0, 1)", "a generator": "random.Random(1)", "the clock": "simulation", "a property": "property(f)",
+    "a bound method": "[].append",
 }  # fmt: skip
 BEFORE = """
 import math, itertools, functools, collections, enum, random
@@ -91,16 +93,20 @@ ego = Object at (0, 0)
 out = []
 """
 ACCESS = {
-    "attribute": "out.append(({subject}).{name})", "getattr": "out.append(getattr({subject}, '{name}'))", "with default": "out.append(getattr({subject}, '{name}', None))",
-    "hasattr": "out.append(None if hasattr({subject}, '{name}') else None)", "setattr": "setattr({subject}, '{name}', f)\nout.append(1)",
-    "assignment": "x = {subject}\nx.{name} = f\nout.append(1)", "f-string": 'out.append(f"{{({subject}).{name}}}")', "format": "out.append('{{0.{name}}}'.format({subject}))",
+    "attribute": "out.append(({subject}).{name})", "getattr": "out.append(getattr({subject}, '{name}'))",
+    "with default": "out.append(getattr({subject}, '{name}', None))", "hasattr": "out.append(None if hasattr({subject}, '{name}') else None)",
+    "setattr": "setattr({subject}, '{name}', f)\nout.append(1)", "assignment": "x = {subject}\nx.{name} = f\nout.append(1)",
+    "f-string": 'out.append(f"{{({subject}).{name}}}")', "format": "out.append('{{0.{name}}}'.format({subject}))",
     "format_map": "out.append('{{x.{name}}}'.format_map({{'x': {subject}}}))", "str.format": "out.append(str.format('{{0.{name}}}', {subject}))",
     "partial": "out.append(functools.partial('{{0.{name}}}'.format)({subject}))", "map": "out.extend(map('{{0.{name}}}'.format, [{subject}]))",
     "map getattr": "out.extend(map(getattr, [{subject}], ['{name}']))", "key": "sorted([{subject}], key=lambda v: out.append(v.{name}) or 0)",
-    "property": "class D(object):\n    @property\n    def p(self): return ({subject}).{name}\nout.append(D().p)", "class attribute": "class D(object):\n    p = ({subject}).{name}\nout.append(D.p)",
-    "override": "class D(object):\n    def __getattr__(self, name): return getattr({subject}, name)\nout.append(D().{name})", "subclass": "class D(C):\n    {name} = f\nout.append(D())",
-    "reduce": "out.append(functools.reduce(getattr, ['{name}'], {subject}))", "starmap": "out.extend(itertools.starmap(getattr, [({subject}, '{name}')]))",
-    "raise": "try: raise ValueError({subject})\nexcept ValueError as e: out.append(e.args[0].{name})", "match": "out.append([v.{name} for v in ({subject},)])",
+    "property": "class D(object):\n    @property\n    def p(self): return ({subject}).{name}\nout.append(D().p)",
+    "class attribute": "class D(object):\n    p = ({subject}).{name}\nout.append(D.p)",
+    "override": "class D(object):\n    def __getattr__(self, name): return getattr({subject}, name)\nout.append(D().{name})",
+    "subclass": "class D(C):\n    {name} = f\nout.append(D())", "reduce": "out.append(functools.reduce(getattr, ['{name}'], {subject}))",
+    "starmap": "out.extend(itertools.starmap(getattr, [({subject}, '{name}')]))",
+    "raise": "try: raise ValueError({subject})\nexcept ValueError as e: out.append(e.args[0].{name})",
+    "match": "out.append([v.{name} for v in ({subject},)])",
 }  # fmt: skip
 SHARE = 7
 """Each way is tried with one in so many pairs, with others than the way before it; together about 2,300 programs."""
@@ -186,10 +192,13 @@ def test_routes_that_are_closed(name, tmp_path, monkeypatch):
 
 
 LEAVES = {
-    "a region": "everywhere.x = 1", "a class of ours": "CircularRegion.x = 1", "a builtin class": "int.x = 1", "a list of a module": "import math\nmath.pi = 3",
-    "a world": "import scenic.simulators.gta.map as m\nm.MODELS.append(1)\nm.COLOR_WEIGHTS.clear()\nm.road = 1", "itertools": "import itertools\nitertools.chain = 1",
-    "chain": "import itertools\nitertools.chain.from_iterable = 1", "an exception": "ValueError.x = 1", "ours": "sum.x = 1", "a builtin": "len = 1\nsum = 2",
-    "an action": "import scenic.domains.driving.actions as a\na.SetThrottleAction.x = 1", "a class of Scenic": "Object.x = 1", "a distribution": "Range.x = 1",
+    "a region": "everywhere.x = 1", "a class of ours": "CircularRegion.x = 1", "a builtin class": "int.x = 1",
+    "a list of a module": "import math\nmath.pi = 3",
+    "a world": "import scenic.simulators.gta.map as m\nm.MODELS.append(1)\nm.COLOR_WEIGHTS.clear()\nm.road = 1",
+    "itertools": "import itertools\nitertools.chain = 1", "chain": "import itertools\nitertools.chain.from_iterable = 1",
+    "an exception": "ValueError.x = 1", "ours": "sum.x = 1", "a builtin": "len = 1\nsum = 2",
+    "an action": "import scenic.domains.driving.actions as a\na.SetThrottleAction.x = 1", "a class of Scenic": "Object.x = 1",
+    "a distribution": "Range.x = 1",
 }  # fmt: skip
 AFTER = """
 import math, itertools
@@ -212,11 +221,13 @@ def test_a_program_leaves_nothing_behind():
 
 
 CHAINS = {
-    "enumerate": "import functools\nx = functools.reduce(enumerate, range(N), [])", "zip": "import functools\nx = functools.reduce(zip, [[1]] * N, [1])",
-    "slices": "x = 1\nfor i in range(N): x = slice(x)", "slices by reduce": "import functools\nx = functools.reduce(slice, range(N), 1)",
+    "enumerate": "import functools\nx = functools.reduce(enumerate, range(N), [])",
+    "zip": "import functools\nx = functools.reduce(zip, [[1]] * N, [1])", "slices": "x = 1\nfor i in range(N): x = slice(x)",
+    "slices by reduce": "import functools\nx = functools.reduce(slice, range(N), 1)",
     "static methods": "x = len\nfor i in range(N): x = staticmethod(x)", "properties": "x = len\nfor i in range(N): x = property(x)",
     "class methods": "x = len\nfor i in range(N): x = classmethod(x)",
-    "setters": "x = property(len)\nfor i in range(N): x = property(len).setter(x)", "keys": "import functools\nk = functools.cmp_to_key(max)\nx = 1\nfor i in range(N): x = k(x)",
+    "setters": "x = property(len)\nfor i in range(N): x = property(len).setter(x)",
+    "keys": "import functools\nk = functools.cmp_to_key(max)\nx = 1\nfor i in range(N): x = k(x)",
     "files": "x = 1\nfor i in range(N): x = OSError(1, 'a', x)", "objects of errors": "x = 1\nfor i in range(N): x = AttributeError('a', obj=x)",
     "paths": "x = 1\nfor i in range(N): x = ImportError('a', path=x)", "names": "x = 1\nfor i in range(N): x = NameError('a', name=x)",
     "accumulated": "import itertools\nx = list(itertools.accumulate([1] * N, slice))",
