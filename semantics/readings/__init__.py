@@ -18,12 +18,13 @@ from .reading import PROFILES, Probe, Reading
 from .silences import SILENCES
 from .silences_of_language import SILENCES_OF_LANGUAGE
 from .silences_of_policy import SILENCES_OF_POLICY
+from .silences_of_scenarios import SILENCES_OF_SCENARIOS
 
 READINGS: Mapping[str, Reading] = {
     r.id: r
     for r in (
         *CONFLICTS, *CONFLICTS_OF_EXAMPLES, *CONFLICTS_OF_POLICY,
-        *SILENCES, *SILENCES_OF_LANGUAGE, *SILENCES_OF_POLICY,
+        *SILENCES, *SILENCES_OF_LANGUAGE, *SILENCES_OF_POLICY, *SILENCES_OF_SCENARIOS,
     )
 }
 

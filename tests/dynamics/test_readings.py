@@ -39,6 +39,7 @@ SHOWN: dict[tuple[str, str], list[object]] = {
     ("interrupts-in-except", "never"): [2, 3, None, None, LIMIT],
     ("ego-of-scenarios", "shared"): [None, None, "terminated"],
     ("finally-of-coroutines", "own-way-out"): [1, 4, None, None, LIMIT],
+    ("initial-guards", "around-setup"): [None, "terminated"],
 }
 SHARES = {("choose-weights", "renormalised"), ("rejected-simulation", "discard"), ("rejected-simulation", "retry")}
 """What is shown by frequencies: below, and in test_simulation.py."""

@@ -14,8 +14,9 @@ from scenic_ref.semantics.readings.conflicts_of_policy import CONFLICTS_OF_POLIC
 from scenic_ref.semantics.readings.silences import SILENCES
 from scenic_ref.semantics.readings.silences_of_language import SILENCES_OF_LANGUAGE
 from scenic_ref.semantics.readings.silences_of_policy import SILENCES_OF_POLICY
+from scenic_ref.semantics.readings.silences_of_scenarios import SILENCES_OF_SCENARIOS
 
-TABLES = (CONFLICTS, CONFLICTS_OF_EXAMPLES, CONFLICTS_OF_POLICY, SILENCES, SILENCES_OF_LANGUAGE, SILENCES_OF_POLICY)
+TABLES = (CONFLICTS, CONFLICTS_OF_EXAMPLES, CONFLICTS_OF_POLICY, SILENCES, SILENCES_OF_LANGUAGE, SILENCES_OF_POLICY, SILENCES_OF_SCENARIOS)
 ALL = pytest.mark.parametrize("reading", READINGS.values(), ids=READINGS)
 
 
