@@ -46,7 +46,8 @@ def begin(state: State, timestep: float = DEFAULT_TIMESTEP, fixed: frozenset[str
     """
     own = state.initial.space if state.initial is not None else None
     top = scenario_from(TOP, state.initial, own or state.sigma, state.dynamic)
-    simulation = Simulation(0, timestep, {TOP: top}, active=(TOP,), fixed=fixed | {"position", "heading"}, known=state.made)
+    fixed |= {"position", "heading"}
+    simulation = Simulation(0, timestep, {TOP: top}, active=(TOP,), fixed=fixed, known=state.made, egoless=state.ego is None)
     return state._replace(simulation=simulation, objects=settled(state.objects), dynamic=(), handling=(), depth=0)
 
 

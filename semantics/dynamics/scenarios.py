@@ -128,7 +128,7 @@ def unwind_setting(frame: Setting, abrupt: Abrupt, stack: Stack, state: State) -
     for begun in (number, *reversed(frame.begun)):
         state = end_scenario(begun, state)
     left = {n: running for n, running in simulation_of(state).scenarios.items() if n not in (number, *frame.begun)}
-    state = with_simulation(state, scenarios=left, begun=number + 1, setting=False)
+    state = with_simulation(state, scenarios=left, begun=number + 1, setting=False, egoless=frame.before.ego is None)
     before = frame.before
     for scenario in frame.invocations[: frame.index + 1]:
         assert scenario.space is not None
@@ -149,7 +149,7 @@ def enter_setup(frame: Setting, scope: Scope, stack: Stack, state: State) -> Out
 
 def resume_setting(frame: Setting, result: object, stack: Stack, state: State) -> Outcome:
     """The block ended: mutate its objects and check the default requirements about them (reading `dynamic-objects`)."""
-    if len(state.scene) > frame.objects:
+    if len(state.scene) > frame.objects or (simulation_of(state).egoless and state.ego is not None):
         following = (SetUp(frame), stack)
         return mutate_objects(Mutating(frame.objects, since=frame.objects), following, state)
     return resume_set_up(SetUp(frame), None, stack, state)
@@ -173,7 +173,8 @@ def resume_set_up(frame: SetUp, result: object, stack: Stack, state: State) -> O
     running = scenario_from(number, scenario, state.sigma, state.dynamic, state.depth + 1)
     if number in simulation.scenarios:  # what its setup overrode
         running = running._replace(overrides=simulation.scenarios[number].overrides)
-    state = with_scenario(with_simulation(state, begun=number + 1, known=state.made, setting=False), running).with_objects(settled(state.objects))
+    state = with_simulation(state, begun=number + 1, known=state.made, setting=False, egoless=state.ego is None)
+    state = with_scenario(state, running).with_objects(settled(state.objects))
     state = state._replace(dynamic=setting.before.dynamic, sigma=setting.before.sigma)
     return set_up(setting._replace(index=setting.index + 1, begun=(*setting.begun, number)), stack, state)
 
