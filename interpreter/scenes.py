@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ..semantics.config import State
+from ..semantics.errors import UsageError
 from ..semantics.geometry import normalise_heading
 from ..semantics.kinds import is_scalar
 from ..semantics.nesting import check_nesting
@@ -57,7 +58,7 @@ class Scene:
     """
 
     objects: tuple[SceneObject, ...]
-    ego_id: int
+    ego_id: int | None
     params: Mapping[str, object]
     seed: int
     index: int
@@ -69,6 +70,8 @@ class Scene:
     @property
     def ego(self) -> SceneObject:
         """The object from whose point of view the scene is."""
+        if self.ego_id is None:
+            raise UsageError("the scene has no ego: a scenario that the compose block runs makes it")
         return self.objects[self.ego_id]
 
     def to_json(self) -> dict[str, object]:
@@ -119,14 +122,20 @@ def stable_repr(value: object) -> str:
     return ADDRESS.sub("", repr(value))[:1000]
 
 
-def scene_of(state: State, seed: int, index: int, attempts: int, weight: float = 1.0, *, pruned: bool = False) -> Scene:
-    """The scene (π, O) of a finished run. Raises `RunError` for values that cannot be written, since they contain themselves."""
+def scene_of(
+    state: State, seed: int, index: int, attempts: int, weight: float = 1.0, *, pruned: bool = False, simulated: bool = False
+) -> Scene:
+    """The scene (π, O) of a finished run; one that is simulated may get its ego later (reading `compose-only`).
+
+    Raises `RunError` for values that cannot be written, since they contain themselves.
+    """
     check_written(state)
     numbers = {instance.number: i for i, instance in enumerate(state.scene)}
     objects = tuple(_scene_object(i, instance, state) for i, instance in enumerate(state.scene))
     params = {name: unwrap(value)[0] for name, value in state.params.items()}
     workspace = workspace_of(state)
-    return Scene(objects, numbers[ego_of(state).number], params, seed, index, attempts, weight, workspace, pruned)
+    ego = None if simulated and state.ego is None else numbers[ego_of(state).number]
+    return Scene(objects, ego, params, seed, index, attempts, weight, workspace, pruned)
 
 
 def check_written(state: State) -> None:

@@ -110,7 +110,7 @@ def simulate_once(
     if isinstance(generated, Stuck):
         return Failed(generated.requirement, None)
     assert isinstance(generated, Done)
-    scene = scene_of(generated.state, seed, index, attempt + 1)
+    scene = scene_of(generated.state, seed, index, attempt + 1, simulated=True)
     with in_use(simulator):
         return simulated(scene, generated.state, choose, simulator, steps, fuel, witness)
 
@@ -122,10 +122,11 @@ def simulated(
     state = begin(generated, simulator.timestep, simulator.properties)
     moments: list[Moment] = []
     told: list[str] = []
-    witness = listening(told, witness, state.scene[0].span.file)
+    witness = listening(told, witness, file_of(state))
     held: set[int] = set()
     first = len(state.scene)
-    made = create_new(simulator, state, 0)
+    made = new_bodies(state, 0)
+    guarded(simulator.create, made)
     limit = "1 time step has passed" if steps == 1 else f"{steps:,} time steps have passed"
     for number in range(steps + 1):
         told.clear()
@@ -153,6 +154,11 @@ def simulated(
         moments.append(Moment(number, before, actions, (*told, *events), doings))
         state = after_one_step(read_back(simulator, state))
     raise AssertionError("the policy ends at the time limit")
+
+
+def file_of(state: State) -> str:
+    """The file of the program, or of the scenario that it begins with."""
+    return state.scene[0].span.file if state.scene or state.initial is None else state.initial.definition.span.file
 
 
 TOLD = {

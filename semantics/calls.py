@@ -41,11 +41,11 @@ def call(node: p.Call, stack: Stack, state: State) -> Outcome:
 
 def conclude_call(node: p.Call, values: list[object], stack: Stack, state: State) -> Outcome:
     """Spread starred arguments, then apply the function."""
-    function, *rest = values if state.simulation is None else while_running(values)
+    function, *rest = while_running(values) if state.runs else values
     arguments: list[object] = []
     for expression, argument in zip(node.arguments, rest, strict=False):
         if isinstance(expression, p.Starred):
-            arguments.extend(elements(argument if state.simulation is None else plain(argument), expression, state))
+            arguments.extend(elements(plain(argument) if state.runs else argument, expression, state))
         else:
             arguments.append(argument)
     keywords: dict[str, object] = {}

@@ -7,15 +7,17 @@ from collections.abc import Callable, Sequence
 from functools import reduce as fold_left
 from typing import NamedTuple
 
+from .allowed import is_user_made
 from .config import Config, Stack, State, reduce, value
 from .draws import numbered_apart
-from .errors import RandomBranch
+from .errors import RandomBranch, RunError
 from .host import host
+from .kinds import kind_name
 from .outcome import Next, Operand, Outcome
 from .premises import describe_origin
 from .symbols import Symbol, is_truth
 from .syntax import python_expressions as p
-from .syntax.nodes import Node
+from .syntax.nodes import Node, Span
 from .values import Random, plain, unwrap
 
 
@@ -97,7 +99,7 @@ def bool_of(result: object, node: Node, state: State) -> bool:
 
 
 def truth(result: object, node: Node, state: State, what: str) -> bool:
-    """The truth of a condition that decides control flow: it may not be random outside behaviors."""
+    """The truth of a condition that decides control flow: it may not be random outside behaviors, monitors and compose blocks."""
     if type(result) is Random:
         raise random_branch(result, node, what)
     return bool_of(result, node, state)
@@ -106,9 +108,21 @@ def truth(result: object, node: Node, state: State, what: str) -> bool:
 def random_branch(result: Random, node: Node, what: str) -> RandomBranch:
     """The error of reading `random-branch`."""
     return RandomBranch(
-        f"{what} is random: it depends on {describe_origin(result.origin)}, and control flow outside behaviors may not",
+        f"{what} is random: it depends on {describe_origin(result.origin)}, and control flow outside behaviors and compose blocks may not",
         node.span, rule="E-Branch", hint="use `require` to condition on it, or Uniform/Discrete to choose among values",
     )
+
+
+def holding(result: object, span: Span, state: State, what: str, rule: str) -> object:
+    """Whether the condition of a requirement, guard, interrupt or end holds, perhaps as a symbol: a boolean, in this run where it is random.
+
+    An instance of a Python class of the program is as true as it says. Raises `RunError` for anything else.
+    """
+    inner = plain(result)
+    holds = plain(host(state.settings.door, state, bool, result)) if is_user_made(inner) else inner
+    if not is_truth(holds):
+        raise RunError(f"{what} is a boolean, and this is {kind_name(result)}", span, rule=rule, hint="compare it with something")
+    return holds
 
 
 class Test(NamedTuple):

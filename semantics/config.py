@@ -68,6 +68,11 @@ class State(NamedTuple):
     simulation: Simulation | None = None
 
     @property
+    def runs(self) -> bool:
+        """Whether what is drawn may decide what happens, so that rules see plain values: while a scenario runs, but not in setup blocks."""
+        return self.simulation is not None and not self.simulation.setting
+
+    @property
     def address(self) -> tuple[int, ...]:
         """The address of the next draw."""
         return (*self.prefix, self.draws)

@@ -42,20 +42,6 @@ def resume_rest(frame: Rest, result: object, stack: Stack, state: State) -> Outc
     return Next("", Config(frame.block[frame.index], rest, state))
 
 
-def expression_statement(node: s.ExpressionStatement, stack: Stack, state: State) -> Outcome:
-    """⟨E⟩ for its effect: an object definition, a call."""
-    return reduce(node.value, Discard(), stack, state)
-
-
-class Discard(NamedTuple):
-    """Frame: the value of an expression statement is not used."""
-
-
-def resume_discard(frame: Discard, result: object, stack: Stack, state: State) -> Outcome:
-    """The statement is reduced to `pass`."""
-    return Next("", Config(PASS, stack, state))
-
-
 def pass_statement(node: s.Pass | s.Global | s.Nonlocal, stack: Stack, state: State) -> Outcome:
     """`pass`, and declarations that act when names are resolved."""
     return Next("", Config(PASS, stack, state))

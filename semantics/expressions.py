@@ -196,6 +196,8 @@ def get_attribute(subject: object, node: p.Attribute, state: State) -> object:
             return found
         case Dynamic(space=Scope() as space) if name in space.bindings:
             return space.bindings[name]
+        case Dynamic(space=Scope()) if name == "ego" and state.ego is not None:
+            return state.ego  # all scenarios share it (reading `ego-of-scenarios`)
         case Function() | Method() | Dynamic():
             if name == "__name__" and isinstance(subject, Function):
                 return subject.name

@@ -41,7 +41,7 @@ def premises(
 ) -> Outcome:
     """Reduce the premises from number len(values) on, then conclude; a missing (optional) premise has the value None."""
     values = [] if values is None else values
-    read = raw_axiom if state.simulation is None or type(node) in CARRIERS else axiom
+    read = raw_axiom if not state.runs or type(node) in CARRIERS else axiom
     for index in range(len(values), len(expressions)):
         expression = expressions[index]
         result = None if expression is None else read(expression, state)
@@ -66,7 +66,7 @@ parameter, it keeps the distribution that it was drawn from, for `resample`.
 def axiom(expression: Node, state: State) -> object:
     """The value of a constant or variable, else NOT_AN_AXIOM; a plain one while a scenario runs."""
     found = raw_axiom(expression, state)
-    return found if state.simulation is None else plain(found)
+    return plain(found) if state.runs else found
 
 
 def raw_axiom(expression: Node, state: State) -> object:

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from .builtins import builtin_scope
 from .config import Config, Settings, State
+from .errors import RunError
 from .functions import enter
 from .host import Door
 from .kinds import is_object
@@ -46,7 +47,9 @@ def initial(program: Program, settings: Settings) -> Config:
 
 
 def ego_of(state: State) -> Instance:
-    """The ego object of a finished run."""
+    """The ego object of a finished run. Raises `RunError` if a scenario that runs later is to make it (reading `compose-only`)."""
     ego = plain(state.ego)
+    if ego is None:
+        raise RunError("the scene has no ego: only a scenario that the compose block runs would make it", hint="run a simulation of the program")
     assert isinstance(ego, Instance) and is_object(ego)
     return ego

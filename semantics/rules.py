@@ -29,7 +29,7 @@ from . import (
     statements,
     termination,
 )
-from .dynamics import actions, choices, declarations, guards, interrupts, invocations, overrides, policy, queries, scenarios
+from .dynamics import actions, choices, declarations, guards, initial, interrupts, invocations, overrides, policy, queries, scenarios
 from .syntax import expressions as e
 from .syntax import specifiers as q
 
@@ -217,6 +217,7 @@ _DYNAMIC = [
     Rule("D-Interrupt", "an interrupt condition becomes true", INTERRUPTS, interrupts.interrupt),
     Rule("D-Abort", "abort", INTERRUPTS, interrupts.abort),
     Rule("D-Precondition", "precondition: B", GUARDS, guards.resume_guarding),
+    Rule("D-Initial", "like ordinary requirements, violating any precondition causes ... rejected", GUARDS, initial.check_preconditions),
     Rule("D-Invariant", "invariant: B", GUARDS, guards.resume_guarding),
     Rule("D-Guard", "the simulation is only rejected if the exception propagates out to the top level", GUARDS, policy.unwind_step),
     Rule("D-Setup", "the setup block of a scenario", MODULAR, scenarios.enter_setup),

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from .allowed import is_user_made
 from .assignment import done
+from .conditions import holding
 from .config import PASS, Config, Stack, State, reduce
 from .distributions import BadParameters, Coin
 from .draws import numbered_apart
 from .errors import RunError
-from .host import host
 from .kinds import is_object, is_scalar, kind_name
 from .nesting import check_nesting
 from .outcome import Change, Draw, Next, Observe, Outcome, Requirement, Stuck
 from .premises import premises
-from .symbols import is_finite_number, is_truth, met
+from .symbols import is_finite_number, met
 from .syntax import statements as s
 from .values import Instance, Random, plain
 
@@ -42,6 +41,7 @@ class Requiring(NamedTuple):
 
     requirement: Requirement
     rule: str
+    what: str = "a requirement"
 
 
 def hard_requirement(node: s.Require, stack: Stack, state: State) -> Outcome:
@@ -61,18 +61,8 @@ def enforce(node: s.Require, stack: Stack, state: State) -> Outcome:
 def resume_requiring(frame: Requiring, result: object, stack: Stack, state: State) -> Outcome:
     """The rule fires only if the condition is True; otherwise no rule applies and the run is stuck."""
     after = Config(PASS, stack, state)
-    holds = plain(truth_value(result, state))
-    if not is_truth(holds):
-        raise RunError(
-            f"a requirement is a boolean, and this is {kind_name(result)}", frame.requirement.span, rule=frame.rule, hint="compare it with something"
-        )
+    holds = holding(result, frame.requirement.span, state, frame.what, frame.rule)
     return Observe(frame.rule, frame.requirement, after) if met(holds, frame.requirement) else Stuck(frame.rule, frame.requirement, after)
-
-
-def truth_value(result: object, state: State) -> object:
-    """The truth of an instance of a Python class of the program that defines one; any other value as it is."""
-    inner = plain(result)
-    return host(state.settings.door, state, bool, result) if is_user_made(inner) else inner
 
 
 def soft_requirement(node: s.SoftRequire, stack: Stack, state: State) -> Outcome:

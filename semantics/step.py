@@ -17,6 +17,7 @@ from . import (
     control,
     definitions,
     draws,
+    expression_statements,
     expressions,
     functions,
     imports,
@@ -28,7 +29,7 @@ from . import (
 )
 from .config import Abrupt, Config, Stack, State, Value
 from .distributions import BadParameters
-from .dynamics import actions, choices, declarations, guards, interrupts, invocations, overrides, policy, processes, queries, scenarios
+from .dynamics import actions, choices, declarations, guards, initial, interrupts, invocations, overrides, policy, processes, queries, scenarios
 from .dynamics.guards import GuardViolation
 from .errors import RunError, ScenicError, UncaughtException
 from .fields import BadField, OutsideField
@@ -87,7 +88,7 @@ REDUCE: Mapping[type, Callable[..., Outcome]] = {
     e.ObjectOrValue: object_definitions.object_definition,
     e.ObjectOrOperator: object_definitions.object_definition,
     # statements inherited from Python
-    s.ExpressionStatement: control.expression_statement,
+    s.ExpressionStatement: expression_statements.expression_statement,
     s.Assignment: assignment.assignment,
     s.AugmentedAssignment: assignment.augmented,
     s.If: control.if_statement,
@@ -144,7 +145,7 @@ RESUME: Mapping[type, Callable[..., Outcome]] = {
     object_definitions.Defaulting: object_definitions.resume_defaulting,
     object_definitions.Placing: object_definitions.resume_placing,
     control.Rest: control.resume_rest,
-    control.Discard: control.resume_discard,
+    expression_statements.Discard: expression_statements.resume_discard,
     control.Branching: control.resume_branching,
     control.Looping: control.resume_looping,
     control.Testing: control.resume_testing,
@@ -163,6 +164,7 @@ RESUME: Mapping[type, Callable[..., Outcome]] = {
     termination.Late: termination.resume_late,
     termination.Checking: termination.resume_checking,
     guards.Guarding: guards.resume_guarding,
+    initial.Beginning: initial.resume_beginning,
     interrupts.Abortable: interrupts.resume_abortable,
     interrupts.Entering: interrupts.resume_entering,
     interrupts.Interrupting: interrupts.resume_interrupting,
@@ -219,7 +221,7 @@ def step(config: Config) -> Outcome:
         if kind is Value:
             frame, rest = stack
             result = control_.value  # type: ignore[union-attr]
-            if state.simulation is not None:
+            if state.runs:
                 result = carried(result, frame)
             return RESUME[type(frame)](frame, result, rest, state)
         if kind is Abrupt:

@@ -79,12 +79,19 @@ def resume_finishing(frame: Finishing, result: object, stack: Stack, state: Stat
         main = main_scenario(state)
         if main is not None:
             return begin_initial(main, (frame, stack), state)
-    if state.ego is None:
+    if state.ego is None and not may_come_later(state):
         scenarios = scenarios_in(state)
-        hint = f"begin with a scenario: --scenario {' or '.join(scenarios)}, or call it Main" if scenarios else "write ego = Object ..."
+        other = f"begin with a scenario: --scenario {' or '.join(scenarios)}, or call it Main"
+        hint = other if scenarios and state.initial is None else "write ego = Object ..."
         text = "the program never assigns ego, the object from whose point of view the scene is"
         raise RunError(text, NOWHERE, rule="T-Mutate", hint=hint)
     return mutate_objects(Mutating(0), stack, state)
+
+
+def may_come_later(state: State) -> bool:
+    """Whether a scenario that the compose block of the initial one runs may make ego (reading `compose-only`)."""
+    definition = None if state.initial is None else state.initial.definition
+    return state.reading("compose-only") == "when-needed" and getattr(definition, "compose", None) is not None
 
 
 def mutate_objects(frame: Mutating, stack: Stack, state: State) -> Outcome:
@@ -214,11 +221,10 @@ def premises_of_step_two(state: State, since: int = 0) -> tuple[Premise, ...]:
     """The premises of the rule, in its order: containment of all, collisions of all pairs, visibility of all.
 
     Which ones there are depends on properties that are constants of the program in all but odd cases. Those about objects before number
-    `since` alone are left out.
+    `since` alone are left out; those about visibility wait until there is an ego, and are then about all objects (reading `compose-only`).
     """
     reader = Reader(state)
     ego = reader.plain(state.ego)
-    assert isinstance(ego, Instance)
     names = {o.number: state.names.get(o.number) or f"{o.class_.name} (object {i})" for i, o in enumerate(state.scene)}
     bounded = workspace_of(state) is not everywhere
     found: list[Premise] = []
@@ -234,9 +240,9 @@ def premises_of_step_two(state: State, since: int = 0) -> tuple[Premise, ...]:
         if second.number not in made:
             continue
         found += [premise("collision", o, second, f"{names[o.number]} and {names[second.number]} do not intersect") for o in solid[:j]]
-    found += [
-        premise("visibility", o, ego, f"{names[o.number]} is visible from ego") for o in new if reader.property(o, "requireVisible")
-    ]
+    if isinstance(ego, Instance):
+        seen = state.scene if state.simulation is not None and state.simulation.egoless else new
+        found += [premise("visibility", o, ego, f"{names[o.number]} is visible from ego") for o in seen if reader.property(o, "requireVisible")]
     return tuple(found)
 
 

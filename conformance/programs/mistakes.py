@@ -208,6 +208,8 @@ DISTRIBUTIONS = (
 
 STATEMENTS = (
     run("requirement that is no boolean", "S-Require", "require 3"),
+    run("behavior as a statement", "D-Do", "behavior Wrong():\n    wait\nWrong()"),
+    run("scenario's name as a statement", "D-Do", "scenario Wrong():\n    setup: pass\nWrong"),
     run("random probability", "S-SoftReq-Check", "wrong = Uniform(0.25, 0.5)\nrequire[wrong] True"),
     run("computed probability above 1", "S-SoftReq-Check", "wrong = 2\nrequire[wrong] True"),
     run("mutated scalar", "S-Mutate", "wrong = 3\nmutate wrong"),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ..conditions import truth
+from ..conditions import holding
 from ..config import Abrupt, Config, Stack, State, Value
 from ..distributions import BadParameters, Discrete
 from ..errors import RunError
@@ -73,7 +73,7 @@ def resume_enabling(frame: Enabling, result: object, stack: Stack, state: State)
     """A precondition was reduced: one that does not hold disables its option."""
     dynamic, _ = frame.picking.options[frame.index]
     condition = dynamic.definition.preconditions[frame.condition]  # type: ignore[attr-defined]
-    holds = truth(result, condition, state, "a precondition")
+    holds = holding(result, condition.span, state, "a precondition", "D-Choose")
     after = frame._replace(condition=frame.condition + 1) if holds else frame._replace(index=frame.index + 1, condition=0)
     return enable(after, stack, state._replace(sigma=frame.outer))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from ..conditions import truth
+from ..conditions import holding
 from ..config import Abrupt, Config, Stack, State
 from ..outcome import Next, Outcome
 from ..scopes import Scope
@@ -62,7 +62,8 @@ def resume_guarding(frame: Guarding, result: object, stack: Stack, state: State)
     first, *_ = frame.guards
     condition = first.conditions[frame.index]
     after = state._replace(sigma=frame.outer)
-    if truth(result, condition, state, f"the {first.word}"):
+    article = "an" if first.word == "invariant" else "a"
+    if holding(result, condition.span, state, f"{article} {first.word}", f"D-{first.word.capitalize()}"):
         return guarded(frame.guards, frame.then, stack, after, frame.index + 1)
     return Next(f"D-{first.word.capitalize()}", Config(Abrupt("raise", violation(first, condition.span), condition.span), stack, after), condition)
 

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from functools import partial
+from typing import NamedTuple
 
 from ..calls import invocation
-from ..config import Stack, State
+from ..config import Stack, State, reduce
 from ..control import block
 from ..errors import UsageError
 from ..functions import InScope
-from ..outcome import Outcome
+from ..outcome import Outcome, Requirement
+from ..scopes import Scope
+from ..statements import Requiring
 from ..syntax import dynamics as d
 from ..syntax.nodes import Node
 from ..values import Dynamic, plain
-from .guards import guarded
 
 MAIN = "Main"
 
@@ -34,19 +35,40 @@ def scenarios_in(state: State) -> dict[str, Dynamic]:
     return {name: v for name, v in defined.items() if isinstance(v, Dynamic) and isinstance(v.definition, d.ScenarioDefinition)}
 
 
-def begin_initial(main: Dynamic, stack: Stack, state: State) -> Outcome:
-    """Check the guards of the initial scenario, then run its setup block as part of the generation of the scene."""
-    from .invocations import guards_of
+class Beginning(NamedTuple):
+    """Frame: precondition number `index` of the initial scenario is being checked; σ is `outer` afterwards."""
 
+    scenario: Dynamic
+    index: int
+    outer: Scope
+
+
+def begin_initial(main: Dynamic, stack: Stack, state: State) -> Outcome:
+    """Check the preconditions of the initial scenario, then run its setup block as part of the generation of the scene.
+
+    Its invariants are checked in each time step, as those of other scenarios are (reading `initial-guards`).
+    """
     scenario = main if main.arguments is not None else invocation(main, (), {})
     assert scenario.space is not None
-    after = state._replace(initial=scenario)
-    return guarded(guards_of(scenario, scenario.space), partial(enter_initial, scenario), stack, after)
+    return check_preconditions(Beginning(scenario, 0, state.sigma), stack, state._replace(initial=scenario, sigma=scenario.space))
 
 
-def enter_initial(scenario: Dynamic, stack: Stack, state: State) -> Outcome:
-    """The guards hold: the setup block, in the scope of the scenario."""
-    definition = scenario.definition
+def check_preconditions(frame: Beginning, stack: Stack, state: State) -> Outcome:
+    """The next precondition is an observation: "like ordinary requirements, violating any precondition causes the simulation to be rejected"."""
+    definition = frame.scenario.definition
     assert isinstance(definition, d.ScenarioDefinition)
-    node = Node(span=definition.span)
-    return block(definition.setup or (), (InScope(state.sigma), stack), state._replace(sigma=scenario.space or state.sigma), "D-Setup", node)
+    if frame.index == len(definition.preconditions):
+        return enter_initial(frame, definition, stack, state)
+    condition = definition.preconditions[frame.index]
+    requirement = Requirement("precondition", condition.span, f"the precondition of {definition.name} on line {condition.span.line}")
+    return reduce(condition, Requiring(requirement, "D-Initial", "a precondition"), (frame, stack), state)
+
+
+def resume_beginning(frame: Beginning, result: object, stack: Stack, state: State) -> Outcome:
+    """A precondition holds: the next one."""
+    return check_preconditions(frame._replace(index=frame.index + 1), stack, state)
+
+
+def enter_initial(frame: Beginning, definition: d.ScenarioDefinition, stack: Stack, state: State) -> Outcome:
+    """The preconditions hold: the setup block, in the scope of the scenario."""
+    return block(definition.setup or (), (InScope(frame.outer), stack), state, "D-Setup", Node(span=definition.span))

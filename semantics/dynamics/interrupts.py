@@ -12,7 +12,7 @@ from __future__ import annotations
 from functools import partial
 from typing import NamedTuple
 
-from ..conditions import truth
+from ..conditions import holding
 from ..config import PASS, Abrupt, Config, Stack, State, Value
 from ..control import Finally, Handling, block
 from ..functions import body_as_statement
@@ -154,7 +154,8 @@ def resume_interrupting(frame: Interrupting, result: object, stack: Stack, state
         stack = stack[1]
     condition = statement.clauses[frame.clause].condition
     assert isinstance(condition, Expression)
-    if truth(result, condition, state, "the condition of an interrupt"):
+    what = "the condition of an interrupt" if isinstance(statement.node, s.Try) else "the condition of `until`"
+    if holding(result, condition.span, state, what, "D-Interrupt"):
         return interrupt(frame.process, frame.place, frame.clause, stack, state)
     return check_interrupts(frame.process, stack, state, frame.place, frame.clause - 1)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from ..conditions import truth
+from ..conditions import holding
 from ..config import PASS, Abrupt, Config, Stack, State, Value
 from ..errors import RunError
 from ..host import HostException
@@ -21,7 +21,7 @@ from ..values import Dynamic, plain
 from .guards import GuardViolation
 from .invocations import Begin, Beginning, with_arguments
 from .processes import Ended, Suspended, Who, Yielded, address_of, run_for_one_step
-from .scenarios import Over, as_before, end_scenario, scenario_from, step_of_scenario
+from .scenarios import Over, as_before, end_scenario, scenario_from, settled, step_of_scenario
 from .simulation import TOP, Agent, Declared, Running, Simulation, simulation_of, with_agent, with_scenario, with_simulation
 
 DEFAULT_TIMESTEP = 0.1
@@ -45,10 +45,10 @@ def begin(state: State, timestep: float = DEFAULT_TIMESTEP, fixed: frozenset[str
     `timestep` is in seconds; `fixed` are the properties that the simulator updates.
     """
     own = state.initial.space if state.initial is not None else None
-    top = scenario_from(TOP, state.initial, own or state.sigma, state.dynamic, 0)
-    simulation = Simulation(0, timestep, {TOP: top}, active=(TOP,), fixed=fixed | {"position", "heading"}, known=state.made)
-    objects = {number: {name: plain(value) for name, value in properties.items()} for number, properties in state.objects.items()}
-    return state._replace(simulation=simulation, objects=objects, dynamic=(), handling=(), depth=0)
+    top = scenario_from(TOP, state.initial, own or state.sigma, state.dynamic)
+    fixed |= {"position", "heading"}
+    simulation = Simulation(0, timestep, {TOP: top}, active=(TOP,), fixed=fixed, known=state.made, egoless=state.ego is None)
+    return state._replace(simulation=simulation, objects=settled(state.objects), dynamic=(), handling=(), depth=0)
 
 
 def policy(state: State, limit: str = "") -> Config:
@@ -88,7 +88,8 @@ def always_conditions(frame: Step, result: object, stack: Stack, state: State) -
     if frame.outer is not None:
         number, place, declared = list(conditions(state))[frame.next]
         state = as_before(frame.outer, state)
-        holds = truth(result, declared.node.condition, state, "a requirement")  # type: ignore[attr-defined]
+        rule = "D-Always" if isinstance(declared.node, d.RequireAlways) else "D-Eventually"
+        holds = holding(result, declared.node.condition.span, state, "a requirement", rule)  # type: ignore[attr-defined]
         frame = Step(frame.number, frame.next + 1)
         if isinstance(declared.node, d.RequireAlways):
             requirement = Requirement("always", declared.node.span, f"`require always` on line {declared.node.span.line}")

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
 from typing import NamedTuple
 
-from ..conditions import truth
-from ..config import Abrupt, Config, Stack, State, Value
+from ..conditions import holding
+from ..config import Abrupt, Config, Properties, Stack, State, Value
 from ..control import block
 from ..errors import RunError
 from ..functions import LARGEST_DEPTH, body_as_statement
@@ -16,7 +16,7 @@ from ..scopes import Scope
 from ..syntax import dynamics as d
 from ..syntax.nodes import Node
 from ..termination import Mutating, mutate_objects
-from ..values import Dynamic
+from ..values import Dynamic, plain
 from .guards import Guards, InvariantViolation, guarded
 from .interrupts import Clause, Interruptible
 from .invocations import guards_of, returned, scope_of, within
@@ -87,7 +87,7 @@ def begin_scenarios(
 
 
 def set_up(frame: Setting, stack: Stack, state: State) -> Outcome:
-    """Check the guards of the next scenario, and run its setup block."""
+    """Check the preconditions of the next scenario, and run its setup block; its invariants may be about what that makes."""
     if frame.index == len(frame.invocations):
         after = state._replace(sigma=frame.before.sigma, dynamic=frame.before.dynamic)
         scenarios = Scenarios(frame.node, frame.begun)
@@ -96,7 +96,8 @@ def set_up(frame: Setting, stack: Stack, state: State) -> Outcome:
         return run_scenarios(scenarios, stack, after)
     scenario = frame.invocations[frame.index]
     scope = fresh_space(scenario, frame.node, state)
-    return guarded(guards_of(scenario, scope)[frame.enabled :], partial(enter_setup, frame, scope), (Preparing(frame), stack), state)
+    preconditions = () if frame.enabled else guards_of(scenario, scope)[:1]
+    return guarded(preconditions, partial(enter_setup, frame, scope), (Preparing(frame), stack), state)
 
 
 def fresh_space(scenario: Dynamic, node: Node, state: State) -> Scope:
@@ -111,7 +112,7 @@ def fresh_space(scenario: Dynamic, node: Node, state: State) -> Scope:
 
 
 class Preparing(NamedTuple):
-    """Frame: the guards of a scenario are being checked."""
+    """Frame: the preconditions of a scenario are being checked."""
 
     setting: Setting
 
@@ -127,7 +128,7 @@ def unwind_setting(frame: Setting, abrupt: Abrupt, stack: Stack, state: State) -
     for begun in (number, *reversed(frame.begun)):
         state = end_scenario(begun, state)
     left = {n: running for n, running in simulation_of(state).scenarios.items() if n not in (number, *frame.begun)}
-    state = with_simulation(state, scenarios=left, begun=number + 1)
+    state = with_simulation(state, scenarios=left, begun=number + 1, setting=False, egoless=frame.before.ego is None)
     before = frame.before
     for scenario in frame.invocations[: frame.index + 1]:
         assert scenario.space is not None
@@ -142,12 +143,13 @@ def enter_setup(frame: Setting, scope: Scope, stack: Stack, state: State) -> Out
     definition = frame.invocations[frame.index].definition
     assert isinstance(definition, d.ScenarioDefinition)
     here = frame._replace(objects=len(state.scene))
-    return block(definition.setup or (), (here, stack), state._replace(sigma=scope, dynamic=()), "D-Setup", frame.node)
+    begun = with_simulation(state._replace(sigma=scope, dynamic=()), setting=True)
+    return block(definition.setup or (), (here, stack), begun, "D-Setup", frame.node)
 
 
 def resume_setting(frame: Setting, result: object, stack: Stack, state: State) -> Outcome:
     """The block ended: mutate its objects and check the default requirements about them (reading `dynamic-objects`)."""
-    if len(state.scene) > frame.objects:
+    if len(state.scene) > frame.objects or (simulation_of(state).egoless and state.ego is not None):
         following = (SetUp(frame), stack)
         return mutate_objects(Mutating(frame.objects, since=frame.objects), following, state)
     return resume_set_up(SetUp(frame), None, stack, state)
@@ -168,15 +170,21 @@ def resume_set_up(frame: SetUp, result: object, stack: Stack, state: State) -> O
     """The scenario is running: on with the next one."""
     setting, simulation = frame.setting, simulation_of(state)
     scenario, number = setting.invocations[setting.index], simulation.begun
-    running = scenario_from(number, scenario, state.sigma, state.dynamic, simulation.step, state.depth + 1)
+    running = scenario_from(number, scenario, state.sigma, state.dynamic, state.depth + 1)
     if number in simulation.scenarios:  # what its setup overrode
         running = running._replace(overrides=simulation.scenarios[number].overrides)
-    state = with_scenario(with_simulation(state, begun=number + 1, known=state.made), running)
+    state = with_simulation(state, begun=number + 1, known=state.made, setting=False, egoless=state.ego is None)
+    state = with_scenario(state, running).with_objects(settled(state.objects))
     state = state._replace(dynamic=setting.before.dynamic, sigma=setting.before.sigma)
     return set_up(setting._replace(index=setting.index + 1, begun=(*setting.begun, number)), stack, state)
 
 
-def scenario_from(number: int, dynamic: Dynamic | None, scope: Scope, declared: Iterable[Declared], step: int, depth: int = 0) -> Running:
+def settled(objects: Mapping[int, Properties]) -> Mapping[int, Properties]:
+    """The properties of objects once their setup block is over: what was drawn is known."""
+    return {number: {name: plain(value) for name, value in properties.items()} for number, properties in objects.items()}
+
+
+def scenario_from(number: int, dynamic: Dynamic | None, scope: Scope, declared: Iterable[Declared], depth: int = 0) -> Running:
     """A scenario whose setup is done, with what it declared; it is inside `depth` others."""
     found: dict[type, list[Declared]] = {kind: [] for kind in (d.RequireAlways, d.RequireEventually, d.TerminateWhen, d.MonitorDefinition)}
     for one in declared:
@@ -184,9 +192,9 @@ def scenario_from(number: int, dynamic: Dynamic | None, scope: Scope, declared: 
     definition = None if dynamic is None else dynamic.definition
     compose = definition.compose if isinstance(definition, d.ScenarioDefinition) else None
     return Running(
-        number, dynamic, scope, None if compose is None else Suspended(body_as_statement(compose), (), scope, depth=depth, begun=False),
+        number, dynamic, scope, None if compose is None else Suspended(body_as_statement(compose), (), scope, depth=depth),
         tuple(found[d.RequireAlways]), tuple(found[d.RequireEventually]), tuple(found[d.TerminateWhen]),
-        tuple(monitor(m) for m in found[d.MonitorDefinition]), first_step=step,
+        tuple(monitor(m) for m in found[d.MonitorDefinition]),
     )  # fmt: skip
 
 
@@ -238,8 +246,7 @@ def step_of_scenario(number: int, stack: Stack, state: State) -> Outcome:
         state = with_scenario(state, running._replace(ran=True))
     if running.compose is not None:
         return run_for_one_step(running.compose, Who("compose", number), (Stepping(number), stack), state)
-    guards = (compose_guards(number, state),) if running.dynamic is not None and running.first_step < simulation.step else ()
-    return guarded(guards, partial(check_termination, number, 0), stack, state)
+    return guarded((compose_guards(number, state),), partial(check_termination, number, 0), stack, state)
 
 
 def compose_guards(number: int, state: State) -> Guards:
@@ -277,7 +284,7 @@ def resume_ending(frame: Ending, result: object, stack: Stack, state: State) -> 
     node = simulation_of(state).scenarios[frame.number].terminations[frame.index].node
     assert isinstance(node, d.TerminateWhen)
     after = as_before(frame.outer, state)
-    if not truth(result, node.condition, state, "a termination condition"):
+    if not holding(result, node.condition.span, state, "a termination condition", "D-TerminateWhen"):
         return check_termination(frame.number, frame.index + 1, stack, after)
     return Next("D-TerminateWhen", Config(Value(Over(f"the termination condition on line {node.span.line} is true")), stack, after), node)
 

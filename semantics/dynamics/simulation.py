@@ -54,7 +54,6 @@ class Running(NamedTuple):
     monitors: tuple[Suspended | None, ...] = ()
     satisfied: frozenset[int] = frozenset()
     overrides: tuple[Override, ...] = ()
-    first_step: int = 0
     ran: bool = False
     over: bool = False
 
@@ -78,7 +77,8 @@ class Simulation(NamedTuple):
 
     `active` are the scenarios that run in this time step, `flag` says why the scenario is to end, once it is ("" until then), `limit` that it is to
     end in this time step in any case, `fixed` are the properties that the simulator updates: those of the Objects among the instances below number
-    `known`, which were made in setup blocks that are over.
+    `known`, which were made in setup blocks that are over; `setting` while a setup block runs,
+    `egoless` until one has made ego.
     """
 
     step: int
@@ -92,6 +92,8 @@ class Simulation(NamedTuple):
     overrides: int = 0
     fixed: frozenset[str] = frozenset()
     known: int = 0
+    setting: bool = False
+    egoless: bool = False
 
 
 def simulation_of(state: State) -> Simulation:

@@ -19,12 +19,13 @@ from .second_look import SECOND_LOOK
 from .silences import SILENCES
 from .silences_of_language import SILENCES_OF_LANGUAGE
 from .silences_of_policy import SILENCES_OF_POLICY
+from .silences_of_scenarios import SILENCES_OF_SCENARIOS
 
 READINGS: Mapping[str, Reading] = {
     r.id: r
     for r in (
         *CONFLICTS, *CONFLICTS_OF_EXAMPLES, *CONFLICTS_OF_POLICY,
-        *SILENCES, *SILENCES_OF_LANGUAGE, *SILENCES_OF_POLICY, *SECOND_LOOK,
+        *SILENCES, *SILENCES_OF_LANGUAGE, *SILENCES_OF_POLICY, *SILENCES_OF_SCENARIOS, *SECOND_LOOK,
     )
 }
 

@@ -11,6 +11,29 @@ SECTION_4_4 = 'Section "Statements"'
 
 CONFLICTS_OF_POLICY: tuple[Reading, ...] = (
     Reading(
+        id="compose-only",
+        kind="conflict",
+        about="policy",
+        question="May a scenario that is begun with leave it to those that it runs to make ego?",
+        places=(
+            SECTION_4_4 + ': of the `setup` and `compose` blocks "either can be omitted"',
+            'Section "Data Types", and Figure "Semantics of statements", rules "Termination": `ego` must be defined',
+        ),
+        alternatives={
+            "when-needed": "yes, if it has a `compose` block: ego may be made by any scenario that runs when it is first needed; that objects are "
+            "visible from it is required when the `setup` block that makes it ends",
+            "scene": "no: a scene without ego is an error",
+        },
+        profiles={"formal": "scene"},
+        consequence="Concerns simulations: a scene alone has an ego in any case.",
+        code=("semantics.termination.may_come_later", "semantics.termination.premises_of_step_two"),
+        probe=Probe(
+            "scenario Sub():\n    setup: ego = Object at (3, 0)\n    compose: wait\nscenario Main():\n    compose:\n        sub = Sub()\n"
+            "        do sub until sub.ego.position.x == 4",
+            {"when-needed": "one time step passes, with one object", "scene": "RunError, rule T-Mutate"},
+        ),
+    ),
+    Reading(
         id="setup-block",
         kind="conflict",
         about="policy",

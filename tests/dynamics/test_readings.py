@@ -40,8 +40,10 @@ SHOWN: dict[tuple[str, str], list[object]] = {
     ("interrupts-in-except", "never"): [2, 3, None, None, LIMIT],
     ("ego-of-scenarios", "shared"): [None, None, "terminated"],
     ("finally-of-coroutines", "own-way-out"): [1, 4, None, None, LIMIT],
+    ("initial-guards", "around-setup"): [None, "terminated"],
+    ("compose-only", "when-needed"): [None, "terminated"],
 }
-SHARES = {("choose-weights", "renormalised"), ("rejected-simulation", "discard"), ("rejected-simulation", "retry")}
+SHARES = {("choose-weights", "renormalised"), ("rejected-simulation", "discard"), ("rejected-simulation", "retry"), ("compose-only", "scene")}
 """What is shown by frequencies: below, and in test_simulation.py."""
 REFUSED = {
     ("objects-while-running", "setup"): ("setup block only", 6), ("override-what", "existing"): ("has no property nosuch", 3),
@@ -93,3 +95,11 @@ def test_what_is_refused(reading, alternative):
     with pytest.raises(RunError, match=message) as found:
         simulated(probe.program, 1)
     assert found.value.span.line == line
+
+
+def test_a_scene_without_ego_is_refused_to_the_letter():
+    probe = READINGS["compose-only"].probe
+    assert probe is not None
+    with pytest.raises(RunError, match="never assigns ego") as found:
+        simulated(probe.program, 1, readings={"compose-only": "scene"})
+    assert found.value.rule == "T-Mutate"

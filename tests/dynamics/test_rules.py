@@ -10,6 +10,7 @@ from scenic_ref.semantics.rules import RULES
 from scenic_ref.simulators.still import Still
 
 PROGRAMS = (
+    "scenario Main():\n    precondition: True\n    setup: ego = Object at (0, 0)\n",
     """
 behavior Inner():
     precondition: self.x == 0

@@ -15,8 +15,11 @@ from scenic_ref.semantics.readings.second_look import SECOND_LOOK
 from scenic_ref.semantics.readings.silences import SILENCES
 from scenic_ref.semantics.readings.silences_of_language import SILENCES_OF_LANGUAGE
 from scenic_ref.semantics.readings.silences_of_policy import SILENCES_OF_POLICY
+from scenic_ref.semantics.readings.silences_of_scenarios import SILENCES_OF_SCENARIOS
 
-TABLES = (CONFLICTS, CONFLICTS_OF_EXAMPLES, CONFLICTS_OF_POLICY, SILENCES, SILENCES_OF_LANGUAGE, SILENCES_OF_POLICY, SECOND_LOOK)
+TABLES = (
+    CONFLICTS, CONFLICTS_OF_EXAMPLES, CONFLICTS_OF_POLICY, SILENCES, SILENCES_OF_LANGUAGE, SILENCES_OF_POLICY, SILENCES_OF_SCENARIOS, SECOND_LOOK,
+)
 ALL = pytest.mark.parametrize("reading", READINGS.values(), ids=READINGS)
 
 
