@@ -64,7 +64,7 @@ def scene_again(config: Config, recording: Recording, fuel: int) -> tuple[State,
     """The state at the end of the recorded attempt, and its scene. Raises `UsageError` unless that is the recorded scene."""
     generated = run(config, from_stream(recording.seed, recording.run, recording.scene_attempts - 1), fuel=fuel)
     if isinstance(generated, Accepted):
-        scene = scene_of(generated.state, recording.seed, recording.run, recording.scene_attempts)
+        scene = scene_of(generated.state, recording.seed, recording.run, recording.scene_attempts, simulated=True)
         if close(json.loads(scene.to_line()), recording.scene):
             return generated.state, scene
     raise UsageError(
