@@ -220,6 +220,7 @@ class Crawl:
 
     def is_new(self, value: object) -> bool:
         """Whether too few values of this signature were looked into as yet."""
+        self.state.settings.door.budget.left = 2_000_000  # a name may be looked up by a function of the program
         signature = signature_of(value)
         self.looked_into[signature] += 1
         return self.looked_into[signature] <= PER_SIGNATURE
