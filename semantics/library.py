@@ -115,7 +115,12 @@ def listing(make: Callable[..., Iterable[object]]) -> Native:
 
     Python frees a long chain of such iterators, and goes through it, by a recursion that it does not count.
     """
-    return native(lambda *arguments, **keywords: list(make(*arguments, **keywords)), make.__name__)
+    return native(functools.partial(listed, make), make.__name__)
+
+
+def listed(make: Callable[..., Iterable[object]], *arguments: object, **keywords: object) -> list[object]:
+    """What a lazy builtin gives, as a list."""
+    return list(make(*arguments, **keywords))
 
 
 LISTING = {made.name: made for made in map(listing, (python.map, python.filter, python.zip, python.enumerate, python.reversed))}
@@ -197,15 +202,18 @@ def metering(
     make: Callable[..., Iterator[object]], check: Callable[..., None] | None = None, members: Mapping[str, Native] | None = None
 ) -> Native:  # fmt: skip
     """A function of `itertools` whose items are paid for one by one; `check` refuses arguments that take too much at once."""
+    return Native(make.__name__, functools.partial(metered_items, make, check), pays=True, members=members or {})
 
-    def made(budget: Budget, *arguments: object, **keywords: object) -> Metered:
-        if check is not None:
-            check(*arguments, **keywords)
-        if make.__name__ in CALLING:
-            arguments, keywords = tuple(with_callbacks(arguments, budget)), {k: as_callback(v, budget) for k, v in keywords.items()}
-        return budget.metered(make(*arguments, **keywords))
 
-    return Native(make.__name__, made, pays=True, members=members or {})
+def metered_items(
+    make: Callable[..., Iterator[object]], check: Callable[..., None] | None, budget: Budget, *arguments: object, **keywords: object
+) -> Metered:  # fmt: skip
+    """What a function of `itertools` gives, paid for item by item. It is no closure, since the state of a run can be saved."""
+    if check is not None:
+        check(*arguments, **keywords)
+    if make.__name__ in CALLING:
+        arguments, keywords = tuple(with_callbacks(arguments, budget)), {k: as_callback(v, budget) for k, v in keywords.items()}
+    return budget.metered(make(*arguments, **keywords))
 
 
 def check_product(*pools: Any, repeat: int = 1) -> None:
