@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from ..semantics.errors import UsageError
+if TYPE_CHECKING:
+    from ..semantics.errors import UsageError
 
 UNITS = {"": 1, "K": 1 << 10, "M": 1 << 20, "G": 1 << 30, "T": 1 << 40}
 LEAST_MEMORY = 16 << 20
@@ -21,6 +22,13 @@ class Limits(NamedTuple):
 DEFAULT_LIMITS = Limits(4 << 30, 60.0)
 
 
+def wrong(message: str) -> UsageError:
+    """The error; its import takes longer than all of `--help`."""
+    from ..semantics.errors import UsageError
+
+    return UsageError(message)
+
+
 def bytes_of(text: str) -> int | None:
     """`512M`, `4G`, or `none`. Raises `UsageError`."""
     if text.lower() == "none":
@@ -30,7 +38,7 @@ def bytes_of(text: str) -> int | None:
     digits = number.removesuffix(unit)
     found = int(digits) * UNITS[unit] if digits.isascii() and digits.isdigit() and len(digits) < 16 else 0
     if found < LEAST_MEMORY:
-        raise UsageError(f"--limit-memory expects a size of at least 16M, such as 512M or 4G, or none, not {text!r}")
+        raise wrong(f"--limit-memory expects a size of at least 16M, such as 512M or 4G, or none, not {text!r}")
     return found
 
 
@@ -43,5 +51,5 @@ def seconds_of(text: str) -> float | None:
     except ValueError:
         found = math.nan
     if not 0.01 <= found <= 1e6:
-        raise UsageError(f"--limit-seconds expects a number of seconds from 0.01 to 1000000, or none, not {text!r}")
+        raise wrong(f"--limit-seconds expects a number of seconds from 0.01 to 1000000, or none, not {text!r}")
     return found
