@@ -43,6 +43,7 @@ Run = Accepted | Rejected
 @within()
 def drive(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL, witness: Witness | None = None) -> tuple[Done | Act | Finish | Stuck, int]:
     """Drive the machine until it has something to say, and in how many steps. Raises the program's error, or `FuelExhausted` after `fuel` steps."""
+    config.state.settings.door.budget.renew()
     for steps in range(fuel):
         outcome = step(config)
         kind = type(outcome)

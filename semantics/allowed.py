@@ -163,11 +163,9 @@ def is_hidden(name: str) -> bool:
 
 def may_ask(value: object, name: str) -> bool:
     """Whether a program may ask the value, which is none of the machine's types, for the attribute."""
-    if name == "__init__" and not is_user_made(value):
-        return isinstance(value, type) and (value in BASES or issubclass(value, Exception))
+    if name == "__init__" and (isinstance(value, type) or not is_user_made(value)):
+        return isinstance(value, type) and is_base(value)
     if isinstance(value, type):
-        if name == "__init__" and is_base(value):
-            return True
         return (is_known(value) and name in CLASSES) or any(name in of_class(c, name) for c in value.__mro__) or is_member(value, name)
     if is_user_made(value) and name in getattr(value, "__dict__", ()) and not is_hidden(name):
         return True

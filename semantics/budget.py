@@ -14,7 +14,7 @@ from typing import Any
 from .errors import FuelExhausted, RunError
 
 LARGEST_WORK = 400_000_000
-"""The units of one run."""
+"""The units of one run, or of one time step of a simulation."""
 LARGEST_SEQUENCE = 2_000_000
 """The most elements or characters of one value."""
 LARGEST_INTEGER_BITS = 100_000
@@ -30,8 +30,12 @@ class Budget:
 
     __slots__ = ("left",)
 
-    def __init__(self, left: int = LARGEST_WORK) -> None:
-        self.left = left
+    def __init__(self) -> None:
+        self.renew()
+
+    def renew(self) -> None:
+        """Begin anew: a run, a time step of a simulation, a row of a column that is computed one by one."""
+        self.left = LARGEST_WORK
 
     def spend(self, units: int) -> None:
         """Pay. Raises `FuelExhausted` if that is too much."""

@@ -256,15 +256,18 @@ ITERTOOLS: Mapping[str, object] = {
 # functools, collections, enum
 
 
-def partial(function: Callable[..., object], *arguments: object, **keywords: object) -> Native:
+def partial(budget: Budget, function: Callable[..., object], *arguments: object, **keywords: object) -> Bound:
     """`functools.partial(function, *arguments, **keywords)`."""
     if not callable(function):
         raise TypeError("partial() takes a function")
+    return Bound(getattr(function, "name", "partial"), functools.partial(applied, function, arguments, keywords), budget)
 
-    def called(*more: object, **others: object) -> object:
-        return as_callback(function, Budget())(*arguments, *more, **{**keywords, **others})  # type: ignore[operator]
 
-    return native(called, getattr(function, "name", "partial"))
+def applied(
+    function: Callable[..., object], first: tuple[object, ...], named: Mapping[str, object], budget: Budget, *rest: object, **others: object
+) -> object:
+    """`function(*first, *rest, **named, **others)`."""
+    return as_callback(function, budget)(*first, *rest, **{**named, **others})  # type: ignore[operator]
 
 
 def reduced(budget: Budget, function: Callable[[object, object], object], items: Iterable[object], *initial: object) -> object:
@@ -292,14 +295,14 @@ def elements(budget: Budget, counter: collections.Counter) -> Metered:
     return budget.metered(counter.elements())
 
 
-def repeated_index(budget: Budget, items: Any, value: Any, *limits: int) -> int:
+def index_in(budget: Budget, items: Any, value: Any, *limits: int) -> int:
     """`items.index(value)`."""
     if isinstance(items, range) and not isinstance(value, int):
         refuse_too_long(size_of(items) // ITEM)
     return items.index(value, *limits)
 
 
-def repeated_count(budget: Budget, items: Any, value: Any) -> int:
+def count_in(budget: Budget, items: Any, value: Any) -> int:
     """`items.count(value)`."""
     if isinstance(items, range) and not isinstance(value, int):
         refuse_too_long(size_of(items) // ITEM)
@@ -309,7 +312,7 @@ def repeated_count(budget: Budget, items: Any, value: Any) -> int:
 MODULES: Mapping[str, Mapping[str, object]] = {
     "math": MATH,
     "itertools": ITERTOOLS,
-    "functools": {"partial": native(partial), "reduce": paying(reduced, "reduce"), "cmp_to_key": paying(comparing, "cmp_to_key")},
+    "functools": {"partial": paying(partial), "reduce": paying(reduced, "reduce"), "cmp_to_key": paying(comparing, "cmp_to_key")},
     "collections": {
         "namedtuple": native(record, "namedtuple"),
         **{c.__name__: c for c in (collections.Counter, collections.OrderedDict, collections.defaultdict, collections.deque)},
@@ -332,7 +335,7 @@ METHODS: Mapping[type, Mapping[str, Callable[..., object]]] = {
     str: OF_TEXTS,
     bytes: {"decode": decode},
     collections.Counter: {"elements": elements},
-    range: {"index": repeated_index, "count": repeated_count},
+    range: {"index": index_in, "count": count_in},
 }
 """Methods of Python's types that are ours: functions of the budget, the subject and the arguments."""
 

@@ -169,6 +169,7 @@ def _clipped(node: Node, draw: RowDraw, found: Clipped, columns: Columns, number
 
 
 def _called(call: RowCall, resolve: Callable[[Node], object]) -> object:
+    call.budget.renew()
     result = call.function(*in_row(call.structure, resolve), **in_row(call.keywords, resolve))  # type: ignore[misc]
     result = float(result) if call.converts and type(result) is not bool else result  # type: ignore[arg-type]
     if type(result) is not call.result or symbols_in(result):

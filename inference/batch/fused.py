@@ -13,6 +13,7 @@ import numpy as np
 
 from ...interpreter.choosers import PER_SCENE
 from ...interpreter.streams import site_code
+from ...semantics.budget import Budget
 from ...semantics.regions import PolygonalRegion
 from ...semantics.symbols import Elementary
 from ...semantics.vectors import Vector
@@ -320,7 +321,7 @@ def compiled_macro(macro: Macro) -> Callable[..., object]:
     """A macro's function, compiled: traced on symbols for its arguments, and written as code."""
     from .trace import Trace
 
-    trace = Trace(lambda site: 0.37 + 0.01 * site.index)
+    trace = Trace(lambda site: 0.37 + 0.01 * site.index, Budget())
     symbols = [trace.site((), i, False) for i in range(sum(macro.shape))]
     for symbol in symbols:
         symbol.node.bounds = None

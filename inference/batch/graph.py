@@ -13,6 +13,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from ...semantics.budget import Budget
 from ...semantics.outcome import Requirement
 from ...semantics.regions import Region
 from ...semantics.symbols import arc_tangent
@@ -79,7 +80,7 @@ class RowCall:
     """A Python function, called for one row after the other; `structure` holds its arguments, with symbols inside.
 
     `result` is the type that every row must give; else, or if an exception is raised, the row is left to the interpreter. With
-    `converts`, numbers are made floats first.
+    `converts`, numbers are made floats first. Functions of the program that it calls pay from `budget`, which is that of one row.
     """
 
     function: Callable[..., object]
@@ -88,6 +89,7 @@ class RowCall:
     result: type
     converts: bool
     text: str
+    budget: Budget
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ...semantics.budget import Budget
 from ...semantics.errors import ScenicError
 from ...semantics.fields import OutsideField, PolygonalVectorField, VectorField
 from ...semantics.host import DoorStuck, HostException
@@ -36,8 +37,9 @@ class Retry(Exception):
 class Trace:
     """The graph of one run on symbols, while it is made; `conditions` are the nodes that say which runs come to what is being evaluated."""
 
-    def __init__(self, number_at: Callable[[Site], float]) -> None:
+    def __init__(self, number_at: Callable[[Site], float], budget: Budget) -> None:
         self.graph = Graph()
+        self.budget = budget
         self.number_at = number_at
         self.known: dict[object, Node] = {}
         self.conditions: list[Node] = []
@@ -265,7 +267,7 @@ class Trace:
         if result is float and type(example) is not bool:
             example = float(example)  # type: ignore[arg-type]
         text = name_of(function)
-        call = RowCall(function, arguments, dict(keywords), type(example), result is float, text)
+        call = RowCall(function, arguments, dict(keywords), type(example), result is float, text, self.budget)
         kind: Kind = "float" if type(example) is float else "bool" if type(example) is bool else "object"
         key = self.key_of(function, arguments, keywords)
         before = len(self.graph.nodes)

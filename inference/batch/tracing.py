@@ -94,8 +94,8 @@ def trace_run(config: Config, attempt: int, fuel: int, draws: Draws = AS_THEY_AR
             numbers()
         return numbers()
 
-    made = Trace(number_at)
     door = config.state.settings.door
+    made = Trace(number_at, door.budget)
     door.lift = partial(lift, made)
     made.place = lambda text: Requirement("field", place(config), text)
     partial_runs: list[tuple[object, State]] = []  # where what is evaluated in some runs only ends, and the state at its beginning

@@ -1,6 +1,7 @@
 """Readings: where the paper leaves a choice, as data, bundled in profiles.
 
-`formal` takes the formal rules to the letter; `paper`, the default, sets an equation aside only where a definition, a
+`formal` takes a formal rule to the letter wherever a reading has an alternative that does (many have one alternative only, also where a rule is
+set aside); `paper`, the default, sets an equation aside only where a definition, a
 table or a drawn figure of the same paper contradicts it; `prose` lets the prose win; `scenic-2.1` and `scenic-3` do what
 the released implementations do.
 """

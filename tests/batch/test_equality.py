@@ -8,6 +8,7 @@ import pytest
 import scenic_ref
 from scenic_ref.conformance.programs import ProgramSettings, random_programs
 from scenic_ref.inference.batch import Batch, NotLifted
+from scenic_ref.semantics import budget
 from scenic_ref.semantics.errors import ScenicError
 
 GALLERY = sorted((Path(__file__).parent.parent.parent / "examples" / "gallery").glob("*.scenic"))
@@ -155,3 +156,11 @@ def test_runs_that_take_another_way_are_left_to_the_interpreter():
     batch = batch_of(scenario)
     with pytest.raises(ScenicError, match="at least 0"):
         list(batch.scenes(200_000, 3))
+
+
+def test_each_row_that_is_computed_alone_has_a_budget_of_its_own(monkeypatch):
+    """Else a long run on columns would use up that of the run that was traced, and be left to the interpreter."""
+    monkeypatch.setattr(budget, "LARGEST_WORK", 20 * budget.STEP)
+    square = "PolygonalRegion([(-99, -99), (99, -99), (99, 99), (-99, 99)])"
+    scenario = scenic_ref.loads(f"f = PolygonalVectorField('f', [[{square}, lambda v: v.x / 10 + v.y]])\nego = Object at (Range(0, 9), 1), facing f")
+    assert batch_of(scenario).block(1, 0, 300).left == 0

@@ -19,6 +19,7 @@ from scenic_ref.inference.batch.trace import Trace
 from scenic_ref.inference.batch.tracing import trace
 from scenic_ref.interpreter.choosers import PER_SCENE
 from scenic_ref.interpreter.streams import Stream
+from scenic_ref.semantics.budget import Budget
 from scenic_ref.semantics.regions import CircularRegion, PolylineRegion, SectorRegion
 from scenic_ref.semantics.regions.approximation import box_shape
 from scenic_ref.semantics.symbols import NotLifted, arc_tangent, either, every, larger, search
@@ -62,7 +63,7 @@ def test_columns_of_numbers_are_those_of_the_streams(seed, rows):
 
 @pytest.fixture
 def symbols() -> tuple:
-    made = Trace(lambda site: 0.25 + site.index / 10)
+    made = Trace(lambda site: 0.25 + site.index / 10, Budget())
     return made, made.site((0,), 0, False), made.site((0,), 1, False)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 from scenic_ref.interpreter.simulating import Failed, Simulated
+from scenic_ref.semantics import budget
 from scenic_ref.semantics.dynamics import policy
 from scenic_ref.semantics.errors import RunError, UncaughtException
 
@@ -217,3 +218,8 @@ def test_stateful_behavior_of_the_paper():
     )
     d, s = "drive", "stop"
     assert actions(text, 10) == [d, d, d, s, s, d, d, s, s, d, LIMIT]
+
+
+def test_each_time_step_has_a_budget_of_its_own(monkeypatch):
+    monkeypatch.setattr(budget, "LARGEST_WORK", 60 * budget.STEP)
+    assert actions(behavior("while True:\n    take sorted([3, 1, 2], key=lambda v: -v)[0]"), 20) == [*[3] * 20, LIMIT]
