@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 
 from .allowed import is_user_made, may_ask
 from .arithmetic import BINARY, UNARY
-from .budget import LARGEST_SEQUENCE
+from .budget import LARGEST_SEQUENCE, PLAIN
 from .classes import canonical
 from .conditions import random_branch
 from .config import Stack, State, value
@@ -295,6 +295,8 @@ def conclude_binary(node: p.BinaryOperation, values: list[object], stack: Stack,
 def is_pair(value: object) -> bool:
     """Whether the value is a tuple of two scalars."""
     inner = plain(value)
+    if type(inner) in PLAIN:
+        return False
     if isinstance(inner, Symbol):
         return inner.always(is_pair)
     return type(inner) is tuple and len(inner) == 2 and all(is_scalar(plain(part)) for part in inner)
