@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 import scenic_ref
+from scenic_ref.inference import batch as package
 from scenic_ref.inference.batch import sampling
 from scenic_ref.interpreter.extras import EXTRAS, is_installed
 from scenic_ref.interpreter.tables import open_table
@@ -23,6 +24,8 @@ def afresh(monkeypatch: pytest.MonkeyPatch) -> None:
     """What needs numba is imported anew."""
     for name in [n for n in sys.modules if n.split(".")[0] in ("numba", "llvmlite")] + [f"scenic_ref.inference.batch.{name}" for name in COMPILER]:
         monkeypatch.delitem(sys.modules, name, raising=False)
+    for name in COMPILER:
+        monkeypatch.delattr(package, name, raising=False)
 
 
 def test_the_table_of_extras_is_that_of_the_package():

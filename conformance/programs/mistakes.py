@@ -24,7 +24,7 @@ from ...semantics.errors import (
 
 Phase = Literal["parse", "check", "resolve", "run"]
 
-FUEL = 50_000
+FUEL = 100_000
 """Steps that every ill-formed program may take: enough for all but endless loops."""
 
 

@@ -127,7 +127,7 @@ FAULTS = (
     ),
     Fault(
         "a requirement dropped",
-        (Edit("semantics/termination.py", "            return not geometry.boxes_intersect(", "            return True or not geometry.boxes_intersect("),),
+        (Edit("semantics/termination.py", "            return negation(geometry.boxes_intersect(", "            return True or negation(geometry.boxes_intersect("),),
         f"ego = Object at (0, 0)\nObject at (Range(-3, 3), 0){FAR}\n",
         ("collision", "collision-conditions-the-distribution"),
     ),

@@ -223,7 +223,7 @@ def test_the_complement_of_a_disc_is_a_region() -> None:
         PolygonalRegion(polygon=box(0, 0, 1, 1)).intersect(PolygonalRegion(polygon=box(1, 0, 2, 1))),
         PolylineRegion([(0, 5), (1, 5)]).intersect(CircularRegion(ORIGIN, 1.0)),
         PolylineRegion([(-1, 1), (1, 1)]).intersect(CircularRegion(ORIGIN, 1.0)),
-        PolylineRegion([(0, 0), (1, 1)]).intersect(PolylineRegion([(0, 1), (1, 0)])),
+        PolylineRegion([(0, 0), (1, 1)]).intersect(PolylineRegion([(0, 1), (1, 2)])),
         PointSetRegion("one", [(5, 5)]).intersect(CircularRegion(ORIGIN, 1.0)),
     ],
     ids=str,
