@@ -30,11 +30,11 @@ demo: $(VENV)/.core
 
 ## The test suite
 test: $(VENV)/.test
-	$(BIN)/python -m pytest $(TESTS)
+	$(BIN)/python -m pytest -n auto --dist worksteal $(TESTS)
 
 ## The test suite without any extra, in an environment of its own: what needs one is skipped, nothing else
 test-plain: $(PLAIN)/.test
-	$(PLAIN)/bin/python -m pytest $(TESTS)
+	$(PLAIN)/bin/python -m pytest -n auto --dist worksteal $(TESTS)
 
 $(PLAIN)/.test: pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit("scenic-ref needs Python 3.11 or later" if sys.version_info < (3, 11) else 0)'

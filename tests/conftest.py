@@ -11,6 +11,7 @@ import signal
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -30,10 +31,16 @@ settings.load_profile("whatever the clock says")
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """The marker; a list of what is wrong with the run as a whole; a mark on all that it starts."""
+    """The marker; a list of what is wrong with the run as a whole; a mark on all that it, or this worker of it (`pytest -n 2`), starts."""
     config.addinivalue_line("markers", "extra(name): the test needs the packages of this extra of scenic-ref")
     config.stash[PROBLEMS] = []
     os.environ[RUN] = str(os.getpid())
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node: Any) -> None:
+    """Take over what a worker of the run found wrong; one that crashed has told nothing, and its test failed."""
+    node.config.stash[PROBLEMS] += getattr(node, "workeroutput", {}).get("problems", [])
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
@@ -52,11 +59,14 @@ def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) ->
     return report  # pyright: ignore[reportReturnType]
 
 
+@pytest.hookimpl(trylast=True)
 def pytest_sessionfinish(session: pytest.Session) -> None:
     """What the tests started is gone, or the run fails; then it is ended here."""
     problems = session.config.stash[PROBLEMS]
     problems += [f"a process is left: {process}" for process in ended_here()]
-    if problems and session.exitstatus == pytest.ExitCode.OK:
+    if hasattr(session.config, "workeroutput"):
+        session.config.workeroutput["problems"] = problems  # pyright: ignore[reportAttributeAccessIssue]
+    elif problems and session.exitstatus == pytest.ExitCode.OK:
         session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
 
