@@ -11,7 +11,9 @@ from typing import TypeAlias
 import numpy as np
 import shapely
 from shapely.geometry import MultiPolygon, Polygon
+from shapely.geometry.base import BaseGeometry
 
+from .boundaries import all_widened
 from .symbols import Symbol, lifted
 from .vectors import Vector
 
@@ -79,8 +81,6 @@ class PolygonalVectorField(VectorField):
         for number, (_, heading) in enumerate(self.cells):
             if heading is None and headingFunction is None and defaultHeading is None:
                 raise BadField(f"cell {number} of the vector field {name} has no heading, and there is no headingFunction")
-        for polygon, _ in self.cells:
-            shapely.prepare(polygon)
 
     def cell_at(self, v: Vector) -> int | None:
         """The number of the first cell that contains `v` (edges included), or None."""
@@ -91,7 +91,7 @@ class PolygonalVectorField(VectorField):
         candidates = self._squares.get(square)
         if candidates is None:
             candidates = self._candidates(square)
-        bounds, polygons = self._bounds, self._polygons
+        bounds, polygons = self._bounds, self.closed
         for number in candidates:
             west, south, east, north = bounds[number]
             if west <= x <= east and south <= y <= north and shapely.intersects_xy(polygons[number], x, y):
@@ -112,16 +112,19 @@ class PolygonalVectorField(VectorField):
         return heading(v) if callable(heading) else heading
 
     @cached_property
-    def _polygons(self) -> tuple[Polygon | MultiPolygon, ...]:
-        return tuple(polygon for polygon, _ in self.cells)
+    def closed(self) -> Sequence[BaseGeometry]:
+        """The polygons with their boundaries, as wide as `boundaries` says."""
+        polygons = all_widened([polygon for polygon, _ in self.cells])
+        shapely.prepare(polygons)
+        return polygons
 
     @cached_property
     def _bounds(self) -> tuple[tuple[float, float, float, float], ...]:
-        return tuple(polygon.bounds for polygon in self._polygons)
+        return tuple(polygon.bounds for polygon in self.closed)
 
     @cached_property
     def _tree(self) -> shapely.STRtree:
-        return shapely.STRtree(self._polygons)
+        return shapely.STRtree(self.closed)
 
     @cached_property
     def _side(self) -> float:

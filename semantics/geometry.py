@@ -6,8 +6,8 @@ coordinates of a `Vector`): Python floats give Python floats and bools, arrays g
 on are NumPy's in both cases, so that one scene computed alone and the same scene in an array agree bit for bit.
 
 A *box* is given by its position (centre), heading, width (along its local x axis) and length (along its local y axis).
-Sets are closed: what merely touches, intersects. Predicates use signs of dot and cross products, never an arctangent; they
-are exact up to the rounding of those products (a relative error of some 1e-16).
+Sets are closed: what merely touches, intersects; what comes within `boundaries.METRES` of it, touches. Predicates compare dot and cross
+products, which are distances, and use no arctangent.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from .boundaries import METRES, RADIANS
 from .symbols import arc_tangent, cosine, larger, macro, plain_float, sine, smaller
 from .vectors import Vector
 
@@ -90,7 +91,7 @@ def to_local(position: Vector, heading: float, point: Vector) -> Vector:
 def box_contains(position: Vector, heading: float, width: float, length: float, point: Vector) -> bool:
     """Whether `point` lies in the box, its edges included."""
     local = to_local(position, heading, point)
-    return (abs(local.x) <= width / 2) & (abs(local.y) <= length / 2)
+    return (abs(local.x) <= width / 2 + METRES) & (abs(local.y) <= length / 2 + METRES)
 
 
 def distance_to_box(position: Vector, heading: float, width: float, length: float, point: Vector) -> float:
@@ -114,24 +115,26 @@ def boxes_intersect(
 @macro
 def _turned_boxes_intersect(offset: Vector, turn1: Vector, half1: Vector, turn2: Vector, half2: Vector) -> bool:
     """`boxes_intersect` for closed boxes with their centres `offset` apart; of each the cosine and sine of the heading, and half its size."""
-    return _not_separated(operator.le, offset, turn1, half1, turn2, half2)
+    return _not_separated(operator.le, METRES, offset, turn1, half1, turn2, half2)
 
 
 @macro
 def _turned_boxes_overlap(offset: Vector, turn1: Vector, half1: Vector, turn2: Vector, half2: Vector) -> bool:
     """The same for open boxes."""
-    return _not_separated(operator.lt, offset, turn1, half1, turn2, half2)
+    return _not_separated(operator.lt, -METRES, offset, turn1, half1, turn2, half2)
 
 
-def _not_separated(meets: Callable[..., bool], offset: Vector, turn1: Vector, half1: Vector, turn2: Vector, half2: Vector) -> bool:
-    """Whether none of the four axes separates the boxes."""
+def _not_separated(
+    meets: Callable[..., bool], margin: float, offset: Vector, turn1: Vector, half1: Vector, turn2: Vector, half2: Vector
+) -> bool:  # fmt: skip
+    """Whether none of the four axes separates the boxes, by more than `margin` metres."""
     (x, y), (c1, s1), (hw1, hl1), (c2, s2), (hw2, hl2) = offset, turn1, half1, turn2, half2
     c, s = abs(c1 * c2 + s1 * s2), abs(s2 * c1 - c2 * s1)  # of the difference of headings
     return (
-        meets(abs(x * c1 + y * s1), hw1 + (hw2 * c + hl2 * s))
-        & meets(abs(y * c1 - x * s1), hl1 + (hw2 * s + hl2 * c))
-        & meets(abs(x * c2 + y * s2), hw2 + (hw1 * c + hl1 * s))
-        & meets(abs(y * c2 - x * s2), hl2 + (hw1 * s + hl1 * c))
+        meets(abs(x * c1 + y * s1), hw1 + (hw2 * c + hl2 * s) + margin)
+        & meets(abs(y * c1 - x * s1), hl1 + (hw2 * s + hl2 * c) + margin)
+        & meets(abs(x * c2 + y * s2), hw2 + (hw1 * c + hl1 * s) + margin)
+        & meets(abs(y * c2 - x * s2), hl2 + (hw1 * s + hl1 * c) + margin)
     )
 
 
@@ -141,12 +144,12 @@ def wedge_contains(heading: float, angle: float, v: Vector) -> bool:
     An angle of 0 is a ray, at least 2π the plane, a negative one nothing. The zero vector lies in every non-empty wedge.
     """
     left, right, middle = direction(heading + angle / 2), direction(heading - angle / 2), direction(heading)
-    beyond_right = right.x * v.y - right.y * v.x >= 0
-    before_left = v.x * left.y - v.y * left.x >= 0
-    ahead = middle.x * v.x + middle.y * v.y >= 0
+    beyond_right = right.x * v.y - right.y * v.x >= -METRES
+    before_left = v.x * left.y - v.y * left.x >= -METRES
+    ahead = middle.x * v.x + middle.y * v.y >= -METRES
     narrow = (angle >= 0) & (angle <= math.pi) & beyond_right & before_left & ahead
     wide = (angle > math.pi) & (beyond_right | before_left)
-    return narrow | wide | (angle >= TAU)
+    return narrow | wide | (angle >= TAU - RADIANS)
 
 
 def sector_contains(center: Vector, radius: float, heading: float, angle: float, point: Vector) -> bool:
@@ -156,7 +159,8 @@ def sector_contains(center: Vector, radius: float, heading: float, angle: float,
     radius of 0 the apex alone. The radius may be infinite.
     """
     v = Vector(point.x - center.x, point.y - center.y)
-    return (radius >= 0) & (v.x * v.x + v.y * v.y <= radius * radius) & wedge_contains(heading, angle, v)
+    reach = radius + METRES
+    return (radius >= 0) & (v.x * v.x + v.y * v.y <= reach * reach) & wedge_contains(heading, angle, v)
 
 
 @macro
@@ -180,8 +184,8 @@ def sector_meets_box(
     )
     reach = smaller(radius, abs(apex.x) + abs(apex.y) + half_width + half_length)  # the box lies within this of the apex
     side = (radius >= 0) & (angle >= 0) & (
-        _segment_meets_box(apex, direction(ahead + angle / 2), reach, half_width, half_length)
-        | _segment_meets_box(apex, direction(ahead - angle / 2), reach, half_width, half_length)
+        _segment_meets_box(apex, direction(ahead + angle / 2), reach, half_width + METRES, half_length + METRES)
+        | _segment_meets_box(apex, direction(ahead - angle / 2), reach, half_width + METRES, half_length + METRES)
     )  # fmt: skip
     offset = Vector(nearest.x - apex.x, nearest.y - apex.y)
     return side | sector_contains(origin, radius, ahead, angle, offset)

@@ -242,7 +242,7 @@ def constant_cells(field: object) -> bool:
 @lru_cache(maxsize=64)
 def tests_of(region: PolygonalRegion) -> PolygonTests:
     """The tests of a region, made once."""
-    return PolygonTests(region.polygon)
+    return PolygonTests(region.closed)
 
 
 @lru_cache(maxsize=64)
@@ -250,7 +250,7 @@ def field_of(field: PolygonalVectorField) -> tuple[FieldTests, np.ndarray]:
     """The cells of a field and their headings."""
     headings = [float(h) for _, h in field.cells]  # type: ignore[arg-type]
     outside = np.nan if field.defaultHeading is None else field.defaultHeading
-    return FieldTests(tuple(polygon for polygon, _ in field.cells)), np.array([*headings, outside])
+    return FieldTests(tuple(field.closed)), np.array([*headings, outside])
 
 
 def values_of(structure: Sequence[object], columns: Columns, count: int) -> list[np.ndarray]:

@@ -141,8 +141,8 @@ def headings_at(point: Point, known: Known) -> list[Operand]:
 
 
 def cells_of(field: PolygonalVectorField) -> tuple[Cell, ...]:
-    """The polygons of a field and their headings."""
-    return tuple((polygon, float(heading)) for polygon, heading in field.cells)  # type: ignore[arg-type]
+    """The polygons of a field, as closed sets, and their headings."""
+    return tuple((polygon, float(heading)) for polygon, (_, heading) in zip(field.closed, field.cells, strict=True))  # type: ignore[arg-type]
 
 
 # Size
@@ -210,7 +210,7 @@ def targets(point: Point, x: Aligned, heading: Operand, known: Known) -> Iterato
     for there in known.located:
         seen = sharp(point, x, heading, there.point)
         if seen is not None:
-            yield (seen, id(there.field)), union_of([polygon for polygon, _ in there.field.cells]), seen
+            yield (seen, id(there.field)), union_of([polygon for polygon, _ in cells_of(there.field)]), seen
 
 
 def sharp(point: Point, x: Aligned, heading: Operand, other: Point) -> Offset | None:

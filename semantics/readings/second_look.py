@@ -121,4 +121,17 @@ SECOND_LOOK: tuple[Reading, ...] = (
             "p = PointSetRegion('p', [(0, 0), (0, 0), (0, 0), (4, 0)])\nego = Object in p", {"once": "P(x = 4) = 1/2"},
         ),
     ),
+    Reading(
+        id="boundaries",
+        kind="silence",
+        question="Where is the boundary of a closed set, when numbers are rounded?",
+        places=(DATA_TYPES + ', "Regions": sets of points of the plane', 'Figure "Notation": Disc and Sector; Figure "Boolean operators"'),
+        alternatives={"tolerance": "what comes within 1e-8 m of it is in it, or meets it; a sector that lacks 1e-8 rad of a full turn is a disc"},
+        consequence="A point on an edge, as written, is in the set however it was computed. Comparisons of numbers remain exact.",
+        code=("semantics.boundaries.widened", "semantics.geometry.wedge_contains", "semantics.geometry.boxes_intersect"),
+        probe=Probe(
+            "ego = Object at (0, 0), with viewAngle 90 deg\nparam on = ego can see (1, 1), beside = ego can see (1, 0.999)",
+            {"tolerance": "True and False"},
+        ),
+    ),
 )

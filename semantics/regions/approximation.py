@@ -15,6 +15,7 @@ import shapely
 from shapely.geometry import GeometryCollection, LineString, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
+from ..boundaries import METRES, widened
 from ..geometry import corners
 from ..vectors import Vector
 
@@ -22,8 +23,7 @@ Bounds = tuple[float, float, float, float]  # west, south, east, north
 
 NO_BOUNDS: Bounds = (float("inf"), float("inf"), float("-inf"), float("-inf"))  # of the empty set
 LEVELS = (32, 256, 4096, 65536)  # sides of the polygons that stand for a circle
-TOLERANCE = 1e-8  # metres: how near a point must be to lie on a line or coincide with a point, which have no inside
-_SLIVER = 1e-9  # metres by which lines and points left over by clipping are widened when they belong to a cover
+_SLIVER = METRES / 10  # metres by which lines and points left over by clipping are widened when they belong to a cover
 
 
 @dataclass(frozen=True)
@@ -57,21 +57,21 @@ def levels(region: Approximable, window: Polygon) -> Iterator[Approximation]:
 
 
 def contains(region: Approximable, shape: BaseGeometry) -> bool:
-    """Whether `shape` ⊆ `region`."""
+    """Whether `shape` ⊆ `region`, a closed set."""
     for approximation in levels(region, window_around(shape.bounds)):
-        if approximation.core.covers(shape):
+        if widened(approximation.core).covers(shape):
             return True
-        if not approximation.cover.covers(shape):
+        if not widened(approximation.cover).covers(shape):
             return False
     return True
 
 
 def meets(region: Approximable, shape: BaseGeometry) -> bool:
-    """Whether `shape` ∩ `region` ≠ ∅."""
+    """Whether `shape` ∩ `region` ≠ ∅, a closed set."""
     for approximation in levels(region, window_around(shape.bounds)):
-        if approximation.core.intersects(shape):
+        if shapely.dwithin(approximation.core, shape, METRES):
             return True
-        if not approximation.cover.intersects(shape):
+        if not shapely.dwithin(approximation.cover, shape, METRES):
             return False
     return True
 

@@ -1,6 +1,6 @@
 """Intersections, unions and differences of regions: exact predicates where the parts have them, sampling by rejection.
 
-A difference holds the points of the first region that are not in the second, so it lacks the second's edge.
+A difference holds the points of the first region that are not in the second, hence not on the second's edge.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from functools import cached_property
 import shapely
 from shapely.geometry import Point, Polygon
 
+from ..boundaries import METRES
 from ..fields import OutsideField, VectorField
 from ..symbols import every, lifted
 from ..vectors import Vector
 from . import intervals
 from .approximation import (
     NO_BOUNDS,
-    TOLERANCE,
     Approximation,
     Bounds,
     as_core,
@@ -172,7 +172,7 @@ class IntersectionRegion(_Combination):
         bounds = self.bounds()
         if self.first.dimension != 1 or self.second.dimension != 1 or bounds is None or bounds == NO_BOUNDS:
             return ()
-        window = window_around(bounds, TOLERANCE)
+        window = window_around(bounds, METRES)
         both = shapely.intersection(self.first.approximate(1, window).cover, self.second.approximate(1, window).cover)
         return tuple(Vector(float(part.x), float(part.y)) for part in shapely.get_parts(both) if isinstance(part, Point))
 

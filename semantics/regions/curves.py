@@ -9,12 +9,13 @@ from functools import cached_property
 import shapely
 from shapely.geometry import LineString, MultiLineString, MultiPoint, Point, Polygon
 
+from ..boundaries import METRES
 from ..fields import VectorField
 from ..geometry import angle_of
 from ..symbols import lifted, pick
 from ..vectors import Vector
 from . import intervals
-from .approximation import NO_BOUNDS, TOLERANCE, Approximation, Bounds, window_around
+from .approximation import NO_BOUNDS, Approximation, Bounds, window_around
 from .checking import field, vectors
 from .errors import BadRegion, EmptyRegion
 from .intervals import Intervals
@@ -68,7 +69,7 @@ class PolylineRegion(Region):
 
     @lifted(bool)
     def contains_point(self, v: Vector) -> bool:
-        return bool(shapely.dwithin(self.polyline, Point(v.x, v.y), TOLERANCE))
+        return bool(shapely.dwithin(self.polyline, Point(v.x, v.y), METRES))
 
     @lifted(float)
     def distance_to(self, v: Vector) -> float:
@@ -102,7 +103,7 @@ class PolylineRegion(Region):
     def segments(self, within: Bounds | None = None) -> Iterable[Segment]:
         if within is None:
             return self._disjoint_segments
-        window = window_around(within, TOLERANCE)
+        window = window_around(within, METRES)
         near = sorted(self._disjoint_tree.query(window)) if not window.is_empty else ()
         return tuple(self._disjoint_segments[int(i)] for i in near)
 
@@ -143,7 +144,7 @@ class PointSetRegion(Region):
 
     @lifted(bool)
     def contains_point(self, v: Vector) -> bool:
-        return bool(shapely.dwithin(self._shape, Point(v.x, v.y), TOLERANCE))
+        return bool(shapely.dwithin(self._shape, Point(v.x, v.y), METRES))
 
     @lifted(float)
     def distance_to(self, v: Vector) -> float:

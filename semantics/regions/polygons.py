@@ -10,6 +10,7 @@ import shapely
 from shapely.geometry import LineString, MultiPolygon, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
+from ..boundaries import widened
 from ..fields import VectorField
 from ..symbols import lifted
 from ..vectors import Vector
@@ -26,7 +27,7 @@ class PolygonalRegion(Region):
     """The polygon with the corners `points`, or a given shapely polygon, multipolygon or sequence of polygons.
 
     Parts may overlap: the region is their union. `orientation` is a vector field or None. `polygon` is the union as one
-    shapely geometry; sampling uses exactly three numbers. Raises `BadRegion` for what is not a polygon.
+    shapely geometry, to which `closed` adds the boundary; sampling uses exactly three numbers. Raises `BadRegion` for what is not a polygon.
     """
 
     def __init__(
@@ -42,22 +43,21 @@ class PolygonalRegion(Region):
         self.name = name
         self.orientation = field("PolygonalRegion", orientation)
         self.polygon: Polygon | MultiPolygon = _united([_checked(part) for part in parts])
-        shapely.prepare(self.polygon)
 
     def __repr__(self) -> str:
         return f"PolygonalRegion({self.name or self.polygon!r})"
 
     @lifted(bool)
     def contains_point(self, v: Vector) -> bool:
-        return bool(shapely.intersects_xy(self.polygon, v.x, v.y))
+        return bool(shapely.intersects_xy(self.closed, v.x, v.y))
 
     @lifted(bool)
     def contains_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
-        return bool(self.polygon.covers(box_shape(position, heading, width, length)))
+        return bool(self.closed.covers(box_shape(position, heading, width, length)))
 
     @lifted(bool)
     def meets_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
-        return bool(self.polygon.intersects(box_shape(position, heading, width, length)))
+        return bool(self.closed.intersects(box_shape(position, heading, width, length)))
 
     @lifted(float)
     def distance_to(self, v: Vector) -> float:
@@ -77,6 +77,13 @@ class PolygonalRegion(Region):
 
     def sample(self, uniform: Numbers) -> Vector:
         return self.triangulation.sample(uniform)
+
+    @cached_property
+    def closed(self) -> BaseGeometry:
+        """The union with its boundary, as wide as `boundaries` says."""
+        shape = widened(self.polygon)
+        shapely.prepare(shape)
+        return shape
 
     @cached_property
     def triangulation(self) -> TriangleSampler:

@@ -29,7 +29,7 @@ class Region(ABC):
 
     @abstractmethod
     def contains_point(self, v: Vector) -> bool:
-        """Whether v ∈ R (operator `V is in R`). Regions are closed; curves and points are widened by 1e-8 m."""
+        """Whether v ∈ R (operator `V is in R`). Regions are closed, and widened by `boundaries.METRES`."""
 
     @abstractmethod
     def bounds(self) -> Bounds | None:

@@ -11,6 +11,7 @@ from shapely.geometry import LineString, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from .. import geometry
+from ..boundaries import METRES, RADIANS
 from ..geometry import TAU
 from ..symbols import every, larger, smaller, square_root
 from ..vectors import Vector
@@ -38,13 +39,14 @@ class CircularRegion(Region):
 
     def contains_point(self, v: Vector) -> bool:
         x, y = v.x - self.center.x, v.y - self.center.y
-        return x * x + y * y <= self.radius * self.radius
+        reach = self.radius + METRES
+        return x * x + y * y <= reach * reach
 
     def contains_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
         return every(map(self.contains_point, geometry.corners(position, heading, width, length)))
 
     def meets_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
-        return geometry.distance_to_box(position, heading, width, length, self.center) <= self.radius
+        return geometry.distance_to_box(position, heading, width, length, self.center) <= self.radius + METRES
 
     def distance_to(self, v: Vector) -> float:
         return larger(0.0, geometry.distance(self.center, v) - self.radius)
@@ -91,12 +93,12 @@ class SectorRegion(Region):
     def contains_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
         corners = geometry.corners(position, heading, width, length)
         inside = every(map(self.contains_point, corners))
-        if inside is False or self.angle <= math.pi or self.angle >= TAU:
+        if inside is False or self.angle <= math.pi or self.angle >= TAU - RADIANS:
             return inside
         return inside & (not self._gap_meets(corners))
 
     def _gap_meets(self, corners: tuple[Vector, ...]) -> bool:
-        """Whether the convex polygon meets the open wedge that the sector leaves out (narrower than π).
+        """Whether the convex polygon meets the open wedge that the sector leaves out (narrower than π) by more than its boundary.
 
         It does if some point p is strictly left of the sector's left side, and some point q of those not right of that side is
         strictly right of the right side: points near q on the way to p are then strictly inside the gap.
@@ -110,7 +112,7 @@ class SectorRegion(Region):
             a, b, c, d = past_left[i - 1], past_left[i], past_right[i - 1], past_right[i]
             if a * b < 0:
                 furthest = max(furthest, c + (d - c) * a / (a - b))
-        return max(past_left) > 0 and furthest > 0
+        return max(past_left) > METRES and furthest > METRES
 
     def meets_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
         return geometry.sector_meets_box(self.center, self.radius, self.heading, self.angle, position, heading, width, length)

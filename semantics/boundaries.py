@@ -1,0 +1,32 @@
+"""Where a boundary is, in arithmetic that is not exact: the one tolerance by which sets of points are closed (reading `boundaries`).
+
+Regions, visible regions, bounding boxes and the cells of vector fields are closed sets of the plane. A point that lies on the boundary of one,
+as written, is computed to lie beside it as often as not, some 1e-16 of its coordinates away. So what comes within `METRES` of a
+closed set is in it, or meets it: far more than rounding, for coordinates up to 1e7 m, and far less than anything that a scene is about. Open
+sets (reading `touching=allow`) lose as much. Comparisons of numbers in a program are not about sets of points, and remain exact.
+
+Every backend computes with these predicates, or with polygons that are widened here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+from shapely.geometry.base import BaseGeometry
+
+METRES = 1e-8
+"""How near a point is to a closed set that it counts as in it; measured across each straight side, so that at a corner it may be a little further."""
+RADIANS = 1e-8
+"""A sector whose angle lacks no more than this of a full turn is a disc."""
+
+
+def widened(shape: BaseGeometry) -> BaseGeometry:
+    """The polygons of `shape`, or its lines and points, and all within `METRES` of them, as an area."""
+    return shape.buffer(METRES, quad_segs=1, join_style="mitre")
+
+
+def all_widened(shapes: Sequence[BaseGeometry]) -> Sequence[BaseGeometry]:
+    """Each of the polygons, widened."""
+    return shapely.buffer(np.array(shapes, dtype=object), METRES, quad_segs=1, join_style="mitre")  # type: ignore[return-value]
