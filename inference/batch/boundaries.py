@@ -23,8 +23,8 @@ from ...semantics.regions import (
     UnionRegion,
     Workspace,
 )
-from .columns import tests_of
 from .graph import Node
+from .polygons import tests_of
 from .symbols import Choice, Opaque, Traced
 
 ColumnOf = Callable[[Node], np.ndarray]

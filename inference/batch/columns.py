@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import lru_cache
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -20,7 +20,8 @@ from .clipped import Clipped, clipped_curve, curve_tests, largest_radius
 from .graph import AsFloat, Graph, Macro, Node, Part, RowCall, RowDraw, Search, Site, Table
 from .numbers import Numbers
 from .plan import Step, cone, roots_of
-from .polygons import FieldTests, PolygonTests
+from .polygons import FieldTests, tests_of
+from .proposed import Proposed, proposed_in, proposed_points
 from .structures import in_row, symbols_in
 from .symbols import Traced
 
@@ -141,6 +142,9 @@ def column(node: Node, columns: Columns, numbers: Numbers, failed: dict[int, Fai
             found = is_clipped(function)
             if found is not None:
                 return _clipped(node, function, found, columns, numbers, failed)
+            proposed = proposed_in(function.distribution)
+            if proposed is not None:
+                return _proposed(node, function, proposed, columns, numbers, failed)
             return rows_of(node, lambda resolve, row: _drawn(function, resolve, numbers, row), columns, failed, len(numbers.scenes))
         case _ if function is int:
             return operands[0].astype(np.int64)  # type: ignore[union-attr]
@@ -168,6 +172,16 @@ def _clipped(node: Node, draw: RowDraw, found: Clipped, columns: Columns, number
     return points
 
 
+def _proposed(node: Node, draw: RowDraw, found: Proposed, columns: Columns, numbers: Numbers, failed: dict[int, Failed]) -> np.ndarray:
+    """The points that are found soon, and the others one by one."""
+    points = proposed_points(found, columns, numbers, draw)
+    rest = np.flatnonzero(np.isnan(points[:, 0]))
+    if len(rest):
+        drawn = rows_of(node, lambda resolve, row: _drawn(draw, resolve, numbers, row), columns, failed, len(points), rest)
+        points[rest] = [(v.x, v.y) for v in drawn[rest]]
+    return points
+
+
 def _called(call: RowCall, resolve: Callable[[Node], object]) -> object:
     call.budget.renew()
     result = call.function(*in_row(call.structure, resolve), **in_row(call.keywords, resolve))  # type: ignore[misc]
@@ -184,12 +198,13 @@ def _drawn(draw: RowDraw, resolve: Callable[[Node], object], numbers: Numbers, r
 
 
 def rows_of(
-    node: Node, function: Callable[[Callable[[Node], object], int], object], columns: Columns, failed: dict[int, Failed], count: int
-) -> np.ndarray:
-    """A column made by calling a Python function for one row after the other."""
+    node: Node, function: Callable[[Callable[[Node], object], int], object], columns: Columns, failed: dict[int, Failed], count: int,
+    rows: Iterable[int] | None = None,
+) -> np.ndarray:  # fmt: skip
+    """A column made by calling a Python function for one row after the other, or for some rows."""
     result: Any = np.empty(count, dtype={"float": float, "bool": bool}.get(node.kind, object))
     rejected, left = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)
-    for row in range(count):
+    for row in range(count) if rows is None else rows:
         try:
             result[row] = function(lambda child, row=row: _item(columns[child.number][row]), row)
         except (OutsideField, EmptyRegion):
@@ -223,7 +238,7 @@ def has_columns(call: RowCall) -> Fast | None:
 def always_gives_a_value(function: object) -> bool:
     """Whether a row-by-row node has columns: then each row has a value, or is rejected since there is none."""
     if isinstance(function, RowDraw):
-        return is_clipped(function) is not None
+        return is_clipped(function) is not None or proposed_in(function.distribution) is not None
     return isinstance(function, RowCall) and has_columns(function) is not None
 
 
@@ -237,12 +252,6 @@ def is_clipped(draw: RowDraw) -> Clipped | None:
 def constant_cells(field: object) -> bool:
     """Whether a polygonal field has a constant heading in each cell and none outside."""
     return isinstance(field, PolygonalVectorField) and bool(field.cells) and all(isinstance(h, (int, float)) for _, h in field.cells)
-
-
-@lru_cache(maxsize=64)
-def tests_of(region: PolygonalRegion) -> PolygonTests:
-    """The tests of a region, made once."""
-    return PolygonTests(region.closed)
 
 
 @lru_cache(maxsize=64)

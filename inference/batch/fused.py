@@ -19,9 +19,10 @@ from ...semantics.symbols import Elementary
 from ...semantics.vectors import Vector
 from . import compiled
 from .clipped import curve_tests, largest_radius
-from .columns import constant_cells, field_of, has_columns, is_clipped, tests_of
+from .columns import constant_cells, field_of, has_columns, is_clipped
 from .components import Stage
 from .graph import AsFloat, Event, Macro, Node, Part, RowCall, RowDraw, Search, Site, Table
+from .polygons import tests_of
 from .symbols import Traced
 
 PENDING, ACCEPTED, LEFT, EXHAUSTED = 0, 1, 2, 3

@@ -6,10 +6,13 @@ They agree with shapely, which the interpreter asks: what lies within `TIE` metr
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
+
+from ...semantics.regions import PolygonalRegion
 
 TIE = 1e-9
 """Metres (and a share of the coordinates): nearer to an edge than this, rounding might decide."""
@@ -162,6 +165,12 @@ class PolygonTests:
             known = np.where(shapely.intersects_xy(self.shape, *grid.centres), INSIDE, OUTSIDE)
             self.near[step] = grid, np.append(np.where(grid.counts[:-1] > 0, UNSURE, known), OUTSIDE).astype(np.int8)
         return self.near[step]
+
+
+@lru_cache(maxsize=64)
+def tests_of(region: PolygonalRegion) -> PolygonTests:
+    """The tests of a region, made once."""
+    return PolygonTests(region.closed)
 
 
 class FieldTests:

@@ -40,6 +40,8 @@ from .sampling import Numbers, Segment, SegmentSampler, TriangleSampler
 
 _GOOD_COVER = 0.5  # a cover is close enough for sampling if at least this share of it is core
 _POOREST_COVER = 1e-3  # a region is too thin to be told from the empty set if the finest cover has less core than this
+PROPOSALS = 128
+"""So many points are drawn in the smaller part of an intersection before its shape is worked out, which takes as long as thousands."""
 _CERTAINTY = 200.0  # sampling gives up after so many tries that it would fail by chance with probability exp(-200)
 
 def intersection(first: Region, second: Region) -> Region:
@@ -186,6 +188,22 @@ class IntersectionRegion(_Combination):
     def contains_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
         box = (position, heading, width, length)
         return every(part.contains_box(*box) for part in (self.first, self.second))
+
+    def _sample_area(self, uniform: Numbers) -> Vector:
+        if self.proposed is not None:
+            smaller, other = self.proposed
+            for _ in range(PROPOSALS):
+                point = smaller.sample(uniform)
+                if other.contains_point(point):
+                    return point
+        return super()._sample_area(uniform)
+
+    @cached_property
+    def proposed(self) -> tuple[Region, Region] | None:
+        """The part in which points are drawn that may lie in the other, and the other: the smaller one of those that are easily drawn from."""
+        areas = [(part.measure() or 0.0, part, other) for part, other in ((self.first, self.second), (self.second, self.first)) if part.is_simple]
+        positive = [entry for entry in areas if 0.0 < entry[0] < math.inf]
+        return min(positive, key=lambda entry: entry[0])[1:] if positive else None
 
     def bounds(self) -> Bounds | None:
         first, second = self.first.bounds(), self.second.bounds()

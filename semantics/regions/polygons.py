@@ -30,6 +30,8 @@ class PolygonalRegion(Region):
     shapely geometry, to which `closed` adds the boundary; sampling uses exactly three numbers. Raises `BadRegion` for what is not a polygon.
     """
 
+    is_simple = True
+
     def __init__(
         self,
         points: Sequence[Vector | Sequence[float]] | None = None,

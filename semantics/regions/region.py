@@ -26,6 +26,8 @@ class Region(ABC):
 
     dimension: int = 2
     orientation: VectorField | None = None
+    is_simple = False
+    """Whether `measure` is known, and `sample` a map of a fixed number of numbers."""
 
     @abstractmethod
     def contains_point(self, v: Vector) -> bool:

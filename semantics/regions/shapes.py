@@ -30,6 +30,8 @@ _ROUNDING = 1e-12  # cores are shrunk and covers grown by this share, so that ro
 class CircularRegion(Region):
     """Disc(center, radius), in metres."""
 
+    is_simple = True
+
     center: Vector
     radius: float
 
@@ -75,6 +77,8 @@ class CircularRegion(Region):
 @dataclass(frozen=True)
 class SectorRegion(Region):
     """Sector(center, radius, heading, angle): the part of a disc within angle/2 of `heading`; an angle ≥ 2π is the disc."""
+
+    is_simple = True
 
     center: Vector
     radius: float
@@ -167,6 +171,8 @@ class SectorRegion(Region):
 @dataclass(frozen=True)
 class RectangularRegion(Region):
     """The rectangle with its centre at `position`, `width` metres across `heading` and `length` metres along it."""
+
+    is_simple = True
 
     position: Vector
     heading: float

@@ -79,6 +79,7 @@ def test_random_programs_give_the_same_scenes(settings):
     assert lifted >= 48
 
 
+ROAD = "road = PolygonalRegion([(-30, -4), (30, -4), (30, 4), (-30, 4)])\n"
 SHORT = {
     "a choice of objects": "a = Object at (0, 5)\nb = Object at (9, 5), facing 1\n"
     "ego = Object left of Uniform(a, b) by Range(1, 2), with requireVisible False",
@@ -107,6 +108,19 @@ SHORT = {
     "require x > 0.5 and f(x) or f(2 * x)\nego = Object with v x",
     "points of a curve": "ego = Object facing Range(0, 6), with viewAngle 1\n"
     "Object on (visible PolylineRegion([(-9, 3), (0, 9), (9, 3), (4, -9)], orientation=False)), with requireVisible False",
+    "points of a road in a view": ROAD + "ego = Object at (Range(-30, 30), Range(-4, 4)), facing Range(0, 6), with viewAngle 1\n"
+    "Object on visible road, with requireVisible False, with allowCollisions True",
+    "points of a road all round": ROAD + "ego = Object at (Range(-9, 9), 0), with viewDistance Uniform(8, 9)\nObject on visible road",
+    "points of a view of some size": ROAD + "ego = Object at (Range(-9, 9), 0), with viewDistance Range(8, 9)\nObject on visible road",
+    "points of a yard that is seen": "yard = PolygonalRegion([(0, 0), (2, 0), (1, 2)])\n"
+    "ego = Object at (Range(-4, 6), Range(-4, 6)), with viewDistance 5\n"
+    "Object on visible yard, with requireVisible False, with allowCollisions True",
+    "a strip that is rarely hit": "strip = PolygonalRegion([(-900, 0), (900, 0), (900, 0.02), (-900, 0.02)])\n"
+    "ego = Object at (Range(-9, 9), Range(-2, 2)), with viewDistance 1.5\n"
+    "Object on visible strip, with requireVisible False, with allowCollisions True",
+    "a rectangle and a sector": "ego = Object facing Range(0, 6), with viewAngle 2\n"
+    "spot = Point in (visible RectangularRegion((1, 1), Range(0, 1), 9, 3))\n"
+    "Object at spot, with requireVisible False, with allowCollisions True",
 }
 
 

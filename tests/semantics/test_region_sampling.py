@@ -22,6 +22,7 @@ from scenic_ref.semantics.regions import (
     Region,
     SectorRegion,
 )
+from scenic_ref.semantics.regions.combined import PROPOSALS
 from scenic_ref.semantics.vectors import Vector
 from shapely.geometry import MultiPolygon, Point, Polygon, box
 
@@ -115,6 +116,25 @@ def test_intersections_of_discs_are_uniform() -> None:
     lens, inside, cells = lens_cells()
     assert not alarms(lens.sample, inside, cells)
     assert alarms(CircularRegion(Vector(0.5, 0.0), 1.7).sample, inside, cells)
+
+
+def test_the_remains_of_what_is_proposed_are_uniform_too() -> None:
+    """Two rectangles with 1/200 of each in common: half of the points are found by proposing, half in the shape of the remains."""
+    corner = RectangularRegion(ORIGIN, 0.0, 20.0, 10.0).intersect(RectangularRegion(Vector(18.0, 9.5), 0.0, 20.0, 10.0))
+    assert corner.measure() == pytest.approx(1.0)
+    numbers, tries = Stream(7, 0, 0).at((0,)), [0] * 400
+
+    def counted(which: int) -> float:
+        tries[which] += 1
+        return numbers()
+
+    for k in range(len(tries)):
+        corner.sample(lambda k=k: counted(k))
+    assert 0.3 < sum(used > 2 * PROPOSALS for used in tries) / len(tries) < 0.7
+    cells = {(i, j): 1 / 8 for i in range(4) for j in range(2)}
+    assert not alarms(corner.sample, lambda v: (math.floor(2 * v.x - 16), math.floor(4 * v.y - 18)), cells)
+    larger = RectangularRegion(ORIGIN, 0.0, 20.0, 10.2).intersect(RectangularRegion(Vector(18.0, 9.5), 0.0, 20.0, 10.0))
+    assert alarms(larger.sample, lambda v: (math.floor(2 * v.x - 16), min(math.floor(4 * v.y - 18), 1)), cells)
 
 
 def test_differences_are_uniform() -> None:
