@@ -10,12 +10,15 @@ import multiprocessing
 import os
 import random
 import re
+import signal
 import sys
 import time
+import traceback
 from collections import Counter
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
+from types import FrameType
 from typing import NamedTuple
 
 import scenic_ref
@@ -158,6 +161,9 @@ def program(seed: int | str, number: int) -> str:
     return in_bytes(source, source.choice(corpus())) if kind < 0.65 else by_grammar(source, source.choice(corpus()))
 
 
+MOST_SECONDS, MOST_MEMORY = 60, 2 << 30
+
+
 class Ended(NamedTuple):
     """What became of a program: its end, the processor time it took, in seconds, and the most memory of the process so far, in bytes."""
 
@@ -167,14 +173,28 @@ class Ended(NamedTuple):
     memory: int
 
 
+class TooLong(BaseException):
+    """A program does not end; no handler of errors catches it."""
+
+
+def too_long(number: int, frame: FrameType | None) -> None:
+    raise TooLong(f"no end after {MOST_SECONDS} s of processor time, in {traceback.format_stack(frame, 3)}")
+
+
 def attacked(job: tuple[int | str, int]) -> Ended:
-    """One program run; an end that begins with "DEFECT" is ours."""
+    """One program run, of which a minute is the most (where the system has timers); an end that begins with "DEFECT" is ours."""
     seed, number = job
     begun = time.process_time()
+    if timed := hasattr(signal, "setitimer"):
+        signal.signal(signal.SIGPROF, too_long)
+        signal.setitimer(signal.ITIMER_PROF, MOST_SECONDS, 1)
     try:
         end = attack(program(seed, number))
     except BaseException as defect:
         end = f"DEFECT {type(defect).__name__}: {defect}"[:500]
+    finally:
+        if timed:
+            signal.setitimer(signal.ITIMER_PROF, 0)
     return Ended(number, end, time.process_time() - begun, peak())
 
 
@@ -207,9 +227,6 @@ def attacks(seed: int | str, count: int, maps: int = 0) -> Counter[str]:
         assert not ended.end.startswith("DEFECT"), f"program {number} of seed {seed} ended in {ended.end}\n{program(seed, number)}"
         ends[ended.end] += 1
     return ends
-
-
-MOST_SECONDS, MOST_MEMORY = 60, 2 << 30
 
 
 def main(count: int, seed: str, processes: int) -> int:
