@@ -21,7 +21,7 @@ def readings(
     as_json: Annotated[bool, typer.Option("--json", help="As JSON.")] = False,
     debug: DebugOption = False,
 ) -> None:
-    """List the places where the paper leaves a choice, with the alternatives; the one that is followed is marked *."""
+    """List the places where the paper leaves a choice, with the alternatives; the one that is followed is marked *, the only one is in brackets."""
     from ..semantics.readings import READINGS, select
     from .columns import columns
 
@@ -34,7 +34,7 @@ def readings(
     elif name is not None:
         print("\n".join(explained(found[0], selected[name])))
     else:
-        rows = [(r.id, " | ".join(f"{a}*" if a == selected[r.id] else a for a in r.alternatives), r.question) for r in found]
+        rows = [(r.id, f"({r.default})" if r.is_note else " | ".join(f"{a}*" if a == selected[r.id] else a for a in r.alternatives), r.question) for r in found]
         print("\n".join(columns(("id", "alternatives", "question"), rows)))
 
 
@@ -70,6 +70,8 @@ def explained(reading: Reading, selected: str) -> list[str]:
     lines.append("")
     for alternative, meaning in reading.alternatives.items():
         lines += paragraph(f"{'*' if alternative == selected else ' '} {alternative}", meaning or alternative)
+    if reading.is_note:
+        lines += ["", *paragraph("profiles", "a note: there is one answer, under every profile")]
     if reading.profiles:
         others = ", ".join(f"{profile}: {alternative}" for profile, alternative in reading.profiles.items())
         lines += ["", *paragraph("profiles", f"{others}; all others: {reading.default}")]
@@ -77,7 +79,7 @@ def explained(reading: Reading, selected: str) -> list[str]:
         lines += ["", *paragraph("consequence", reading.consequence)]
     lines += paragraph("code", ", ".join(reading.code))
     if reading.probe is not None:
-        lines += ["", "A program that tells the alternatives apart:", ""]
+        lines += ["", "A program that shows it:" if reading.is_note else "A program that tells the alternatives apart:", ""]
         lines += [f"    {line}" for line in reading.probe.program.strip().splitlines()]
         lines += ["", *(line for a, shows in reading.probe.shows.items() for line in paragraph(f"  {a}", shows))]
     return lines

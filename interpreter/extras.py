@@ -10,7 +10,7 @@ import sys
 
 from ..semantics.errors import UsageError
 
-EXTRAS = {"numba": "fast", "pyarrow": "parquet", "distributed": "cluster", "pymunk": "dynamics"}
+EXTRAS = {"numba": "fast", "orjson": "fast", "pyarrow": "parquet", "distributed": "cluster", "pymunk": "dynamics"}
 """The extra of each optional package."""
 
 

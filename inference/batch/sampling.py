@@ -45,10 +45,11 @@ FEW = 512
 """Fewer runs than this take no less time."""
 
 
-COMPILE_LEAST, COMPILE_NODE = 2.0, 0.02
-"""Seconds of a processor that compiling takes, by and large: at least, and for each node."""
+COMPILE_LEAST, COMPILE_NODE = 4.5, 0.016
+"""Seconds of a processor that compiling takes, by and large: at least (the compiler itself must be loaded), and for each node."""
 
-
+PACE_KNOWN = 0.25
+"""The share of that time after which the pace of the columns is known."""
 LARGEST_COMPILED = 4000
 """Nodes of the largest graph that is compiled: the time grows faster than their number."""
 
@@ -99,7 +100,7 @@ class Batch:
         self.stage = stages(graph, whole, self.outputs, rejects)
         self.fused: Fused | None = None
         self.not_fused = ""
-        self.spent, self.drawn = 0.0, 0  # seconds of a processor, and scenes, on columns
+        self.spent, self.pace = 0.0, 0.0  # seconds of a processor on columns, and for a scene of the last block
 
     def compile(self) -> bool:
         """Use the compiled evaluator from now on, if there is one; else `not_fused` says why. Takes seconds."""
@@ -148,9 +149,11 @@ class Batch:
     def block(self, seed: int, start: int, stop: int, *, max_attempts: int = DEFAULT_ATTEMPTS, ahead: int = 0) -> Block:
         """Scenes `start` to `stop - 1`; about `ahead` more will be asked for, as far as is known.
 
-        Once the columns have taken as long as compiling is expected to take, or will, the compiled evaluator does the rest.
+        Once the columns have taken as long as compiling is expected to take, or will by what is known of their pace, the compiled evaluator
+        does the rest. Small blocks, which come first, tell little of the pace.
         """
-        if self.may_compile and self.spent * (1 + ahead / max(self.drawn, 1)) > COMPILE_LEAST + COMPILE_NODE * len(self.graph.nodes):
+        compiling = COMPILE_LEAST + COMPILE_NODE * len(self.graph.nodes)
+        if self.may_compile and self.spent > PACE_KNOWN * compiling and self.spent + self.pace * ahead > compiling:
             self.compile()
         begun = time.thread_time()
         drawing = Drawing(self, seed, start, stop, max_attempts)
@@ -160,8 +163,8 @@ class Batch:
             else:
                 drawing.wave()
         if self.fused is None:
-            self.spent += time.thread_time() - begun
-            self.drawn += stop - start
+            took = time.thread_time() - begun
+            self.spent, self.pace = self.spent + took, took / max(stop - start, 1)
         return drawing.block()
 
 

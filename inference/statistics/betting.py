@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.special import betaln, gammaln, logsumexp
+from scipy.special import betaln, gammaln
 
 CONCENTRATIONS = (0.5, 4.0, 32.0, 256.0, 2048.0, 16384.0, 131072.0)
 Array = np.ndarray
@@ -25,7 +25,10 @@ Array = np.ndarray
 
 def log_sum(logs: Array, axis: int | tuple[int, ...] | None = None) -> Array:
     """log Σ exp(logs), over all axes unless one is given."""
-    return np.asarray(logsumexp(logs, axis=axis))
+    most = np.max(logs, axis=axis, keepdims=True)
+    shift = np.where(np.isfinite(most), most, 0.0)
+    with np.errstate(divide="ignore"):
+        return np.log(np.sum(np.exp(logs - shift), axis=axis)) + np.squeeze(shift, axis=axis)
 
 
 def two_sample_wealth(a: Array, b: Array) -> Array:

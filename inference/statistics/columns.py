@@ -150,7 +150,7 @@ def values_at(rows: Sequence[Mapping[str, object]], name: str) -> list[object]:
 def spread(name: str, values: list[object]) -> Iterator[tuple[str, list[object]]]:
     """The leaves of values in JSON, one for each scene."""
     kinds = set(map(type, values))
-    if not kinds & {list, dict}:
+    if not kinds & {list, dict} or (kinds == {dict} and all(v.keys() == {"repr"} for v in values)):  # type: ignore[attr-defined]
         yield name, values
     elif kinds == {list} and len(set(map(len, values))) == 1 and values[0]:  # type: ignore[arg-type]
         for i in range(len(values[0])):  # type: ignore[arg-type]
@@ -184,7 +184,7 @@ def columns_of(name: str, values: list[object]) -> Iterator[tuple[str, Array]]:
         yield name, np.broadcast_to(array_of(values[:1]), len(values))
         return
     if kinds <= SCALARS or not kinds & SCALARS:
-        yield name, array_of(values)
+        yield name, array_of(values, kinds)
         return
     numbers = [is_number(v) for v in values]
     yield name, array_of([v if known else math.nan for v, known in zip(values, numbers, strict=True)])
@@ -196,9 +196,9 @@ def is_number(value: object) -> bool:
     return type(value) is float or type(value) is int
 
 
-def array_of(values: list[object]) -> Array:
-    """Floats if all are numbers, otherwise each value's JSON text, numbers rounded to nine digits."""
-    kinds = set(map(type, values))
+def array_of(values: list[object], kinds: set[type] | None = None) -> Array:
+    """Floats if all are numbers, otherwise each value's JSON text, numbers rounded to nine digits; `kinds` are the types of the values."""
+    kinds = set(map(type, values)) if kinds is None else kinds
     if kinds <= SCALARS:
         try:
             return np.array(values, dtype=np.float64)

@@ -7,13 +7,17 @@ The CSV has one row per scene. Its first line names the columns by their place i
 
 from __future__ import annotations
 
+import codecs
 import csv
+import gc
 import json
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
-from itertools import islice
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from functools import cache
+from itertools import chain, islice
 from pathlib import Path
+from typing import Any
 
 from ...interpreter.scenes import OWN_FIELDS, SCHEMA
 from ...semantics.errors import UsageError
@@ -24,6 +28,7 @@ LONG = re.compile(r"objects\[(\d+)\]\.(?:(position)\[([01])\]|(heading|width|len
 OTHER = re.compile(r"(?:params\.\w+(?:\[\d+\])*|attempts|weight|seed)")
 CONSTANTS: Mapping[str, object] = {"None": None, "null": None, "True": True, "true": True, "False": False, "false": False}
 
+BOM, OPENING, CLOSING = codecs.BOM_UTF8, ord("{"), ord("}")
 AT_ONCE = 256
 """So many lines are read together."""
 Numbered = tuple[int, dict[str, object]]
@@ -34,10 +39,12 @@ def scenes_in(path: str | Path) -> Iterator[Numbered]:
     """The scenes in a file, one after the other. Raises `UsageError` naming the line where it is not in one of the two formats."""
     where, weight = Path(path), None
     try:
-        with where.open(encoding="utf-8-sig", newline="") as file:
-            for number, scene in _csv(file, str(path)) if where.suffix.lower() == ".csv" else _lines(file, str(path)):
-                weight = scene_weight(scene) if weight is None else weight
-                if scene_weight(scene) != weight:
+        is_table = where.suffix.lower() == ".csv"
+        with where.open(encoding="utf-8-sig", newline="") if is_table else where.open("rb") as file:
+            for number, scene in _csv(file, str(path)) if is_table else _lines(file, str(path)):  # type: ignore[arg-type]
+                now = scene_weight(scene)
+                weight = now if weight is None else weight
+                if now != weight:
                     raise UsageError(f"{path} holds weighted scenes, which cannot be compared: draw scenes of equal weight")
                 yield number, scene
     except OSError as error:
@@ -57,8 +64,10 @@ def read_samples(path: str | Path) -> list[dict[str, object]]:
     return [scene for _, scene in scenes_in(path)]
 
 
-def _lines(file: Iterable[str], path: str) -> Iterator[Numbered]:
-    lines = ((number, line) for number, text in enumerate(file, 1) if (line := text.strip()))
+def _lines(file: Iterable[bytes], path: str) -> Iterator[Numbered]:
+    numbered = enumerate(file, 1)
+    first = ((number, text.removeprefix(BOM)) for number, text in islice(numbered, 1))
+    lines = ((number, line) for number, text in chain(first, numbered) if (line := text.strip()))
     while several := list(islice(lines, AT_ONCE)):
         for number, scene in zip([number for number, _ in several], parsed(several, path), strict=True):
             problem = problem_of(scene)
@@ -67,21 +76,55 @@ def _lines(file: Iterable[str], path: str) -> Iterator[Numbered]:
             yield number, scene  # type: ignore[misc]
 
 
-def parsed(lines: Sequence[tuple[int, str]], path: str) -> Iterable[object]:
+def parsed(lines: Sequence[tuple[int, bytes]], path: str) -> Iterable[object]:
     """What stands on some lines: all at a time if each is an object of JSON, which is quicker, else line by line. Raises `UsageError`."""
-    if all(line[0] == "{" and line[-1] == "}" for _, line in lines):
-        with suppress(ValueError, RecursionError):
-            found = json.loads(f"[{','.join(line for _, line in lines)}]")
+    if all(line[0] == OPENING and line[-1] == CLOSING for _, line in lines):
+        with suppress(ValueError, RecursionError), uncollected():
+            found = decoded(b"[" + b",".join([line for _, line in lines]) + b"]")
             if len(found) == len(lines):
                 return found
     return one_by_one(lines, path)
 
 
-def one_by_one(lines: Sequence[tuple[int, str]], path: str) -> Iterator[object]:
+@contextmanager
+def uncollected() -> Iterator[None]:
+    """Without looking for cycles among the values inside, of which there are many and no cycles."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
+
+
+@cache
+def quick_decoder() -> Callable[[bytes], Any] | None:
+    """The decoder of the extra `fast`, which refuses what JSON has not (NaN, infinities), and makes floats of integers beyond 64 bits."""
+    try:
+        import orjson
+    except ImportError:
+        return None
+    return orjson.loads
+
+
+def decoded(text: bytes) -> list[Any]:
+    """The scenes in a list in JSON. Raises `ValueError`."""
+    quick = quick_decoder()
+    if quick is not None:
+        with suppress(ValueError):
+            found = quick(text)
+            if not any(isinstance(scene, dict) and type(scene.get("seed")) is float for scene in found):  # a seed may have any size
+                return found
+    return json.loads(text.decode())
+
+
+def one_by_one(lines: Sequence[tuple[int, bytes]], path: str) -> Iterator[object]:
     """What stands on some lines. Raises `UsageError`."""
     for number, line in lines:
+        text = line.decode()
         try:
-            yield json.loads(line)
+            yield json.loads(text)
         except (ValueError, RecursionError):
             raise UsageError(f"{path}, line {number}: this is not JSON", hint="one scene per line, as `scenic-ref run -o` writes them") from None
 

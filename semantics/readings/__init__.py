@@ -1,9 +1,9 @@
 """Readings: where the paper leaves a choice, as data, bundled in profiles.
 
-`formal` takes a formal rule to the letter wherever a reading has an alternative that does (many have one alternative only, also where a rule is
-set aside); `paper`, the default, sets an equation aside only where a definition, a
-table or a drawn figure of the same paper contradicts it; `prose` lets the prose win; `scenic-2.1` and `scenic-3` do what
-the released implementations do.
+`paper`, the default, sets an equation aside only where a definition, a table or a drawn figure of the same paper contradicts it. `formal` takes
+the formal rules to the letter in each place that has an alternative that does, and is `paper` elsewhere: the conflicts of one alternative
+(`always_decided`) are decided alike under every profile. `prose` lets the prose win; `scenic-2.1`
+and `scenic-3` do what the released implementations do. A reading of one alternative is a note.
 """
 
 from __future__ import annotations
@@ -31,6 +31,11 @@ READINGS: Mapping[str, Reading] = {
 }
 
 
+def always_decided() -> tuple[str, ...]:
+    """The conflicts of the paper that are decided alike under every profile, `formal` included."""
+    return tuple(r.id for r in READINGS.values() if r.kind == "conflict" and r.is_note)
+
+
 def select(profile: str = "paper", chosen: Mapping[str, str] | None = None) -> dict[str, str]:
     """The alternative of every reading: that of the profile, unless `chosen` names another. Raises `UsageError`."""
     if profile not in PROFILES:
@@ -51,4 +56,4 @@ def _nearest(name: str, known: tuple[str, ...]) -> str:
     return f"did you mean {near[0]}?" if near else f"there are {', '.join(known)}"
 
 
-__all__ = ["PROFILES", "READINGS", "Probe", "Reading", "select"]
+__all__ = ["PROFILES", "READINGS", "Probe", "Reading", "always_decided", "select"]

@@ -43,6 +43,11 @@ class Reading:
         """The alternative of the `paper` profile."""
         return next(iter(self.alternatives))
 
+    @property
+    def is_note(self) -> bool:
+        """Whether there is one answer only: a decision that is written down, not one that can be switched."""
+        return len(self.alternatives) == 1
+
     def under(self, profile: str) -> str:
         """The alternative of a profile."""
         return self.profiles.get(profile, self.default)
