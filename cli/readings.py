@@ -34,8 +34,13 @@ def readings(
     elif name is not None:
         print("\n".join(explained(found[0], selected[name])))
     else:
-        rows = [(r.id, f"({r.default})" if r.is_note else " | ".join(f"{a}*" if a == selected[r.id] else a for a in r.alternatives), r.question) for r in found]
+        rows = [(r.id, answers(r, selected[r.id]), r.question) for r in found]
         print("\n".join(columns(("id", "alternatives", "question"), rows)))
+
+
+def answers(reading: Reading, selected: str) -> str:
+    """The alternatives in a list."""
+    return f"({selected})" if reading.is_note else " | ".join(f"{a}*" if a == selected else a for a in reading.alternatives)
 
 
 def unknown(name: str, known: tuple[str, ...]) -> Exception:

@@ -49,8 +49,8 @@ def readings_page() -> str:
     decided = ", ".join(f"`{name}`" for name in always_decided())
     lines = [
         "# Readings", "",
-        f"Where the paper contradicts itself or is silent: {len(READINGS)} places, of which {notes} are notes, with one answer that stands under every "
-        "profile, and the others have alternatives. `--reading ID=ALTERNATIVE` selects one, `--profile` all.", "",
+        f"Where the paper contradicts itself or is silent: {len(READINGS)} places, of which {notes} are notes, with one answer that stands under "
+        "every profile, and the others have alternatives. `--reading ID=ALTERNATIVE` selects one, `--profile` all.", "",
         "- `paper` (default) sets an equation aside only where a definition, a table or a drawn figure of the same paper contradicts it.",
         "- `formal` takes the formal rules to the letter in each place that has an alternative that does. These conflicts have none, and are decided "
         f"alike under every profile: {decided}.",
@@ -79,7 +79,8 @@ def allowed_page() -> str:
     lines = [
         "# What a program may ask for", "",
         "The values that a program meets without `--trust`, and the attributes and methods that it may ask each for; those of the types from which a "
-        "type is derived are its own as well. See [running programs of others](../security.md).", "", "| type | attributes and methods |", "| --- | --- |",
+        "type is derived are its own as well. See [running programs of others](../security.md).", "",
+        "| type | attributes and methods |", "| --- | --- |",
     ]
     lines += [f"| `{type_.__name__}` | {' '.join(f'`{name}`' for name in sorted(known)) or '-'} |" for type_, known in allowed.ATTRIBUTES.items()]
     for title, known in (
