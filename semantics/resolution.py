@@ -7,15 +7,16 @@ specifiers, the image of specForProperty.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from dataclasses import dataclass
 
 from .errors import CyclicDependencies, MissingProperty, ResolutionError, SpecifiedTwice, SpecifiedTwiceOptionally
 from .specifiers import Form
 from .syntax.nodes import Node, Span
 
 
-class Specification(NamedTuple):
-    """A specifier as Algorithm 1 sees it: what it specifies, optionally or not, and its dependencies.
+@dataclass(frozen=True, slots=True, eq=False)
+class Specification:
+    """A specifier as Algorithm 1 sees it: what it specifies, optionally or not, and its dependencies; those that say the same are different.
 
     `node` is the specifier, or the expression of a default value; `form` and `arguments` are those of an evaluated
     specifier (None for `with`, default values, and arguments that wait for the object's position).
@@ -80,11 +81,11 @@ def resolve_specifiers(
             spec_for_property[name] = default
 
     # 4. build dependency graph
-    used = tuple({id(s): s for s in spec_for_property.values()}.values())
-    determined: dict[int, list[str]] = {id(s): [] for s in used}
+    used = tuple(dict.fromkeys(spec_for_property.values()))
+    determined: dict[Specification, list[str]] = {s: [] for s in used}
     for name, specifier in spec_for_property.items():
-        determined[id(specifier)].append(name)
-    predecessors: dict[int, list[tuple[str, Specification]]] = {id(s): [] for s in used}
+        determined[specifier].append(name)
+    predecessors: dict[Specification, list[tuple[str, Specification]]] = {s: [] for s in used}
     for specifier in used:
         for dependency in specifier.dependencies:
             if dependency not in spec_for_property:
@@ -94,11 +95,11 @@ def resolve_specifiers(
                     f"`{specifier.name}` needs the property {dependency}, which this object does not have", _place(specifier, span),
                     rule="R-MissingProperty",
                 )
-            predecessors[id(specifier)].append((dependency, spec_for_property[dependency]))
+            predecessors[specifier].append((dependency, spec_for_property[dependency]))
 
     # 5. construct specifier and property evaluation order
     order = _topological_order(used, predecessors, span)
-    return tuple((s, tuple(determined[id(s)])) for s in order)
+    return tuple((s, tuple(determined[s])) for s in order)
 
 
 def _place(specifier: Specification, span: Span) -> Span:
@@ -107,37 +108,37 @@ def _place(specifier: Specification, span: Span) -> Span:
 
 def _topological_order(
     used: tuple[Specification, ...],
-    predecessors: Mapping[int, list[tuple[str, Specification]]],
+    predecessors: Mapping[Specification, list[tuple[str, Specification]]],
     span: Span,
 ) -> list[Specification]:
     """Repeatedly the first specifier whose dependencies are all placed (Kahn's algorithm, stable)."""
-    placed: set[int] = set()
+    placed: set[Specification] = set()
     order: list[Specification] = []
     waiting = list(used)
     while waiting:
-        ready = [s for s in waiting if not predecessors[id(s)] or all(id(p) in placed for _, p in predecessors[id(s)])]
+        ready = [s for s in waiting if not predecessors[s] or all(p in placed for _, p in predecessors[s])]
         if not ready:
             raise _cycle_error(waiting, predecessors, span)
         order.extend(ready)
-        placed.update(id(s) for s in ready)
-        waiting = [s for s in waiting if id(s) not in placed]
+        placed.update(ready)
+        waiting = [s for s in waiting if s not in placed]
     return order
 
 
 def _cycle_error(
-    waiting: list[Specification], predecessors: Mapping[int, list[tuple[str, Specification]]], span: Span
+    waiting: list[Specification], predecessors: Mapping[Specification, list[tuple[str, Specification]]], span: Span
 ) -> ResolutionError:
     """The error that prints one cycle: position (left of) needs heading (facing), which needs position."""
-    unplaced = {id(s) for s in waiting}
+    unplaced = set(waiting)
     path: list[tuple[str, Specification]] = []
     current = waiting[0]
-    seen: list[int] = []
-    while id(current) not in seen:
-        seen.append(id(current))
-        dependency, following = next((d, p) for d, p in predecessors[id(current)] if id(p) in unplaced)
+    seen: list[Specification] = []
+    while current not in seen:
+        seen.append(current)
+        dependency, following = next((d, p) for d, p in predecessors[current] if p in unplaced)
         path.append((dependency, current))
         current = following
-    cycle = path[seen.index(id(current)) :]
+    cycle = path[seen.index(current) :]
     names = tuple(dependency for dependency, _ in cycle)
     steps = ", ".join(f"`{specifier.name}` needs {dependency}" for dependency, specifier in cycle)
     place = next((s.node.span for _, s in cycle if not s.is_default), span)

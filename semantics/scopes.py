@@ -122,7 +122,7 @@ class ByIdentity:
     node: Node
 
     def __hash__(self) -> int:
-        return id(self.node)
+        return object.__hash__(self.node)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, ByIdentity) and other.node is self.node

@@ -7,6 +7,7 @@ field relative to something, which wait for the object's position (reading `fiel
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import lru_cache
 
 from . import specifiers as sp
@@ -119,7 +120,7 @@ def default_specification(name: str, expression: Node, owner: ScenicClass, state
     """A default value expression as a specifier: its dependencies are the properties it mentions as `self.property`."""
     specification, has_relative_to = _default_specification(name, ByIdentity(expression), owner.name)
     if has_relative_to and waits_for_position(expression, state._replace(sigma=owner.scope)):
-        return specification._replace(dependencies=tuple(dict.fromkeys((*specification.dependencies, "position"))))
+        return replace(specification, dependencies=tuple(dict.fromkeys((*specification.dependencies, "position"))))
     return specification
 
 
