@@ -42,13 +42,17 @@ $(PLAIN)/.test: pyproject.toml constraints.txt
 	$(PLAIN)/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test]'
 	touch $@
 
-## Statistical checks with fresh seeds, which are printed (a failure is a finding, and its seed repeats it); are the vectors for Scenic 3 Scenic 3?
+## Statistical checks with fresh seeds, which are printed (a failure is a finding, and its seed repeats it); are the vectors for the releases programs of them?
 nightly: $(VENV)/.test
 	@seed=$$(date +%s); echo "seed $$seed"; \
 	$(BIN)/scenic-ref conformance --seed $$seed && SCENIC_REF_SEED=$$seed SCENIC_REF_PROGRAMS=2000 $(BIN)/python -m pytest tests/programs/test_frequencies.py
 	test -x .venv-scenic-3/bin/python || $(PYTHON) -m venv .venv-scenic-3
 	.venv-scenic-3/bin/python -m pip install --quiet --disable-pip-version-check scenic==3.1.1
-	$(BIN)/python tests/conformance/released.py .venv-scenic-3/bin/python
+	$(BIN)/python tests/conformance/released.py scenic-3 .venv-scenic-3/bin/python
+	test -x .venv-scenic-2.1/bin/python || $(PYTHON) -m venv .venv-scenic-2.1
+	.venv-scenic-2.1/bin/python -m pip install --quiet --disable-pip-version-check 'setuptools<81' wheel
+	.venv-scenic-2.1/bin/python -m pip install --quiet --disable-pip-version-check --no-build-isolation scenic==2.1.0
+	$(BIN)/python tests/conformance/released.py scenic-2.1 .venv-scenic-2.1/bin/python
 
 ## Style, types and layering
 check: $(VENV)/.test
@@ -66,4 +70,4 @@ bench: $(VENV)/.test
 	$(BIN)/python benchmarks/batch.py $(if $(AGAINST),--against $(AGAINST)) --prune
 
 clean:
-	rm -rf $(VENV) $(PLAIN) .venv-scenic-3 demo site build dist *.egg-info
+	rm -rf $(VENV) $(PLAIN) .venv-scenic-3 .venv-scenic-2.1 demo site build dist *.egg-info
