@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Sequence
 from fractions import Fraction
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from ..inference.enumeration import Enumeration
 from ..inference.statistics.columns import Column
 from ..inference.statistics.relations import table_of
+from ..interpreter.scenes import in_json
 from .drawing import drawing_of
 from .files import PICTURES, check_ending, check_place, write
 from .options import Source
@@ -47,7 +47,7 @@ def produce_enumeration(source: Source, request: Request, session: Session) -> N
     if request.output is None and sys.stdout.isatty():
         show(found)
     else:
-        text = json.dumps(found.to_json(), allow_nan=False, ensure_ascii=False, indent=1) + "\n"
+        text = in_json(found.to_json(), indent=1) + "\n"
         if request.output is None or request.output == "-":
             sys.stdout.write(text)
         else:

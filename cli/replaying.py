@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from importlib.resources import files
 
 from ..inference.simulation import SampledRun
 from ..interpreter.recordings import to_json
+from ..interpreter.scenes import in_json
 from ..interpreter.simulating import Simulated
 from .files import write
 from .progress import Progress
@@ -19,7 +19,7 @@ MOST = 50
 def write_page(path: str, title: str, runs: Sequence[SampledRun]) -> None:
     """Write the page. Raises `UsageError` if that cannot be done."""
     data = {"title": title, "runs": [shown(to_json(run.simulation, run.attempts)) for run in runs]}
-    text = json.dumps(data, ensure_ascii=False, allow_nan=False).replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
+    text = in_json(data).replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
     template = files("scenic_ref.cli").joinpath("replay.html").read_text(encoding="utf-8")
     write(path, template.replace("/*REPLAY*/null", text))
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 from collections.abc import Callable, Iterator, Mapping
@@ -14,6 +13,7 @@ from typing import NamedTuple
 from ..inference.rejection import sample
 from ..inference.simulation import attempts_at
 from ..interpreter.choosers import from_stream
+from ..interpreter.scenes import in_json
 from ..interpreter.simulating import Failed, Simulated, Simulator
 from ..interpreter.tracing import Event, Trace, finite
 from ..scenario import Scenario
@@ -180,7 +180,7 @@ def write_page(found: Traced, texts: Mapping[str, str], path: str) -> None:
         "title": found.title, "ending": found.ending, "main": found.source.file, "sources": sources, "rules": rules,
         "events": [e.to_json() for e in found.trace.events], "logDensity": finite(found.trace.log_density),
     }
-    text = json.dumps(data, ensure_ascii=False).replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
+    text = in_json(data, allow_nan=True).replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
     template = files("scenic_ref.cli").joinpath("trace.html").read_text(encoding="utf-8")
     page = template.replace("/*TRACE*/null", text)
     try:

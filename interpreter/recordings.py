@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 
-from .scenes import OWN_FIELDS, json_value
+from .scenes import OWN_FIELDS, in_json, json_value
 from .simulating import Body, Moment, Simulated
 
 SCHEMA = "scenic-ref/simulation/1"
@@ -23,7 +22,7 @@ def to_json(run: Simulated, attempts: int) -> dict[str, object]:
 
 def to_line(run: Simulated, attempts: int) -> str:
     """One line of a JSON Lines file. Raises `ValueError` for numbers that JSON does not have."""
-    return json.dumps(to_json(run, attempts), allow_nan=False, ensure_ascii=False)
+    return in_json(to_json(run, attempts))
 
 
 def body_json(body: Body) -> dict[str, object]:

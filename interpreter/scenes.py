@@ -25,6 +25,16 @@ ADDRESS = re.compile(r" at 0x[0-9a-fA-F]+")
 OWN_FIELDS = ("position", "heading", "width", "length")
 
 
+SURROGATE = re.compile("[\ud800-\udfff]")
+"""Half of a pair of UTF-16, which is no character and has no place in UTF-8."""
+
+
+def in_json(value: object, *, allow_nan: bool = False, indent: int | None = None) -> str:
+    """The text of a value in JSON, which can always be written in UTF-8. Raises `ValueError` for numbers that JSON does not have, unless allowed."""
+    text = json.dumps(value, allow_nan=allow_nan, ensure_ascii=False, indent=indent)
+    return SURROGATE.sub(lambda half: f"\\u{ord(half[0]):04x}", text)
+
+
 @dataclass(frozen=True, slots=True)
 class SceneObject:
     """An Object of a scene: metres, radians anticlockwise from North in (-π, π]; `properties` are all the others."""
@@ -84,7 +94,7 @@ class Scene:
 
     def to_line(self) -> str:
         """One line of a JSON Lines file."""
-        return json.dumps(self.to_json(), allow_nan=False, ensure_ascii=False)
+        return in_json(self.to_json())
 
     def _repr_png_(self) -> bytes:
         """A picture, for notebooks."""

@@ -6,7 +6,6 @@ results whoever draws the scenes: the interpreter one by one, or columns of many
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 import zipfile
@@ -20,6 +19,7 @@ import numpy as np
 
 from ..semantics.errors import UsageError
 from .extras import needed
+from .scenes import in_json
 
 ROWS_AT_ONCE = 1 << 16
 """A group of rows ends with the first scene that brings it to so many."""
@@ -70,13 +70,13 @@ def rows_of(scene: Mapping[str, Any]) -> list[dict[str, object]]:
     """One row per object of a scene in the scene format."""
     shared = {
         "seed": str(scene["seed"]), "scene": scene["scene"], "attempts": scene["attempts"], "weight": scene["weight"],
-        "params": json.dumps(scene["params"], ensure_ascii=False),
+        "params": in_json(scene["params"], allow_nan=True),
     }
     return [
         {
             **shared, "object": o["id"], "ego": o["id"] == scene["ego"], "name": o["name"], "class": o["class"],
             "x": float(o["position"][0]), "y": float(o["position"][1]), "heading": float(o["heading"]), "width": float(o["width"]),
-            "length": float(o["length"]), "properties": json.dumps(o["properties"], ensure_ascii=False),
+            "length": float(o["length"]), "properties": in_json(o["properties"], allow_nan=True),
         }
         for o in scene["objects"]
     ]
@@ -276,7 +276,7 @@ class NpzTable(Table):
         for name, column in group.items():
             if isinstance(column, Texts):
                 values, codes = in_first_order(column)
-                encoded = values if name in JSON_ALREADY else [json.dumps(v, ensure_ascii=False) for v in values]
+                encoded = values if name in JSON_ALREADY else [in_json(v, allow_nan=True) for v in values]
                 self.files[f"{name}.jsonl"].write("".join(f"{text}\n" for text in encoded).encode())
                 column = codes + self.texts[name]
                 self.texts[name] += len(values)

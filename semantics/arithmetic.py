@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import operator as python
 from collections import deque
 from collections.abc import Callable, Mapping
@@ -24,15 +25,23 @@ def _plus(left: object, right: object) -> object:
 def _power(left: object, right: object) -> object:
     if isinstance(left, int) and isinstance(right, int):
         base, exponent = whole(left), whole(right)
-        if exponent > 0 and base.bit_length() * exponent > LARGEST_INTEGER_BITS:
+        if abs(base) > 1 and exponent > 0 and (exponent > LARGEST_INTEGER_BITS or bits_of(base) * exponent > LARGEST_INTEGER_BITS):
             raise OverflowError(f"{base} ** {exponent} is too large" if base.bit_length() < 1000 and exponent < 10**100 else "a power is too large")
     return left**right  # type: ignore[operator]
+
+
+def bits_of(number: int) -> float:
+    """The binary digits of a whole number, with fractions where it is not large."""
+    return math.log2(abs(number)) if 0 < abs(number) < 1 << 1000 else number.bit_length()
 
 
 def _times(left: object, right: object) -> object:
     for sequence, count in ((left, right), (right, left)):
         if isinstance(sequence, REPEATED) and hasattr(type(count), "__index__"):
-            refuse_too_long(length_of(sequence) * whole(count))
+            times = whole(count)  # asked once, since the program may give another number the next time
+            refuse_too_long(length_of(sequence) * times)
+            if not isinstance(count, int) and not hasattr(type(count), "__rmul__" if count is right else "__mul__"):
+                return times * sequence  # type: ignore[operator]
     if isinstance(left, int) and isinstance(right, int) and int.bit_length(left) + int.bit_length(right) > LARGEST_INTEGER_BITS:
         raise OverflowError("an integer is too large")
     return left * right  # type: ignore[operator]

@@ -14,6 +14,7 @@ from .config import PASS, Config, Stack, State
 from .errors import RunError
 from .expressions import as_vectors, elements, get_attribute, get_item
 from .host import HostException, host, raw
+from .keys import check_key
 from .kinds import is_object, kind_name
 from .outcome import Change, Next, Outcome
 from .premises import SHARED, axiom, describe_origin, premises
@@ -113,7 +114,9 @@ def place_of(target: p.Subscript, parts: list[object]) -> object:
     places, origin = unwrap(parts)
     if origin is not None:
         raise RunError("the index of an assignment may not be random", target.span, rule="S-Assignment")
-    return slice(*places) if isinstance(target.index, p.Slice) else places[0]  # type: ignore[misc, index]
+    index = slice(*places) if isinstance(target.index, p.Slice) else places[0]  # type: ignore[misc, index]
+    check_key(index)
+    return index
 
 
 def random_write(subject: Random, node: Node) -> RunError:
@@ -271,7 +274,8 @@ def change_in_place(node: s.AugmentedAssignment, operation: Callable[..., object
             hint=f"make a new one: x = x {node.operator} ...",
         )
     if isinstance(current, (list, deque)) and node.operator == "*" and hasattr(type(operand), "__index__"):
-        refuse_too_long(length_of(current) * whole(operand))
+        refuse_too_long(length_of(current) * (times := whole(operand)))
+        operand = operand if isinstance(operand, int) or hasattr(type(operand), "__rmul__") else times
     return raw(door, state, operation, current, operand)
 
 

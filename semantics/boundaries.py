@@ -18,6 +18,8 @@ from shapely.geometry.base import BaseGeometry
 
 METRES = 1e-8
 """How near a point is to a closed set that it counts as in it; measured across each straight side, so that at a corner it may be a little further."""
+GRID = METRES / 10
+"""Metres to whose multiples overlays of shapes round: without, edges that coincide but for rounding make GEOS lose whole polygons now and then."""
 RADIANS = 1e-8
 """A sector whose angle lacks no more than this of a full turn is a disc."""
 
@@ -25,6 +27,27 @@ RADIANS = 1e-8
 def widened(shape: BaseGeometry) -> BaseGeometry:
     """The polygons of `shape`, or its lines and points, and all within `METRES` of them, as an area."""
     return shape.buffer(METRES, quad_segs=1, join_style="mitre")
+
+
+def grid_for(*shapes: BaseGeometry) -> float:
+    """The grid for an overlay of shapes: `GRID`, or as fine as the coordinates allow where these are beyond some 1e6 m."""
+    bounds = np.abs(shapely.bounds(np.array(shapes, dtype=object)))
+    return max(GRID, float(np.nanmax(bounds, initial=0.0)) * 2.0**-50)
+
+
+def united(shapes: Sequence[BaseGeometry]) -> BaseGeometry:
+    """The union."""
+    return shapely.union_all(shapes, grid_size=grid_for(*shapes))  # type: ignore[arg-type]
+
+
+def common(first: BaseGeometry, second: BaseGeometry) -> BaseGeometry:
+    """The intersection."""
+    return shapely.intersection(first, second, grid_size=grid_for(first, second))
+
+
+def without(first: BaseGeometry, second: BaseGeometry) -> BaseGeometry:
+    """The difference."""
+    return shapely.difference(first, second, grid_size=grid_for(first, second))
 
 
 def all_widened(shapes: Sequence[BaseGeometry]) -> Sequence[BaseGeometry]:

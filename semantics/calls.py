@@ -18,6 +18,7 @@ from .expressions import elements
 from .fields import BadField, VectorField
 from .functions import bind, enter
 from .host import HostException, host, raw
+from .keys import check_hashed
 from .kinds import is_scalar, kind_name
 from .nesting import check_written
 from .outcome import Next, Outcome
@@ -29,6 +30,7 @@ from .specials import HOST_RULES, SPECIALS, STORED, call_container_method, conta
 from .syntax import python_expressions as p
 from .syntax.dynamics import ScenarioDefinition
 from .syntax.nodes import Node
+from .texts import without_addresses
 from .values import Constructor, Dynamic, Function, Instance, Method, Native, Random, ScenicClass, Special, plain, unwrap, wrap
 from .vectors import Vector
 
@@ -137,7 +139,7 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
         result = host(state.settings.door, state, invoke, function, *arguments, **keywords)
     except HostException as problem:
         if isinstance(problem.exception, (BadField, BadRegion, BadParameters)):
-            raise RunError(str(problem.exception), node.span, rule="E-Call-Host") from None
+            raise RunError(without_addresses(str(problem.exception)), node.span, rule="E-Call-Host") from None
         raise
     return value("E-Call-Host", result, stack, state, node)
 
@@ -146,6 +148,7 @@ def check_call(function: object, arguments: tuple[object, ...], keywords: Mappin
     """Pay for what library code goes through, and refuse what it must not be given (`prices`), or what is none of a program's classes."""
     inner, named = list(map(plain, arguments)), {name: plain(a) for name, a in keywords.items()}
     check_arguments(function, inner, named, state.settings.door.budget)
+    check_hashed(function, inner)
     if any(function is comparing for comparing in COMPARING):
         check_written(*inner, *named.values())
     if function is Vector and not all(is_scalar(unwrap(a)[0]) for a in (*arguments, *keywords.values())):

@@ -11,6 +11,7 @@ from .conditions import before_operands, bool_of, combine, truth_of, where_open
 from .config import Stack, State, Value, reduce, value
 from .expressions import as_vector
 from .host import HostException, host
+from .keys import check_key
 from .kinds import has_kind, kind_name
 from .nesting import check_written
 from .operations import membership
@@ -26,6 +27,8 @@ def contains(container: Any, item: object) -> bool:
     """`item in container`."""
     if isinstance(container, range) and not isinstance(item, int):
         refuse_too_long(size_of(container) // ITEM)
+    if isinstance(container, (dict, set, frozenset)):
+        check_key(item)
     return item in container
 
 

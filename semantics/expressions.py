@@ -18,6 +18,7 @@ from .config import Stack, State, value
 from .dynamics.queries import Clock, Closest, attribute_of_clock
 from .errors import RunError
 from .host import HostException, host, raw
+from .keys import check_key, check_keys
 from .kinds import Reader, has_kind, is_scalar, kind_name
 from .library import ascii_of, attribute_of, bound
 from .outcome import Outcome
@@ -62,7 +63,8 @@ def conclude_display(node: p.TupleDisplay | p.ListDisplay | p.SetDisplay, values
 def host_container(kind: Callable[[list], object], items: list) -> object:
     """A container of the items, random as a whole if members of a set or keys of a dictionary are; an unhashable one is the program's mistake."""
     keys = items if kind is Set else [key for key, _ in items] if kind is dict else []
-    _, origin = unwrap(keys)
+    plain_keys, origin = unwrap(keys)
+    check_keys(plain_keys)  # type: ignore[arg-type]
     try:
         if origin is None:
             return kind(items)
@@ -260,6 +262,7 @@ def get_item(node: p.Subscript, values: list[object], state: State) -> object:
     if type(container) is Random:
         container, origin = container.value, container.origin
     index = slice(*places) if isinstance(node.index, p.Slice) else places[0]  # type: ignore[misc, index]
+    check_key(index)
     result = raw(state.settings.door, state, python.getitem, container, index)
     return result if origin is None else wrap(unwrap(result)[0], origin)
 

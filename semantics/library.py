@@ -96,7 +96,7 @@ def hash_of(value: object) -> int:
     """`hash(value)`: one that depends on the value alone, not on the process. Raises `TypeError` for what has no such value."""
     match value:
         case bool() | int() | float() | complex() | None:
-            return python.hash(value) if value is not None else 0
+            return python.hash(value) if value is not None and value == value else 0  # NaN has that of its address
         case str() | bytes():
             data = value.encode("utf-8", "surrogatepass") if isinstance(value, str) else value
             return int.from_bytes(hashlib.blake2b(data, digest_size=7).digest())
@@ -228,7 +228,7 @@ def check_size(items: object, r: Any = None) -> None:
 
 def tee(budget: Budget, items: Iterable[object], n: int = 2) -> tuple[Metered, ...]:
     """`itertools.tee(items, n)`."""
-    refuse_too_long(n)
+    refuse_too_long(n := whole(n))
     return tuple(budget.metered(copy) for copy in itertools.tee(items, n))
 
 

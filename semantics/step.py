@@ -42,6 +42,7 @@ from .syntax import expressions as e
 from .syntax import python_expressions as p
 from .syntax import statements as s
 from .syntax.nodes import NOWHERE, Node, Span
+from .texts import without_addresses
 from .values import Random, ScenicClass
 
 REDUCE: Mapping[type, Callable[..., Outcome]] = {
@@ -273,7 +274,16 @@ def unwind(abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
     if isinstance(exception, GuardViolation):
         return Stuck("D-Guard", Requirement("guard", abrupt.span, str(exception)))
     assert isinstance(exception, BaseException)
-    return Fault(UncaughtException(f"{type(exception).__name__}: {exception}".rstrip(": "), abrupt.span, exception=exception, hint=notes(exception)))
+    text = f"{type(exception).__name__}: {said(exception)}".rstrip(": ")
+    return Fault(UncaughtException(text, abrupt.span, exception=exception, hint=notes(exception)))
+
+
+def said(exception: BaseException) -> str:
+    """The text of an exception; "" where a method of the program that should give it does not."""
+    try:
+        return without_addresses(str(exception))
+    except Exception:
+        return ""
 
 
 def notes(exception: BaseException) -> str:

@@ -133,31 +133,32 @@ def translate(budget: Budget, text: str, table: Any) -> str:
 
 def expandtabs(budget: Budget, text: str, tabsize: int = 8) -> str:
     """`text.expandtabs(tabsize)`."""
-    refuse_too_long(len(text) + str.count(text, "\t") * max(0, whole(tabsize)))
+    tabsize = whole(tabsize)
+    refuse_too_long(len(text) + str.count(text, "\t") * max(0, tabsize))
     return paid(budget, text.expandtabs(tabsize))
 
 
 def ljust(budget: Budget, text: str, width: int, *fill: str) -> str:
     """`text.ljust(width, fill)`."""
-    refuse_too_long(width)
+    refuse_too_long(width := whole(width))
     return paid(budget, text.ljust(width, *fill))
 
 
 def rjust(budget: Budget, text: str, width: int, *fill: str) -> str:
     """`text.rjust(width, fill)`."""
-    refuse_too_long(width)
+    refuse_too_long(width := whole(width))
     return paid(budget, text.rjust(width, *fill))
 
 
 def center(budget: Budget, text: str, width: int, *fill: str) -> str:
     """`text.center(width, fill)`."""
-    refuse_too_long(width)
+    refuse_too_long(width := whole(width))
     return paid(budget, text.center(width, *fill))
 
 
 def zfill(budget: Budget, text: str, width: int) -> str:
     """`text.zfill(width)`."""
-    refuse_too_long(width)
+    refuse_too_long(width := whole(width))
     return paid(budget, text.zfill(width))
 
 

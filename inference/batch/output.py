@@ -5,12 +5,11 @@ What comes out is what `Scene.to_line` and `interpreter.tables.columns_of` give 
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 
 import numpy as np
 
-from ...interpreter.scenes import OWN_FIELDS, SCHEMA, json_value
+from ...interpreter.scenes import OWN_FIELDS, SCHEMA, in_json, json_value
 from ...interpreter.tables import COLUMNS, Texts, chosen, columns_of, joined
 from ...interpreter.tables import Columns as Table
 from ...semantics.geometry import normalise_heading
@@ -100,7 +99,7 @@ def attempts_of(block: Block) -> np.ndarray:
 
 def text(value: object) -> str:
     """The JSON text of a value in the scene format. Raises `ValueError` for numbers that JSON does not have."""
-    return json.dumps(value, ensure_ascii=False, allow_nan=False)
+    return in_json(value)
 
 
 def finite(values: Numbers) -> Cells:

@@ -14,6 +14,7 @@ import shapely
 from shapely.geometry import MultiPoint
 from shapely.geometry.base import BaseGeometry
 
+from ...semantics.boundaries import united
 from .intervals import TAU, Interval, angles_meet
 from .shapes import ROUNDING, Shape, common_part, dilate, erode, polygons_of, union_of
 
@@ -46,7 +47,7 @@ def prune_by_heading(
     for p, (shape, heading) in enumerate(cells):
         matching = [q for q in near[p] if _heads(cells[q][1] - heading, deviation, allowed, turn)]
         if matching:
-            kept.append(common_part(shape, dilate(shapely.union_all(shapes[matching]), distance)))
+            kept.append(common_part(shape, dilate(united(list(shapes[matching])), distance)))
     return union_of(kept)
 
 
@@ -78,7 +79,7 @@ def prune_by_width(cells: Sequence[Cell], distance: float, min_width: float) -> 
     for p in sorted(narrow_cells):
         others = [q for q in near[p] if q != p]
         if others:
-            kept.append(common_part(shapes[p], dilate(shapely.union_all(shapes[others]), distance)))
+            kept.append(common_part(shapes[p], dilate(united(list(shapes[others])), distance)))
     return union_of(kept)
 
 

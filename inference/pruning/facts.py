@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...semantics.boundaries import widened
 from ...semantics.fields import PolygonalVectorField
 from ...semantics.regions import PolygonalRegion, RectangularRegion, Region, Workspace
 from ...semantics.regions.approximation import box_shape
@@ -76,7 +77,7 @@ def contained(facts: list[Truth]) -> Iterator[Contained]:
         call = node.function
         if holds and isinstance(call, RowCall) and call.function is PolygonalRegion.contains_box and not symbols_in(call.structure[0]):
             region, position, _, width, length = call.structure
-            point, shape = point_of(position), shape_of(region)
+            point, shape = point_of(position), container_of(region)
             if point is not None and shape is not None:
                 yield Contained(point, shape, min_radius(width, length))
 
@@ -84,6 +85,12 @@ def contained(facts: list[Truth]) -> Iterator[Contained]:
 def min_radius(width: object, length: object) -> float:
     """A lower bound on the distance from the centre of a box to its edges, in metres: half its smaller side."""
     return max(0.0, min(bounds_of_value(width).low, bounds_of_value(length).low) / 2)
+
+
+def container_of(region: object) -> Shape | None:
+    """`shape_of` for a region that boxes must lie in: with its boundary, which closes what gaps rounding leaves between its parts."""
+    shape = shape_of(region)
+    return None if shape is None else polygons_of(widened(shape))
 
 
 def shape_of(region: object) -> Shape | None:

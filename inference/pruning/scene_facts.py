@@ -13,7 +13,7 @@ from typing import NamedTuple
 from ...semantics.config import State
 from ...semantics.termination import premises_of_step_two, workspace_of
 from ...semantics.values import Instance, unwrap
-from .facts import Contained, min_radius, shape_of
+from .facts import Contained, container_of, min_radius
 from .forms import Point, bounds_of_value, point_of
 
 
@@ -51,7 +51,7 @@ def default_containers(state: State) -> Iterator[Contained]:
     for premise in premises_of_step_two(state):
         if premise.kind in ("containment", "regionContainedIn"):
             region = workspace_of(state) if premise.kind == "containment" else property_of(state, premise.object, "regionContainedIn")
-            point, shape = position_of(state, premise.object), shape_of(region)
+            point, shape = position_of(state, premise.object), container_of(region)
             if point is not None and shape is not None:
                 yield Contained(point, shape, min_radius(*(property_of(state, premise.object, n) for n in ("width", "length"))))
 

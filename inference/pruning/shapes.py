@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import math
 
-import shapely
 from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
+
+from ...semantics.boundaries import common, united
 
 Shape = Polygon | MultiPolygon
 CHORDS = 8
@@ -51,9 +52,9 @@ def _parts(shape: BaseGeometry) -> list[BaseGeometry]:
 
 def union_of(shapes: list[Shape]) -> Shape:
     """The union of some shapes."""
-    return polygons_of(shapely.union_all(shapes)) if shapes else NOTHING
+    return polygons_of(united(shapes)) if shapes else NOTHING
 
 
 def common_part(first: BaseGeometry, second: BaseGeometry) -> Shape:
     """The points in both shapes, and those within rounding of them."""
-    return polygons_of(shapely.intersection(first, second))
+    return polygons_of(common(first, second))

@@ -16,7 +16,7 @@ from ..host import HostException
 from ..kinds import kind_name
 from ..outcome import Act, Finish, Next, Observe, Outcome, Requirement, Stuck
 from ..syntax import dynamics as d
-from ..syntax.nodes import Node
+from ..syntax.nodes import NOWHERE, Node
 from ..values import Dynamic, plain
 from .guards import GuardViolation
 from .invocations import Begin, Beginning, with_arguments
@@ -167,6 +167,10 @@ def check_flag(frame: Step, result: object, stack: Stack, state: State) -> Outco
     if not reason:
         return following(frame, f"D-Policy-{frame.number}", stack, state)
     missed = unsatisfied(state)
+    if missed is None and simulation.flag and state.ego is None:
+        where = NOWHERE if state.initial is None else state.initial.definition.span
+        text = "the simulation ended, and none of its scenarios had made ego"
+        raise RunError(text, where, rule=f"D-Policy-{frame.number}", hint="write ego = Object ... in the scenario, or in one that it always runs")
     return Stuck("D-Eventually", missed) if missed is not None else Finish(f"D-Policy-{frame.number}", reason, state)
 
 

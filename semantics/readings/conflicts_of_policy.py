@@ -16,12 +16,12 @@ CONFLICTS_OF_POLICY: tuple[Reading, ...] = (
         about="policy",
         question="May a scenario that is begun with leave it to those that it runs to make ego?",
         places=(
-            SECTION_4_4 + ': of the `setup` and `compose` blocks "either can be omitted"',
-            'Section "Data Types", and Figure "Semantics of statements", rules "Termination": `ego` must be defined',
+            SECTION_4_4 + ': of the `setup` and `compose` blocks "either of which can be omitted"',
+            'Section "Basic Scenarios": "it is a syntax error to leave ego undefined"; the rules "Termination" of Figure "Semantics of statements"',
         ),
         alternatives={
             "when-needed": "yes, if it has a `compose` block: ego may be made by any scenario that runs when it is first needed; that objects are "
-            "visible from it is required when the `setup` block that makes it ends",
+            "visible from it is required when the `setup` block that makes it ends; a simulation that ends of itself before is an error",
             "scene": "no: a scene without ego is an error",
         },
         profiles={"formal": "scene"},

@@ -14,8 +14,8 @@ SECOND_LOOK: tuple[Reading, ...] = (
         about="policy",
         question="Which scenario does `terminate` in a monitor end?",
         places=(
-            PROCEDURE + ', step 3: run the monitors of all running scenarios; if one terminates, "set a flag", the one of step 1',
-            'Section "Statements", "Termination Conditions": "the current scenario"; Section "Dynamic Scenarios", "Terminating the Scenario"',
+            PROCEDURE + ', step 3: run the monitors of all running scenarios; "set the terminate flag" if one terminates, that of step 1',
+            'Section "Dynamic Scenarios", "Terminating the Scenario": "to end the scenario immediately", which in a scenario of its own is that one',
         ),
         alternatives={
             "scenario": "that which declares the monitor, at once; the top-level one by the flag",

@@ -15,7 +15,7 @@ import shapely
 from shapely.geometry import GeometryCollection, LineString, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from ..boundaries import METRES, widened
+from ..boundaries import METRES, common, united, widened
 from ..geometry import corners
 from ..vectors import Vector
 
@@ -120,7 +120,7 @@ def polygonal(shape: BaseGeometry) -> BaseGeometry:
     if shape.geom_type in ("Polygon", "MultiPolygon"):
         return shape
     polygons = [part for part in shapely.get_parts(shape) if part.geom_type in ("Polygon", "MultiPolygon")]
-    return shapely.union_all(polygons) if polygons else Polygon()
+    return united(polygons) if polygons else Polygon()
 
 
 def as_core(shape: BaseGeometry) -> BaseGeometry:
@@ -135,4 +135,4 @@ def as_cover(shape: BaseGeometry) -> BaseGeometry:
 
 def union_inside(window: Polygon, first: BaseGeometry, second: BaseGeometry) -> BaseGeometry:
     """first ∪ second inside `window` (clipped first, for speed)."""
-    return shapely.union(shapely.intersection(first, window), shapely.intersection(second, window))
+    return united([common(first, window), common(second, window)])

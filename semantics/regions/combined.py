@@ -13,12 +13,13 @@ from functools import cached_property
 import shapely
 from shapely.geometry import Point, Polygon
 
-from ..boundaries import METRES
+from ..boundaries import METRES, common, without
 from ..fields import OutsideField, VectorField
 from ..symbols import every, lifted
 from ..vectors import Vector
 from . import intervals
 from .approximation import (
+    LEVELS,
     NO_BOUNDS,
     Approximation,
     Bounds,
@@ -72,11 +73,12 @@ def difference(first: Region, second: Region) -> Region:
 def share_a_point(first: Region, second: Region) -> bool:
     """Whether first ∩ second ≠ ∅; see `Region.intersects`."""
     both = IntersectionRegion(first, second)
-    bounds = both.bounds() or hull(both.extent(), (0.0, 0.0, 0.0, 0.0))
-    for approximation in levels(both, window_around(bounds)):
-        if not approximation.core.is_empty:
+    window = window_around(both.bounds() or hull(both.extent(), (0.0, 0.0, 0.0, 0.0)))
+    for sides in LEVELS:
+        one, other = first.approximate(sides, window), second.approximate(sides, window)
+        if shapely.dwithin(one.core, other.core, METRES):
             return True
-        if approximation.cover.is_empty:
+        if not shapely.dwithin(one.cover, other.cover, METRES) or (one.exact and other.exact):
             return False
     return True
 
@@ -175,7 +177,7 @@ class IntersectionRegion(_Combination):
         if self.first.dimension != 1 or self.second.dimension != 1 or bounds is None or bounds == NO_BOUNDS:
             return ()
         window = window_around(bounds, METRES)
-        both = shapely.intersection(self.first.approximate(1, window).cover, self.second.approximate(1, window).cover)
+        both = common(self.first.approximate(1, window).cover, self.second.approximate(1, window).cover)
         return tuple(Vector(float(part.x), float(part.y)) for part in shapely.get_parts(both) if isinstance(part, Point))
 
     @property
@@ -211,11 +213,11 @@ class IntersectionRegion(_Combination):
 
     def approximate(self, sides: int, window: Polygon) -> Approximation:
         first, second = self.first.approximate(sides, window), self.second.approximate(sides, window)
-        both = shapely.intersection(first.cover, second.cover)
+        both = common(first.cover, second.cover)
         if first.exact and second.exact:
             cover = as_cover(both)
             return Approximation(cover, cover)
-        return Approximation(as_core(shapely.intersection(first.core, second.core)), as_cover(both))
+        return Approximation(as_core(common(first.core, second.core)), as_cover(both))
 
     def intervals(self, start: Vector, end: Vector) -> Intervals:
         return intervals.intersection(self.first.intervals(start, end), self.second.intervals(start, end))
@@ -325,10 +327,10 @@ class DifferenceRegion(_Combination):
 
     def approximate(self, sides: int, window: Polygon) -> Approximation:
         first, second = self.first.approximate(sides, window), self.second.approximate(sides, window)
-        cover = as_cover(shapely.difference(first.cover, second.core))
+        cover = as_cover(without(first.cover, second.core))
         if first.exact and second.exact:
             return Approximation(cover, cover)
-        return Approximation(as_core(shapely.difference(first.core, second.cover)), cover)
+        return Approximation(as_core(without(first.core, second.cover)), cover)
 
     def intervals(self, start: Vector, end: Vector) -> Intervals:
         return intervals.intersection(self.first.intervals(start, end), intervals.complement(self.second.intervals(start, end)))

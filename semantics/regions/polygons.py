@@ -10,7 +10,7 @@ import shapely
 from shapely.geometry import LineString, MultiPolygon, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from ..boundaries import widened
+from ..boundaries import united, widened
 from ..fields import VectorField
 from ..symbols import lifted
 from ..vectors import Vector
@@ -141,6 +141,6 @@ def _checked(polygon: Polygon) -> Polygon:
 def _united(parts: list[Polygon]) -> Polygon | MultiPolygon:
     if not parts:
         raise BadRegion("a polygonal region needs at least one polygon")
-    union = parts[0] if len(parts) == 1 else shapely.union_all(parts)
+    union = parts[0] if len(parts) == 1 else united(parts)
     assert isinstance(union, (Polygon, MultiPolygon))
     return union

@@ -18,6 +18,7 @@ import numpy as np
 import shapely
 from shapely.geometry import LineString, MultiPolygon, Polygon
 
+from ...semantics.boundaries import united, without
 from ...semantics.fields import PolygonalVectorField
 from ...semantics.regions import PolygonalRegion, PolylineRegion
 
@@ -88,7 +89,7 @@ def city() -> City:
     """The city; made once."""
     roads = tuple(_roads())
     cells = tuple(cell for road in roads for cell in road.cells)
-    union = shapely.union_all([polygon for polygon, _ in cells])
+    union = united([polygon for polygon, _ in cells])
     closed = union.buffer(SLIT / 2, join_style="mitre").buffer(-SLIT / 2, join_style="mitre")  # no slits between roads that cross
     assert isinstance(closed, (Polygon, MultiPolygon))
     return City(cells, closed, tuple(_cut_curbs(roads)))
@@ -185,6 +186,6 @@ def _cut_curbs(roads: tuple[Road, ...]) -> Iterator[LineString]:
     tree = shapely.STRtree(outlines)
     for number, road in enumerate(roads):
         for curb in road.curbs:
-            others = shapely.union_all([outlines[i] for i in tree.query(curb, predicate="intersects") if i != number])
-            pieces = shapely.get_parts(shapely.difference(curb, others))
+            others = united([outlines[i] for i in tree.query(curb, predicate="intersects") if i != number])
+            pieces = shapely.get_parts(without(curb, others))
             yield from (piece for piece in pieces if piece.length >= SHORTEST_CURB)

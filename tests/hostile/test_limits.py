@@ -44,8 +44,23 @@ OTHERS = [
     "def f(): return f()\nx = f()", "x = 'x'.zfill(N(10 ** 10))", "x = sum([[1] * 10 ** 4] * 10 ** 5, [])", "x = (1,) * 10 ** 10", "x = [[0] * 10 ** 6 for i in range(10 ** 6)]",
 ]  # fmt: skip
 
+CROWDED = "k = [i * (2 ** 61 - 1) for i in range(40000)]\n"
+SHARED = "a = (1,)\nfor i in range(40): a = (a, a)\n"
+HASHED = [
+    *(CROWDED + use for use in ("x = dict.fromkeys(k)", "x = set(k)", "x = {*k}", "x = dict(zip(k, k))", "x = collections.Counter(k)", "x = {1}.union(k)", "x = {}\nx.update(zip(k, k))")),
+    *(SHARED + use for use in ("x = {a: 1}", "x = a in {1: 2}", "x = {1: 2}.get(a)", "x = {1: 2}[a]", "x = set([a])", "x = {}\nx[a] = 1", "x = {1}\nx.add(a)", "x = {}\ndel x[a]", "x = {b for b in [a]}")),
+    "class H(object):\n    def __hash__(self): return 1\nk = [H() for i in range(30000)]\nx = set(k)",
+]  # fmt: skip
+CHANGING = "n = [0]\nclass A(object):\n    def __index__(self):\n        n[0] += 1\n        return 1 if n[0] % 2 else 3 * 10 ** 9\n"
 
-@pytest.mark.parametrize("text", LISTED + OTHERS)
+
+@pytest.mark.parametrize("use", ["'a' * A()", "A() * 'a'", "[0] * A()", "'a'.ljust(A())", "'a'.zfill(A())", "'a\\t'.expandtabs(A())"])
+def test_a_number_that_changes_is_asked_for_once(use):
+    scene = scenic_ref.loads(f"ego = Object at (0, 0)\n{CHANGING}x = {use}\nparam x = len(x), n = n[0]\n").sample()
+    assert scene.params["x"] < 10 and scene.params["n"] == 1
+
+
+@pytest.mark.parametrize("text", LISTED + OTHERS + HASHED)
 def test_what_would_take_for_ever_is_an_error_soon(text, effort):
     def ends() -> None:
         with pytest.raises(errors.ProgramError):

@@ -39,6 +39,18 @@ def test_containment_uses_half_the_smallest_side_that_the_box_can_have():
     assert finding(pruning(random), "ego", "containment").after == pytest.approx(10 * 58 + 4 * 58, rel=5e-3)
 
 
+GAP = """
+road = PolygonalRegion(polygon=[PolygonalRegion([(0, 0), (5, 0), (5, 10), (0, 10)]), PolygonalRegion([(G, 0), (10, 0), (10, 10), (G, 10)])])
+workspace = Workspace(road)
+ego = Object in road, with width 4, with length 4
+"""
+
+
+def test_a_gap_that_the_boundary_closes_erodes_nothing():
+    for gap, kept in (("5 + 1e-8", 36.0), ("5.001", 2 * 6.0 * 1.0)):
+        assert finding(pruning(GAP.replace("G", gap), world=""), "ego", "containment").after == pytest.approx(kept, rel=6e-2)
+
+
 def test_a_side_that_may_be_0_erodes_nothing():
     assert reason(EGO.replace("with width 1", "with width Range(0, 1)"), "containment") == "nothing to remove: minRadius 0 m"
 

@@ -1,0 +1,50 @@
+"""Texts that are none: halves of characters, texts of exceptions that are no texts, addresses."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+import scenic_ref
+from scenic_ref.cli import answer
+from scenic_ref.inference.batch import Batch
+from scenic_ref.semantics.errors import RunError, UncaughtException
+
+HALF = "ego = Object at (Range(0, 1), 0)\nparam x = 'a\\ud800\u00e9', y = {'\\udfff': 1}\n"
+
+
+def test_half_a_character_is_written_as_json_has_it(tmp_path, capfd):
+    (tmp_path / "p.scenic").write_text(HALF)
+    for arguments in (["run", "-n", "3", "-o", str(tmp_path / "x.jsonl")], ["run", "-n", "3", "-o", str(tmp_path / "x.npz")], ["run", "-n", "1", "-o", "-"]):
+        assert answer([arguments[0], str(tmp_path / "p.scenic"), *arguments[1:]]) == 0
+    line = (tmp_path / "x.jsonl").read_text(encoding="utf-8").splitlines()[0]
+    assert "a\\ud800\u00e9" in line
+    assert json.loads(line)["params"] == {"x": "a\ud800\u00e9", "y": {"\udfff": 1}}
+    capfd.readouterr()
+    assert answer(["trace", str(tmp_path / "p.scenic"), "--html", str(tmp_path / "x.html")]) == 0
+
+
+def test_columns_write_it_alike():
+    scenario = scenic_ref.loads(HALF)
+    scenario.rehearse()
+    batch = Batch(scenario.start, fuel=scenario.fuel)
+    assert [scene.to_line() for scene in batch.scenes(12, 3)] == [scenario.sample(3, i).to_line() for i in range(12)]
+
+
+@pytest.mark.parametrize("body", ["return 3", "raise E('x')", "raise ValueError", "return 'a' * 10 ** 9"])
+def test_an_exception_whose_text_is_none_is_told_without(body):
+    text = f"ego = Object at (0, 0)\nclass E(Exception):\n    def __str__(self): {body}\nraise E('a')\n"
+    with pytest.raises(UncaughtException) as caught:
+        scenic_ref.loads(text).sample()
+    assert caught.value.message == "E"
+
+
+def test_hashes_of_nan_are_those_of_the_program():
+    text = "ego = Object at (0, 0)\nn = float('nan')\nparam x = [hash(n), hash((n, 1)), hash(complex(n, 1))]\n"
+    assert scenic_ref.loads(text).sample(0, 0).params == scenic_ref.loads(text).sample(0, 1).params
+
+
+def test_no_message_names_an_address():
+    with pytest.raises(RunError) as caught:
+        scenic_ref.loads("ego = Object at (0, 0)\nclass A(object): pass\nx = PolygonalRegion([A(), A(), A()])\n").sample()
+    assert "0x" not in caught.value.message
