@@ -278,12 +278,17 @@ def unwind(abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
     return Fault(UncaughtException(text, abrupt.span, exception=exception, hint=notes(exception)))
 
 
+MOST_SAID = 1000
+"""So many characters of an exception's text are told."""
+
+
 def said(exception: BaseException) -> str:
     """The text of an exception; "" where a method of the program that should give it does not."""
     try:
-        return without_addresses(str(exception))
+        text = without_addresses(str(exception))
     except Exception:
         return ""
+    return text if len(text) <= MOST_SAID else f"{text[:MOST_SAID]}..."
 
 
 def notes(exception: BaseException) -> str:

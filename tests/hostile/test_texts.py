@@ -39,6 +39,12 @@ def test_an_exception_whose_text_is_none_is_told_without(body):
     assert caught.value.message == "E"
 
 
+def test_a_very_long_text_of_an_exception_is_cut():
+    with pytest.raises(UncaughtException) as caught:
+        scenic_ref.loads("ego = Object at (0, 0)\nraise ValueError('a' * 10 ** 6)\n").sample()
+    assert 900 < len(caught.value.message) < 1100
+
+
 def test_hashes_of_nan_are_those_of_the_program():
     text = "ego = Object at (0, 0)\nn = float('nan')\nparam x = [hash(n), hash((n, 1)), hash(complex(n, 1))]\n"
     assert scenic_ref.loads(text).sample(0, 0).params == scenic_ref.loads(text).sample(0, 1).params
