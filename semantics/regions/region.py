@@ -65,8 +65,9 @@ class Region(ABC):
 
     @lifted(float)
     def distance_to(self, v: Vector) -> float:
-        """The distance from `v` to the nearest point of the region: 0 inside, infinite if the region is empty.
+        """The distance from `v` to the nearest point of the region as it is written: 0 inside, infinite if the region is empty.
 
+        So it may be up to `boundaries.METRES` for a point that is in the region by its boundary alone.
         Combinations with arcs are known to within 1e-6 m, and remains thinner than that cannot be told from nothing.
         """
         return 0.0 if self.contains_point(v) else distance(self, v, window_around(hull(self.extent(), (v.x, v.y, v.x, v.y))))
@@ -102,7 +103,7 @@ class Region(ABC):
         return difference(self, other)
 
     def intersects(self, other: Region) -> bool:
-        """Whether the regions share a point; arcs that miss or touch by less than 1.2e-9 of their radius count as sharing."""
+        """Whether the regions share a point, boundaries included; arcs that miss by less than 1.2e-9 of their radius count as sharing."""
         from .combined import share_a_point
 
         return share_a_point(self, other)
