@@ -107,7 +107,16 @@ class Writer:
         choices = "do choose {Part(): 1, Part(2): 1}", "do Part(), Part(2)", "do shuffle Part(), Part(2)"
         compose = self.pick("do Part()", "do Part() for 1 steps", *choices)
         after = self.pick("wait", "terminate", "do Part() until ego.x == 1")
-        return [*lines, "scenario Main():", "    setup:", *indented(indented(setup)), "    compose:", *indented(indented([compose, after, "wait"]))]
+        body = indented(indented([compose, after, "wait"]))
+        if self.random.random() < 0.25:  # ego is made by what Main runs
+            lines += ["scenario Begin():", "    setup:", *indented(indented(setup)), "    compose:", f"        {self.pick('wait', 'pass')}"]
+            return [*lines, "scenario Main():", "    compose:", "        do Begin()", *body]
+        guards = [g for g, share in (
+            (f"precondition: drawn < {self.pick('1', '2')}", 0.3),
+            (f"invariant: ego.x < {self.pick('3', '4')} and now() < {self.pick('3', '4')}", 0.2),
+        ) if self.random.random() < share]  # fmt: skip
+        lines += ["drawn = Uniform(0, 1)", "scenario Main():", *indented(guards), "    setup:", *indented(indented(setup))]
+        return [*lines, "    compose:", *body]
 
 
 def indented(lines: list[str]) -> list[str]:
