@@ -18,7 +18,6 @@ from .expressions import elements
 from .fields import BadField, VectorField
 from .functions import bind, enter
 from .host import HostException, host, raw
-from .keys import check_hashed
 from .kinds import is_scalar, kind_name
 from .nesting import check_written
 from .outcome import Next, Outcome
@@ -148,7 +147,6 @@ def check_call(function: object, arguments: tuple[object, ...], keywords: Mappin
     """Pay for what library code goes through, and refuse what it must not be given (`prices`), or what is none of a program's classes."""
     inner, named = list(map(plain, arguments)), {name: plain(a) for name, a in keywords.items()}
     check_arguments(function, inner, named, state.settings.door.budget)
-    check_hashed(function, inner)
     if any(function is comparing for comparing in COMPARING):
         check_written(*inner, *named.values())
     if function is Vector and not all(is_scalar(unwrap(a)[0]) for a in (*arguments, *keywords.values())):

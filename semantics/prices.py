@@ -8,6 +8,7 @@ from typing import Any
 from .allowed import KEY, is_user_class, names
 from .budget import ITEM, LARGEST_SEQUENCE, Budget, length_of, refuse_too_large, refuse_too_long, size_of
 from .errors import RunError
+from .keys import check_hashed
 from .texts import check_encoding
 from .values import Function, Method, Native, Special
 
@@ -24,6 +25,7 @@ def check_arguments(function: object, arguments: Sequence[object], keywords: Map
         raise RunError("a range with so many elements cannot be turned into a collection", rule="E-Call-Host")
     owner = getattr(function, "__self__", None)
     budget.go_through(given if owner is None or getattr(function, "__name__", "") in QUICK else [*given, owner])
+    check_hashed(function, given)
     if isinstance(function, type):
         check_construction(function, arguments, keywords)
     if (isinstance(function, type) or type(function) is KEY or isinstance(owner, property)) and not is_user_class(function):

@@ -78,7 +78,7 @@ def share_a_point(first: Region, second: Region) -> bool:
         one, other = first.approximate(sides, window), second.approximate(sides, window)
         if shapely.dwithin(one.core, other.core, METRES):
             return True
-        if not shapely.dwithin(one.cover, other.cover, METRES) or (one.exact and other.exact):
+        if not shapely.dwithin(one.cover, other.cover, METRES):
             return False
     return True
 

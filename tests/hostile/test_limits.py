@@ -47,7 +47,7 @@ OTHERS = [
 CROWDED = "k = [i * (2 ** 61 - 1) for i in range(40000)]\n"
 SHARED = "a = (1,)\nfor i in range(40): a = (a, a)\n"
 HASHED = [
-    *(CROWDED + use for use in ("x = dict.fromkeys(k)", "x = set(k)", "x = {*k}", "x = dict(zip(k, k))", "x = collections.Counter(k)", "x = {1}.union(k)", "x = {}\nx.update(zip(k, k))")),
+    *(CROWDED + use for use in ("x = dict.fromkeys(k)", "x = set(k)", "x = {*k}", "x = dict(zip(k, k))", "x = collections.Counter(k)", "x = {1}.union(k)", "x = list(map(set, [k]))", "x = sorted([k], key=set)", "x = set(items=k)", "x = {}\nx.update(zip(k, k))")),
     *(SHARED + use for use in ("x = {a: 1}", "x = a in {1: 2}", "x = {1: 2}.get(a)", "x = {1: 2}[a]", "x = set([a])", "x = {}\nx[a] = 1", "x = {1}\nx.add(a)", "x = {}\ndel x[a]", "x = {b for b in [a]}")),
     "class H(object):\n    def __hash__(self): return 1\nk = [H() for i in range(30000)]\nx = set(k)",
 ]  # fmt: skip

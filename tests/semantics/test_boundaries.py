@@ -208,5 +208,5 @@ def test_rectangles_side_by_side_are_overlaid_rightly():
         assert not one.intersects(PolygonalRegion(g.corners(beside + 3 * METRES * g.direction(heading - math.pi / 2), heading, right, length)))
 
 
-def test_pruning_leaves_out_nothing_that_the_boundary_holds():
+def test_pruning_rounds_by_more_than_the_boundary_is_wide():
     assert ROUNDING > 10 * METRES
