@@ -10,7 +10,7 @@ import shapely
 from shapely.geometry import LineString, MultiPolygon, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from ..boundaries import united, widened
+from ..boundaries import GRID, united, widened
 from ..fields import VectorField
 from ..symbols import lifted
 from ..vectors import Vector
@@ -142,5 +142,7 @@ def _united(parts: list[Polygon]) -> Polygon | MultiPolygon:
     if not parts:
         raise BadRegion("a polygonal region needs at least one polygon")
     union = parts[0] if len(parts) == 1 else united(parts)
+    if union.is_empty:
+        raise BadRegion(f"polygons that are put together must be larger than {GRID:g} m")
     assert isinstance(union, (Polygon, MultiPolygon))
     return union

@@ -14,7 +14,7 @@ from scenic_ref.semantics import geometry as g
 from scenic_ref.semantics.boundaries import METRES, RADIANS
 from scenic_ref.semantics.errors import AttemptsExhausted
 from scenic_ref.semantics.fields import PolygonalVectorField
-from scenic_ref.semantics.regions import CircularRegion, PolygonalRegion, PolylineRegion, RectangularRegion, Region, SectorRegion
+from scenic_ref.semantics.regions import BadRegion, CircularRegion, PolygonalRegion, PolylineRegion, RectangularRegion, Region, SectorRegion
 from scenic_ref.semantics.vectors import Vector
 
 CASES = 200
@@ -206,6 +206,12 @@ def test_rectangles_side_by_side_are_overlaid_rightly():
         assert one.intersect(other).measure() == pytest.approx(0.0, abs=1e-5)
         assert one.difference(other).measure() == pytest.approx(left * length, rel=1e-6)
         assert not one.intersects(PolygonalRegion(g.corners(beside + 3 * METRES * g.direction(heading - math.pi / 2), heading, right, length)))
+
+
+def test_polygons_that_vanish_on_the_grid_are_refused():
+    dust = PolygonalRegion([(0, 0), (1e-10, 0), (0, 1e-10)])
+    with pytest.raises(BadRegion, match="larger than 1e-09 m"):
+        PolygonalRegion(polygon=[dust, dust])  # type: ignore[list-item]
 
 
 def test_pruning_rounds_by_more_than_the_boundary_is_wide():
