@@ -84,7 +84,7 @@ def ended_here() -> Iterator[str]:
             try:
                 if select.select([handle], [], [], ENDING)[0]:
                     continue
-                test, command = variables(number).get("PYTEST_CURRENT_TEST", "?"), Path(f"/proc/{number}/cmdline").read_bytes()
+                test, command = variables(number).get("PYTEST_CURRENT_TEST", "?"), content(number, "cmdline")
                 os.kill(number, signal.SIGKILL)
                 yield f"{command.replace(bytes(1), b' ').decode(errors='replace').strip()} (started by {test})"
             finally:
@@ -92,19 +92,31 @@ def ended_here() -> Iterator[str]:
 
 
 def started_by_tests() -> list[int]:
-    """The numbers of other processes that carry the mark of this run; not multiprocessing's own, which ends with this one."""
+    """The numbers of other processes that this one started or that carry the mark of this run; not multiprocessing's own, which ends with it."""
     if not hasattr(os, "pidfd_open") or not Path("/proc").is_dir():
         return []
     found = [int(p.name) for p in Path("/proc").iterdir() if p.name.isdigit() and int(p.name) != os.getpid()]
-    return [n for n in found if variables(n).get(RUN) == os.environ[RUN] and "resource_tracker" not in Path(f"/proc/{n}/cmdline").read_text()]
+    started = [n for n in found if parent(n) == os.getpid() or variables(n).get(RUN) == os.environ[RUN]]
+    return [n for n in started if b"resource_tracker" not in content(n, "cmdline")]
+
+
+def content(number: int, name: str) -> bytes:
+    """A file that the system has of a process; empty if the process is gone, or another's."""
+    try:
+        return Path(f"/proc/{number}/{name}").read_bytes()
+    except OSError:
+        return b""
+
+
+def parent(number: int) -> int:
+    """The process that started this one, also where it does not have its own variables and command yet; 0 if it is gone."""
+    fields = content(number, "stat").rpartition(b")")[2].split()
+    return int(fields[1]) if fields else 0
 
 
 def variables(number: int) -> dict[str, str]:
     """The environment that a process was started with; empty if it is gone, or another's."""
-    try:
-        text = Path(f"/proc/{number}/environ").read_bytes().decode(errors="replace")
-    except OSError:
-        return {}
+    text = content(number, "environ").decode(errors="replace")
     return dict(entry.split("=", 1) for entry in text.split("\0") if "=" in entry)
 
 
