@@ -14,12 +14,12 @@ import numpy as np
 
 from ...interpreter.choosers import Draws
 from ...semantics.distributions import PointIn
-from ...semantics.geometry import distance_to_box
+from ...semantics.geometry import corners, distance_to_box
 from ...semantics.regions import Region, everywhere
 from ...semantics.vectors import Vector
 from ..statistics.columns import Table
 from ..statistics.facts import Support
-from ..statistics.relations import MOST_RELATED, corners, pose_of
+from ..statistics.relations import MOST_RELATED, box_of, pose_of
 from .boundaries import inside_by, is_known, numbers_in, reach_of, sectors_in, within_arc
 from .columns import column
 from .features import nodes_by_feature
@@ -145,8 +145,7 @@ class Suggested:
         pose = pose_of(table.arrays, i)
         if pose is None or len(pose) < 5:
             return None
-        points = corners(pose)
-        return np.min([inside_by(region, points[:, k, 0], points[:, k, 1], no_column) for k in range(4)], axis=0)
+        return np.min([inside_by(region, p.x, p.y, no_column) for p in corners(*box_of(pose))], axis=0)  # type: ignore[arg-type]
 
     # Views
 
@@ -162,8 +161,7 @@ class Suggested:
         reach = table.arrays.get(f"objects[{self.template.ego_id}].properties.viewDistance")
         if ego is None or pose is None or len(pose) < 5 or reach is None or reach.dtype != np.float64:
             return None
-        x, y, heading, width, length = pose
-        return reach - np.asarray(distance_to_box(Vector(x, y), heading, width, length, Vector(ego[0], ego[1])))  # type: ignore[arg-type]
+        return reach - np.asarray(distance_to_box(*box_of(pose), Vector(ego[0], ego[1])))  # type: ignore[arg-type]
 
 
 def no_column(node: Node) -> np.ndarray:

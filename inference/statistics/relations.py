@@ -9,14 +9,14 @@ from collections.abc import Iterable, Mapping, Sequence
 from itertools import combinations
 
 import numpy as np
-import shapely
 
 from ...interpreter.scenes import Scene
+from ...semantics.geometry import boxes_intersect, corners, distance_to_box
+from ...semantics.vectors import Vector
 from .betting import Array
 from .columns import Table, features_table
 
 MOST_RELATED = 12  # relations are looked at between the first so many objects
-BOX = np.array([(0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5)])
 
 
 def table_of(scenes: Iterable[Scene | Mapping[str, object]]) -> Table:
@@ -39,8 +39,7 @@ def relations(columns: Mapping[str, Array]) -> dict[str, Array]:
         found[f"distance({i}, {j})"] = np.hypot(dx, dy)
         found[f"bearing({i}, {j})"] = wrapped(np.arctan2(-dx, dy) - one[2])
         found[f"relativeHeading({i}, {j})"] = wrapped(other[2] - one[2])
-    known = [boxes(pose) for pose in poses if len(pose) == 5]
-    gaps = [shapely.distance(one, other) for one, other in combinations(known, 2)]
+    gaps = [gap(one, other) for one, other in combinations([pose for pose in poses if len(pose) == 5], 2)]
     if gaps:
         found["smallestGap"] = np.min(gaps, axis=0)
     return found
@@ -53,17 +52,27 @@ def pose_of(columns: Mapping[str, Array], i: int) -> list[Array] | None:
     return found if len(found) == 5 or (len(found) == 3 and all(name in columns for name in names[:3])) else None
 
 
-def boxes(pose: Sequence[Array]) -> Array:
-    """The bounding boxes, as shapes."""
-    return np.asarray(shapely.polygons(corners(pose)))
+def gap(one: Sequence[Array], other: Sequence[Array]) -> Array:
+    """The distance between the bounding boxes of two objects: apart, that of a corner of either; 0 where they share a point."""
+    first, second = box_of(one), box_of(other)
+    apart = np.minimum(nearest_corner(first, second), nearest_corner(second, first))
+    return np.where(boxes_intersect(*first, *second), 0.0, apart)
 
 
-def corners(pose: Sequence[Array]) -> Array:
-    """The corners of the bounding boxes, (scenes, 4, 2)."""
+Box = tuple[Vector, float, float, float]
+
+
+def box_of(pose: Sequence[Array]) -> Box:
+    """A column of boxes as one whose numbers are columns."""
     x, y, heading, width, length = pose
-    u, v = BOX[:, 0] * width[:, None], BOX[:, 1] * length[:, None]
-    s, c = np.sin(heading)[:, None], np.cos(heading)[:, None]
-    return np.stack([x[:, None] + u * c - v * s, y[:, None] + u * s + v * c], axis=-1)
+    return Vector(x, y), heading, width, length  # type: ignore[arg-type, return-value]
+
+
+def nearest_corner(box: Box, other: Box) -> Array:
+    """The least distance of a corner of the other box from a box."""
+    points = corners(*other)
+    together = Vector(np.stack([p.x for p in points]), np.stack([p.y for p in points]))  # type: ignore[arg-type]
+    return np.min(distance_to_box(*box, together), axis=0)
 
 
 def wrapped(angle: Array) -> Array:

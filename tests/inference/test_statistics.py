@@ -13,8 +13,10 @@ from scenic_ref.inference.statistics.cells import cells_of, opening_of
 from scenic_ref.inference.statistics.columns import Column, Table
 from scenic_ref.inference.statistics.facts import Facts
 from scenic_ref.inference.statistics.power import Hardest, detectable, needed
-from scenic_ref.inference.statistics.relations import table_of
+from scenic_ref.inference.statistics.relations import gap, table_of
 from scenic_ref.semantics.errors import UsageError
+from scenic_ref.semantics.regions.approximation import box_shape
+from scenic_ref.semantics.vectors import Vector
 
 UNIFORM = Continuous("uniform", lambda x: min(max(x, 0.0), 1.0))
 
@@ -120,6 +122,17 @@ def test_columns_are_named_by_their_place():
     assert table.columns["distance(0, 1)"].values.tolist() == [5.0]
     assert table.columns["relativeHeading(0, 1)"].values.tolist() == [math.pi / 2]
     assert table.columns["smallestGap"].values[0] == pytest.approx(math.hypot(2, 3))  # the boxes are unit squares
+
+
+def test_the_gap_between_boxes_is_what_shapely_measures():
+    source = np.random.default_rng(3)
+    one, other = ([*source.uniform(-5, 5, (2, 500)), source.uniform(-9, 9, 500), *source.uniform(0.1, 8, (2, 500))] for _ in range(2))
+    one[0][0] = one[1][0] = other[0][0] = other[1][0] = one[2][0] = other[2][0] = 0.0
+    one[3][0], one[4][0], other[3][0], other[4][0] = 8.0, 1.0, 1.0, 8.0  # a cross: no corner of either is in the other
+    shapes = [[box_shape(Vector(x, y), turn, w, h) for x, y, turn, w, h in zip(*pose, strict=True)] for pose in (one, other)]
+    expected = np.array([a.distance(b) for a, b in zip(*shapes, strict=True)])
+    assert 50 < np.count_nonzero(expected) < 450
+    assert gap(one, other) == pytest.approx(expected, abs=1e-7)
 
 
 # Power
