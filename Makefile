@@ -1,5 +1,6 @@
 # Everything sets itself up in .venv: `make demo` and `make test` need Python 3.11 or later and nothing else.
-# Another interpreter: make test VENV=.venv-3.13 PYTHON=python3.13. Only some of the tests: make test TESTS=tests/cli
+# Another interpreter: make test VENV=.venv-3.13 PYTHON=python3.13, make test-plain PLAIN=.venv-3.13 PYTHON=python3.13.
+# Only some of the tests: make test TESTS=tests/cli
 PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
@@ -70,4 +71,4 @@ bench: $(VENV)/.test
 	$(BIN)/python benchmarks/batch.py $(if $(AGAINST),--against $(AGAINST)) --prune
 
 clean:
-	rm -rf $(VENV) $(PLAIN) .venv-scenic-3 .venv-scenic-2.1 demo site build dist *.egg-info
+	rm -rf $(VENV) $(PLAIN) .venv-3.12 .venv-3.13 .venv-scenic-3 .venv-scenic-2.1 demo site build dist *.egg-info

@@ -1,6 +1,7 @@
 """How many scenes `compare` needs to find small faults, and how often it raises a false alarm.
 
-`python benchmarks/power.py power` and `python benchmarks/power.py nulls` print their measurements as JSON; docs/checking.md shows them.
+`python benchmarks/power.py power [FAULT]` and `nulls` print their measurements as JSON; docs/checking.md shows them. `unaided` is `power` with the
+features of scenes alone, without those that the program suggests.
 """
 
 from __future__ import annotations
@@ -9,11 +10,13 @@ import json
 import math
 import sys
 import time
+from functools import partial
 
 import numpy as np
 import scenic_ref
 from scenic_ref.inference.statistics import compare
 from scenic_ref.inference.statistics.columns import Table
+from scenic_ref.inference.statistics.facts import Facts
 
 VIEWER = "v = Point at (0, 0), with viewDistance {}\nego = Object at (0, 0), with viewDistance 40\nObject visible from v\n"
 WRAP = (
@@ -37,12 +40,24 @@ PAIRS: dict[str, tuple[str, str, dict[str, str]]] = {
     ),
     "a coin of 0.51 for 0.5": ("ego = Object with v Discrete({1: 0.5, 2: 0.5})\n", "ego = Object with v Discrete({1: 0.51, 2: 0.49})\n", {}),
 }
+SQUARE = (
+    "workspace = Workspace(RectangularRegion((0, 0), 0, 200, 200))\n"
+    "ego = Object in RectangularRegion((0, 0), 0, {0}, {0}), with positionStdDev 0.5\nmutate\n"
+)
+"""A position that is mutated and must then lie in the workspace: drawn from all of it, or from a part as pruning would without the mutation."""
+SECTOR = "ego = Object in SectorRegion((0, 0), 20, 0, 170 deg)\n"
+PIECES = [math.radians(-85 + 17 * k) for k in range(11)]
+POLYGON = f"ego = Object in PolygonalRegion([(0, 0), {', '.join(f'({20 * math.sin(a):.12f}, {20 * math.cos(a):.12f})' for a in PIECES)}])\n"
+PAIRS |= {
+    "a sector of 170 degrees drawn as its polygon": (SECTOR, POLYGON, {}),
+    "mutated positions pruned as if they were not": (SQUARE.format(200), SQUARE.format(199), {}),
+}
 SEEDS = ((0, 1), (2, 3), (4, 5))
 BUDGET = 1_000_000
 
 
-def power(only: str = "") -> dict[str, list[dict[str, object]]]:
-    """Scenes of each side until each fault (or those whose name begins with `only`) is found, three times."""
+def power(only: str = "", *, suggested: bool = True) -> dict[str, list[dict[str, object]]]:
+    """Scenes of each side until each fault (or those whose name begins with `only`) is found, thrice; `suggested`: with the program's features."""
     found: dict[str, list[dict[str, object]]] = {}
     for name, (right, wrong, readings) in PAIRS.items():
         if not name.startswith(only):
@@ -50,7 +65,8 @@ def power(only: str = "") -> dict[str, list[dict[str, object]]]:
         found[name] = []
         for seeds in SEEDS:
             begun = time.process_time()
-            verdict = compare(scenic_ref.loads(wrong, readings=readings), scenic_ref.loads(right), seeds=seeds, budget=BUDGET)
+            scenario, facts = scenic_ref.loads(right), None if suggested else Facts()
+            verdict = compare(scenic_ref.loads(wrong, readings=readings), scenario, seeds=seeds, budget=BUDGET, facts=facts)
             found[name].append(
                 {
                     "verdict": verdict.kind, "scenes of each side": verdict.n + verdict.burned, "log10 evidence": round(verdict.evidence, 1),
@@ -82,4 +98,4 @@ def _drawn(source: np.random.Generator, n: int) -> Table:
 
 
 if __name__ == "__main__":
-    print(json.dumps({"power": power, "nulls": nulls}[sys.argv[1]](*sys.argv[2:]), indent=1))
+    print(json.dumps({"power": power, "unaided": partial(power, suggested=False), "nulls": nulls}[sys.argv[1]](*sys.argv[2:]), indent=1))
