@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import sys
+import warnings
 
 INTERRUPTED = 130
 
@@ -25,6 +26,7 @@ def main() -> None:
     """The command `scenic-ref`: answers the command line that the process was given, then exits."""
     if sys.stdout is None:  # the caller closed it
         sys.stdout = open(os.devnull, "w")  # noqa: SIM115 (for as long as the process lives)
+    warnings.filterwarnings("ignore", category=RuntimeWarning, module="shapely")  # what overflows there is far away, and the answer says so
     try:
         code = answer(sys.argv[1:])
     except KeyboardInterrupt:

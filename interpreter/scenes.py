@@ -128,8 +128,11 @@ def json_value(value: object) -> object:
 
 
 def stable_repr(value: object) -> str:
-    """`repr(value)`, but never with an address in memory, which would differ from run to run."""
-    return ADDRESS.sub("", repr(value))[:1000]
+    """`repr(value)`, but never with an address in memory, which would differ from run to run, nor with thousands of digits."""
+    try:
+        return ADDRESS.sub("", repr(value))[:1000]
+    except ValueError:
+        return f"{type(value).__name__} with a number too long to write"
 
 
 def scene_of(

@@ -18,6 +18,7 @@ from ..semantics.syntax.nodes import NOWHERE, Span
 from ..semantics.values import Instance, unwrap
 from ..semantics.vectors import Vector
 from .running import Accepted, Chooser, Run, run
+from .scenes import stable_repr
 
 MISSING = object()
 LONGEST = 80
@@ -290,7 +291,7 @@ def written(value: object) -> str:
         case list() if len(value) <= LONGEST:
             return f"[{', '.join(map(written, value))}]"
         case _:
-            return repr(value)
+            return stable_repr(value)
 
 
 def lines_of(programs: Mapping[str, str], span: Span) -> str:

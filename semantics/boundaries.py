@@ -20,6 +20,8 @@ METRES = 1e-8
 """How near a point is to a closed set that it counts as in it; measured across each straight side, so that at a corner it may be a little further."""
 GRID = METRES / 10
 """Metres to whose multiples overlays of shapes round: without, edges that coincide but for rounding make GEOS lose whole polygons now and then."""
+MOST_CORNERS = 100_000
+"""With more corners there is no grid: to round edges that run along each other everywhere, as those of two equal discs do, takes minutes."""
 RADIANS = 1e-8
 """A sector whose angle lacks no more than this of a full turn is a disc."""
 
@@ -29,8 +31,10 @@ def widened(shape: BaseGeometry) -> BaseGeometry:
     return shape.buffer(METRES, quad_segs=1, join_style="mitre")
 
 
-def grid_for(*shapes: BaseGeometry) -> float:
-    """The grid for an overlay of shapes: `GRID`, or as fine as the coordinates allow where these are beyond some 1e6 m."""
+def grid_for(*shapes: BaseGeometry) -> float | None:
+    """The grid for an overlay of shapes: `GRID`, or as fine as the coordinates allow where these are beyond some 1e6 m; None for many corners."""
+    if int(np.sum(shapely.get_num_coordinates(shapes))) > MOST_CORNERS:
+        return None
     bounds = np.abs(shapely.bounds(np.array(shapes, dtype=object)))
     return max(GRID, float(np.nanmax(bounds, initial=0.0)) * 2.0**-50)
 

@@ -26,6 +26,7 @@ from .prices import as_callback, check_arguments
 from .regions import BadRegion, Region
 from .scopes import Scope, function_names
 from .specials import HOST_RULES, SPECIALS, STORED, call_container_method, container_method
+from .symbols import number
 from .syntax import python_expressions as p
 from .syntax.dynamics import ScenarioDefinition
 from .syntax.nodes import Node
@@ -135,7 +136,7 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
         keywords = {k: as_positions(v, state) for k, v in keywords.items()}
 
     try:
-        result = host(state.settings.door, state, invoke, function, *arguments, **keywords)
+        result = host(state.settings.door, state, invoke, vector if function is Vector else function, *arguments, **keywords)
     except HostException as problem:
         if isinstance(problem.exception, (BadField, BadRegion, BadParameters)):
             raise RunError(without_addresses(str(problem.exception)), node.span, rule="E-Call-Host") from None
@@ -157,6 +158,11 @@ def check_call(function: object, arguments: tuple[object, ...], keywords: Mappin
 
 COMPARING = (sorted, min, max)
 """Functions that compare what they go through."""
+
+
+def vector(x: float, y: float) -> Vector:
+    """Vector(x, y): its coordinates are floats, as those of any vector of the language."""
+    return Vector(number(x), number(y))
 
 
 def invoke(function: Callable[..., object], *arguments: object, **keywords: object) -> object:

@@ -42,7 +42,7 @@ from .syntax import expressions as e
 from .syntax import python_expressions as p
 from .syntax import statements as s
 from .syntax.nodes import NOWHERE, Node, Span
-from .texts import without_addresses
+from .texts import too_many_digits, without_addresses
 from .values import Random, ScenicClass
 
 REDUCE: Mapping[type, Callable[..., Outcome]] = {
@@ -242,6 +242,10 @@ def step(config: Config) -> Outcome:
         return Fault(too_deep(place(config)))
     except OverflowError:
         return Fault(RunError("a number is too large", place(config)))
+    except ValueError as problem:  # the one thing that fails whatever writes a value, here or in a message
+        if not too_many_digits(problem):
+            raise
+        return Fault(RunError("a whole number has too many digits to be written", place(config)))
     except ScenicError as error:
         if error.span is NOWHERE or error.span.line == 0:
             error.span = place(config)

@@ -36,6 +36,11 @@ def written(value: object) -> str:
     return str(value) if isinstance(value, str) else without_addresses(str(value))
 
 
+def too_many_digits(problem: ValueError) -> bool:
+    """Whether Python refused to write a whole number, for its many digits."""
+    return str(problem).startswith("Exceeds the limit")
+
+
 def without_addresses(text: str) -> str:
     """A text without the addresses that Python writes for what has no text of its own."""
     return ADDRESS.sub(r"\1", text) if " at 0x" in text else text

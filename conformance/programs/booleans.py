@@ -74,6 +74,13 @@ def drawn(draft: Draft) -> Expression:
     return comparison(hopeful, draft.choices.pick(["<=", "<"]), number(2)) if draft.afford(2) else comparison(value, ">=", number(0))
 
 
+def untrue(draft: Draft) -> Expression:
+    """`not E` for a whole number, which is untrue where it is 0."""
+    if not (draft.may_draw() and draft.afford(3)):
+        return p.UnaryOperation(operator="not", operand=constant(False))
+    return p.UnaryOperation(operator="not", operand=call("Uniform", constant(0), constant(0), scalars.literal(draft, 0, 3)))
+
+
 def condition(draft: Draft, depth: int) -> Expression:
     """A condition for `require`, that holds often enough."""
     options: list[Option] = [(2, lambda: drawn(draft))]
@@ -85,6 +92,7 @@ def condition(draft: Draft, depth: int) -> Expression:
     others = [v for v in draft.known("object") if v.name != "ego"]
     if others and draft.has_ego:
         options += spatial(draft, name(draft.choices.pick(others).name))
+    options.append((1, lambda: untrue(draft)))
     if depth > 0:
         options.append((1, lambda: p.UnaryOperation(operator="not", operand=drawn(draft))))
         options.append((2, lambda: joined(draft, [condition(draft, depth - 1), condition(draft, depth - 1)])))
@@ -113,4 +121,6 @@ def spatial(draft: Draft, other: Expression) -> list[Option]:
 
 def value(draft: Draft, depth: int) -> Expression:
     """A boolean for a variable or `param`: random or not."""
+    if draft.choices.chance(0.1):
+        return untrue(draft)
     return condition(draft, depth) if draft.choices.chance(0.7) else settled(draft, depth)

@@ -53,6 +53,8 @@ def composed(draft: Draft, low: float, high: float, depth: int) -> list[Option]:
         (1, lambda: scaled(draft, low, high, depth)),
         (1, lambda: call(draft.choices.pick(["min", "max"]), scalar(draft, low, high, depth), scalar(draft, low, high, depth))),
     ]
+    if low <= -2 and high >= -1:
+        options.append((1, lambda: p.UnaryOperation(operator="~", operand=booleans.drawn(draft))))  # True is 1 to it
     if low == -high:
         options.append((1, lambda: p.UnaryOperation(operator="-", operand=scalar(draft, low, high, depth))))
         options.append((1, lambda: operation(scalar(draft, low, high, depth), "*", scalar(draft, 0, 1, depth))))

@@ -9,7 +9,7 @@ from ...semantics.syntax import expressions as e
 from ...semantics.syntax import specifiers as q
 from . import distributions, headings, scalars
 from .draft import Draft, Option, first_that_works
-from .tree import attribute, name, new_object, offset_along, offset_by, pair
+from .tree import attribute, call, name, new_object, offset_along, offset_by, pair
 
 SIDES = get_args(e.Side)
 
@@ -21,6 +21,7 @@ def vector(draft: Draft, reach: float, depth: int) -> Expression:
     if fitting:
         options.append((3, lambda: name(draft.choices.pick(fitting).name)))
     options.append((1, lambda: e.VectorOf(x=scalars.scalar(draft, -reach, reach, 0), y=scalars.scalar(draft, -reach, reach, 0))))
+    options.append((1, lambda: call("Vector", scalars.literal(draft, -reach, reach), scalars.scalar(draft, -reach, reach, 0))))
     if depth > 0:
         options += composed(draft, reach, depth - 1)
     return first_that_works(draft, options)

@@ -62,8 +62,8 @@ class CurveTests:
     def __init__(self, curve: PolylineRegion, reach: float) -> None:
         segments = tuple(curve.segments())
         self.start = np.array([(a.x, a.y) for a, _ in segments])
-        self.along = np.array([(b.x - a.x, b.y - a.y) for a, b in segments])
-        lines = shapely.linestrings(np.stack([self.start, np.array([(b.x, b.y) for _, b in segments])], axis=1))
+        self.end = np.array([(b.x, b.y) for _, b in segments])
+        lines = shapely.linestrings(np.stack([self.start, self.end], axis=1))
         self.grid = Grid(np.asarray(lines), max(reach / 2, 1.0), reach + 100 * TIE * (1 + float(np.abs(self.start).max())))
 
     def sample(self, x: np.ndarray, y: np.ndarray, radius: np.ndarray, heading: np.ndarray, angle: float, uniform: np.ndarray) -> np.ndarray:
@@ -98,14 +98,15 @@ class CurveTests:
 
     def piece(self, segment: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Both ends of the parts of segments with these parameters."""
-        (x, y), (dx, dy) = self.start[segment].T, self.along[segment].T
+        (x, y), (dx, dy) = self.start[segment].T, (self.end[segment] - self.start[segment]).T
         return x + dx * low, y + dy * low, x + dx * high, y + dy * high
 
     def inside(
         self, segment: np.ndarray, x: np.ndarray, y: np.ndarray, radius: np.ndarray, heading: np.ndarray, angle: float
     ) -> tuple[np.ndarray, np.ndarray]:
         """The parameters of the part in the sector; the first is the larger one where there is none."""
-        (px, py), (dx, dy) = self.start[segment].T, self.along[segment].T
+        (px, py), (qx, qy) = self.start[segment].T, self.end[segment].T
+        dx, dy = qx - px, qy - py
         ax, ay = px - x, py - y
         a, b, c = dx * dx + dy * dy, ax * dx + ay * dy, ax * ax + ay * ay - radius * radius
         discriminant = b * b - a * c
@@ -114,7 +115,7 @@ class CurveTests:
         low = np.where(discriminant >= 0, np.maximum(0.0, (-b - root) / a), 2.0)
         high = np.where(discriminant >= 0, np.minimum(1.0, (-b + root) / a), -1.0)
         if angle < TAU:
-            bx, by = px + dx - x, py + dy - y
+            bx, by = qx - x, qy - y
             left, right, middle = (direction(h) for h in (heading + angle / 2, heading - angle / 2, heading))  # pyright: ignore[reportArgumentType]
             for start, end in (
                 (right.x * ay - right.y * ax, right.x * by - right.y * bx),

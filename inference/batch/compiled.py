@@ -224,7 +224,7 @@ def part_inside(
 
 @compile_
 def clipped_point(
-    x: float, y: float, radius: float, heading: float, angle: float, uniform: float, start: np.ndarray, along: np.ndarray,
+    x: float, y: float, radius: float, heading: float, angle: float, uniform: float, start: np.ndarray, end: np.ndarray,
     frame: np.ndarray, starts: np.ndarray, lists: np.ndarray,
 ) -> tuple[bool, float, float]:  # fmt: skip
     """A point of the part of a curve in a sector, and whether there is one: see `CurveTests.sample`."""
@@ -240,8 +240,9 @@ def clipped_point(
         total = 0.0
         for k in range(starts[square], starts[square + 1]):
             e = lists[k]
-            px, py, dx, dy = start[e, 0], start[e, 1], along[e, 0], along[e, 1]
-            low, high = part_inside(px - x, py - y, px + dx - x, py + dy - y, dx, dy, radius, angle, lx, ly, rx, ry, mx, my)
+            px, py, qx, qy = start[e, 0], start[e, 1], end[e, 0], end[e, 1]
+            dx, dy = qx - px, qy - py
+            low, high = part_inside(px - x, py - y, qx - x, qy - y, dx, dy, radius, angle, lx, ly, rx, ry, mx, my)
             if low < high:
                 ax, ay, bx, by = px + dx * low, py + dy * low, px + dx * high, py + dy * high
                 piece = hypot(bx - ax, by - ay)

@@ -159,7 +159,7 @@ class Writer:
         self.names["clipped_point"] = compiled.clipped_point
         values = [self.operand(v.node if isinstance(v, Traced) else v) for v in (found.x, found.y, found.radius, found.heading, found.angle)]
         grid = self.kept_arrays(tests.grid, lambda: compiled.grid_arrays(tests.grid))
-        arrays = [self.array(a) for a in (tests.start, tests.along, *grid)]
+        arrays = [self.array(a) for a in (tests.start, tests.end, *grid)]
         self.add(f"{name}, {name}_x, {name}_y = clipped_point({', '.join([*values, f'{name}_u', *arrays])})")
 
     # Tests on polygons

@@ -8,9 +8,9 @@ from collections.abc import Callable, Iterator
 from functools import partial, reduce
 
 from ...semantics.arithmetic import BINARY, UNARY
-from ...semantics.calls import invoke
-from ...semantics.regions import CircularRegion, RectangularRegion, Region, SectorRegion
-from ...semantics.symbols import NotLifted
+from ...semantics.calls import invoke, vector
+from ...semantics.regions import CircularRegion, RectangularRegion, Region, SectorRegion, Workspace
+from ...semantics.symbols import NotLifted, negation
 from ...semantics.values import Bound, Dynamic, Function, Instance, Method, Module, Random, ScenicClass
 from ...semantics.vectors import Vector
 from .structures import symbols_in
@@ -18,7 +18,7 @@ from .symbols import OPERATORS, Choice, Scalar, Traced
 from .trace import Trace
 
 LIFTED: dict[Callable[..., object], Callable[..., object]] = {
-    **{f: f for f in OPERATORS},
+    **{f: f for f in OPERATORS if f is not operator.invert},
     BINARY["+"]: operator.add,
     BINARY["-"]: operator.sub,
     BINARY["&"]: operator.and_,
@@ -26,13 +26,12 @@ LIFTED: dict[Callable[..., object], Callable[..., object]] = {
     BINARY["^"]: operator.xor,
     BINARY["*"]: operator.mul,
     BINARY["%"]: operator.mod,
-    UNARY["not"]: operator.invert,
     builtins.abs: operator.abs,
 }
-"""Operations of the machine, and the operators that they are on floats."""
+"""Operations of the machine, and the operators that they are on floats; `~` is none on truth values, which are whole numbers to it."""
 ZERO_DIVIDES = (operator.truediv, operator.mod)
 FEW = 64
-DIRECT = (CircularRegion, SectorRegion, RectangularRegion)
+DIRECT = (CircularRegion, SectorRegion, RectangularRegion, Workspace)
 STATEFUL = (Function, Method, Dynamic, Module, Instance, ScenicClass)
 
 
@@ -45,6 +44,8 @@ def lift(trace: Trace, operation: Callable[..., object], arguments: list[object]
         operation, *arguments = arguments  # type: ignore[assignment]
     if isinstance(operation, Bound):
         operation = operation.afresh
+    if operation is UNARY["not"] and isinstance(arguments[0], Traced):
+        return negation(trace.truth(arguments[0]))
     basic = LIFTED.get(operation)
     if basic is not None and _numeric(basic, arguments):
         return _operator(trace, basic, arguments)
@@ -98,8 +99,10 @@ def _is_number_or_choice(value: object) -> bool:
 
 
 def is_direct(function: object) -> bool:
-    """Whether a function of the library is made of liftable operations itself: constructors of regions with closed forms, methods of regions."""
-    return function in DIRECT if isinstance(function, type) else isinstance(getattr(function, "__self__", None), Region)
+    """Whether a function of the library is made of liftable operations itself: constructors of vectors and closed forms, methods of regions."""
+    if isinstance(function, type):
+        return function in DIRECT
+    return function is vector or isinstance(getattr(function, "__self__", None), Region)
 
 
 def _few(choices: dict[int, Choice]) -> bool:
@@ -121,7 +124,7 @@ def _is_truth(value: object) -> bool:
 
 def _numeric(operation: Callable[..., object], arguments: list[object]) -> bool:
     """Whether the operation is one on floats (at least one of them a symbol), or a logical one on truth values."""
-    if operation in (operator.and_, operator.or_, operator.xor, operator.invert):
+    if operation in (operator.and_, operator.or_, operator.xor):
         return all(map(_is_truth, arguments))
     if not any(isinstance(a, Scalar) for a in arguments):
         return False

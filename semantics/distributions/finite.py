@@ -60,7 +60,10 @@ class Discrete(Named):
     @cached_property
     def thresholds(self) -> list[float]:
         """The cumulative probabilities: position k is chosen by the numbers from thresholds[k - 1] up to thresholds[k]."""
-        sums = list(accumulate(weight for _, weight in self.weighted))
+        weights = [weight for _, weight in self.weighted]
+        sums = list(accumulate(weights))
+        if sums[-1] == math.inf:
+            sums = list(accumulate(weight / max(weights) for weight in weights))
         return [float(part / sums[-1]) for part in sums]
 
     def sample(self, uniform: Numbers) -> object:

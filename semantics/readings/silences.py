@@ -253,7 +253,7 @@ SILENCES: tuple[Reading, ...] = (
         kind="silence",
         question="Do bounding boxes that touch intersect?",
         places=(STEP_2 + ": boundingBox(o_i) ∩ boundingBox(o_j) = ∅", NOTATION + ': boundingBox(O) is the "set of points in the bounding box"'),
-        alternatives={"collide": "yes: boxes are closed sets", "allow": "no: only their interiors count for collisions"},
+        alternatives={"collide": "yes: boxes are closed sets", "allow": "no: two boxes collide where one reaches into the inside of the other"},
         consequence="Under `collide` the paper's `left of Object` without `by` never gives a scene, since it puts the boxes side by side.",
         code=("semantics.termination.check_default_requirements", "semantics.geometry.boxes_intersect"),
         probe=Probe(

@@ -110,9 +110,11 @@ def hull(first: Bounds, second: Bounds) -> Bounds:
 
 
 def overlap(first: Bounds, second: Bounds) -> Bounds:
-    """Bounds of the intersection."""
+    """Bounds of the intersection, of which each point is within `METRES` of both."""
     west, south, east, north = max(first[0], second[0]), max(first[1], second[1]), min(first[2], second[2]), min(first[3], second[3])
-    return (west, south, east, north) if west <= east and south <= north else NO_BOUNDS
+    if west > east + 2 * METRES or south > north + 2 * METRES:
+        return NO_BOUNDS
+    return min(west, east), min(south, north), max(west, east), max(south, north)
 
 
 def polygonal(shape: BaseGeometry) -> BaseGeometry:

@@ -9,6 +9,9 @@ from ..symbols import is_finite_number, number
 from ..vectors import Vector
 from .errors import BadRegion
 
+FURTHEST = 1e100
+"""The largest coordinate and length of a region, in metres: products of three of them are still numbers, as overlays of shapes need."""
+
 
 def finite(kind: str, name: str, value: float) -> float:
     """`value` as a float; `BadRegion` if it is not a finite number."""
@@ -18,6 +21,8 @@ def finite(kind: str, name: str, value: float) -> float:
         raise BadRegion(f"the {name} of a {kind} must be a number, not {value!r}") from None
     if not is_finite_number(found):
         raise BadRegion(f"the {name} of a {kind} must be finite, not {found}")
+    if isinstance(found, float) and abs(found) > FURTHEST:
+        raise BadRegion(f"the {name} of a {kind} must be at most {FURTHEST:g}, not {found:g}")
     return found
 
 

@@ -1,6 +1,7 @@
 """Intersections, unions and differences of regions: exact predicates where the parts have them, sampling by rejection.
 
-A difference holds the points of the first region that are not in the second, hence not on the second's edge.
+A difference holds the points of the first region that are not in the second, hence not on the second's edge; but what touches that edge alone
+meets it, as `intersects` and collisions with boxes see its closure.
 """
 
 from __future__ import annotations

@@ -72,7 +72,7 @@ class PolygonalRegion(Region):
         return Approximation(self.polygon, self.polygon)
 
     def intervals(self, start: Vector, end: Vector) -> Intervals:
-        return intervals_within(self.polygon, start, end)
+        return intervals_within(self.closed, start, end)
 
     def measure(self) -> float:
         return float(self.polygon.area)

@@ -211,7 +211,7 @@ class RectangularRegion(Region):
     def intervals(self, start: Vector, end: Vector) -> Intervals:
         a, b = (geometry.to_local(self.position, self.heading, v) for v in (start, end))
         inside = intervals.ALL
-        for half, p, q in ((self.width / 2, a.x, b.x), (self.length / 2, a.y, b.y)):
+        for half, p, q in ((self.width / 2 + METRES, a.x, b.x), (self.length / 2 + METRES, a.y, b.y)):
             inside = intervals.intersection(inside, intervals.where_nonnegative(half - p, half - q))
             inside = intervals.intersection(inside, intervals.where_nonnegative(half + p, half + q))
         return inside

@@ -118,6 +118,20 @@ SHORT = {
     "a strip that is rarely hit": "strip = PolygonalRegion([(-900, 0), (900, 0), (900, 0.02), (-900, 0.02)])\n"
     "ego = Object at (Range(-9, 9), Range(-2, 2)), with viewDistance 1.5\n"
     "Object on visible strip, with requireVisible False, with allowCollisions True",
+    "points of a curve off the grid": "ego = Object at (Range(-3, 9), Range(0, 8)), facing Range(0, 6), with viewDistance 7.3, with viewAngle 1.5\n"
+    "Object on (visible PolylineRegion([(0.1, 0.3), (0.7, 5.3), (3.9, 7.7), (11.3, 9.1)], orientation=False)), with requireVisible False, "
+    "with allowCollisions True",
+    "what is not true": "x = Uniform(0, 1, 2)\ny = Uniform(1, Range(-1, 2))\nt = Range(0, 1) < 0.5\nz = Uniform(True, x == 2, t)\n"
+    "require (not x) != (not Uniform(0, 1)) or not z\nrequire not (x - 1 and z)\n"
+    "ego = Object at (5 + (not x), 0), with v (not x, not not y, not (x and t), (not z) + 1, not [x], not Uniform('', 'a'), not Range(-1, 1)), "
+    "with allowCollisions not x",
+    "operators on truth values": "t = Range(0, 1) < 0.5\nz = Uniform(True, False, t)\n"
+    "ego = Object with v (~t, -t, +t, abs(t), ~z, -z, t & z, t | 2, t + 1)",
+    "vectors of whole numbers": "x = Uniform(1, 2)\nv = Vector(x, 0)\nw = Vector(1, Range(0, 1))\n"
+    "ego = Object at Vector(x, 3), with v (v, str(w), v.x // 2, (v * 2).x, str(v + Vector(1, 1)), Uniform(Vector(1, 2), v).x, "
+    "Vector(2**53 + 1, x).x)",
+    "a random workspace": "workspace = Workspace(SectorRegion((0, 0), Range(8, 10), 0, Range(3, 7)))\n"
+    "ego = Object at (Range(-9, 9), Range(-9, 9)), facing Range(-4, 4)",
     "a rectangle and a sector": "ego = Object facing Range(0, 6), with viewAngle 2\n"
     "spot = Point in (visible RectangularRegion((1, 1), Range(0, 1), 9, 3))\n"
     "Object at spot, with requireVisible False, with allowCollisions True",
@@ -132,6 +146,7 @@ def test_short_programs_give_the_same_scenes(name):
 
 ALSO_COMPILED = (
     "a soft requirement", "operands that get stuck", "functions in operands", "boxes that touch a border", "points of a curve", "random parameters",
+    "points of a curve off the grid",
 )  # fmt: skip
 
 

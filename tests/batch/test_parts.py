@@ -239,9 +239,10 @@ def test_the_first_cell_wins():
 # Curves
 
 
+@pytest.mark.parametrize("points", [[(-9, 3), (0, 9), (9, 3), (4, -9), (4, 2)], [(-9.1, 3.3), (0.7, 9.3), (9.9, 3.7), (4.1, -9.7), (4.3, 2.1)]])
 @pytest.mark.parametrize("angle", [2 * math.pi, 1.0, math.pi, 0.0])
-def test_points_of_clipped_curves_are_those_of_the_region(angle):
-    curve = PolylineRegion([(-9, 3), (0, 9), (9, 3), (4, -9), (4, 2)], orientation=False)
+def test_points_of_clipped_curves_are_those_of_the_region(angle, points):
+    curve = PolylineRegion(points, orientation=False)
     random = np.random.default_rng(5)
     count = 300
     x, y, heading, uniform = random.uniform(-12, 12, count), random.uniform(-12, 12, count), random.uniform(-4, 4, count), random.random(count)

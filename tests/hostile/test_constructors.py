@@ -55,3 +55,21 @@ def test_a_thousand_open_calls_are_ordinary():
 def test_there_is_no_simulation_in_a_static_scene():
     with pytest.raises(errors.RunError, match="there is no simulation"):
         scenic_ref.loads("ego = Object with foo simulation()\n").sample()
+
+
+@pytest.mark.parametrize(
+    "region",
+    [
+        "PolylineRegion([(0, 0), ({}, 0)])", "PolylineRegion([(0, 0), ({}, 0), (-{}, 0)])", "PolygonalRegion([(0, 0), ({}, 0), ({}, {})])",
+        "CircularRegion((0, 0), {})", "SectorRegion((0, {}), 1, 0, 1)", "RectangularRegion((0, 0), 0, 1, {})", "PointSetRegion('p', [({}, 0)])",
+    ],
+)
+def test_a_region_reaches_only_as_far_as_its_shapes_can_be_computed(region):
+    uses = "Object in x, with requireVisible False\nparam p = ego in x, q = x.intersects(CircularRegion((0, 0), 1)), r = distance to x\n"
+    for size in ("1e99", "1e160", "1e308"):
+        text = f"ego = Object at (20, 20)\nx = {region.replace('{}', size)}\n{uses}"
+        if size == "1e99":
+            assert scenic_ref.loads(text).sample().params["p"] in (True, False)
+        else:
+            with pytest.raises(errors.RunError, match="at most 1e\\+100"):
+                scenic_ref.loads(text).sample()

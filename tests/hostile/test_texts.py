@@ -8,7 +8,7 @@ import pytest
 import scenic_ref
 from scenic_ref.cli import answer
 from scenic_ref.inference.batch import Batch
-from scenic_ref.semantics.errors import RunError, UncaughtException
+from scenic_ref.semantics.errors import RunError, ScenicError, UncaughtException
 
 HALF = "ego = Object at (Range(0, 1), 0)\nparam x = 'a\\ud800\u00e9', y = {'\\udfff': 1}\n"
 
@@ -54,3 +54,19 @@ def test_no_message_names_an_address():
     with pytest.raises(RunError) as caught:
         scenic_ref.loads("ego = Object at (0, 0)\nclass A(object): pass\nx = PolygonalRegion([A(), A(), A()])\n").sample()
     assert "0x" not in caught.value.message
+
+
+LONG = "n = 10 ** 5000\n"
+
+
+@pytest.mark.parametrize("use", ["print(n)", "x = {}[n]", "x = str(n)", "x = f'{n}'", "require[n] True", "assert False, n", "raise ValueError(n)", "mutate ego by n"])
+def test_a_number_with_too_many_digits_is_a_mistake_with_its_place(use):
+    with pytest.raises(ScenicError) as found:
+        scenic_ref.loads(f"ego = Object at (0, 0)\n{LONG}{use}\n").sample()
+    assert found.value.span.line == 3
+
+
+@pytest.mark.parametrize("value", ["{n: 1}", "range(n)", "Exception(n)", "[n]", "(n, {n})"])
+def test_a_scene_can_hold_a_number_with_too_many_digits(value):
+    scene = scenic_ref.loads(f"ego = Object at (0, 0)\n{LONG}param x = {value}\n").sample()
+    assert len(scene.to_line()) < 20_000 and "x" in json.loads(scene.to_line())["params"]

@@ -197,3 +197,12 @@ def test_an_entry_that_is_itself_random_counts_by_its_value() -> None:
 
     run(loads(program).start(), from_stream(0, 0, 0), witness=look)
     assert densities == [0.0, 0.0]
+
+
+@pytest.mark.parametrize("weights", [(1e308, 1e308), (1e308, 1e308, 1e308, 1.7e308), (10**308, 10**308), (5e-324, 5e-324)])
+def test_weights_whose_sum_is_no_number_have_their_shares(weights):
+    drawn = Discrete(tuple(enumerate(weights)))
+    shares = [w / max(weights) for w in weights]
+    expected = [sum(shares[: k + 1]) / sum(shares) for k in range(len(shares))]
+    assert drawn.thresholds == pytest.approx(expected)
+    assert [drawn.sample(lambda u=u: u) for u in (0.0, 0.999)] == [0, len(weights) - 1]
