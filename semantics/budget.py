@@ -22,6 +22,8 @@ STEP = 1000
 """What a step of the machine costs in a function that host code calls."""
 ITEM = 64
 """What an element costs that is made when it is asked for."""
+COMPARED = 3
+"""What an element costs more that is compared."""
 PLAIN = (bool, int, float, type(None))
 
 
@@ -48,6 +50,12 @@ class Budget:
         for value in arguments:
             if type(value) not in PLAIN and isinstance(value, Sized):
                 self.spend(size_of(value))
+
+    def compared(self, *values: object) -> None:
+        """Pay, besides, for the elements that a comparison looks into."""
+        for value in values:
+            if isinstance(value, (list, tuple, deque)):
+                self.spend(COMPARED * length_of(value))
 
     def made(self, value: object) -> None:
         """Pay for what was made, without what is inside."""

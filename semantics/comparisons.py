@@ -91,6 +91,7 @@ def link(node: p.Comparison, name: str, left: object, right: object, state: Stat
             return name == "is not"
         if type(left) is not Random and type(right) is not Random:
             return COMPARE[name](left, right)
+    state.settings.door.budget.compared(plain(left), plain(right))
     check_written(plain(left), plain(right))
     if name in ("==", "!=") and isinstance(plain(left), Vector) is not isinstance(plain(right), Vector) and state.reading("pairs") == "vector":
         left, right = (as_vector(v, state) for v in (left, right))
