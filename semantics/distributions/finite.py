@@ -63,7 +63,8 @@ class Discrete(Named):
         weights = [weight for _, weight in self.weighted]
         sums = list(accumulate(weights))
         if sums[-1] == math.inf:
-            sums = list(accumulate(weight / max(weights) for weight in weights))
+            largest = max(weights)
+            sums = list(accumulate(weight / largest for weight in weights))
         return [float(part / sums[-1]) for part in sums]
 
     def sample(self, uniform: Numbers) -> object:
