@@ -14,8 +14,9 @@ from typing import NamedTuple, Protocol, TypeVar
 
 from ..semantics.classes import SCALAR_PROPERTIES, VECTOR_PROPERTIES
 from ..semantics.config import Config, State
+from ..semantics.dynamics.invocations import doing
 from ..semantics.dynamics.policy import after_one_step, begin, policy
-from ..semantics.dynamics.simulation import doing, line_of, satisfied, simulation_of
+from ..semantics.dynamics.simulation import line_of, satisfied, simulation_of
 from ..semantics.errors import RunError, ScenicError, SimulatorError, UsageError
 from ..semantics.kinds import is_scalar
 from ..semantics.outcome import Act, Done, Finish, Next, Outcome, Requirement, Stuck

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 from ..semantics.config import Config, State
-from ..semantics.dynamics.invocations import Invoked
+from ..semantics.dynamics.frames import Invoked
 from ..semantics.dynamics.processes import Coroutine, Yielded
 from ..semantics.dynamics.simulation import agent_of, simulation_of
 from ..semantics.object_definitions import Defaulting

@@ -10,8 +10,8 @@ from . import regions
 from .budget import Budget
 from .classes import BUILT_IN_CLASSES
 from .distributions import BadParameters, Discrete, Normal, Range, TruncatedNormal, Uniform
-from .dynamics.guards import EXCEPTIONS as GUARD_VIOLATIONS
 from .dynamics.queries import Clock
+from .errors import GUARD_VIOLATIONS
 from .fields import PolygonalVectorField, VectorField
 from .library import BUILTIN, bound
 from .scopes import Scope

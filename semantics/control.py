@@ -213,11 +213,7 @@ class Afterwards(NamedTuple):
 
 
 def try_statement(node: s.Try, stack: Stack, state: State) -> Outcome:
-    """`try` with `except`, `else`, `finally`; one with `interrupt when` is a rule of its own."""
-    if node.interrupts:
-        from .dynamics.interrupts import try_interrupt
-
-        return try_interrupt(node, stack, state)
+    """`try` with `except`, `else`, `finally`; one with `interrupt when` is a rule of its own (`interrupts.try_interrupt`)."""
     outer = (Finally(node.final), stack) if node.final else stack
     return block(node.body, (Handling(node), outer), state)
 

@@ -157,3 +157,19 @@ class InternalError(ScenicError):
 
     exit_code = 4
     kind = "internal error"
+
+
+class GuardViolation(Exception):
+    """A precondition or invariant does not hold."""
+
+
+class PreconditionViolation(GuardViolation):
+    """A precondition does not hold where a behavior or scenario begins."""
+
+
+class InvariantViolation(GuardViolation):
+    """An invariant does not hold where a behavior or scenario begins or goes on."""
+
+
+GUARD_VIOLATIONS = {c.__name__: c for c in (GuardViolation, PreconditionViolation, InvariantViolation)}
+"""Exceptions that a program may name and catch."""

@@ -28,6 +28,7 @@ from . import specifiers as sp
 from .classes import canonical
 from .config import Abrupt, Config, Stack, State, Value, reduce, value
 from .distributions import BadParameters, PointIn
+from .dynamics.simulation import check_setup
 from .errors import RunError
 from .fields import OutsideField
 from .functions import LARGEST_DEPTH
@@ -295,7 +296,6 @@ def new_instance(frame: Construction, stack: Stack, state: State) -> Outcome:
     """inst = newInstance(class, σ_n(self)), and O_n ∪ {inst}."""
     instance = frame.instance
     if state.simulation is not None and is_object(instance):
-        from .dynamics.scenarios import check_setup
 
         check_setup("objects are made", frame.node, stack)
     scene = (*state.scene, instance) if is_object(instance) else state.scene

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from .builtins import builtin_scope
 from .config import Config, Settings, State
+from .dynamics.initial import Finishing
 from .errors import RunError
 from .functions import enter
 from .host import Door
@@ -15,7 +16,6 @@ from .step import step
 from .syntax import Program
 from .syntax.python_expressions import Constant
 from .syntax.statements import Block, If, Model
-from .termination import Finishing
 from .values import Instance, plain
 
 

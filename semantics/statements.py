@@ -9,6 +9,7 @@ from .conditions import holding
 from .config import PASS, Config, Stack, State, reduce
 from .distributions import BadParameters, Coin
 from .draws import numbered_apart
+from .dynamics.simulation import check_setup
 from .errors import RunError
 from .kinds import is_object, is_scalar, kind_name
 from .nesting import check_nesting
@@ -103,7 +104,6 @@ def conclude_mutate(node: s.Mutate, values: list[object], stack: Stack, state: S
     *listed, scale = values
     first = 0
     if state.simulation is not None:
-        from .dynamics.scenarios import check_setup
 
         first = check_setup("objects are mutated", node, stack)
     scale = 1 if node.scale is None else scale

@@ -15,14 +15,11 @@ from abc import ABC, abstractmethod
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Sequence
 from functools import wraps
-from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
+from typing import Any, NoReturn, TypeVar
 
 import numpy as np
 
 from .vectors import Vector
-
-if TYPE_CHECKING:
-    from .outcome import Requirement
 
 
 class NotLifted(BaseException):
@@ -59,7 +56,7 @@ class Symbol(ABC):
         """`bool(this)`, as a symbol unless it is the same in all scenes."""
 
     @abstractmethod
-    def met(self, requirement: Requirement) -> bool:
+    def met(self, requirement: object) -> bool:
         """Note that the truth of this decides a requirement, and give its truth in the scene that is looked at."""
 
     @abstractmethod
@@ -172,7 +169,7 @@ def is_truth(value: object) -> bool:
         return False
 
 
-def met(condition: Any, requirement: Requirement) -> bool:
+def met(condition: Any, requirement: object) -> bool:
     """Whether the condition of a requirement holds; on symbols, this very truth value decides about the requirement."""
     return condition.met(requirement) if isinstance(condition, Symbol) else bool(condition)
 

@@ -11,7 +11,6 @@ from . import geometry
 from .config import PASS, Config, Stack, State, Value
 from .distributions import BadParameters, Normal
 from .draws import invalid
-from .dynamics.initial import begin_initial, main_scenario, scenarios_in
 from .errors import RunError
 from .kinds import Reader, View, is_scalar, kind_name
 from .operators import can_see_object, object_is_in
@@ -27,10 +26,6 @@ from .vectors import Vector
 POSE = 3  # x, y and heading
 NOISY_PROPERTIES = ("position", "heading", "color")
 COLOR_DEVIATION = 0.05  # where an object has no property colorStdDev, as in the world model of the released implementations
-
-
-class Finishing(NamedTuple):
-    """Frame at the bottom of the program: when its statements are reduced to `pass`, the termination rules begin."""
 
 
 class Mutating(NamedTuple):
@@ -71,27 +66,6 @@ class Late(NamedTuple):
     index: int
     end: State | None = None
     since: int = 0
-
-
-def resume_finishing(frame: Finishing, result: object, stack: Stack, state: State) -> Outcome:
-    """⟨pass, σ, π, O⟩: the program has been reduced, and then the setup of its main scenario; a program without ego is ill-formed."""
-    if state.initial is None:
-        main = main_scenario(state)
-        if main is not None:
-            return begin_initial(main, (frame, stack), state)
-    if state.ego is None and not may_come_later(state):
-        scenarios = scenarios_in(state)
-        other = f"begin with a scenario: --scenario {' or '.join(scenarios)}, or call it Main"
-        hint = other if scenarios and state.initial is None else "write ego = Object ..."
-        text = "the program never assigns ego, the object from whose point of view the scene is"
-        raise RunError(text, NOWHERE, rule="T-Mutate", hint=hint)
-    return mutate_objects(Mutating(0), stack, state)
-
-
-def may_come_later(state: State) -> bool:
-    """Whether a scenario that the compose block of the initial one runs may make ego (reading `compose-only`)."""
-    definition = None if state.initial is None else state.initial.definition
-    return state.reading("compose-only") == "when-needed" and getattr(definition, "compose", None) is not None
 
 
 def mutate_objects(frame: Mutating, stack: Stack, state: State) -> Outcome:

@@ -1,6 +1,7 @@
 """The batch backend: a program is run once on symbols, and the graph that this gives is evaluated for many scenes at a time."""
 
-from .sampling import Batch, Block, NotLifted
+from ...semantics.symbols import NotLifted
+from .sampling import Batch, Block
 from .tracing import Impossible
 
 __all__ = ["Batch", "Block", "Impossible", "NotLifted"]

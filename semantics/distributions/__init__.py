@@ -5,8 +5,9 @@ but for points of regions. Where the inverse is infinite at 0, the number 0 coun
 distribution is made: `BadParameters` says which is wrong, and why.
 """
 
+from ..regions.sampling import Numbers
 from .continuous import Normal, Range, TruncatedNormal
-from .distribution import BadParameters, Distribution, Numbers, Support
+from .distribution import BadParameters, Distribution, Support
 from .finite import Coin, Discrete, Uniform
 from .points import PointIn
 

@@ -9,6 +9,7 @@ from functools import cached_property
 
 from scipy import special
 
+from ..regions.sampling import Numbers
 from ..symbols import (
     either,
     exponential,
@@ -20,7 +21,7 @@ from ..symbols import (
     plain_float,
     smaller,
 )
-from .distribution import LEAST, BadParameters, Named, Numbers, Support
+from .distribution import LEAST, BadParameters, Named, Support
 
 _LOG_ROOT_TAU = math.log(2 * math.pi) / 2
 

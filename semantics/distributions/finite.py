@@ -8,9 +8,10 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import accumulate
 
+from ..regions.sampling import Numbers
 from ..symbols import pick, search
 from ..values import unwrap
-from .distribution import BadParameters, Named, Numbers, Support, exact
+from .distribution import BadParameters, Named, Support, exact
 
 
 @dataclass(frozen=True)

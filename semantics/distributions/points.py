@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from ..regions import Region, UnboundedRegion
+from ..regions.sampling import Numbers
 from ..vectors import Vector
-from .distribution import Named, Numbers, Support
+from .distribution import Named, Support
 
 
 @dataclass(frozen=True)

@@ -12,16 +12,11 @@ from ..outcome import Draw, Next, Outcome, Requirement, Stuck
 from ..premises import premises
 from ..scopes import Scope
 from ..syntax import dynamics as d
-from ..values import Dynamic, plain
-from .invocations import invoke, limited, runner, scope_of, with_arguments
+from ..values import plain
+from .frames import Picking, Shuffling
+from .guards import scope_of
+from .invocations import Beginning, invoke, limited, runner, with_arguments
 from .simulation import agent_of
-
-
-class Picking(NamedTuple):
-    """What is chosen from: the invocations that are left, with their weights."""
-
-    node: d.DoChoose | d.DoShuffle
-    options: tuple[tuple[Dynamic, object], ...]
 
 
 class Enabling(NamedTuple):
@@ -32,12 +27,6 @@ class Enabling(NamedTuple):
     condition: int
     enabled: tuple[int, ...]
     outer: Scope
-
-
-class Shuffling(NamedTuple):
-    """Frame: one of the invocations of `do shuffle` is running; the others follow."""
-
-    picking: Picking
 
 
 def pick(node: d.DoChoose | d.DoShuffle, stack: Stack, state: State) -> Outcome:
@@ -51,7 +40,12 @@ def conclude_pick(node: d.DoChoose | d.DoShuffle, values: list[object], stack: S
     count = len(node.invocations)
     weights = [plain(w) for w in values[count:-1]] or [1] * count
     options = tuple((with_arguments(v, node, state), w) for v, w in zip(values, weights))
-    return limited(node, Picking(node, options), values[-1], stack, state)
+    return limited(node, Picking(node, options), Beginning(begin_choice), values[-1], stack, state)
+
+
+def begin_choice(picking: Picking, stack: Stack, state: State) -> Outcome:
+    """The limit has not passed: look whose preconditions hold."""
+    return enable(Enabling(picking, 0, 0, (), state.sigma), stack, state)
 
 
 def enable(frame: Enabling, stack: Stack, state: State) -> Outcome:
@@ -124,4 +118,4 @@ def resume_starting(frame: Starting, result: object, stack: Stack, state: State)
 
 def resume_shuffling(frame: Shuffling, result: object, stack: Stack, state: State) -> Outcome:
     """One has ended: draw among the others whose preconditions hold now."""
-    return enable(Enabling(frame.picking, 0, 0, (), state.sigma), stack, state)
+    return begin_choice(frame.picking, stack, state)

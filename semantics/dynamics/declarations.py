@@ -10,7 +10,8 @@ from ..premises import premises
 from ..syntax import dynamics as d
 from ..syntax.nodes import Node
 from ..values import Dynamic, plain
-from .invocations import scope_of, with_arguments
+from .guards import scope_of
+from .invocations import with_arguments
 from .scenarios import declare
 from .simulation import Declared
 

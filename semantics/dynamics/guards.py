@@ -3,28 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 from ..conditions import holding
-from ..config import Abrupt, Config, Stack, State
+from ..config import PASS, Abrupt, Config, Stack, State
+from ..errors import GuardViolation, InvariantViolation, PreconditionViolation
+from ..functions import bind
 from ..outcome import Next, Outcome
-from ..scopes import Scope
+from ..scopes import Scope, function_names
+from ..syntax import dynamics as d
+from ..syntax import statements as s
 from ..syntax.nodes import Expression, Span
+from ..values import Dynamic
+from .frames import Interruptible, Invoked, Returning, Scenarios, Shuffling, Together
+from .processes import Coroutine
+from .simulation import simulation_of
 
-
-class GuardViolation(Exception):
-    """A precondition or invariant does not hold."""
-
-
-class PreconditionViolation(GuardViolation):
-    """A precondition does not hold where a behavior or scenario begins."""
-
-
-class InvariantViolation(GuardViolation):
-    """An invariant does not hold where a behavior or scenario begins or goes on."""
-
-
-EXCEPTIONS = {c.__name__: c for c in (GuardViolation, PreconditionViolation, InvariantViolation)}
 Then = Callable[[Stack, State], Outcome]
 
 
@@ -76,3 +71,70 @@ def unwind_guarding(frame: Guarding, abrupt: Abrupt, stack: Stack, state: State)
 def violation(guards: Guards, span: Span) -> GuardViolation:
     """The exception of a guard that does not hold."""
     return guards.exception(f"the {guards.word} of {guards.name} on line {span.line}")
+
+
+def scope_of(dynamic: Dynamic, more: dict[str, object]) -> Scope:
+    """A new scope with the arguments as variables, and `more`."""
+    definition = dynamic.definition
+    assert dynamic.arguments is not None
+    bound = bind(definition.name, definition.parameters, dynamic.defaults, *dynamic.arguments)  # type: ignore[attr-defined]
+    return Scope("function", dynamic.scope, function_names(definition), {**bound, **more})
+
+
+def guards_of(dynamic: Dynamic, scope: Scope) -> tuple[Guards, Guards]:
+    """The preconditions and the invariants."""
+    definition = dynamic.definition
+    assert isinstance(definition, (d.BehaviorDefinition, d.ScenarioDefinition))
+    return (
+        Guards(definition.name, "precondition", definition.preconditions, scope, PreconditionViolation),
+        Guards(definition.name, "invariant", definition.invariants, scope, InvariantViolation),
+    )
+
+
+def guards_on_resumption(stack: Stack, state: State) -> tuple[Guards, ...]:
+    """The invariants that are checked when the coroutine on the stack goes on: those of the innermost behavior or scenario.
+
+    Under the reading `invariant-of-caller=every-step`, those of all callers as well, from the outermost one on.
+    """
+    found: list[Guards] = []
+    while stack:
+        frame, stack = stack
+        if isinstance(frame, (Together, Scenarios)) and state.reading("invariant-of-caller") == "on-return" and not found:
+            return ()  # the caller waits for what it invoked
+        if isinstance(frame, Invoked):
+            found.append(guards_of(frame.behavior, frame.scope)[1])
+        elif isinstance(frame, Coroutine):
+            if frame.who.kind == "compose":
+                found.append(compose_guards(frame.who.number, state))
+            break
+    return tuple(reversed(found)) if state.reading("invariant-of-caller") == "every-step" else tuple(found[:1])
+
+
+def invoked_in(frames: tuple[object, ...]) -> bool:
+    """Whether these frames run something that the coroutine has invoked."""
+    return any(isinstance(frame, (Invoked, Together, Scenarios)) for frame in frames)
+
+
+def returned(stack: Stack, state: State) -> Outcome:
+    """A `do` statement returns; not yet where it has a limit, to which `Returning` belongs, or others to shuffle."""
+    inside = isinstance(stack[0], Shuffling) or (isinstance(stack[0], Interruptible) and not isinstance(stack[0].node, s.Try))
+    guards = () if inside else guards_on_resumption(stack, state)[-1:]
+    return guarded(guards, partial(passed, "D-Do-Return"), stack, state)
+
+
+def resume_returning(frame: Returning, result: object, stack: Stack, state: State) -> Outcome:
+    """The invariants of the caller are checked."""
+    return returned(stack, state)
+
+
+def passed(rule: str, stack: Stack, state: State) -> Outcome:
+    """The statement is reduced to `pass`."""
+    return Next(rule, Config(PASS, stack, state))
+
+
+def compose_guards(number: int, state: State) -> Guards:
+    """The invariants of a scenario."""
+    running = simulation_of(state).scenarios[number]
+    if running.dynamic is None:
+        return Guards("", "invariant", (), running.scope, InvariantViolation)
+    return guards_of(running.dynamic, running.scope)[1]

@@ -7,13 +7,14 @@ from typing import NamedTuple
 from ..calls import invocation
 from ..config import Stack, State, reduce
 from ..control import block
-from ..errors import UsageError
+from ..errors import RunError, UsageError
 from ..functions import InScope
 from ..outcome import Outcome, Requirement
 from ..scopes import Scope
 from ..statements import Requiring
 from ..syntax import dynamics as d
-from ..syntax.nodes import Node
+from ..syntax.nodes import NOWHERE, Node
+from ..termination import Mutating, mutate_objects
 from ..values import Dynamic, plain
 
 MAIN = "Main"
@@ -72,3 +73,28 @@ def resume_beginning(frame: Beginning, result: object, stack: Stack, state: Stat
 def enter_initial(frame: Beginning, definition: d.ScenarioDefinition, stack: Stack, state: State) -> Outcome:
     """The preconditions hold: the setup block, in the scope of the scenario."""
     return block(definition.setup or (), (InScope(frame.outer), stack), state, "D-Setup", Node(span=definition.span))
+
+
+class Finishing(NamedTuple):
+    """Frame at the bottom of the program: when its statements are reduced to `pass`, the termination rules begin."""
+
+
+def resume_finishing(frame: Finishing, result: object, stack: Stack, state: State) -> Outcome:
+    """⟨pass, σ, π, O⟩: the program has been reduced, and then the setup of its main scenario; a program without ego is ill-formed."""
+    if state.initial is None:
+        main = main_scenario(state)
+        if main is not None:
+            return begin_initial(main, (frame, stack), state)
+    if state.ego is None and not may_come_later(state):
+        scenarios = scenarios_in(state)
+        other = f"begin with a scenario: --scenario {' or '.join(scenarios)}, or call it Main"
+        hint = other if scenarios and state.initial is None else "write ego = Object ..."
+        text = "the program never assigns ego, the object from whose point of view the scene is"
+        raise RunError(text, NOWHERE, rule="T-Mutate", hint=hint)
+    return mutate_objects(Mutating(0), stack, state)
+
+
+def may_come_later(state: State) -> bool:
+    """Whether a scenario that the compose block of the initial one runs may make ego (reading `compose-only`)."""
+    definition = None if state.initial is None else state.initial.definition
+    return state.reading("compose-only") == "when-needed" and getattr(definition, "compose", None) is not None

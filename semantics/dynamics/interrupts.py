@@ -14,48 +14,17 @@ from typing import NamedTuple
 
 from ..conditions import holding
 from ..config import PASS, Abrupt, Config, Stack, State, Value
-from ..control import Finally, Handling, block
+from ..control import Finally, Handling, block, try_statement
 from ..functions import body_as_statement
 from ..outcome import Next, Outcome
-from ..scopes import Scope
 from ..syntax import dynamics as d
 from ..syntax import statements as s
 from ..syntax.nodes import Expression, Node
-from .guards import guarded
-from .processes import Suspended, pushed, restored
-from .simulation import simulation_of
-
-BODY = -1
-
-
-class Deadline(NamedTuple):
-    """A condition: so many steps or seconds of the simulation have passed."""
-
-    time: float
-    unit: str
-
-
-class Clause(NamedTuple):
-    """A condition, and the block that runs when it is true."""
-
-    condition: Expression | Deadline
-    block: s.Block
-
-
-class Interruptible(NamedTuple):
-    """Frame of a statement with interrupts: clause `current` is running (BODY: the body), since time step `since`; `waiting` are those that it
-    interrupted, each with its clause and since when that was running, the last one suspended last.
-    """
-
-    node: Node
-    clauses: tuple[Clause, ...]
-    sigma: Scope
-    handling: tuple[BaseException, ...]
-    depth: int
-    first_step: int
-    current: int = BODY
-    since: int = -1
-    waiting: tuple[tuple[int, int, Suspended], ...] = ()
+from .endings import give_up
+from .frames import Abortable, Interruptible, Returning
+from .guards import guarded, guards_on_resumption, invoked_in
+from .processes import Coroutine, address_of, pushed, restored
+from .simulation import Clause, Deadline, Suspended, Who, simulation_of
 
 
 class Interrupting(NamedTuple):
@@ -67,6 +36,11 @@ class Interrupting(NamedTuple):
 
 
 # Statements
+
+
+def try_rule(node: s.Try, stack: Stack, state: State) -> Outcome:
+    """`try`: with `interrupt when`, a rule of its own."""
+    return try_interrupt(node, stack, state) if node.interrupts else try_statement(node, stack, state)
 
 
 def try_interrupt(node: s.Try, stack: Stack, state: State) -> Outcome:
@@ -89,10 +63,6 @@ def interruptible(node: Node, clauses: tuple[Clause, ...], body: s.Block, stack:
         return Next("D-Try", Config(whole, (frame, stack), state), node)
     fresh = Suspended(whole, (frame,), state.sigma, state.handling, state.depth, begun=False)
     return Next("D-Try", Config(PASS, (Entering(fresh), stack), state), node)
-
-
-class Abortable(NamedTuple):
-    """Frame below an entire statement with interrupts, its `except` and `finally` blocks included: `abort` ends here."""
 
 
 def resume_abortable(frame: Abortable, result: object, stack: Stack, state: State) -> Outcome:
@@ -162,8 +132,6 @@ def resume_interrupting(frame: Interrupting, result: object, stack: Stack, state
 
 def unwind_interrupting(frame: Interrupting, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
     """A condition raised an exception, which leaves its statement: what that was running is given up."""
-    from .scenarios import give_up
-
     inside = frame.process._replace(frames=frame.process.frames[: frame.place + 1])
     return give_up((inside,), Config(abrupt, stack, state))
 
@@ -184,8 +152,6 @@ def interrupt(process: Suspended, place: int, clause: int, stack: Stack, state: 
 
     Where it was the behavior's own `take` that waited, and nothing that it invoked, the behavior goes on: its invariants are checked.
     """
-    from .invocations import guards_on_resumption, invoked_in
-
     frame = process.frames[place]
     assert isinstance(frame, Interruptible)
     interrupted = process._replace(frames=process.frames[:place])
@@ -221,15 +187,11 @@ def resume_interruptible(frame: Interruptible, result: object, stack: Stack, sta
 
 def unwind_interruptible(frame: Interruptible, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
     """The statement is left: what was interrupted is given up, and scenarios in it end."""
-    from .scenarios import give_up
-
     return give_up(tuple(process for _, _, process in frame.waiting), Config(abrupt, stack, state))
 
 
 def go_on(process: Suspended, stack: Stack, state: State) -> Outcome:
     """Check the invariants of the behavior or scenario that the coroutine is in, then go on where it was."""
-    from .invocations import guards_on_resumption
-
     whole = pushed(process.frames, stack)
     guards = guards_on_resumption(whole, state) if process.begun else ()
     return guarded(guards, partial(continued, process.control), whole, restored(process, state))
@@ -238,3 +200,18 @@ def go_on(process: Suspended, stack: Stack, state: State) -> Outcome:
 def continued(control: Node | Value | Abrupt, stack: Stack, state: State) -> Outcome:
     """The coroutine goes on."""
     return Next("", Config(control, stack, state))
+
+
+def run_for_one_step(process: Suspended, who: Who, stack: Stack, state: State, prefix: tuple[int, ...] | None = None) -> Outcome:
+    """Let a coroutine go on until it yields or ends; the frame below gets a `Yielded` or an `Ended`. Its draws are numbered below `prefix`."""
+    frame = Coroutine(who, state.sigma, state.handling, state.depth, state.prefix, state.draws)
+    inner = state._replace(prefix=address_of(who, state) if prefix is None else prefix, draws=0)
+    return check_interrupts(process, (frame, stack), inner)
+
+
+def within(node: Node, until: Clause, control: Value, task: object, stack: Stack, state: State) -> Outcome:
+    """Go on with the frame `task` unless the limit is reached, now or later."""
+    assert state.simulation is not None
+    frame = Interruptible(node, (until,), state.sigma, state.handling, state.depth, state.simulation.step)
+    fresh = Suspended(control, (task, frame), state.sigma, state.handling, state.depth, begun=False)
+    return check_interrupts(fresh, (Abortable(), (Returning(), stack)), state)

@@ -4,51 +4,28 @@ Scenarios").
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Any, NamedTuple
 
 from ..calls import invocation
-from ..config import PASS, Abrupt, Config, Stack, State, Value
+from ..config import Abrupt, Config, Stack, State, Value
 from ..errors import RunError
-from ..functions import LARGEST_DEPTH, bind, body_as_statement
+from ..functions import LARGEST_DEPTH, body_as_statement
 from ..kinds import is_scalar, kind_name
 from ..outcome import Next, Outcome
 from ..premises import premises
-from ..scopes import Scope, function_names
+from ..scopes import Scope
 from ..syntax import dynamics as d
 from ..syntax import statements as s
 from ..syntax.nodes import Expression, Node
 from ..values import Dynamic, plain
-from .guards import Guards, InvariantViolation, PreconditionViolation, guarded
-from .interrupts import Abortable, Clause, Deadline, Interruptible, check_interrupts
-from .processes import Coroutine, Ended, Suspended, Who, Yielded, run_for_one_step, suspend
-
-if TYPE_CHECKING:
-    from .choices import Picking
-
-
-class Invoked(NamedTuple):
-    """Frame of a behavior that runs: below it is whoever invoked it, in the scope `caller`."""
-
-    behavior: Dynamic
-    scope: Scope
-    caller: Scope
-
-
-class Together(NamedTuple):
-    """Frame of behaviors that run at the same time for one agent: those still running, by their place in the statement.
-
-    Their draws of a time step are numbered below `base`.
-    """
-
-    children: tuple[tuple[int, Suspended], ...]
-    who: Who
-    index: int
-    actions: tuple[object, ...]
-    left: tuple[tuple[int, Suspended], ...]
-    terminates: bool = False
-    base: tuple[int, ...] | None = None
-
+from .frames import Invoked, Picking, Together
+from .guards import guarded, guards_of, returned, scope_of
+from .interrupts import run_for_one_step, within
+from .processes import Coroutine, Ended, Yielded, suspend
+from .scenarios import begin_scenarios
+from .simulation import Agent, Clause, Deadline, Suspended, Who, agent_of, line_of
 
 # Values
 
@@ -59,52 +36,6 @@ def with_arguments(value: object, node: Node, state: State) -> Dynamic:
     if not isinstance(found, Dynamic):
         raise RunError(f"`do` invokes behaviors and scenarios, not {kind_name(found)}", node.span, rule="D-Do")
     return found if found.arguments is not None else invocation(found, (), {})
-
-
-def scope_of(dynamic: Dynamic, more: dict[str, object]) -> Scope:
-    """A new scope with the arguments as variables, and `more`."""
-    definition = dynamic.definition
-    assert dynamic.arguments is not None
-    bound = bind(definition.name, definition.parameters, dynamic.defaults, *dynamic.arguments)  # type: ignore[attr-defined]
-    return Scope("function", dynamic.scope, function_names(definition), {**bound, **more})
-
-
-def guards_of(dynamic: Dynamic, scope: Scope) -> tuple[Guards, Guards]:
-    """The preconditions and the invariants."""
-    definition = dynamic.definition
-    assert isinstance(definition, (d.BehaviorDefinition, d.ScenarioDefinition))
-    return (
-        Guards(definition.name, "precondition", definition.preconditions, scope, PreconditionViolation),
-        Guards(definition.name, "invariant", definition.invariants, scope, InvariantViolation),
-    )
-
-
-def guards_on_resumption(stack: Stack, state: State) -> tuple[Guards, ...]:
-    """The invariants that are checked when the coroutine on the stack goes on: those of the innermost behavior or scenario.
-
-    Under the reading `invariant-of-caller=every-step`, those of all callers as well, from the outermost one on.
-    """
-    from .scenarios import Scenarios, compose_guards
-
-    found: list[Guards] = []
-    while stack:
-        frame, stack = stack
-        if isinstance(frame, (Together, Scenarios)) and state.reading("invariant-of-caller") == "on-return" and not found:
-            return ()  # the caller waits for what it invoked
-        if isinstance(frame, Invoked):
-            found.append(guards_of(frame.behavior, frame.scope)[1])
-        elif isinstance(frame, Coroutine):
-            if frame.who.kind == "compose":
-                found.append(compose_guards(frame.who.number, state))
-            break
-    return tuple(reversed(found)) if state.reading("invariant-of-caller") == "every-step" else tuple(found[:1])
-
-
-def invoked_in(frames: tuple[object, ...]) -> bool:
-    """Whether these frames run something that the coroutine has invoked."""
-    from .scenarios import Scenarios
-
-    return any(isinstance(frame, (Invoked, Together, Scenarios)) for frame in frames)
 
 
 # do
@@ -119,16 +50,16 @@ def do(node: d.Do, stack: Stack, state: State) -> Outcome:
 def conclude_do(node: d.Do, values: list[object], stack: Stack, state: State) -> Outcome:
     """Begin the invocations, inside a statement with an interrupt if there is a limit (Section "Dynamic Scenarios": they are short for one)."""
     *invocations, amount = values
-    return limited(node, Begin(node, tuple(with_arguments(v, node, state) for v in invocations)), amount, stack, state)
+    return limited(node, Begin(node, tuple(with_arguments(v, node, state) for v in invocations)), Beginning(begin_all), amount, stack, state)
 
 
-def limited(node: d.Do | d.DoChoose | d.DoShuffle, task: Begin | Picking, amount: object, stack: Stack, state: State) -> Outcome:
+def limited(
+    node: d.Do | d.DoChoose | d.DoShuffle, task: Begin | Picking, begin: Beginning, amount: object, stack: Stack, state: State
+) -> Outcome:
     """A task within the limit of its statement. Scenarios are set up first, so that the limit may be about them, as in the paper's listing."""
-    from .scenarios import begin_scenarios
-
     limit = node.limit
     if limit is None:
-        return resume_beginning(Beginning(), task, stack, state)
+        return begin.begin(task, stack, state)
     condition: Expression | Deadline
     if isinstance(limit, d.Until):
         condition = limit.condition
@@ -143,24 +74,7 @@ def limited(node: d.Do | d.DoChoose | d.DoShuffle, task: Begin | Picking, amount
     if isinstance(task, Begin) and runner(stack).kind == "compose":
         check_kinds(task, "compose")
         return begin_scenarios(node, task.invocations, stack, state, until)
-    return within(node, until, Value(task), Beginning(), stack, state)
-
-
-def within(node: Node, until: Clause, control: Value, task: object, stack: Stack, state: State) -> Outcome:
-    """Go on with the frame `task` unless the limit is reached, now or later."""
-    assert state.simulation is not None
-    frame = Interruptible(node, (until,), state.sigma, state.handling, state.depth, state.simulation.step)
-    fresh = Suspended(control, (task, frame), state.sigma, state.handling, state.depth, begun=False)
-    return check_interrupts(fresh, (Abortable(), (Returning(), stack)), state)
-
-
-class Returning(NamedTuple):
-    """Frame below a `do` statement with a limit: it returns, however it ended."""
-
-
-def resume_returning(frame: Returning, result: object, stack: Stack, state: State) -> Outcome:
-    """The invariants of the caller are checked."""
-    return returned(stack, state)
+    return within(node, until, Value(task), begin, stack, state)
 
 
 class Begin(NamedTuple):
@@ -171,17 +85,19 @@ class Begin(NamedTuple):
 
 
 class Beginning(NamedTuple):
-    """Frame that begins invocations, or a choice among some."""
+    """Frame that begins what its statement asks for, once the limit is known not to have passed: invocations, or a choice among some."""
+
+    begin: Callable[[Any, Stack, State], Outcome]
 
 
 def resume_beginning(frame: Beginning, result: object, stack: Stack, state: State) -> Outcome:
     """The limit has not passed: begin."""
-    from .choices import Enabling, Picking, enable
+    return frame.begin(result, stack, state)
 
-    if isinstance(result, Picking):
-        return enable(Enabling(result, 0, 0, (), state.sigma), stack, state)
-    assert isinstance(result, Begin)
-    return invoke(result.node, result.invocations, stack, state)
+
+def begin_all(task: Begin, stack: Stack, state: State) -> Outcome:
+    """Begin the invocations."""
+    return invoke(task.node, task.invocations, stack, state)
 
 
 def runner(stack: Stack) -> Who:
@@ -193,8 +109,6 @@ def runner(stack: Stack) -> Who:
 
 def invoke(node: Node, invocations: tuple[Dynamic, ...], stack: Stack, state: State, *, enabled: bool = False) -> Outcome:
     """Begin behaviors (in a behavior) or scenarios (in a compose block); the preconditions of one that is `enabled` are known to hold."""
-    from .scenarios import begin_scenarios
-
     who = runner(stack)
     check_kinds(Begin(node, invocations), who.kind)
     if who.kind == "compose":
@@ -217,8 +131,6 @@ def check_kinds(task: Begin, runs: str) -> None:
 
 def run_behavior(node: Node, behavior: Dynamic, who: Who, stack: Stack, state: State, *, enabled: bool = False) -> Outcome:
     """Check the preconditions and invariants of a behavior, then run its body."""
-    from .simulation import agent_of
-
     if state.depth >= LARGEST_DEPTH:
         raise RunError(f"{behavior!r} invokes itself too deeply ({LARGEST_DEPTH} invocations are open)", node.span, rule="D-Do")
     scope = scope_of(behavior, {"self": agent_of(who, state)})
@@ -235,20 +147,6 @@ def enter_behavior(node: Node, behavior: Dynamic, scope: Scope, stack: Stack, st
 def resume_invoked(frame: Invoked, result: object, stack: Stack, state: State) -> Outcome:
     """The behavior ended: "when the do statement returns, the invariants of the calling behavior are checked"."""
     return returned(stack, left(frame, state))
-
-
-def returned(stack: Stack, state: State) -> Outcome:
-    """A `do` statement returns; not yet where it has a limit, to which `Returning` belongs, or others to shuffle."""
-    from .choices import Shuffling
-
-    inside = isinstance(stack[0], Shuffling) or (isinstance(stack[0], Interruptible) and not isinstance(stack[0].node, s.Try))
-    guards = () if inside else guards_on_resumption(stack, state)[-1:]
-    return guarded(guards, partial(passed, "D-Do-Return"), stack, state)
-
-
-def passed(rule: str, stack: Stack, state: State) -> Outcome:
-    """The statement is reduced to `pass`."""
-    return Next(rule, Config(PASS, stack, state))
 
 
 def left(frame: Invoked, state: State) -> State:
@@ -268,7 +166,7 @@ def unwind_invoked(frame: Invoked, abrupt: Abrupt, stack: Stack, state: State) -
 
 def beginning(behavior: Dynamic, node: Node, state: State) -> Suspended:
     """A coroutine that will run a behavior."""
-    return Suspended(Value(Begin(node, (behavior,))), (Beginning(),), state.sigma, (), state.depth, begun=False)
+    return Suspended(Value(Begin(node, (behavior,))), (Beginning(begin_all),), state.sigma, (), state.depth, begun=False)
 
 
 def run_together(frame: Together, stack: Stack, state: State) -> Outcome:
@@ -296,3 +194,11 @@ def resume_together(frame: Together, result: object, stack: Stack, state: State)
         case _:
             pass
     return run_together(frame, stack, state)
+
+
+def doing(agent: Agent) -> str:
+    """Which behaviors an agent is in, the outermost first, and on which line the innermost waits."""
+    if agent.ended or agent.process is None:
+        return "its behavior has ended" if agent.ended else ""
+    names = [repr(frame.behavior) for frame in reversed(agent.process.frames) if isinstance(frame, Invoked)]
+    return ", ".join([" > ".join(names), *([place] if (place := line_of(agent.process.span, agent.instance.span.file)) else [])])

@@ -11,7 +11,7 @@ from ..syntax import dynamics as d
 from ..syntax import specifiers as q
 from ..values import Instance, plain
 from .processes import Coroutine
-from .simulation import Agent, Override, Running, simulation_of, with_agent, with_scenario, with_simulation
+from .simulation import Agent, Override, Running, Setting, simulation_of, with_agent, with_scenario, with_simulation
 
 
 def override(node: d.Override, stack: Stack, state: State) -> Outcome:
@@ -49,8 +49,6 @@ def conclude_override(node: d.Override, values: list[object], stack: Stack, stat
 
 def remembered(override: Override, stack: Stack, state: State) -> State:
     """The override belongs to the scenario that is set up, or whose compose block runs."""
-    from .scenarios import Setting
-
     while stack:
         frame, stack = stack
         if isinstance(frame, Setting):

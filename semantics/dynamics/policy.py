@@ -11,18 +11,19 @@ from typing import NamedTuple
 
 from ..conditions import holding
 from ..config import PASS, Abrupt, Config, Stack, State, Value
-from ..errors import RunError
+from ..errors import GuardViolation, RunError
 from ..host import HostException
 from ..kinds import kind_name
 from ..outcome import Act, Finish, Next, Observe, Outcome, Requirement, Stuck
 from ..syntax import dynamics as d
 from ..syntax.nodes import NOWHERE, Node
 from ..values import Dynamic, plain
-from .guards import GuardViolation
-from .invocations import Begin, Beginning, with_arguments
-from .processes import Ended, Suspended, Who, Yielded, address_of, run_for_one_step
-from .scenarios import Over, as_before, end_scenario, scenario_from, settled, step_of_scenario
-from .simulation import TOP, Agent, Declared, Running, Simulation, simulation_of, with_agent, with_scenario, with_simulation
+from .endings import end_scenario
+from .interrupts import run_for_one_step
+from .invocations import Begin, Beginning, begin_all, with_arguments
+from .processes import Ended, Yielded, address_of
+from .scenarios import Over, as_before, scenario_from, settled, step_of_scenario
+from .simulation import TOP, Agent, Declared, Running, Simulation, Suspended, Who, simulation_of, with_agent, with_scenario, with_simulation
 
 DEFAULT_TIMESTEP = 0.1
 """Seconds."""
@@ -223,7 +224,7 @@ def first_step(behavior: object, span: object, state: State) -> Suspended:
         begun = Begin(node, (with_arguments(behavior, node, state),))
     except HostException as problem:
         raise RunError(str(problem.exception), node.span, rule="D-Policy-5") from None
-    return Suspended(Value(begun), (Beginning(),), state.sigma, begun=False)
+    return Suspended(Value(begun), (Beginning(begin_all),), state.sigma, begun=False)
 
 
 def actions(frame: Step, result: object, stack: Stack, state: State) -> Outcome:

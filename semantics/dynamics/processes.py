@@ -12,33 +12,14 @@ from typing import NamedTuple
 from ..config import Abrupt, Config, Stack, State, Value
 from ..outcome import Next, Outcome
 from ..scopes import Scope
-from ..syntax.nodes import NOWHERE, Node, Span
+from ..syntax.nodes import NOWHERE, Node
+from .simulation import Suspended, Who
 
 DYNAMIC = -1
 """The first number of the addresses of draws that are made while a scenario runs; those of the scene begin with a number that is at least 0."""
 
 
-class Who(NamedTuple):
-    """Whose coroutine it is: "behavior" of an object, "monitor" or "compose" of a scenario; `number` tells it from others of its kind."""
-
-    kind: str
-    number: int
-    part: int = 0
-
-
 KINDS = ("behavior", "monitor", "compose", "condition")
-
-
-class Suspended(NamedTuple):
-    """A coroutine that waits for the next time step, at the statement at `span`; one that has not `begun` waits for its first."""
-
-    control: Node | Value | Abrupt
-    frames: tuple[object, ...]
-    sigma: Scope
-    handling: tuple[BaseException, ...] = ()
-    depth: int = 0
-    begun: bool = True
-    span: Span = NOWHERE
 
 
 class Yielded(NamedTuple):
@@ -69,15 +50,6 @@ def address_of(who: Who, state: State) -> tuple[int, ...]:
     """Where the draws of a coroutine are numbered in this time step."""
     assert state.simulation is not None
     return (DYNAMIC, state.simulation.step, KINDS.index(who.kind), who.number, who.part)
-
-
-def run_for_one_step(process: Suspended, who: Who, stack: Stack, state: State, prefix: tuple[int, ...] | None = None) -> Outcome:
-    """Let a coroutine go on until it yields or ends; the frame below gets a `Yielded` or an `Ended`. Its draws are numbered below `prefix`."""
-    from .interrupts import check_interrupts
-
-    frame = Coroutine(who, state.sigma, state.handling, state.depth, state.prefix, state.draws)
-    inner = state._replace(prefix=address_of(who, state) if prefix is None else prefix, draws=0)
-    return check_interrupts(process, (frame, stack), inner)
 
 
 def pushed(frames: tuple[object, ...], stack: Stack) -> Stack:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from functools import partial
 from typing import NamedTuple
 
@@ -17,37 +17,12 @@ from ..syntax import dynamics as d
 from ..syntax.nodes import Node
 from ..termination import Mutating, mutate_objects
 from ..values import Dynamic, plain
-from .guards import Guards, InvariantViolation, guarded
-from .interrupts import Clause, Interruptible
-from .invocations import guards_of, returned, scope_of, within
-from .overrides import reverted
-from .processes import Coroutine, Ended, Suspended, Who, Yielded, address_of, run_for_one_step, suspend
-from .simulation import Declared, Running, simulation_of, with_scenario, with_simulation
-
-
-class Setting(NamedTuple):
-    """Frame of the setup block of scenario number `index` among those that `do` invokes; objects from number `objects` on are its own.
-
-    `before` is the state at the statement; if they are `enabled`, their preconditions are known to hold.
-    """
-
-    node: Node
-    invocations: tuple[Dynamic, ...]
-    index: int
-    begun: tuple[int, ...]
-    before: State
-    objects: int
-    until: Clause | None
-    enabled: bool = False
-
-
-class Scenarios(NamedTuple):
-    """Frame of scenarios that were invoked together: number `index` is next in this time step, `left` go on in the next."""
-
-    node: Node
-    numbers: tuple[int, ...]
-    index: int = 0
-    left: tuple[int, ...] = ()
+from .endings import end_scenario
+from .frames import Scenarios
+from .guards import compose_guards, guarded, guards_of, returned, scope_of
+from .interrupts import run_for_one_step, within
+from .processes import Coroutine, Ended, Yielded, address_of, suspend
+from .simulation import Clause, Declared, Running, Setting, Suspended, Who, simulation_of, with_scenario, with_simulation
 
 
 class Stepping(NamedTuple):
@@ -249,14 +224,6 @@ def step_of_scenario(number: int, stack: Stack, state: State) -> Outcome:
     return guarded((compose_guards(number, state),), partial(check_termination, number, 0), stack, state)
 
 
-def compose_guards(number: int, state: State) -> Guards:
-    """The invariants of a scenario."""
-    running = simulation_of(state).scenarios[number]
-    if running.dynamic is None:
-        return Guards("", "invariant", (), running.scope, InvariantViolation)
-    return guards_of(running.dynamic, running.scope)[1]
-
-
 def resume_stepping(frame: Stepping, result: object, stack: Stack, state: State) -> Outcome:
     """The compose block waits, or it is finished, and with it the scenario."""
     running = simulation_of(state).scenarios[frame.number]
@@ -300,46 +267,6 @@ def as_before(outer: State, state: State) -> State:
 
 
 # The end
-
-
-def end_scenario(number: int, state: State) -> State:
-    """The scenario is over, and all that it runs: "properties overridden by a scenario revert to their original values", in reverse order."""
-    running = simulation_of(state).scenarios.get(number)
-    if running is None or running.over:
-        return state
-    for inner in scenarios_in([running.compose] if running.compose is not None else []):
-        state = end_scenario(inner, state)
-    running = simulation_of(state).scenarios[number]  # which may have inherited what an inner one had overridden
-    for override in reversed(running.overrides):
-        state = reverted(override, number, state)
-    return with_scenario(state, running._replace(over=True, overrides=(), compose=None))
-
-
-def scenarios_in(processes: Iterable[Suspended]) -> Iterator[int]:
-    """The scenarios that suspended compose blocks are running."""
-    for process in processes:
-        for frame in process.frames:
-            if isinstance(frame, Scenarios):
-                yield from frame.numbers
-            elif isinstance(frame, Interruptible):
-                yield from scenarios_in(p for _, _, p in frame.waiting)
-
-
-def give_up(processes: tuple[Suspended, ...], config: Config) -> Outcome:
-    """Coroutines that will not go on: the scenarios that they were running end."""
-    state = config.state
-    for number in scenarios_in(processes):
-        state = end_scenario(number, state)
-    return Next("", config._replace(state=state))
-
-
-def check_setup(what: str, node: Node, stack: Stack) -> int:
-    """Objects are made, and mutated, in setup blocks, whose end checks the default requirements: the number of the first. Raises `RunError`."""
-    while stack:
-        if isinstance(stack[0], Setting):
-            return stack[0].objects
-        stack = stack[1]
-    raise RunError(f"{what} in a setup block only", node.span, rule="D-Setup", hint="put it into a scenario, and invoke that with `do`")
 
 
 # What compose blocks declare

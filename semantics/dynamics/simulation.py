@@ -8,17 +8,37 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from ..errors import RunError
 from ..scopes import Scope
-from ..syntax.nodes import Node, Span
+from ..syntax.nodes import NOWHERE, Expression, Node, Span
+from ..syntax.statements import Block
 from ..values import Dynamic, Instance
 
 if TYPE_CHECKING:
-    from ..config import State
-    from .processes import Suspended, Who
+    from ..config import Abrupt, Stack, State, Value
 
 NAME = re.compile(r".*[/\\\\]")
 """What stands before the name of a file."""
 TOP = 0
 """The number of the top-level scenario."""
+
+
+class Who(NamedTuple):
+    """Whose coroutine it is: "behavior" of an object, "monitor" or "compose" of a scenario; `number` tells it from others of its kind."""
+
+    kind: str
+    number: int
+    part: int = 0
+
+
+class Suspended(NamedTuple):
+    """A coroutine that waits for the next time step, at the statement at `span`; one that has not `begun` waits for its first."""
+
+    control: Node | Value | Abrupt
+    frames: tuple[object, ...]
+    sigma: Scope
+    handling: tuple[BaseException, ...] = ()
+    depth: int = 0
+    begun: bool = True
+    span: Span = NOWHERE
 
 
 class Declared(NamedTuple):
@@ -117,16 +137,6 @@ def with_agent(state: State, agent: Agent) -> State:
     return with_simulation(state, agents={**simulation_of(state).agents, agent.instance.number: agent})
 
 
-def doing(agent: Agent) -> str:
-    """Which behaviors an agent is in, the outermost first, and on which line the innermost waits."""
-    from .invocations import Invoked
-
-    if agent.ended or agent.process is None:
-        return "its behavior has ended" if agent.ended else ""
-    names = [repr(frame.behavior) for frame in reversed(agent.process.frames) if isinstance(frame, Invoked)]
-    return ", ".join([" > ".join(names), *([place] if (place := line_of(agent.process.span, agent.instance.span.file)) else [])])
-
-
 def line_of(span: Span, file: str) -> str:
     """The line of a place, with the name of its file if that is another one; empty if it has none."""
     if not span.line:
@@ -145,3 +155,42 @@ def agent_of(who: Who, state: State) -> Instance:
     if agent is None:
         raise RunError("there is no agent here: `self` belongs to behaviors", rule="D-Do")
     return agent.instance
+
+
+class Deadline(NamedTuple):
+    """A condition: so many steps or seconds of the simulation have passed."""
+
+    time: float
+    unit: str
+
+
+class Clause(NamedTuple):
+    """A condition, and the block that runs when it is true."""
+
+    condition: Expression | Deadline
+    block: Block
+
+
+class Setting(NamedTuple):
+    """Frame of the setup block of scenario number `index` among those that `do` invokes; objects from number `objects` on are its own.
+
+    `before` is the state at the statement; if they are `enabled`, their preconditions are known to hold.
+    """
+
+    node: Node
+    invocations: tuple[Dynamic, ...]
+    index: int
+    begun: tuple[int, ...]
+    before: State
+    objects: int
+    until: Clause | None
+    enabled: bool = False
+
+
+def check_setup(what: str, node: Node, stack: Stack) -> int:
+    """Objects are made, and mutated, in setup blocks, whose end checks the default requirements: the number of the first. Raises `RunError`."""
+    while stack:
+        if isinstance(stack[0], Setting):
+            return stack[0].objects
+        stack = stack[1]
+    raise RunError(f"{what} in a setup block only", node.span, rule="D-Setup", hint="put it into a scenario, and invoke that with `do`")
