@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from .interpreter.scenes import Scene, SceneObject
     from .scenario import Scenario, load, loads
-    from .semantics import errors
+    from .semantics.kernel import errors
 
 __version__ = "0.1.0"
 
@@ -21,7 +21,7 @@ __all__ = ["Scenario", "Scene", "SceneObject", "__version__", "errors", "load", 
 
 _HOMES = {
     "Scene": ".interpreter.scenes", "SceneObject": ".interpreter.scenes", "Scenario": ".scenario", "load": ".scenario", "loads": ".scenario",
-    "errors": ".semantics.errors",
+    "errors": ".semantics.kernel.errors",
 }
 
 

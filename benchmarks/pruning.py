@@ -22,7 +22,7 @@ from scenic_ref.inference.pruning import PAPER, TECHNIQUES, Pruning
 from scenic_ref.inference.pruning.analysis import prune_recorded
 from scenic_ref.inference.pruning.recording import record
 from scenic_ref.scenario import Scenario
-from scenic_ref.semantics.config import Config
+from scenic_ref.semantics.kernel.config import Config
 
 EXAMPLES = Path(__file__).parent.parent / "examples" / "gallery"
 CHOICES = {**{technique: (technique,) for technique in TECHNIQUES}, "the paper's": PAPER, "all": TECHNIQUES}

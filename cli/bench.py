@@ -40,7 +40,7 @@ def bench(
     Each program and implementation has a process of its own; they take turns on one core, and scenes are counted per second of the
     processor. Ratios are to the first --against, else to the interpreter. Ctrl-C shows what is measured so far.
     """
-    from ..semantics.errors import UsageError
+    from ..semantics.kernel.errors import UsageError
     from .bench_running import Request, measure
 
     context.obj.seed = seed

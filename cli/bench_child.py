@@ -17,7 +17,7 @@ from typing import TextIO
 from ..inference.batch import Batch
 from ..inference.batch.jobs import GROWTH, LARGEST, QUICK
 from ..scenario import Scenario, load
-from ..semantics.errors import ScenicError
+from ..semantics.kernel.errors import ScenicError
 from .bench_sample import peak
 
 SMALLEST = 256

@@ -57,8 +57,8 @@ def grid(count: int) -> tuple[object, object]:
     import numpy as np
     import shapely
 
-    from ..semantics.fields import PolygonalVectorField
-    from ..semantics.regions import PolygonalRegion
+    from ..semantics.space.fields import PolygonalVectorField
+    from ..semantics.space.regions import PolygonalRegion
 
     across = math.ceil(math.sqrt(count))
     rows, columns = np.divmod(np.arange(count), across)

@@ -15,7 +15,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from ..semantics.errors import UsageError
+from ..semantics.kernel.errors import UsageError
 from .bench_child import Task
 
 SAMPLE = Path(__file__).with_name("bench_sample.py")

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..interpreter.extras import is_installed
-from ..semantics.errors import UsageError
+from ..semantics.kernel.errors import UsageError
 from .bench_figures import Cell, Figures, load
 from .bench_growth import WHAT, contenders, programs
 from .bench_processes import Contender, Ours, Process, Program, released

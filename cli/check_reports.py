@@ -11,7 +11,7 @@ from string import Template
 from xml.etree import ElementTree
 
 from ..inference.statistics import Feature, Verdict
-from ..semantics.errors import UsageError
+from ..semantics.kernel.errors import UsageError
 from .files import check_place, write
 from .options import Source
 

@@ -56,7 +56,7 @@ def conformance(
 
 def selected(vectors: Sequence[Vector], chapter: str | None, names: list[str] | None) -> list[Vector]:
     """The vectors that were asked for. Raises `UsageError` if there are none."""
-    from ..semantics.errors import UsageError
+    from ..semantics.kernel.errors import UsageError
 
     for name in names or ():
         if name not in {v.name for v in vectors}:

@@ -13,19 +13,19 @@ from typing import TYPE_CHECKING, NamedTuple
 from ..interpreter.choosers import from_stream
 from ..interpreter.running import Accepted, Witness, run
 from ..interpreter.scenes import Scene, scene_of
-from ..semantics.conditions import bool_of
-from ..semantics.config import Config, Value
-from ..semantics.errors import AttemptsExhausted, ScenicError
-from ..semantics.host import HostException
-from ..semantics.outcome import Draw, Next, Observe, Outcome, Requirement
-from ..semantics.scopes import descendants
+from ..semantics.kernel.conditions import bool_of
+from ..semantics.kernel.config import Config, Value
+from ..semantics.kernel.errors import AttemptsExhausted, ScenicError
+from ..semantics.kernel.host import HostException
+from ..semantics.kernel.outcome import Draw, Next, Observe, Outcome, Requirement
+from ..semantics.kernel.scopes import descendants
+from ..semantics.kernel.values import plain
 from ..semantics.step import step
 from ..semantics.syntax import Program
 from ..semantics.syntax.dynamics import MonitorDefinition, RequireAlways, RequireEventually, RequireMonitor, TerminateWhen
 from ..semantics.syntax.nodes import Node, Span
 from ..semantics.syntax.python_expressions import Name
 from ..semantics.syntax.statements import SoftRequire
-from ..semantics.values import plain
 from .options import Source
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..semantics.errors import AttemptsExhausted, InternalError, RunError, ScenicError, UsageError
+from ..semantics.kernel.errors import AttemptsExhausted, InternalError, RunError, ScenicError, UsageError
 from .session import coloured, escaped, tell
 
 if TYPE_CHECKING:
@@ -140,7 +140,7 @@ def _rule(identifier: str) -> str:
 
 
 def _worst(error: AttemptsExhausted, texts: Mapping[str, str]) -> list[str]:
-    from ..semantics.outcome import Requirement
+    from ..semantics.kernel.outcome import Requirement
     from .reports import requirement_lines
 
     return ["", *requirement_lines([(r, count) for r, count in error.stuck if isinstance(r, Requirement)], texts, limit=WORST)]

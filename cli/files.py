@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ..semantics.errors import UsageError
+from ..semantics.kernel.errors import UsageError
 
 LINES = (".jsonl", ".ndjson", "")
 """The endings of files of JSON Lines."""

@@ -106,7 +106,7 @@ def limits_of(memory: str, seconds: str) -> Limits:
 
 def pairs(given: list[str] | None, option: str, form: str) -> tuple[tuple[str, str], ...]:
     """`NAME=VALUE` arguments as pairs, the last of a name winning. Raises `UsageError`."""
-    from ..semantics.errors import UsageError
+    from ..semantics.kernel.errors import UsageError
 
     found: dict[str, str] = {}
     for text in given or ():

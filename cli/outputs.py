@@ -20,7 +20,7 @@ except ImportError:  # not on this system
 from ..inference.batch.jobs import uninterrupted
 from ..interpreter.scenes import SCHEMA
 from ..interpreter.tables import SUFFIXES
-from ..semantics.errors import UsageError
+from ..semantics.kernel.errors import UsageError
 from .drawing import Drawn
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from ..inference.batch.jobs import FIRST, Pace, Workers, block_of
 from ..inference.batch.output import lines_of, table_of
 from ..inference.statistics.columns import Table as Features
 from ..interpreter.tables import Columns
-from ..semantics.outcome import Requirement
+from ..semantics.kernel.outcome import Requirement
 from .drawing import Drawing, Softness, drawing_of
 from .options import Source
 from .workers import Failed, Job, failed

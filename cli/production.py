@@ -10,7 +10,7 @@ from typing import NamedTuple
 from ..inference.batch.jobs import Workers, cluster, processes
 from ..interpreter.tables import SUFFIXES
 from ..scenario import FEW
-from ..semantics.errors import ScenicError, UsageError
+from ..semantics.kernel.errors import ScenicError, UsageError
 from .drawing import Drawing, Drawn, drawing_of
 from .files import LINES, PICTURES, check_ending, check_place
 from .options import Source

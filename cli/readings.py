@@ -47,7 +47,7 @@ def unknown(name: str, known: tuple[str, ...]) -> Exception:
     """The error for an id that is none."""
     from difflib import get_close_matches
 
-    from ..semantics.errors import UsageError
+    from ..semantics.kernel.errors import UsageError
 
     near = get_close_matches(name, known, n=1, cutoff=0.4)
     return UsageError(f"there is no reading {name}", hint=f"did you mean {near[0]}?" if near else "`scenic-ref readings` lists them")

@@ -10,7 +10,7 @@ from ..inference.simulation import SampledRun
 from ..interpreter.recorded import Recording, recording_from
 from ..interpreter.replays import Difference, difference_of
 from ..scenario import Scenario
-from ..semantics.errors import SimulatorError, UsageError
+from ..semantics.kernel.errors import SimulatorError, UsageError
 from ..simulators import by_name
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from .errors import WORST, source_line
 
 if TYPE_CHECKING:
-    from ..semantics.outcome import Requirement
+    from ..semantics.kernel.outcome import Requirement
     from ..semantics.syntax.nodes import Span
     from .drawing import Drawn, Softness
     from .portions import Portion

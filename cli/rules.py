@@ -39,7 +39,7 @@ def unknown(name: str, known: tuple[str, ...]) -> Exception:
     """The error for an id that is none."""
     from difflib import get_close_matches
 
-    from ..semantics.errors import UsageError
+    from ..semantics.kernel.errors import UsageError
 
     near = get_close_matches(name.lower(), [k.lower() for k in known], n=1, cutoff=0.4)
     meant = next((k for k in known if near and k.lower() == near[0]), "")

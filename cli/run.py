@@ -85,7 +85,7 @@ def run(
     The scenes are the same whatever the backend, the number of processes, and the cluster; the report says which backend drew them.
     --backend enumerate answers every draw with every value, and gives each outcome with its exact probability.
     """
-    from ..semantics.errors import UsageError
+    from ..semantics.kernel.errors import UsageError
     from .production import Request, produce
 
     session = context.obj

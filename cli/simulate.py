@@ -85,7 +85,7 @@ def simulate(
 
     With --replay the scenes are generated again, and must be those of RUNS; the report says how far the states differ from the recorded ones.
     """
-    from ..semantics.errors import UsageError
+    from ..semantics.kernel.errors import UsageError
     from .simulating import Request, produce_simulations
 
     session = context.obj

@@ -15,8 +15,8 @@ from ..inference.simulation import SampledRun
 from ..interpreter.recordings import to_line
 from ..interpreter.simulating import Failed
 from ..scenario import Scenario
-from ..semantics.errors import InternalError
-from ..semantics.outcome import Requirement
+from ..semantics.kernel.errors import InternalError
+from ..semantics.kernel.outcome import Requirement
 from ..simulators import by_name
 from .drawing import Drawn, drawing_of
 from .files import LINES, check_ending, check_place

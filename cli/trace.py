@@ -65,7 +65,7 @@ def trace(
 
     With --steps, a run is a simulation: its scene, then time steps. `--scene K` is then the one that `simulate --run K` gives.
     """
-    from ..semantics.errors import UsageError
+    from ..semantics.kernel.errors import UsageError
     from ..simulators import by_name
     from .files import check_ending, check_place
     from .tracing import Asked, traced, traced_simulation, write_page, write_text

@@ -17,7 +17,7 @@ from ..interpreter.scenes import in_json
 from ..interpreter.simulating import Failed, Simulated, Simulator
 from ..interpreter.tracing import Event, Trace, finite
 from ..scenario import Scenario
-from ..semantics.errors import AttemptsExhausted, ScenicError, UsageError
+from ..semantics.kernel.errors import AttemptsExhausted, ScenicError, UsageError
 from ..semantics.rules import RULES
 from .drawing import drawing_of
 from .errors import source_line, source_text

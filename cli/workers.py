@@ -8,7 +8,7 @@ from contextlib import AbstractContextManager
 from typing import NamedTuple
 
 from ..inference.batch.jobs import Workers, processes
-from ..semantics.errors import ScenicError
+from ..semantics.kernel.errors import ScenicError
 from .drawing import Drawing, Drawn, drawing_of
 from .options import Source
 

@@ -8,7 +8,7 @@ from importlib.resources import files
 from importlib.resources.abc import Traversable
 
 from ..interpreter.dialects import DIALECTS
-from ..semantics.errors import UsageError
+from ..semantics.kernel.errors import UsageError
 from ..semantics.readings import READINGS
 from ..semantics.rules import RULES
 from .fields import Fields

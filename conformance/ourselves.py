@@ -15,8 +15,8 @@ from ..interpreter.running import DEFAULT_FUEL
 from ..interpreter.simulating import Simulated, simulate_once
 from ..interpreter.tracing import Trace
 from ..scenario import Scenario, loads
-from ..semantics.errors import AttemptsExhausted, ProgramError, RunsExhausted, ScenicError, UsageError
-from ..semantics.outcome import Outcome, Requirement, Stuck
+from ..semantics.kernel.errors import AttemptsExhausted, ProgramError, RunsExhausted, ScenicError, UsageError
+from ..semantics.kernel.outcome import Outcome, Requirement, Stuck
 from ..semantics.syntax.nodes import NOWHERE
 from ..simulators.still import Still
 from .implementation import Enumerated, NeverAccepted, Refused, SceneRecord, SimulationRecord, Task

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..semantics import errors
+from ..semantics.kernel import errors
 from ..semantics.rules import RULES
 from .fields import Fields
 from .implementation import Implementation, NeverAccepted, Refused, SceneRecord, Simulating, Task

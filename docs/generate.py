@@ -8,7 +8,7 @@ from pathlib import Path
 
 from scenic_ref.conformance import load_vectors
 from scenic_ref.conformance.reports import shows
-from scenic_ref.semantics import allowed
+from scenic_ref.semantics.kernel import allowed
 from scenic_ref.semantics.readings import PROFILES, READINGS, always_decided
 from scenic_ref.semantics.rules import CATALOGUE
 

@@ -17,9 +17,9 @@ from typing import NamedTuple
 
 from ..interpreter.running import DEFAULT_FUEL, Accepted, run
 from ..interpreter.scenes import Scene, scene_of
-from ..semantics.config import Config
-from ..semantics.errors import AttemptsExhausted, RunsExhausted, UsageError
-from ..semantics.outcome import Draw, Requirement
+from ..semantics.kernel.config import Config
+from ..semantics.kernel.errors import AttemptsExhausted, RunsExhausted, UsageError
+from ..semantics.kernel.outcome import Draw, Requirement
 from .quantiles import quantiles
 
 DEFAULT_RUNS = 20_000

@@ -12,8 +12,8 @@ from typing import NamedTuple
 from ..interpreter.recordings import to_json
 from ..interpreter.running import DEFAULT_FUEL
 from ..interpreter.simulating import Failed, Simulated, Simulator, simulate_once
-from ..semantics.config import Config
-from ..semantics.errors import RunsExhausted, UsageError
+from ..semantics.kernel.config import Config
+from ..semantics.kernel.errors import RunsExhausted, UsageError
 from .enumeration import DEFAULT_RUNS, Choice, Runner, following
 from .simulation import exhausted
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import count
 
-from ..semantics.distributions import Distribution, Numbers
+from ..semantics.space.distributions import Distribution, Numbers
 
 
 def quantiles(distribution: Distribution, n: int) -> tuple[object, ...]:

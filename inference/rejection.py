@@ -13,9 +13,9 @@ from typing import NamedTuple
 from ..interpreter.choosers import AS_THEY_ARE, Draws, from_stream
 from ..interpreter.running import DEFAULT_FUEL, Accepted, Chooser, Witness, run
 from ..interpreter.scenes import Scene, scene_of
-from ..semantics.config import Config
-from ..semantics.errors import AttemptsExhausted
-from ..semantics.outcome import Draw, Requirement
+from ..semantics.kernel.config import Config
+from ..semantics.kernel.errors import AttemptsExhausted
+from ..semantics.kernel.outcome import Draw, Requirement
 
 DEFAULT_ATTEMPTS = 100_000
 

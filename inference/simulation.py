@@ -10,9 +10,9 @@ from typing import NamedTuple
 from ..interpreter.choosers import from_stream
 from ..interpreter.running import DEFAULT_FUEL, Witness
 from ..interpreter.simulating import Failed, Simulated, Simulator, simulate_once
-from ..semantics.config import Config
 from ..semantics.dynamics.processes import DYNAMIC
-from ..semantics.errors import AttemptsExhausted
+from ..semantics.kernel.config import Config
+from ..semantics.kernel.errors import AttemptsExhausted
 from .rejection import DEFAULT_ATTEMPTS, counting
 
 RETRIES = 100

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from ..semantics.errors import ParseError
+from ..semantics.kernel.errors import ParseError
 from ..semantics.syntax import Block, Expression, Span, Statement
 from ..semantics.syntax.dynamics import (
     Abort,

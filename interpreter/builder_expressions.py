@@ -9,7 +9,7 @@ from typing import Any
 
 from lark import Token
 
-from ..semantics.errors import ParseError
+from ..semantics.kernel.errors import ParseError
 from ..semantics.syntax import Expression, Span
 from ..semantics.syntax.expressions import IntervalOrPair, ObjectDefinition, ObjectOrOperator, VectorOf
 from ..semantics.syntax.python_expressions import (

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import get_args
 
-from ..semantics.errors import ParseError
+from ..semantics.kernel.errors import ParseError
 from ..semantics.syntax import Expression, Span
 from ..semantics.syntax.expressions import (
     Angle,

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from lark import Token
 
-from ..semantics.errors import ParseError
+from ..semantics.kernel.errors import ParseError
 from ..semantics.syntax import Block, Expression, Span, Statement
 from ..semantics.syntax.python_expressions import Name
 from ..semantics.syntax.statements import (

@@ -6,16 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from ..semantics.syntax import Expression, Span, Specifier
-from ..semantics.syntax.expressions import (
-    FieldAt,
-    IntervalOrPair,
-    ObjectDefinition,
-    ObjectOrOperator,
-    OffsetAlong,
-    OffsetBy,
-    RelativeTo,
-    VisibleFrom,
-)
+from ..semantics.syntax.expressions import FieldAt, IntervalOrPair, ObjectDefinition, ObjectOrOperator, OffsetAlong, OffsetBy, RelativeTo, VisibleFrom
 from ..semantics.syntax.python_expressions import Attribute, Name, TupleDisplay
 from ..semantics.syntax.specifiers import AtSpecifier, OffsetAlongSpecifier, OffsetBySpecifier, VisibleSpecifier
 

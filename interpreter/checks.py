@@ -6,22 +6,12 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from ..semantics.errors import CheckError
+from ..semantics.kernel.errors import CheckError
 from ..semantics.syntax import Block, Node, Program, Span, Statement
 from ..semantics.syntax import dynamics as d
 from ..semantics.syntax import statements as s
 from ..semantics.syntax.expressions import InInitialScenario, ObjectOrOperator
-from ..semantics.syntax.python_expressions import (
-    Call,
-    Constant,
-    Lambda,
-    ListDisplay,
-    Parameter,
-    SetDisplay,
-    Starred,
-    TupleDisplay,
-    UnaryOperation,
-)
+from ..semantics.syntax.python_expressions import Call, Constant, Lambda, ListDisplay, Parameter, SetDisplay, Starred, TupleDisplay, UnaryOperation
 from .nesting import children
 
 Home = Literal["the top level", "a setup block", "a compose block", "a behavior", "a monitor", "a function", "a class body"]

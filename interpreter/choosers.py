@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
-from ..semantics.distributions import Distribution, PointIn
-from ..semantics.outcome import Draw
+from ..semantics.kernel.outcome import Draw
+from ..semantics.space.distributions import Distribution, PointIn
 from .running import Chooser
 from .streams import Stream
 

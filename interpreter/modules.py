@@ -16,11 +16,11 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ..semantics.budget import refuse_too_long
-from ..semantics.errors import ImportRefused, ScenicError, UsageError
-from ..semantics.imports import beside, key_of, member_key, package_of
-from ..semantics.library import MODULES
-from ..semantics.scopes import descendants
+from ..semantics.kernel.budget import refuse_too_long
+from ..semantics.kernel.errors import ImportRefused, ScenicError, UsageError
+from ..semantics.kernel.scopes import descendants
+from ..semantics.python.imports import beside, key_of, member_key, package_of
+from ..semantics.python.library import MODULES
 from ..semantics.syntax import Program
 from ..semantics.syntax import statements as s
 from .parser import parse
@@ -75,7 +75,7 @@ class Asked(NamedTuple):
 def library_of(
     program: Program, *, worlds: Mapping[str, World], model: str | None, trust: bool, directory: Path | None, dialect: str | None
 ) -> Library:
-    """Every module that the program, or a module it imports, may ask for by a statement, by its key (`semantics/imports.py`)."""
+    """Every module that the program, or a module it imports, may ask for by a statement, by its key (`semantics/python/imports.py`)."""
     library: Library = {}
     waiting = [Asked(model, 0, ".", needed=True)] if model else []
     waiting += imported_names(program, ".")

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..semantics.errors import UsageError
-from ..semantics.geometry import corners, direction
-from ..semantics.vectors import Vector
+from ..semantics.kernel.errors import UsageError
+from ..semantics.space.geometry import corners, direction
+from ..semantics.space.vectors import Vector
 from .pictures import CLASSES, CROWD, EGO, FARTHEST, INK, MARGIN, Window, draw_land, draw_scale
 from .simulating import Simulated
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import fields
 from functools import cache
 
-from ..semantics.errors import ParseError
+from ..semantics.kernel.errors import ParseError
 from ..semantics.syntax import Node
 from ..semantics.syntax.expressions import ObjectOrOperator
 

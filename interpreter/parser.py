@@ -11,7 +11,7 @@ from typing import Literal
 from lark import Lark, Token, Tree
 from lark.exceptions import UnexpectedInput
 
-from ..semantics.errors import ParseError
+from ..semantics.kernel.errors import ParseError
 from ..semantics.syntax import Expression, Program, Span
 from ..semantics.syntax.python_expressions import Constant, FormattedValue, FString
 from . import dialects, literals, syntax_errors

@@ -13,9 +13,9 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from ..semantics.errors import UsageError
-from ..semantics.geometry import corners, direction
-from ..semantics.regions import Region, everywhere
+from ..semantics.kernel.errors import UsageError
+from ..semantics.space.geometry import corners, direction
+from ..semantics.space.regions import Region, everywhere
 from .scenes import Scene, SceneObject
 
 if TYPE_CHECKING:

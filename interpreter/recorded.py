@@ -7,8 +7,8 @@ import math
 from collections.abc import Mapping
 from typing import NamedTuple, NoReturn, TypeVar
 
-from ..semantics.errors import UsageError
-from ..semantics.vectors import Vector
+from ..semantics.kernel.errors import UsageError
+from ..semantics.space.vectors import Vector
 from .recordings import SCHEMA
 from .scenes import OWN_FIELDS
 from .simulating import Body

@@ -10,9 +10,9 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
-from ..semantics.config import Config, State
 from ..semantics.dynamics.policy import begin
-from ..semantics.errors import UsageError
+from ..semantics.kernel.config import Config, State
+from ..semantics.kernel.errors import UsageError
 from .choosers import from_stream
 from .recorded import RecordedAction, RecordedStep, Recording
 from .running import DEFAULT_FUEL, Accepted, run

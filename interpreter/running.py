@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from ..semantics.config import Config, Stack, State, Value
-from ..semantics.errors import FuelExhausted, RandomBranch, RunError, ScenicError
-from ..semantics.nesting import too_deep
-from ..semantics.outcome import Act, Done, Draw, Fault, Finish, Next, Observe, Outcome, Requirement, Stuck
-from ..semantics.regions import EmptyRegion, UnboundedRegion
+from ..semantics.kernel.config import Config, Stack, State, Value
+from ..semantics.kernel.errors import FuelExhausted, RandomBranch, RunError, ScenicError
+from ..semantics.kernel.nesting import too_deep
+from ..semantics.kernel.outcome import Act, Done, Draw, Fault, Finish, Next, Observe, Outcome, Requirement, Stuck
+from ..semantics.space.regions import EmptyRegion, UnboundedRegion
+from ..semantics.space.vectors import Vector
 from ..semantics.step import place, step
-from ..semantics.vectors import Vector
 from .walls import within
 
 Chooser = Callable[[Draw], object]

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import pickle
 
-from ..semantics.config import State
-from ..semantics.errors import UsageError
+from ..semantics.kernel.config import State
+from ..semantics.kernel.errors import UsageError
 
 
 def save(state: State) -> bytes:

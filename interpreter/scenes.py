@@ -8,16 +8,16 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ..semantics.config import State
-from ..semantics.errors import UsageError
-from ..semantics.geometry import normalise_heading
-from ..semantics.kinds import is_scalar
-from ..semantics.nesting import check_nesting
+from ..semantics.kernel.config import State
+from ..semantics.kernel.errors import UsageError
+from ..semantics.kernel.kinds import is_scalar
+from ..semantics.kernel.nesting import check_nesting
+from ..semantics.kernel.values import Instance, ScenicClass, plain, unwrap
 from ..semantics.programs import ego_of
-from ..semantics.regions import Region, everywhere
-from ..semantics.termination import workspace_of
-from ..semantics.values import Instance, ScenicClass, plain, unwrap
-from ..semantics.vectors import Vector
+from ..semantics.scenes.termination import workspace_of
+from ..semantics.space.geometry import normalise_heading
+from ..semantics.space.regions import Region, everywhere
+from ..semantics.space.vectors import Vector
 
 SCHEMA = "scenic-ref/scene/1"
 LARGEST_NUMBER_BITS = 10_000

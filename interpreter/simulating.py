@@ -12,17 +12,17 @@ from contextlib import contextmanager, suppress
 from types import MappingProxyType
 from typing import NamedTuple, Protocol, TypeVar
 
-from ..semantics.classes import SCALAR_PROPERTIES, VECTOR_PROPERTIES
-from ..semantics.config import Config, State
 from ..semantics.dynamics.invocations import doing
 from ..semantics.dynamics.policy import after_one_step, begin, policy
-from ..semantics.dynamics.simulation import line_of, satisfied, simulation_of
-from ..semantics.errors import RunError, ScenicError, SimulatorError, UsageError
-from ..semantics.kinds import is_scalar
-from ..semantics.outcome import Act, Done, Finish, Next, Outcome, Requirement, Stuck
+from ..semantics.kernel.classes import SCALAR_PROPERTIES, VECTOR_PROPERTIES
+from ..semantics.kernel.config import Config, State
+from ..semantics.kernel.errors import RunError, ScenicError, SimulatorError, UsageError
+from ..semantics.kernel.kinds import is_scalar
+from ..semantics.kernel.outcome import Act, Done, Finish, Next, Outcome, Requirement, Stuck
+from ..semantics.kernel.simulation import line_of, satisfied, simulation_of
+from ..semantics.kernel.values import Instance, plain
+from ..semantics.space.vectors import Vector
 from ..semantics.syntax.nodes import NOWHERE, Span
-from ..semantics.values import Instance, plain
-from ..semantics.vectors import Vector
 from .running import DEFAULT_FUEL, Chooser, Witness, drive
 from .scenes import Scene, scene_of
 

@@ -7,7 +7,7 @@ In NumPy's terms, whose `Philox` adds 1 to its 256-bit counter (lowest word firs
 
 and `random_raw(4 * n).reshape(n, 4)` gives the blocks of n consecutive scenes. A word w becomes the number (w >> 11) 2^-53 in
 [0, 1), as in NumPy's `Generator.random`. It can be 0 (once in 9e15): inverse distribution functions that are infinite there
-take 2^-54 instead (see `semantics.distributions`).
+take 2^-54 instead (see `semantics.space.distributions`).
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ from lark import Token
 from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 from lark.parsers.lalr_parser_state import ParserState
 
-from ..semantics.errors import ParseError
+from ..semantics.kernel.errors import ParseError
 from . import repairs
 from .tree_builder import Origin
 

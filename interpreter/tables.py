@@ -17,7 +17,7 @@ from typing import IO, Any, NamedTuple
 
 import numpy as np
 
-from ..semantics.errors import UsageError
+from ..semantics.kernel.errors import UsageError
 from .extras import needed
 from .scenes import in_json
 

@@ -2,20 +2,10 @@
 
 from __future__ import annotations
 
-from ..semantics.errors import ParseError
+from ..semantics.kernel.errors import ParseError
 from ..semantics.syntax import Expression
 from ..semantics.syntax.expressions import IntervalOrPair
-from ..semantics.syntax.python_expressions import (
-    Attribute,
-    Call,
-    Comparison,
-    Constant,
-    ListDisplay,
-    Name,
-    Starred,
-    Subscript,
-    TupleDisplay,
-)
+from ..semantics.syntax.python_expressions import Attribute, Call, Comparison, Constant, ListDisplay, Name, Starred, Subscript, TupleDisplay
 
 NESTING_LIMIT = 50
 

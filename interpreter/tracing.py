@@ -7,16 +7,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
-from ..semantics.config import Config, State
 from ..semantics.dynamics.frames import Invoked
 from ..semantics.dynamics.processes import Coroutine, Yielded
-from ..semantics.dynamics.simulation import agent_of, simulation_of
-from ..semantics.object_definitions import Defaulting
-from ..semantics.outcome import Act, Change, Done, Draw, Finish, Next, Observe, Outcome, Stuck
+from ..semantics.kernel.config import Config, State
+from ..semantics.kernel.outcome import Act, Change, Done, Draw, Finish, Next, Observe, Outcome, Stuck
+from ..semantics.kernel.simulation import agent_of, simulation_of
+from ..semantics.kernel.values import Instance, unwrap
 from ..semantics.rules import RULES
+from ..semantics.scenes.object_definitions import Defaulting
+from ..semantics.space.vectors import Vector
 from ..semantics.syntax.nodes import NOWHERE, Span
-from ..semantics.values import Instance, unwrap
-from ..semantics.vectors import Vector
 from .running import Accepted, Chooser, Run, run
 from .scenes import stable_repr
 

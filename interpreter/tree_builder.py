@@ -7,7 +7,7 @@ from typing import Any
 
 from lark import Token, Tree
 
-from ..semantics.errors import ParseError
+from ..semantics.kernel.errors import ParseError
 from ..semantics.syntax import Expression, Span
 from ..semantics.syntax.expressions import FieldAt, ObjectDefinition, ObjectOrOperator, ObjectOrValue, OffsetBy
 from ..semantics.syntax.python_expressions import Comparison, Constant, TupleDisplay, UnaryOperation

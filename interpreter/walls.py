@@ -1,6 +1,6 @@
 """The second wall around a program that nobody vouched for: limits of the process, and a guard on what the process does while the program runs.
 
-The first wall, `semantics.allowed`, lets a program meet nothing that could do harm; this one is there for the hole that nobody found.
+The first wall, `semantics.kernel.allowed`, lets a program meet nothing that could do harm; this one is there for the hole that nobody found.
 `resource` and timers of processor time exist on POSIX systems only; the guard exists everywhere. `docs/security.md` says what is promised.
 """
 
@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 
-from ..semantics.errors import FuelExhausted, RunError
+from ..semantics.kernel.errors import FuelExhausted, RunError
 from .limits import Limits
 
 try:

@@ -31,8 +31,8 @@ from ..interpreter.replays import replay_once
 from ..interpreter.running import DEFAULT_FUEL, Accepted, Run, Witness, rehearse, run
 from ..interpreter.scenes import Scene, scene_of
 from ..interpreter.simulating import Failed, Simulated, Simulator
-from ..semantics.config import Config, Settings
-from ..semantics.errors import AttemptsExhausted, InternalError, UsageError
+from ..semantics.kernel.config import Config, Settings
+from ..semantics.kernel.errors import AttemptsExhausted, InternalError, UsageError
 from ..semantics.programs import initial, make_settings
 from ..semantics.readings import select
 from ..semantics.syntax import Program

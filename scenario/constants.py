@@ -13,9 +13,9 @@ from ..inference.statistics.columns import leaves
 from ..inference.statistics.facts import Facts
 from ..interpreter.choosers import Draws
 from ..interpreter.scenes import OWN_FIELDS, json_value, scene_of
-from ..semantics.config import Config, State
-from ..semantics.outcome import Done, Outcome
-from ..semantics.values import unwrap
+from ..semantics.kernel.config import Config, State
+from ..semantics.kernel.outcome import Done, Outcome
+from ..semantics.kernel.values import unwrap
 
 
 def constants_of(start: Callable[[], Config], *, max_attempts: int = DEFAULT_ATTEMPTS, fuel: int) -> dict[str, object]:

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from .builtins import builtin_scope
-from .config import Config, Settings, State
 from .dynamics.initial import Finishing
-from .errors import RunError
-from .functions import enter
-from .host import Door
-from .kinds import is_object
-from .scopes import Scope
+from .kernel.config import Config, Settings, State
+from .kernel.errors import RunError
+from .kernel.host import Door
+from .kernel.kinds import is_object
+from .kernel.scopes import Scope
+from .kernel.values import Instance, plain
+from .python.builtins import builtin_scope
+from .python.functions import enter
 from .step import step
 from .syntax import Program
 from .syntax.python_expressions import Constant
 from .syntax.statements import Block, If, Model
-from .values import Instance, plain
 
 
 def make_settings(

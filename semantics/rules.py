@@ -9,27 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from . import (
-    assignment,
-    calls,
-    comparisons,
-    comprehensions,
-    conditions,
-    control,
-    definitions,
-    draws,
-    expressions,
-    functions,
-    imports,
-    object_definitions,
-    operators,
-    resolution,
-    specials,
-    specifiers,
-    statements,
-    termination,
-)
-from .dynamics import actions, choices, declarations, guards, initial, interrupts, invocations, overrides, policy, queries, scenarios
+from .dynamics import actions, choices, declarations, guards, initial, interrupts, invocations, overrides, policy, scenarios
+from .kernel import conditions, draws, queries
+from .python import assignment, calls, comprehensions, control, definitions, expressions, functions, imports, specials
+from .scenes import comparisons, object_definitions, operators, resolution, specifiers, statements, termination
 from .syntax import expressions as e
 from .syntax import specifiers as q
 

@@ -8,56 +8,25 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from . import (
-    assignment,
-    calls,
-    comparisons,
-    comprehensions,
-    conditions,
-    control,
-    definitions,
-    draws,
-    expression_statements,
-    expressions,
-    functions,
-    imports,
-    object_definitions,
-    operations,
-    premises,
-    statements,
-    termination,
-)
-from .config import Abrupt, Config, Stack, State, Value
-from .distributions import BadParameters
-from .dynamics import (
-    actions,
-    choices,
-    declarations,
-    frames,
-    guards,
-    initial,
-    interrupts,
-    invocations,
-    overrides,
-    policy,
-    processes,
-    queries,
-    scenarios,
-    simulation,
-)
-from .errors import GuardViolation, RunError, ScenicError, UncaughtException
-from .fields import BadField, OutsideField
-from .host import DoorStuck, HostException
-from .nesting import too_deep
-from .outcome import Fault, Next, Outcome, Requirement, Stuck
-from .regions import BadRegion, EmptyRegion, UnboundedRegion
+from .dynamics import actions, choices, declarations, frames, guards, initial, interrupts, invocations, overrides, policy, processes, scenarios
+from .kernel import conditions, draws, premises, queries, simulation
+from .kernel.config import Abrupt, Config, Stack, State, Value
+from .kernel.errors import GuardViolation, RunError, ScenicError, UncaughtException
+from .kernel.host import DoorStuck, HostException
+from .kernel.nesting import too_deep
+from .kernel.outcome import Fault, Next, Outcome, Requirement, Stuck
+from .kernel.values import Random, ScenicClass
+from .python import assignment, calls, comprehensions, control, definitions, expression_statements, expressions, functions, imports
+from .python.texts import too_many_digits, without_addresses
+from .scenes import comparisons, object_definitions, operations, statements, termination
+from .space.distributions import BadParameters
+from .space.fields import BadField, OutsideField
+from .space.regions import BadRegion, EmptyRegion, UnboundedRegion
 from .syntax import dynamics as d
 from .syntax import expressions as e
 from .syntax import python_expressions as p
 from .syntax import statements as s
 from .syntax.nodes import NOWHERE, Node, Span
-from .texts import too_many_digits, without_addresses
-from .values import Random, ScenicClass
 
 REDUCE: Mapping[type, Callable[..., Outcome]] = {
     # expressions inherited from Python

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from ..interpreter.simulating import Simulator
-from ..semantics.errors import UsageError
+from ..semantics.kernel.errors import UsageError
 
 
 def _still(timestep: float | None) -> Simulator:

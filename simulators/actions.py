@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from ..interpreter.simulating import Body
-from ..semantics.kinds import kind_name
-from ..semantics.vectors import Vector
+from ..semantics.kernel.kinds import kind_name
+from ..semantics.space.vectors import Vector
 
 
 def is_number(value: object) -> bool:

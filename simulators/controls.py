@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from ..interpreter.simulating import Body
-from ..semantics.vectors import Vector
+from ..semantics.space.vectors import Vector
 from . import actions as a
 
 PROPERTIES = frozenset({"position", "heading", "speed", "velocity", "angularSpeed"})

@@ -19,7 +19,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from ..interpreter.simulating import Body, Pose
-from ..semantics.vectors import Vector
+from ..semantics.space.vectors import Vector
 from . import actions as a
 from .controls import ACCELERATION, BRAKING, PROPERTIES, Controls, along, checked_timestep, reason_against, velocity_at_first
 

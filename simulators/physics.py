@@ -14,7 +14,7 @@ from typing import Any
 
 from ..interpreter.extras import needed
 from ..interpreter.simulating import Body, Pose
-from ..semantics.vectors import Vector
+from ..semantics.space.vectors import Vector
 from . import actions as a
 from .controls import ACCELERATION, BRAKING, PROPERTIES, Controls, along, checked_timestep, reason_against, velocity_at_first
 

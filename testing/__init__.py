@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from ..inference.statistics import DEFAULT_ALPHA, DEFAULT_TV, Verdict
 from ..inference.statistics.rounding import DEFAULT_TOLERANCE
 from ..scenario import Scenario
-from ..semantics.errors import UsageError
+from ..semantics.kernel.errors import UsageError
 from .judging import REFERENCE_SEED, Reference, Samples, judged
 from .simulators import BrokenContract, check_simulator
 

@@ -25,7 +25,7 @@ from ..inference.statistics.samples import AnyScene
 from ..inference.statistics.samples import Samples as Given
 from ..interpreter.scenes import Scene
 from ..scenario import Scenario
-from ..semantics.errors import RunsExhausted, UsageError
+from ..semantics.kernel.errors import RunsExhausted, UsageError
 from ..semantics.readings import select
 
 REFERENCE_SEED = 20_190_625

@@ -16,8 +16,8 @@ from ..interpreter.choosers import from_stream
 from ..interpreter.running import drive
 from ..interpreter.simulating import Body, Pose, Simulator, body_of
 from ..scenario import loads
-from ..semantics.outcome import Done
-from ..semantics.vectors import Vector
+from ..semantics.kernel.outcome import Done
+from ..semantics.space.vectors import Vector
 
 STEPS = 3
 CLASS = "class {}:\n    width: 2\n    length: 4\n    drives: True\n"

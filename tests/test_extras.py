@@ -12,7 +12,7 @@ from scenic_ref.inference import batch as package
 from scenic_ref.inference.batch import sampling
 from scenic_ref.interpreter.extras import EXTRAS, is_installed
 from scenic_ref.interpreter.tables import open_table
-from scenic_ref.semantics.errors import UsageError
+from scenic_ref.semantics.kernel.errors import UsageError
 from scenic_ref.simulators import by_name
 
 ROOT = Path(__file__).parent.parent

@@ -26,9 +26,9 @@ from ...interpreter.running import Accepted, Chooser, run
 from ...interpreter.scenes import Scene, scene_of
 from ...interpreter.streams import Stream, fold, mix
 from ...scenario import Scenario
-from ...semantics.distributions import Uniform
-from ...semantics.errors import AttemptsExhausted
-from ...semantics.outcome import Draw
+from ...semantics.kernel.errors import AttemptsExhausted
+from ...semantics.kernel.outcome import Draw
+from ...semantics.space.distributions import Uniform
 from .generate import DEFAULT, random_program
 from .settings import ProgramSettings
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from textwrap import indent
 
 from ...interpreter.printer import to_source
-from ...semantics.errors import ParseError, ProgramError, RunError, SpecifiedTwice
+from ...semantics.kernel.errors import ParseError, ProgramError, RunError, SpecifiedTwice
 from ...semantics.syntax import Program, Statement
 from ...semantics.syntax import statements as s
 from ...semantics.syntax.expressions import ObjectDefinition

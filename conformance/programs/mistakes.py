@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from ...semantics.errors import (
+from ...semantics.kernel.errors import (
     CheckError,
     CyclicDependencies,
     FuelExhausted,

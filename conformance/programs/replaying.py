@@ -10,7 +10,7 @@ from ...interpreter.choosers import from_stream, from_trace
 from ...interpreter.running import Accepted, Chooser, run
 from ...interpreter.scenes import Scene, scene_of
 from ...scenario import Scenario
-from ...semantics.outcome import Draw, Outcome
+from ...semantics.kernel.outcome import Draw, Outcome
 
 Address = tuple[int, ...]
 

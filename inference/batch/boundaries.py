@@ -11,8 +11,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from ...semantics.geometry import TAU
-from ...semantics.regions import (
+from ...semantics.space.geometry import TAU
+from ...semantics.space.regions import (
     CircularRegion,
     DifferenceRegion,
     IntersectionRegion,

@@ -1,6 +1,6 @@
 """Uniform points of a curve inside a disc or sector that differs from run to run, such as `visible curb`: for many runs at a time.
 
-The formulas are those of `semantics.regions`: the pieces of the segments near the sector, in order, each as long as it is.
+The formulas are those of `semantics.space.regions`: the pieces of the segments near the sector, in order, each as long as it is.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import shapely
 
-from ...semantics.distributions import PointIn
-from ...semantics.geometry import TAU, direction
-from ...semantics.regions import CircularRegion, PolylineRegion, SectorRegion
-from ...semantics.regions.combined import IntersectionRegion
+from ...semantics.space.distributions import PointIn
+from ...semantics.space.geometry import TAU, direction
+from ...semantics.space.regions import CircularRegion, PolylineRegion, SectorRegion
+from ...semantics.space.regions.combined import IntersectionRegion
 from .polygons import TIE, Grid
 from .structures import symbols_in
 from .symbols import Traced

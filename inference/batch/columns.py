@@ -12,10 +12,10 @@ import numpy as np
 
 from ...interpreter.choosers import PER_SCENE
 from ...interpreter.streams import Stream
-from ...semantics.fields import OutsideField, PolygonalVectorField
-from ...semantics.regions import EmptyRegion, PolygonalRegion
-from ...semantics.symbols import Elementary, NotLifted
-from ...semantics.vectors import Vector
+from ...semantics.space.fields import OutsideField, PolygonalVectorField
+from ...semantics.space.regions import EmptyRegion, PolygonalRegion
+from ...semantics.space.symbols import Elementary, NotLifted
+from ...semantics.space.vectors import Vector
 from .clipped import Clipped, clipped_curve, curve_tests, largest_radius
 from .graph import AsFloat, Graph, Macro, Node, Part, RowCall, RowDraw, Search, Site, Table
 from .numbers import Numbers

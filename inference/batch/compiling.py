@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...interpreter.streams import fold
-from ...semantics.outcome import Requirement
+from ...semantics.kernel.outcome import Requirement
 from .columns import Columns
 from .components import Stage
 from .fused import ACCEPTED, EXHAUSTED, LEFT, PENDING, NotFused, fuse

@@ -11,8 +11,8 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from ...interpreter.scenes import json_value
-from ...semantics.values import Random
-from ...semantics.vectors import Vector
+from ...semantics.kernel.values import Random
+from ...semantics.space.vectors import Vector
 from ..statistics.columns import OTHERWISE, Table, arrays_of, below, columns_of, features_table, spread, stacked
 from ..statistics.facts import Support
 from .columns import Columns

@@ -13,10 +13,10 @@ import numpy as np
 
 from ...interpreter.choosers import PER_SCENE
 from ...interpreter.streams import site_code
-from ...semantics.budget import Budget
-from ...semantics.regions import PolygonalRegion
-from ...semantics.symbols import Elementary
-from ...semantics.vectors import Vector
+from ...semantics.kernel.budget import Budget
+from ...semantics.space.regions import PolygonalRegion
+from ...semantics.space.symbols import Elementary
+from ...semantics.space.vectors import Vector
 from . import compiled
 from .clipped import curve_tests, largest_radius
 from .columns import constant_cells, field_of, has_columns, is_clipped

@@ -13,11 +13,11 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from ...semantics.budget import Budget
-from ...semantics.outcome import Requirement
-from ...semantics.regions import Region
-from ...semantics.symbols import arc_tangent
-from ...semantics.vectors import Vector
+from ...semantics.kernel.budget import Budget
+from ...semantics.kernel.outcome import Requirement
+from ...semantics.space.regions import Region
+from ...semantics.space.symbols import arc_tangent
+from ...semantics.space.vectors import Vector
 
 Kind = Literal["float", "bool", "int", "object"]
 Bounds = tuple[float, float]

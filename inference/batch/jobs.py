@@ -19,7 +19,7 @@ from multiprocessing import connection
 from typing import NamedTuple, TypeVar
 
 from ...interpreter.extras import needed
-from ...semantics.errors import AttemptsExhausted, InternalError, UsageError
+from ...semantics.kernel.errors import AttemptsExhausted, InternalError, UsageError
 from ..rejection import DEFAULT_ATTEMPTS, exhausted
 from .sampling import Batch, Block
 

@@ -7,12 +7,12 @@ import operator
 from collections.abc import Callable, Iterator
 from functools import partial, reduce
 
-from ...semantics.arithmetic import BINARY, UNARY
-from ...semantics.calls import invoke, vector
-from ...semantics.regions import CircularRegion, RectangularRegion, Region, SectorRegion, Workspace
-from ...semantics.symbols import NotLifted, negation
-from ...semantics.values import Bound, Dynamic, Function, Instance, Method, Module, Random, ScenicClass
-from ...semantics.vectors import Vector
+from ...semantics.kernel.values import Bound, Dynamic, Function, Instance, Method, Module, Random, ScenicClass
+from ...semantics.python.arithmetic import BINARY, UNARY
+from ...semantics.python.calls import invoke, vector
+from ...semantics.space.regions import CircularRegion, RectangularRegion, Region, SectorRegion, Workspace
+from ...semantics.space.symbols import NotLifted, negation
+from ...semantics.space.vectors import Vector
 from .structures import symbols_in
 from .symbols import OPERATORS, Choice, Scalar, Traced
 from .trace import Trace

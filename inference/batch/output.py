@@ -12,9 +12,9 @@ import numpy as np
 from ...interpreter.scenes import OWN_FIELDS, SCHEMA, in_json, json_value
 from ...interpreter.tables import COLUMNS, Texts, chosen, columns_of, joined
 from ...interpreter.tables import Columns as Table
-from ...semantics.geometry import normalise_heading
-from ...semantics.values import Random
-from ...semantics.vectors import Vector
+from ...semantics.kernel.values import Random
+from ...semantics.space.geometry import normalise_heading
+from ...semantics.space.vectors import Vector
 from .columns import Columns
 from .sampling import Block
 from .scenes import ObjectTemplate, Template, listed

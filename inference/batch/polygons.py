@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from ...semantics.regions import PolygonalRegion
+from ...semantics.space.regions import PolygonalRegion
 
 TIE = 1e-9
 """Metres (and a share of the coordinates): nearer to an edge than this, rounding might decide."""
@@ -151,8 +151,8 @@ class PolygonTests:
 
     def covers_box(self, x: float, y: float, heading: float, width: float, length: float) -> bool:
         """What shapely says about one box."""
-        from ...semantics.regions.approximation import box_shape
-        from ...semantics.vectors import Vector
+        from ...semantics.space.regions.approximation import box_shape
+        from ...semantics.space.vectors import Vector
 
         return bool(self.shape.covers(box_shape(Vector(float(x), float(y)), float(heading), float(width), float(length))))
 

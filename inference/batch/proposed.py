@@ -1,6 +1,6 @@
 """Uniform points of the intersection of two regions, at least one of which differs from run to run, such as `visible road`: for many runs at a time.
 
-As in `semantics.regions.combined`, points are drawn in the smaller region until one is in the other.
+As in `semantics.space.regions.combined`, points are drawn in the smaller region until one is in the other.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...semantics.distributions import PointIn
-from ...semantics.regions import CircularRegion, PolygonalRegion, RectangularRegion, Region, SectorRegion
-from ...semantics.regions.combined import PROPOSALS, IntersectionRegion
-from ...semantics.vectors import Vector
+from ...semantics.space.distributions import PointIn
+from ...semantics.space.regions import CircularRegion, PolygonalRegion, RectangularRegion, Region, SectorRegion
+from ...semantics.space.regions.combined import PROPOSALS, IntersectionRegion
+from ...semantics.space.vectors import Vector
 from .graph import RowDraw, Site
 from .numbers import Numbers
 from .polygons import tests_of

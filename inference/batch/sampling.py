@@ -21,10 +21,10 @@ from ...interpreter.choosers import AS_THEY_ARE, Draws, from_stream
 from ...interpreter.extras import why_missing
 from ...interpreter.running import Accepted, run
 from ...interpreter.scenes import Scene, scene_of
-from ...semantics.config import Config
-from ...semantics.errors import ScenicError
-from ...semantics.outcome import Requirement
-from ...semantics.symbols import NotLifted
+from ...semantics.kernel.config import Config
+from ...semantics.kernel.errors import ScenicError
+from ...semantics.kernel.outcome import Requirement
+from ...semantics.space.symbols import NotLifted
 from ..rejection import DEFAULT_ATTEMPTS, exhausted
 from .columns import ACCEPTED, LEFT, Columns, evaluate, rejection_rates
 from .components import Component, Stage, components, report, stages, worthwhile

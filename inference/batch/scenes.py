@@ -8,14 +8,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ...interpreter.scenes import OWN_FIELDS, Scene, SceneObject
-from ...semantics.config import State
-from ...semantics.geometry import normalise_heading
+from ...semantics.kernel.config import State
+from ...semantics.kernel.values import unwrap
 from ...semantics.programs import ego_of
-from ...semantics.regions import Region
-from ...semantics.symbols import NotLifted
-from ...semantics.termination import workspace_of
-from ...semantics.values import unwrap
-from ...semantics.vectors import Vector
+from ...semantics.scenes.termination import workspace_of
+from ...semantics.space.geometry import normalise_heading
+from ...semantics.space.regions import Region
+from ...semantics.space.symbols import NotLifted
+from ...semantics.space.vectors import Vector
 from .columns import Columns
 from .graph import Node
 from .structures import in_row, nodes_in, symbols_in

@@ -8,10 +8,10 @@ from collections.abc import Callable
 from types import BuiltinFunctionType, MethodType
 from typing import Any
 
-from ...semantics.sets import FrozenSet, Set
-from ...semantics.symbols import NotLifted
-from ...semantics.values import Dynamic, Function, Instance, Method, Module, Pairs, Random, ScenicClass
-from ...semantics.vectors import Vector
+from ...semantics.kernel.sets import FrozenSet, Set
+from ...semantics.kernel.values import Dynamic, Function, Instance, Method, Module, Pairs, Random, ScenicClass
+from ...semantics.space.symbols import NotLifted
+from ...semantics.space.vectors import Vector
 from .graph import Node
 from .symbols import Choice, Traced
 

@@ -13,10 +13,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ...interpreter.choosers import Draws
-from ...semantics.distributions import PointIn
-from ...semantics.geometry import corners, distance_to_box
-from ...semantics.regions import Region, everywhere
-from ...semantics.vectors import Vector
+from ...semantics.space.distributions import PointIn
+from ...semantics.space.geometry import corners, distance_to_box
+from ...semantics.space.regions import Region, everywhere
+from ...semantics.space.vectors import Vector
 from ..statistics.columns import Table
 from ..statistics.facts import Support
 from ..statistics.relations import MOST_RELATED, box_of, pose_of

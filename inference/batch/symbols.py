@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...semantics.symbols import NotLifted, Symbol
+from ...semantics.space.symbols import NotLifted, Symbol
 
 if TYPE_CHECKING:
-    from ...semantics.outcome import Requirement
+    from ...semantics.kernel.outcome import Requirement
     from .graph import Node
     from .trace import Trace
 

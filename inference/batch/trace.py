@@ -7,16 +7,16 @@ from typing import Any
 
 import numpy as np
 
-from ...semantics.budget import Budget
-from ...semantics.errors import ScenicError
-from ...semantics.fields import OutsideField, PolygonalVectorField, VectorField
-from ...semantics.host import DoorStuck, HostException
-from ...semantics.outcome import Requirement
-from ...semantics.regions import EmptyRegion
-from ...semantics.symbols import Elementary, NotLifted, is_macro, position_in
+from ...semantics.kernel.budget import Budget
+from ...semantics.kernel.errors import ScenicError
+from ...semantics.kernel.host import DoorStuck, HostException
+from ...semantics.kernel.outcome import Requirement
+from ...semantics.kernel.values import Bound, Native
+from ...semantics.space.fields import OutsideField, PolygonalVectorField, VectorField
+from ...semantics.space.regions import EmptyRegion
+from ...semantics.space.symbols import Elementary, NotLifted, is_macro, position_in
+from ...semantics.space.vectors import Vector
 from ...semantics.syntax.nodes import NOWHERE
-from ...semantics.values import Bound, Native
-from ...semantics.vectors import Vector
 from .graph import AsFloat, Event, Graph, Kind, Macro, Node, Part, RowCall, Search, Site, Table, bounds_of, decided
 from .structures import in_row, symbols_in
 from .symbols import OPERATORS, Choice, Opaque, Scalar, Traced
@@ -195,7 +195,7 @@ class Trace:
 
     def merge(self, index: Node, results: Sequence[Any]) -> Any:
         """The result that the index chooses."""
-        from ...semantics.values import unwrap
+        from ...semantics.kernel.values import unwrap
 
         results = [unwrap(r)[0] for r in results]
         first = results[0]

@@ -9,11 +9,13 @@ from typing import Any, NamedTuple
 from ...interpreter.choosers import AS_THEY_ARE, PER_SCENE, Draws, replaced
 from ...interpreter.streams import Stream
 from ...interpreter.walls import within
-from ...semantics.assignment import written
-from ...semantics.config import Config, State, Value
-from ...semantics.distributions import Coin, Discrete, Distribution, Normal, PointIn, Range, TruncatedNormal, Uniform
-from ...semantics.outcome import Done, Draw, Fault, Next, Observe, Requirement, Stuck
-from ...semantics.regions import (
+from ...semantics.kernel.config import Config, State, Value
+from ...semantics.kernel.outcome import Done, Draw, Fault, Next, Observe, Requirement, Stuck
+from ...semantics.kernel.scopes import target_names
+from ...semantics.python.assignment import written
+from ...semantics.python.specials import STORED
+from ...semantics.space.distributions import Coin, Discrete, Distribution, Normal, PointIn, Range, TruncatedNormal, Uniform
+from ...semantics.space.regions import (
     CircularRegion,
     EmptyRegion,
     PointSetRegion,
@@ -25,13 +27,11 @@ from ...semantics.regions import (
     UnboundedRegion,
     Workspace,
 )
-from ...semantics.scopes import target_names
-from ...semantics.specials import STORED
+from ...semantics.space.symbols import NotLifted
+from ...semantics.space.vectors import Vector
 from ...semantics.step import place, step
-from ...semantics.symbols import NotLifted
 from ...semantics.syntax import python_expressions as p
 from ...semantics.syntax import statements as s
-from ...semantics.vectors import Vector
 from .graph import Event, Graph, RowDraw, Site
 from .lifting import lift
 from .plan import only_rejects

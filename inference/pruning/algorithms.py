@@ -14,7 +14,7 @@ import shapely
 from shapely.geometry import MultiPoint
 from shapely.geometry.base import BaseGeometry
 
-from ...semantics.boundaries import united
+from ...semantics.space.boundaries import united
 from .intervals import TAU, Interval, angles_meet
 from .shapes import ROUNDING, Shape, common_part, dilate, erode, polygons_of, union_of
 

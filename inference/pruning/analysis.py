@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ...interpreter.running import DEFAULT_FUEL
-from ...semantics.config import Config, State
-from ...semantics.fields import PolygonalVectorField
-from ...semantics.regions import PolygonalRegion, Region
+from ...semantics.kernel.config import Config, State
+from ...semantics.space.fields import PolygonalVectorField
+from ...semantics.space.regions import PolygonalRegion, Region
 from ..batch.graph import Event, Graph, RowCall
 from . import applicability as apply
 from .facts import Located, Truth, contained, limits, located, shape_of, truths

@@ -11,7 +11,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ...semantics.fields import PolygonalVectorField
+from ...semantics.space.fields import PolygonalVectorField
 from ..batch.graph import Graph, Node
 from .algorithms import Cell, prune_by_containment, prune_by_heading, prune_by_offset, prune_by_width
 from .facts import Contained, Located, Truth, limits, points_apart, truths

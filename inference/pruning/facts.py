@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...semantics.boundaries import widened
-from ...semantics.fields import PolygonalVectorField
-from ...semantics.regions import PolygonalRegion, RectangularRegion, Region, Workspace
-from ...semantics.regions.approximation import box_shape
+from ...semantics.space.boundaries import widened
+from ...semantics.space.fields import PolygonalVectorField
+from ...semantics.space.regions import PolygonalRegion, RectangularRegion, Region, Workspace
+from ...semantics.space.regions.approximation import box_shape
 from ..batch.graph import Graph, Node, RowCall
 from ..batch.structures import symbols_in
 from .forms import Operand, Point, bounds, bounds_of_value, field_looked_up, point_of

@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...semantics.fields import PolygonalVectorField
-from ...semantics.vectors import Vector
+from ...semantics.space.fields import PolygonalVectorField
+from ...semantics.space.vectors import Vector
 from ..batch.graph import Node, RowCall
 from ..batch.symbols import Choice, Traced
 from .intervals import ALL, ZERO, Interval

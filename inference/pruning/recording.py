@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 from ...interpreter.choosers import AS_THEY_ARE, Draws
-from ...semantics.config import Config, State
-from ...semantics.regions import Region
+from ...semantics.kernel.config import Config, State
+from ...semantics.space.regions import Region
 from ..batch.graph import Graph
 from ..batch.scenes import template_of
 from ..batch.tracing import trace

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Literal, NamedTuple
 
-from ...semantics.distributions import PointIn
-from ...semantics.regions import PolygonalRegion, Region
+from ...semantics.space.distributions import PointIn
+from ...semantics.space.regions import PolygonalRegion, Region
 from .recording import Address
 
 Technique = Literal["containment", "orientation", "size", "reachability", "offset"]

@@ -10,9 +10,9 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from ...semantics.config import State
-from ...semantics.termination import premises_of_step_two, workspace_of
-from ...semantics.values import Instance, unwrap
+from ...semantics.kernel.config import State
+from ...semantics.kernel.values import Instance, unwrap
+from ...semantics.scenes.termination import premises_of_step_two, workspace_of
 from .facts import Contained, container_of, min_radius
 from .forms import Point, bounds_of_value, point_of
 

@@ -12,7 +12,7 @@ import math
 from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from ...semantics.boundaries import common, united
+from ...semantics.space.boundaries import common, united
 
 Shape = Polygon | MultiPolygon
 CHORDS = 8

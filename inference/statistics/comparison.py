@@ -16,7 +16,7 @@ from typing import NamedTuple, Protocol, runtime_checkable
 import numpy as np
 
 from ...interpreter.scenes import Scene
-from ...semantics.errors import UsageError
+from ...semantics.kernel.errors import UsageError
 from ..enumeration import Enumeration
 from .betting import combined
 from .columns import Table, features_table, is_relation, stacked

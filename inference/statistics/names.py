@@ -13,7 +13,7 @@ from difflib import get_close_matches
 from fnmatch import fnmatchcase
 
 from ...interpreter.scenes import OWN_FIELDS
-from ...semantics.errors import UsageError
+from ...semantics.kernel.errors import UsageError
 from .betting import Array
 from .columns import OTHERWISE, Table, last_part
 

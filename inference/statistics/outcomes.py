@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...semantics.errors import UsageError
+from ...semantics.kernel.errors import UsageError
 from ..enumeration import Enumeration
 from .betting import Array
 from .cells import MOST_EXACT, Codes, all_values

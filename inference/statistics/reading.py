@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from ...interpreter.scenes import OWN_FIELDS, SCHEMA
-from ...semantics.errors import UsageError
+from ...semantics.kernel.errors import UsageError
 from .columns import is_number
 from .names import SHORT, long_name
 

@@ -11,8 +11,8 @@ from itertools import combinations
 import numpy as np
 
 from ...interpreter.scenes import Scene
-from ...semantics.geometry import boxes_intersect, corners, distance_to_box
-from ...semantics.vectors import Vector
+from ...semantics.space.geometry import boxes_intersect, corners, distance_to_box
+from ...semantics.space.vectors import Vector
 from .betting import Array
 from .columns import Table, features_table
 

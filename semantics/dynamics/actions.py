@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from ..config import Abrupt, Config, Stack, State, Value
-from ..outcome import Next, Outcome
-from ..premises import premises
+from ..kernel.config import Abrupt, Config, Stack, State, Value
+from ..kernel.outcome import Next, Outcome
+from ..kernel.premises import premises
+from ..kernel.values import unwrap
 from ..syntax import dynamics as d
-from ..values import unwrap
 from .invocations import runner
 from .processes import suspend
 

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ..conditions import holding
-from ..config import Abrupt, Config, Stack, State, Value
-from ..distributions import BadParameters, Discrete
-from ..errors import RunError
-from ..outcome import Draw, Next, Outcome, Requirement, Stuck
-from ..premises import premises
-from ..scopes import Scope
+from ..kernel.conditions import holding
+from ..kernel.config import Abrupt, Config, Stack, State, Value
+from ..kernel.errors import RunError
+from ..kernel.outcome import Draw, Next, Outcome, Requirement, Stuck
+from ..kernel.premises import premises
+from ..kernel.scopes import Scope
+from ..kernel.simulation import agent_of
+from ..kernel.values import plain
+from ..space.distributions import BadParameters, Discrete
 from ..syntax import dynamics as d
-from ..values import plain
 from .frames import Picking, Shuffling
 from .guards import scope_of
 from .invocations import Beginning, invoke, limited, runner, with_arguments
-from .simulation import agent_of
 
 
 class Enabling(NamedTuple):

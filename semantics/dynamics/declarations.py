@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from ..config import PASS, Config, Stack, State
-from ..errors import RunError
-from ..kinds import kind_name
-from ..outcome import Change, Next, Outcome
-from ..premises import premises
+from ..kernel.config import PASS, Config, Stack, State
+from ..kernel.errors import RunError
+from ..kernel.kinds import kind_name
+from ..kernel.outcome import Change, Next, Outcome
+from ..kernel.premises import premises
+from ..kernel.simulation import Declared
+from ..kernel.values import Dynamic, plain
 from ..syntax import dynamics as d
 from ..syntax.nodes import Node
-from ..values import Dynamic, plain
 from .guards import scope_of
 from .invocations import with_arguments
 from .scenarios import declare
-from .simulation import Declared
 
 
 def dynamic_requirement(node: Node, stack: Stack, state: State) -> Outcome:

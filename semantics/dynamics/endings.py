@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from ..config import Config, State
-from ..outcome import Next, Outcome
+from ..kernel.config import Config, State
+from ..kernel.outcome import Next, Outcome
+from ..kernel.simulation import Suspended, simulation_of, with_scenario
 from .frames import Interruptible, Scenarios
 from .overrides import reverted
-from .simulation import Suspended, simulation_of, with_scenario
 
 
 def end_scenario(number: int, state: State) -> State:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ..scopes import Scope
+from ..kernel.scopes import Scope
+from ..kernel.simulation import Clause, Suspended, Who
+from ..kernel.values import Dynamic
 from ..syntax import dynamics as d
 from ..syntax.nodes import Node
-from ..values import Dynamic
-from .simulation import Clause, Suspended, Who
 
 BODY = -1
 """The number of the body among the clauses of a statement with interrupts."""

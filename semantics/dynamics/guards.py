@@ -6,19 +6,19 @@ from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
-from ..conditions import holding
-from ..config import PASS, Abrupt, Config, Stack, State
-from ..errors import GuardViolation, InvariantViolation, PreconditionViolation
-from ..functions import bind
-from ..outcome import Next, Outcome
-from ..scopes import Scope, function_names
+from ..kernel.conditions import holding
+from ..kernel.config import PASS, Abrupt, Config, Stack, State
+from ..kernel.errors import GuardViolation, InvariantViolation, PreconditionViolation
+from ..kernel.outcome import Next, Outcome
+from ..kernel.scopes import Scope, function_names
+from ..kernel.simulation import simulation_of
+from ..kernel.values import Dynamic
+from ..python.functions import bind
 from ..syntax import dynamics as d
 from ..syntax import statements as s
 from ..syntax.nodes import Expression, Span
-from ..values import Dynamic
 from .frames import Interruptible, Invoked, Returning, Scenarios, Shuffling, Together
 from .processes import Coroutine
-from .simulation import simulation_of
 
 Then = Callable[[Stack, State], Outcome]
 

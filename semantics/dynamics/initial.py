@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ..calls import invocation
-from ..config import Stack, State, reduce
-from ..control import block
-from ..errors import RunError, UsageError
-from ..functions import InScope
-from ..outcome import Outcome, Requirement
-from ..scopes import Scope
-from ..statements import Requiring
+from ..kernel.config import Stack, State, reduce
+from ..kernel.errors import RunError, UsageError
+from ..kernel.outcome import Outcome, Requirement
+from ..kernel.scopes import Scope
+from ..kernel.values import Dynamic, plain
+from ..python.calls import invocation
+from ..python.control import block
+from ..python.functions import InScope
+from ..scenes.statements import Requiring
+from ..scenes.termination import Mutating, mutate_objects
 from ..syntax import dynamics as d
 from ..syntax.nodes import NOWHERE, Node
-from ..termination import Mutating, mutate_objects
-from ..values import Dynamic, plain
 
 MAIN = "Main"
 

@@ -12,11 +12,12 @@ from __future__ import annotations
 from functools import partial
 from typing import NamedTuple
 
-from ..conditions import holding
-from ..config import PASS, Abrupt, Config, Stack, State, Value
-from ..control import Finally, Handling, block, try_statement
-from ..functions import body_as_statement
-from ..outcome import Next, Outcome
+from ..kernel.conditions import holding
+from ..kernel.config import PASS, Abrupt, Config, Stack, State, Value
+from ..kernel.outcome import Next, Outcome
+from ..kernel.simulation import Clause, Deadline, Suspended, Who, simulation_of
+from ..python.control import Finally, Handling, block, try_statement
+from ..python.functions import body_as_statement
 from ..syntax import dynamics as d
 from ..syntax import statements as s
 from ..syntax.nodes import Expression, Node
@@ -24,7 +25,6 @@ from .endings import give_up
 from .frames import Abortable, Interruptible, Returning
 from .guards import guarded, guards_on_resumption, invoked_in
 from .processes import Coroutine, address_of, pushed, restored
-from .simulation import Clause, Deadline, Suspended, Who, simulation_of
 
 
 class Interrupting(NamedTuple):

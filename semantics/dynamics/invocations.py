@@ -8,24 +8,24 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, NamedTuple
 
-from ..calls import invocation
-from ..config import Abrupt, Config, Stack, State, Value
-from ..errors import RunError
-from ..functions import LARGEST_DEPTH, body_as_statement
-from ..kinds import is_scalar, kind_name
-from ..outcome import Next, Outcome
-from ..premises import premises
-from ..scopes import Scope
+from ..kernel.config import Abrupt, Config, Stack, State, Value
+from ..kernel.errors import RunError
+from ..kernel.kinds import is_scalar, kind_name
+from ..kernel.outcome import Next, Outcome
+from ..kernel.premises import premises
+from ..kernel.scopes import Scope
+from ..kernel.simulation import Agent, Clause, Deadline, Suspended, Who, agent_of, line_of
+from ..kernel.values import Dynamic, plain
+from ..python.calls import invocation
+from ..python.functions import LARGEST_DEPTH, body_as_statement
 from ..syntax import dynamics as d
 from ..syntax import statements as s
 from ..syntax.nodes import Expression, Node
-from ..values import Dynamic, plain
 from .frames import Invoked, Picking, Together
 from .guards import guarded, guards_of, returned, scope_of
 from .interrupts import run_for_one_step, within
 from .processes import Coroutine, Ended, Yielded, suspend
 from .scenarios import begin_scenarios
-from .simulation import Agent, Clause, Deadline, Suspended, Who, agent_of, line_of
 
 # Values
 

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from ..config import PASS, Config, Stack, State
-from ..errors import RunError
-from ..kinds import is_object, kind_name
-from ..outcome import Change, Next, Outcome
-from ..premises import premises
+from ..kernel.config import PASS, Config, Stack, State
+from ..kernel.errors import RunError
+from ..kernel.kinds import is_object, kind_name
+from ..kernel.outcome import Change, Next, Outcome
+from ..kernel.premises import premises
+from ..kernel.simulation import Agent, Override, Running, Setting, simulation_of, with_agent, with_scenario, with_simulation
+from ..kernel.values import Instance, plain
 from ..syntax import dynamics as d
 from ..syntax import specifiers as q
-from ..values import Instance, plain
 from .processes import Coroutine
-from .simulation import Agent, Override, Running, Setting, simulation_of, with_agent, with_scenario, with_simulation
 
 
 def override(node: d.Override, stack: Stack, state: State) -> Outcome:

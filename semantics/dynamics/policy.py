@@ -9,21 +9,21 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from ..conditions import holding
-from ..config import PASS, Abrupt, Config, Stack, State, Value
-from ..errors import GuardViolation, RunError
-from ..host import HostException
-from ..kinds import kind_name
-from ..outcome import Act, Finish, Next, Observe, Outcome, Requirement, Stuck
+from ..kernel.conditions import holding
+from ..kernel.config import PASS, Abrupt, Config, Stack, State, Value
+from ..kernel.errors import GuardViolation, RunError
+from ..kernel.host import HostException
+from ..kernel.kinds import kind_name
+from ..kernel.outcome import Act, Finish, Next, Observe, Outcome, Requirement, Stuck
+from ..kernel.simulation import TOP, Agent, Declared, Running, Simulation, Suspended, Who, simulation_of, with_agent, with_scenario, with_simulation
+from ..kernel.values import Dynamic, plain
 from ..syntax import dynamics as d
 from ..syntax.nodes import NOWHERE, Node
-from ..values import Dynamic, plain
 from .endings import end_scenario
 from .interrupts import run_for_one_step
 from .invocations import Begin, Beginning, begin_all, with_arguments
 from .processes import Ended, Yielded, address_of
 from .scenarios import Over, as_before, scenario_from, settled, step_of_scenario
-from .simulation import TOP, Agent, Declared, Running, Simulation, Suspended, Who, simulation_of, with_agent, with_scenario, with_simulation
 
 DEFAULT_TIMESTEP = 0.1
 """Seconds."""

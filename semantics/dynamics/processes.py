@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ..config import Abrupt, Config, Stack, State, Value
-from ..outcome import Next, Outcome
-from ..scopes import Scope
+from ..kernel.config import Abrupt, Config, Stack, State, Value
+from ..kernel.outcome import Next, Outcome
+from ..kernel.scopes import Scope
+from ..kernel.simulation import Suspended, Who
 from ..syntax.nodes import NOWHERE, Node
-from .simulation import Suspended, Who
 
 DYNAMIC = -1
 """The first number of the addresses of draws that are made while a scenario runs; those of the scene begin with a number that is at least 0."""

@@ -6,23 +6,23 @@ from collections.abc import Iterable, Mapping
 from functools import partial
 from typing import NamedTuple
 
-from ..conditions import holding
-from ..config import Abrupt, Config, Properties, Stack, State, Value
-from ..control import block
-from ..errors import RunError
-from ..functions import LARGEST_DEPTH, body_as_statement
-from ..outcome import Next, Outcome
-from ..scopes import Scope
+from ..kernel.conditions import holding
+from ..kernel.config import Abrupt, Config, Properties, Stack, State, Value
+from ..kernel.errors import RunError
+from ..kernel.outcome import Next, Outcome
+from ..kernel.scopes import Scope
+from ..kernel.simulation import Clause, Declared, Running, Setting, Suspended, Who, simulation_of, with_scenario, with_simulation
+from ..kernel.values import Dynamic, plain
+from ..python.control import block
+from ..python.functions import LARGEST_DEPTH, body_as_statement
+from ..scenes.termination import Mutating, mutate_objects
 from ..syntax import dynamics as d
 from ..syntax.nodes import Node
-from ..termination import Mutating, mutate_objects
-from ..values import Dynamic, plain
 from .endings import end_scenario
 from .frames import Scenarios
 from .guards import compose_guards, guarded, guards_of, returned, scope_of
 from .interrupts import run_for_one_step, within
 from .processes import Coroutine, Ended, Yielded, address_of, suspend
-from .simulation import Clause, Declared, Running, Setting, Suspended, Who, simulation_of, with_scenario, with_simulation
 
 
 class Stepping(NamedTuple):

@@ -11,24 +11,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from difflib import get_close_matches
 
-from ..errors import UsageError
-from .conflicts import CONFLICTS
-from .conflicts_of_examples import CONFLICTS_OF_EXAMPLES
-from .conflicts_of_policy import CONFLICTS_OF_POLICY
+from ..kernel.errors import UsageError
+from .loading import load
 from .reading import PROFILES, Probe, Reading
-from .second_look import SECOND_LOOK
-from .silences import SILENCES
-from .silences_of_language import SILENCES_OF_LANGUAGE
-from .silences_of_policy import SILENCES_OF_POLICY
-from .silences_of_scenarios import SILENCES_OF_SCENARIOS
 
-READINGS: Mapping[str, Reading] = {
-    r.id: r
-    for r in (
-        *CONFLICTS, *CONFLICTS_OF_EXAMPLES, *CONFLICTS_OF_POLICY,
-        *SILENCES, *SILENCES_OF_LANGUAGE, *SILENCES_OF_POLICY, *SILENCES_OF_SCENARIOS, *SECOND_LOOK,
-    )
-}
+READINGS: Mapping[str, Reading] = load()
 
 
 def always_decided() -> tuple[str, ...]:

@@ -18,9 +18,9 @@ import numpy as np
 import shapely
 from shapely.geometry import LineString, MultiPolygon, Polygon
 
-from ...semantics.boundaries import united, without
-from ...semantics.fields import PolygonalVectorField
-from ...semantics.regions import PolygonalRegion, PolylineRegion
+from ...semantics.space.boundaries import united, without
+from ...semantics.space.fields import PolygonalVectorField
+from ...semantics.space.regions import PolygonalRegion, PolylineRegion
 
 WEST, SOUTH, EAST, NORTH = -785.0, -690.0, -485.0, -390.0
 LANE = 3.5  # width of a lane

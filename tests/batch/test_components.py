@@ -15,7 +15,7 @@ from scenic_ref.inference.batch.tracing import trace
 from scenic_ref.inference.enumeration import content_of
 from scenic_ref.inference.statistics.laws import Categorical, evidence
 from scenic_ref.scenario import Scenario
-from scenic_ref.semantics.errors import AttemptsExhausted, ScenicError
+from scenic_ref.semantics.kernel.errors import AttemptsExhausted, ScenicError
 
 LEVEL = 1e-9
 """The risk that a right sampler fails a test here."""

@@ -19,11 +19,11 @@ from scenic_ref.inference.batch.trace import Trace
 from scenic_ref.inference.batch.tracing import trace
 from scenic_ref.interpreter.choosers import PER_SCENE
 from scenic_ref.interpreter.streams import Stream
-from scenic_ref.semantics.budget import Budget
-from scenic_ref.semantics.regions import CircularRegion, PolylineRegion, SectorRegion
-from scenic_ref.semantics.regions.approximation import box_shape
-from scenic_ref.semantics.symbols import NotLifted, arc_tangent, either, every, larger, search
-from scenic_ref.semantics.vectors import Vector
+from scenic_ref.semantics.kernel.budget import Budget
+from scenic_ref.semantics.space.regions import CircularRegion, PolylineRegion, SectorRegion
+from scenic_ref.semantics.space.regions.approximation import box_shape
+from scenic_ref.semantics.space.symbols import NotLifted, arc_tangent, either, every, larger, search
+from scenic_ref.semantics.space.vectors import Vector
 
 ADDRESSES = ((0,), (3, 1), (7, 2, 5))
 
@@ -255,7 +255,7 @@ def test_points_of_clipped_curves_are_those_of_the_region(angle, points):
         region = curve.intersect(sector)
         try:
             expected = region.sample(lambda k=k: float(uniform[k]))
-        except scenic_ref.semantics.regions.EmptyRegion:
+        except scenic_ref.semantics.space.regions.EmptyRegion:
             assert math.isnan(points[k, 0])
             continue
         found += 1

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import pytest
 import scenic_ref
 from scenic_ref.inference.statistics.reading import read_samples
-from scenic_ref.semantics.errors import UsageError
+from scenic_ref.semantics.kernel.errors import UsageError
 from scenic_ref.testing import assert_same_distribution
 
 RIGHT = "x = Range(0, 1)\ny = Range(0, 1)\nego = Object at (x, 0)\nObject at (5, y), with requireVisible False\n"

@@ -14,7 +14,7 @@ import pytest
 import scenic_ref
 from PIL import Image
 from scenic_ref.interpreter.movies import MOST_FRAMES, frames_of, movie
-from scenic_ref.semantics.errors import UsageError
+from scenic_ref.semantics.kernel.errors import UsageError
 
 MOVING = """
 ego = Object at (0, 0), with velocity (3, 0)

@@ -9,7 +9,7 @@ import pytest
 import scenic_ref
 from scenic_ref.interpreter.recorded import recording_from
 from scenic_ref.interpreter.recordings import to_json
-from scenic_ref.semantics.errors import SimulatorError, UsageError
+from scenic_ref.semantics.kernel.errors import SimulatorError, UsageError
 from scenic_ref.simulators.still import Still
 
 CARS = """

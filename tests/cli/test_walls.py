@@ -9,13 +9,13 @@ from pathlib import Path
 import pytest
 from scenic_ref.interpreter.limits import DEFAULT_LIMITS, bytes_of, seconds_of
 from scenic_ref.interpreter.walls import WALL
-from scenic_ref.semantics.errors import UsageError
+from scenic_ref.semantics.kernel.errors import UsageError
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="this system has no limits of processes")
 HOLE = """
 import os, sys, socket, subprocess, ctypes, tempfile, shutil
-from scenic_ref.semantics import builtins
-from scenic_ref.semantics.values import Native
+from scenic_ref.semantics.python import builtins
+from scenic_ref.semantics.kernel.values import Native
 from scenic_ref.cli import answer
 builtins.BUILTINS["hole"] = Native("hole", lambda: {deed})
 sys.exit(answer(sys.argv[1:]))

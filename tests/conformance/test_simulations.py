@@ -10,7 +10,7 @@ from scenic_ref.conformance import Enumerated, NeverAccepted, Ourselves, Refused
 from scenic_ref.conformance.implementation import SceneRecord, SimulationRecord
 from scenic_ref.conformance.loading import read_file
 from scenic_ref.conformance.simulations import Rejected, Simulations
-from scenic_ref.semantics.errors import UsageError
+from scenic_ref.semantics.kernel.errors import UsageError
 from scenic_ref.semantics.readings import READINGS
 from scenic_ref.semantics.rules import RULES
 

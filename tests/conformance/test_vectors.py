@@ -15,8 +15,8 @@ from scenic_ref.conformance.reports import UNREACHABLE, shows
 from scenic_ref.conformance.statistical import Distribution, Probabilities, Support
 from scenic_ref.conformance.values import Values
 from scenic_ref.interpreter.parser import parse
-from scenic_ref.semantics.builtins import CONSTRUCTORS
-from scenic_ref.semantics.classes import OBJECT_CLASS, ORIENTED_POINT_CLASS, POINT_CLASS
+from scenic_ref.semantics.kernel.classes import OBJECT_CLASS, ORIENTED_POINT_CLASS, POINT_CLASS
+from scenic_ref.semantics.python.builtins import CONSTRUCTORS
 from scenic_ref.semantics.readings import READINGS
 from scenic_ref.semantics.rules import RULES
 from scenic_ref.semantics.syntax import Node, expressions, python_expressions, specifiers, statements

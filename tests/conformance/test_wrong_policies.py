@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 import pytest
 from scenic_ref.conformance import Ourselves, judge, load_vectors
-from scenic_ref.semantics.distributions import Discrete
 from scenic_ref.semantics.dynamics import choices, interrupts, invocations, policy, scenarios
-from scenic_ref.semantics.dynamics.simulation import TOP, simulation_of
+from scenic_ref.semantics.kernel.simulation import TOP, simulation_of
+from scenic_ref.semantics.space.distributions import Discrete
 
 VECTORS = {v.name: v for v in load_vectors() if v.steps is not None}
 Patch = Callable[[pytest.MonkeyPatch], None]

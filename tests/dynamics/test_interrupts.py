@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from scenic_ref.interpreter.simulating import Failed
-from scenic_ref.semantics.errors import CheckError, FuelExhausted, RunError, UncaughtException
+from scenic_ref.semantics.kernel.errors import CheckError, FuelExhausted, RunError, UncaughtException
 
 from .worlds import LIMIT, actions, behavior, simulated
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 from scenic_ref.interpreter.simulating import Failed, Simulated
-from scenic_ref.semantics import budget
 from scenic_ref.semantics.dynamics import policy
-from scenic_ref.semantics.errors import RunError, UncaughtException
+from scenic_ref.semantics.kernel import budget
+from scenic_ref.semantics.kernel.errors import RunError, UncaughtException
 
 from .worlds import LIMIT, actions, behavior, simulated
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from scenic_ref.interpreter.simulating import Simulated
-from scenic_ref.semantics.errors import RunError
+from scenic_ref.semantics.kernel.errors import RunError
 from scenic_ref.semantics.readings import READINGS
 
 from .worlds import LIMIT, actions, simulated

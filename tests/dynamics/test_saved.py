@@ -12,10 +12,10 @@ from scenic_ref.interpreter.choosers import from_stream
 from scenic_ref.interpreter.running import drive
 from scenic_ref.interpreter.saving import resume, save
 from scenic_ref.scenario import Scenario
-from scenic_ref.semantics.config import State
 from scenic_ref.semantics.dynamics.policy import after_one_step, begin, policy
-from scenic_ref.semantics.errors import UsageError
-from scenic_ref.semantics.outcome import Act, Done, Finish, Stuck
+from scenic_ref.semantics.kernel.config import State
+from scenic_ref.semantics.kernel.errors import UsageError
+from scenic_ref.semantics.kernel.outcome import Act, Done, Finish, Stuck
 
 LISTINGS = sorted((Path(__file__).parent.parent.parent / "examples" / "paper" / "dynamic").glob("*.scenic"))
 FORKING = """

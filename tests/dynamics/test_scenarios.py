@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from scenic_ref.interpreter.simulating import Failed, Simulated
-from scenic_ref.semantics.errors import RunError, UsageError
+from scenic_ref.semantics.kernel.errors import RunError, UsageError
 
 from .worlds import LIMIT, actions, simulated
 

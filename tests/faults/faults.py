@@ -27,21 +27,21 @@ FAR = ", with requireVisible False"
 FAULTS = (
     Fault(
         "coin per scene",
-        (Edit("semantics/statements.py", 'per_scene=state.reading("soft") == "scene"', "per_scene=True"),),
+        (Edit("semantics/scenes/statements.py", 'per_scene=state.reading("soft") == "scene"', "per_scene=True"),),
         "x = Range(0, 1)\nrequire[0.5] x < 0.1\nego = Object with v x\n",
         ("soft-requirement-coin-per-run", "soft-requirements-have-their-own-coins"),
     ),
     Fault(
         "optional specifier beats a non-optional one",
-        (Edit("semantics/resolution.py", "        if name in spec_for_property:\n            continue\n", ""),),
+        (Edit("semantics/scenes/resolution.py", "        if name in spec_for_property:\n            continue\n", ""),),
         f"ego = Object at (0, 5), facing Range(0, 1)\nObject left of ego by 2, facing Range(1, 2){FAR}\n",
         ("non-optional-wins-over-optional", "following-with-its-own-heading"),
     ),
     Fault(
         "height for width",
         (
-            Edit("semantics/specifiers.py", "return v + geometry.rotate(Vector(-self.width / 2 - s, 0.0)", "return v + geometry.rotate(Vector(-self.length / 2 - s, 0.0)"),
-            Edit("semantics/specifiers.py", "return _offset_local(op, Vector(-self.width / 2 - s, 0.0))", "return _offset_local(op, Vector(-self.length / 2 - s, 0.0))"),
+            Edit("semantics/scenes/specifiers.py", "return v + geometry.rotate(Vector(-self.width / 2 - s, 0.0)", "return v + geometry.rotate(Vector(-self.length / 2 - s, 0.0)"),
+            Edit("semantics/scenes/specifiers.py", "return _offset_local(op, Vector(-self.width / 2 - s, 0.0))", "return _offset_local(op, Vector(-self.length / 2 - s, 0.0))"),
         ),
         f"ego = Object at (0, 9)\nObject left of (0, 0) by Range(1, 2), with length 4{FAR}\n",
         ("left-of-vector", "left-of-oriented-point-by"),
@@ -50,7 +50,7 @@ FAULTS = (
         "angle without wrap",
         (
             Edit(
-                "semantics/geometry.py", "def wedge_contains(heading: float, angle: float, v: Vector) -> bool:\n",
+                "semantics/space/geometry.py", "def wedge_contains(heading: float, angle: float, v: Vector) -> bool:\n",
                 "def wedge_contains(heading: float, angle: float, v: Vector) -> bool:\n"
                 "    return v == Vector(0.0, 0.0) or abs(angle_of(v) - heading) <= angle / 2\n\n\n"
                 "def wedge_contains_of_the_paper(heading: float, angle: float, v: Vector) -> bool:\n",
@@ -64,16 +64,16 @@ FAULTS = (
         "mutation at the statement instead of at the end",
         (
             Edit(
-                "semantics/statements.py",
+                "semantics/scenes/statements.py",
                 '    return done("S-Mutate", node, stack, state, Change("O", ", ".join(f"{t!r}.mutationScale" for t in targets), scale))\n',
                 "    from .termination import Mutating, mutate_objects\n\n    return mutate_objects(Mutating(0), stack, state)\n",
             ),
             Edit(
-                "semantics/termination.py", "    return mutate_objects(Mutating(0), stack, state)\n",
+                "semantics/scenes/termination.py", "    return mutate_objects(Mutating(0), stack, state)\n",
                 '    return Next("T-Mutate", Config(PASS, (Late(0), stack), state))\n',
             ),
             Edit(
-                "semantics/termination.py", 'return Next("T-Mutate", Config(PASS, (Late(0, since=frame.since), stack), state._replace(draws=state.draws + 1)))',
+                "semantics/scenes/termination.py", 'return Next("T-Mutate", Config(PASS, (Late(0, since=frame.since), stack), state._replace(draws=state.draws + 1)))',
                 'return Next("T-Mutate", Config(PASS, stack, state._replace(draws=state.draws + 1)))',
             ),
         ),
@@ -84,7 +84,7 @@ FAULTS = (
         "resample draws the parameters again",
         (
             Edit(
-                "semantics/draws.py", '    return ask(node, distribution, "E-Distributions", stack, state, f"{constructor.name}(...)")\n',
+                "semantics/kernel/draws.py", '    return ask(node, distribution, "E-Distributions", stack, state, f"{constructor.name}(...)")\n',
                 '    asked = ask(node, distribution, "E-Distributions", stack, state, f"{constructor.name}(...)")\n'
                 "    origin = Origin(node.span, constructor.name, Again(constructor, arguments, distribution))\n"
                 "    after = state._replace(draws=state.draws + 1)\n"
@@ -115,7 +115,7 @@ FAULTS = (
         "uniform in the bounding box instead of the polygon",
         (
             Edit(
-                "semantics/regions/sampling.py",
+                "semantics/space/regions/sampling.py",
                 "        ax, ay, bx, by, cx, cy = pick(",
                 "        low, high = self.triangles.reshape(-1, 2).min(0), self.triangles.reshape(-1, 2).max(0)\n"
                 "        return Vector(*(low + (high - low) * [uniform(), uniform()]).tolist())\n"
@@ -127,19 +127,19 @@ FAULTS = (
     ),
     Fault(
         "a requirement dropped",
-        (Edit("semantics/termination.py", "            return negation(geometry.boxes_intersect(", "            return True or negation(geometry.boxes_intersect("),),
+        (Edit("semantics/scenes/termination.py", "            return negation(geometry.boxes_intersect(", "            return True or negation(geometry.boxes_intersect("),),
         f"ego = Object at (0, 0)\nObject at (Range(-3, 3), 0){FAR}\n",
         ("collision", "collision-conditions-the-distribution"),
     ),
     Fault(
         "beyond from the wrong point",
-        (Edit("semantics/specifiers.py", "return v1 + geometry.rotate(v2, geometry.angle_of(v1 - v3))", "return v3 + geometry.rotate(v2, geometry.angle_of(v1 - v3))"),),
+        (Edit("semantics/scenes/specifiers.py", "return v1 + geometry.rotate(v2, geometry.angle_of(v1 - v3))", "return v3 + geometry.rotate(v2, geometry.angle_of(v1 - v3))"),),
         f"ego = Object at (0, 0)\nObject beyond (3, 4) by (0, Range(3, 5)) from (0, 1){FAR}\n",
         ("beyond-from", "beyond-ego"),
     ),
     Fault(
         "a degree taken for a radian",
-        (Edit("semantics/operators.py", "    return s * DEGREE\n", "    return s\n"),),
+        (Edit("semantics/scenes/operators.py", "    return s * DEGREE\n", "    return s\n"),),
         "ego = Object facing Range(0, 2) deg\n",
         ("range-in-degrees", "local-coordinates"),
     ),
@@ -147,20 +147,20 @@ FAULTS = (
         "a default evaluated once per class",
         (
             Edit(
-                "semantics/object_definitions.py", "        bindings: Mapping[str, object] = {",
+                "semantics/scenes/object_definitions.py", "        bindings: Mapping[str, object] = {",
                 "        once = ONCE.get((id(owner), specification.specifies[0]))\n"
                 "        if once is not None:\n"
                 '            return assign_property(frame, "P-Default", {frame.order[frame.index][1][0]: once[1]}, stack, state)\n'
                 "        bindings: Mapping[str, object] = {",
             ),
             Edit(
-                "semantics/object_definitions.py", "    restored = state._replace(sigma=construction.outer, depth=state.depth - 1)\n",
+                "semantics/scenes/object_definitions.py", "    restored = state._replace(sigma=construction.outer, depth=state.depth - 1)\n",
                 "    owner = construction.instance.class_.defaults[name][1]\n"
                 "    if not owner.built_in:\n"
                 "        ONCE[id(owner), name] = (owner, result)\n"
                 "    restored = state._replace(sigma=construction.outer, depth=state.depth - 1)\n",
             ),
-            Edit("semantics/object_definitions.py", "class Defaulting(NamedTuple):", "ONCE: dict = {}\n\n\nclass Defaulting(NamedTuple):"),
+            Edit("semantics/scenes/object_definitions.py", "class Defaulting(NamedTuple):", "ONCE: dict = {}\n\n\nclass Defaulting(NamedTuple):"),
         ),
         "class A:\n    w: Range(0, 1)\nego = A at (0, 0)\nb = A at (0, 5)\n",
         ("default-is-drawn-for-each-object", "default-range-is-drawn-for-each-object"),
@@ -169,11 +169,11 @@ FAULTS = (
         "a function's default argument drawn anew at every call",
         (
             Edit(
-                "semantics/functions.py", "            bound[parameter.name] = defaults[parameter.name]\n",
+                "semantics/python/functions.py", "            bound[parameter.name] = defaults[parameter.name]\n",
                 "            bound[parameter.name] = anew(defaults[parameter.name])\n",
             ),
             Edit(
-                "semantics/functions.py", "LARGEST_DEPTH = 3_000\n",
+                "semantics/python/functions.py", "LARGEST_DEPTH = 3_000\n",
                 "LARGEST_DEPTH = 3_000\nSOURCE = __import__('random').Random(5)\n\n\n"
                 "def anew(default):\n"
                 "    distribution = getattr(getattr(default, 'origin', None), 'distribution', None)\n"
@@ -187,11 +187,11 @@ FAULTS = (
         "weights of Discrete normalised wrongly",
         (
             Edit(
-                "semantics/distributions/finite.py", "        return [float(part / sums[-1]) for part in sums]\n",
+                "semantics/space/distributions/finite.py", "        return [float(part / sums[-1]) for part in sums]\n",
                 "        return [*(min(1.0, float(part / len(sums))) for part in sums[:-1]), 1.0]\n",
             ),
             Edit(
-                "semantics/distributions/finite.py", "        total = sum(weights)\n",
+                "semantics/space/distributions/finite.py", "        total = sum(weights)\n",
                 "        weights = [min(Fraction(1), weight / len(weights)) for weight in weights[:-1]]\n"
                 "        weights.append(max(Fraction(0), 1 - sum(weights)))\n"
                 "        total = sum(weights)\n",

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 from scenic_ref import Scene, SceneObject, load
-from scenic_ref.semantics import geometry
-from scenic_ref.semantics.vectors import Vector
+from scenic_ref.semantics.space import geometry
+from scenic_ref.semantics.space.vectors import Vector
 from scenic_ref.simulators.worlds.city import city
 from scenic_ref.simulators.worlds.gta.data import MODELS, WEATHER_WEIGHTS
 

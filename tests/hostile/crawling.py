@@ -12,17 +12,18 @@ from collections.abc import Iterable, Iterator
 import scenic_ref
 from scenic_ref.interpreter.choosers import from_stream
 from scenic_ref.interpreter.running import Accepted, run
-from scenic_ref.semantics import allowed, calls
-from scenic_ref.semantics.config import Config, State, Value
-from scenic_ref.semantics.errors import ScenicError
-from scenic_ref.semantics.expressions import elements, get_attribute, get_item
-from scenic_ref.semantics.host import DoorStuck, HostException
-from scenic_ref.semantics.outcome import Draw, Fault, Next, Observe
-from scenic_ref.semantics.scopes import Scope
-from scenic_ref.semantics.sets import FrozenSet, Set
+from scenic_ref.semantics.kernel import allowed
+from scenic_ref.semantics.kernel.config import Config, State, Value
+from scenic_ref.semantics.kernel.errors import ScenicError
+from scenic_ref.semantics.kernel.host import DoorStuck, HostException
+from scenic_ref.semantics.kernel.outcome import Draw, Fault, Next, Observe
+from scenic_ref.semantics.kernel.scopes import Scope
+from scenic_ref.semantics.kernel.sets import FrozenSet, Set
+from scenic_ref.semantics.kernel.values import Bound, Function, Method, Native, Random, plain
+from scenic_ref.semantics.python import calls
+from scenic_ref.semantics.python.expressions import elements, get_attribute, get_item
 from scenic_ref.semantics.step import step
 from scenic_ref.semantics.syntax import python_expressions as p
-from scenic_ref.semantics.values import Bound, Function, Method, Native, Random, plain
 
 LEVELS = 3
 PER_SIGNATURE = 2

@@ -12,7 +12,8 @@ from pathlib import Path
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics import allowed, errors, expressions, host
+from scenic_ref.semantics.kernel import allowed, errors, host
+from scenic_ref.semantics.python import expressions
 
 sys.path.insert(0, str(Path(__file__).parent))
 crawling = importlib.import_module("crawling")
@@ -239,7 +240,7 @@ def test_no_chain_of_values_ends_the_process(tmp_path):
     for name, text in CHAINS.items():
         (tmp_path / f"{name}.scenic").write_text(f"ego = Object at (0, 0)\nN = 200000\n{text}\nx = 1\n")
     code = (
-        "import sys, scenic_ref\nfrom scenic_ref.semantics.errors import ProgramError\n"
+        "import sys, scenic_ref\nfrom scenic_ref.semantics.kernel.errors import ProgramError\n"
         "for file in sys.argv[1:]:\n    print(file, flush=True)\n    try: scenic_ref.load(file).sample()\n    except ProgramError: pass\n"
     )
     files = sorted(map(str, tmp_path.glob("*.scenic")))

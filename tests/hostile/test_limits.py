@@ -8,7 +8,7 @@ import sys
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics import errors
+from scenic_ref.semantics.kernel import errors
 
 LONGEST = 250
 """No program takes more than so many times the processor time of a fixed calculation of about a tenth of a second."""
@@ -76,7 +76,7 @@ INTERRUPTING = """
 import os, threading, time
 from scenic_ref.cli import main
 from scenic_ref.interpreter.walls import WALL
-from scenic_ref.semantics import budget
+from scenic_ref.semantics.kernel import budget
 budget.LARGEST_WORK = 10 ** 18
 def interrupt():
     while not WALL.running: pass

@@ -9,7 +9,7 @@ import pytest
 import scenic_ref
 from scenic_ref.inference.quantiles import radical_inverse
 from scenic_ref.inference.statistics import Categorical, contradicts
-from scenic_ref.semantics import errors
+from scenic_ref.semantics.kernel import errors
 
 F = Fraction
 

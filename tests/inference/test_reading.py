@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from scenic_ref.inference.statistics import reading
 from scenic_ref.inference.statistics.reading import scenes_in
-from scenic_ref.semantics.errors import UsageError
+from scenic_ref.semantics.kernel.errors import UsageError
 
 BOM = b"\xef\xbb\xbf"
 ODD = [

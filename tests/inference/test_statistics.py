@@ -14,9 +14,9 @@ from scenic_ref.inference.statistics.columns import Column, Table
 from scenic_ref.inference.statistics.facts import Facts
 from scenic_ref.inference.statistics.power import Hardest, detectable, needed
 from scenic_ref.inference.statistics.relations import gap, table_of
-from scenic_ref.semantics.errors import UsageError
-from scenic_ref.semantics.regions.approximation import box_shape
-from scenic_ref.semantics.vectors import Vector
+from scenic_ref.semantics.kernel.errors import UsageError
+from scenic_ref.semantics.space.regions.approximation import box_shape
+from scenic_ref.semantics.space.vectors import Vector
 
 UNIFORM = Continuous("uniform", lambda x: min(max(x, 0.0), 1.0))
 

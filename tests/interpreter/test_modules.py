@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.errors import ImportRefused, RunError, UncaughtException
-from scenic_ref.semantics.imports import beside, package_of
+from scenic_ref.semantics.kernel.errors import ImportRefused, RunError, UncaughtException
+from scenic_ref.semantics.python.imports import beside, package_of
 
 
 def params(folder: Path, files: dict[str, str], program: str, **options: bool) -> dict[str, object]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from scenic_ref.interpreter.parser import parse
-from scenic_ref.semantics.errors import ParseError, UsageError
+from scenic_ref.semantics.kernel.errors import ParseError, UsageError
 
 # text: (line, column, message, hint)
 MISTAKES: dict[str, tuple[int, int, str, str]] = {

@@ -16,7 +16,7 @@ from scenic_ref.conformance.programs import Choices, ProgramSettings, generate, 
 from scenic_ref.conformance.programs.permuting import nodes
 from scenic_ref.conformance.programs.strategies import programs
 from scenic_ref.scenario import Scenario
-from scenic_ref.semantics.errors import AttemptsExhausted, UsageError
+from scenic_ref.semantics.kernel.errors import AttemptsExhausted, UsageError
 from scenic_ref.semantics.syntax import Node, Program, expressions, python_expressions, specifiers, statements
 
 COUNT = 400

@@ -15,7 +15,7 @@ from scenic_ref.conformance.programs.strategies import ill_formed_programs
 from scenic_ref.interpreter import checks
 from scenic_ref.interpreter.parser import parse
 from scenic_ref.scenario import Scenario, loads
-from scenic_ref.semantics.errors import CheckError, ParseError, ProgramError, ResolutionError
+from scenic_ref.semantics.kernel.errors import CheckError, ParseError, ProgramError, ResolutionError
 
 from .cases import quick
 

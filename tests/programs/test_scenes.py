@@ -9,7 +9,7 @@ from scenic_ref.conformance.programs.strategies import programs
 from scenic_ref.interpreter.parser import parse
 from scenic_ref.interpreter.scenes import Scene
 from scenic_ref.scenario import Scenario, loads
-from scenic_ref.semantics.errors import AttemptsExhausted
+from scenic_ref.semantics.kernel.errors import AttemptsExhausted
 from scenic_ref.semantics.syntax import Program
 
 from .cases import quick

@@ -20,7 +20,7 @@ from scenic_ref.inference.pruning.algorithms import (
 )
 from scenic_ref.inference.pruning.intervals import Interval
 from scenic_ref.inference.pruning.shapes import Shape, common_part, dilate, erode
-from scenic_ref.semantics.geometry import normalise_heading
+from scenic_ref.semantics.space.geometry import normalise_heading
 from shapely.geometry import LineString, Point, Polygon
 
 from .maps import random_cells, random_points, random_polygon, turned

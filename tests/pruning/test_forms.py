@@ -60,7 +60,7 @@ def test_aligned_headings_are_those_of_the_field_up_to_the_deviation(runs):
     for node, (field, point, deviation) in found:
         xs, ys = coordinates(point, columns)
         for heading, x, y in list(zip(columns[node.number], np.broadcast_to(xs, len(columns[node.number])), ys * np.ones(1), strict=False))[:20]:
-            rest = heading - field.at(scenic_ref.semantics.vectors.Vector(float(x), float(y)))
+            rest = heading - field.at(scenic_ref.semantics.space.vectors.Vector(float(x), float(y)))
             assert deviation.low - 1e-9 <= rest <= deviation.high + 1e-9
 
 

@@ -19,10 +19,10 @@ from scenic_ref.interpreter.choosers import from_stream, from_trace
 from scenic_ref.interpreter.running import Accepted, run
 from scenic_ref.interpreter.scenes import Scene
 from scenic_ref.scenario import Scenario
-from scenic_ref.semantics.distributions import PointIn
-from scenic_ref.semantics.outcome import Draw
-from scenic_ref.semantics.symbols import NotLifted
-from scenic_ref.semantics.vectors import Vector
+from scenic_ref.semantics.kernel.outcome import Draw
+from scenic_ref.semantics.space.distributions import PointIn
+from scenic_ref.semantics.space.symbols import NotLifted
+from scenic_ref.semantics.space.vectors import Vector
 from scenic_ref.testing import same_distribution
 
 from .drawn import accepted_points, lost
@@ -244,5 +244,5 @@ def test_pruned_draws_are_in_the_smaller_regions_and_others_are_as_before():
 
 def test_a_draw_that_is_no_point_is_never_replaced():
     scenario = scenic_ref.loads("x = Range(0, 1)\nego = Object at (x, 0)\n")
-    pruned = sample(scenario.start, 0, 0, draws={(0,): PointIn(scenic_ref.semantics.regions.everywhere)}).scene
+    pruned = sample(scenario.start, 0, 0, draws={(0,): PointIn(scenic_ref.semantics.space.regions.everywhere)}).scene
     assert pruned.to_json() == {**scenario.sample(0).to_json(), "pruned": True}

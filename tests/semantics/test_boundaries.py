@@ -10,11 +10,11 @@ import pytest
 import scenic_ref
 from scenic_ref.inference.batch import Batch
 from scenic_ref.inference.pruning.shapes import ROUNDING
-from scenic_ref.semantics import geometry as g
-from scenic_ref.semantics.boundaries import METRES, RADIANS
-from scenic_ref.semantics.errors import AttemptsExhausted
-from scenic_ref.semantics.fields import PolygonalVectorField
-from scenic_ref.semantics.regions import (
+from scenic_ref.semantics.kernel.errors import AttemptsExhausted
+from scenic_ref.semantics.space import geometry as g
+from scenic_ref.semantics.space.boundaries import METRES, RADIANS
+from scenic_ref.semantics.space.fields import PolygonalVectorField
+from scenic_ref.semantics.space.regions import (
     BadRegion,
     CircularRegion,
     EmptyRegion,
@@ -25,7 +25,7 @@ from scenic_ref.semantics.regions import (
     Region,
     SectorRegion,
 )
-from scenic_ref.semantics.vectors import Vector
+from scenic_ref.semantics.space.vectors import Vector
 
 CASES = 200
 Case = tuple[Region, Vector, Vector]

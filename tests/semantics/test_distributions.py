@@ -19,7 +19,8 @@ from scenic_ref.inference.statistics import Continuous, contradicts
 from scenic_ref.interpreter.choosers import from_stream
 from scenic_ref.interpreter.running import run
 from scenic_ref.interpreter.streams import Stream
-from scenic_ref.semantics.distributions import (
+from scenic_ref.semantics.kernel.outcome import Draw
+from scenic_ref.semantics.space.distributions import (
     BadParameters,
     Coin,
     Discrete,
@@ -30,9 +31,8 @@ from scenic_ref.semantics.distributions import (
     TruncatedNormal,
     Uniform,
 )
-from scenic_ref.semantics.outcome import Draw
-from scenic_ref.semantics.regions import CircularRegion, PointSetRegion, RectangularRegion, UnboundedRegion, everywhere
-from scenic_ref.semantics.vectors import Vector
+from scenic_ref.semantics.space.regions import CircularRegion, PointSetRegion, RectangularRegion, UnboundedRegion, everywhere
+from scenic_ref.semantics.space.vectors import Vector
 from scipy import integrate, stats
 
 COUNT = 20_000

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scenic_ref.semantics.fields import OutsideField, PolygonalVectorField, VectorField
-from scenic_ref.semantics.vectors import Vector
+from scenic_ref.semantics.space.fields import OutsideField, PolygonalVectorField, VectorField
+from scenic_ref.semantics.space.vectors import Vector
 from shapely.geometry import Point, Polygon, box
 
 HERE = Vector(0.5, 0.5)

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from scenic_ref.semantics import geometry as g
-from scenic_ref.semantics.boundaries import METRES
-from scenic_ref.semantics.vectors import Vector
+from scenic_ref.semantics.space import geometry as g
+from scenic_ref.semantics.space.boundaries import METRES
+from scenic_ref.semantics.space.vectors import Vector
 from shapely.geometry import LineString, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 

@@ -11,10 +11,10 @@ import pytest
 import scenic_ref
 from scenic_ref.inference.statistics import Categorical, contradicts
 from scenic_ref.interpreter.scenes import Scene
-from scenic_ref.semantics import errors
-from scenic_ref.semantics.outcome import Requirement
+from scenic_ref.semantics.kernel import errors
+from scenic_ref.semantics.kernel.outcome import Requirement
 from scenic_ref.semantics.readings import READINGS
-from scenic_ref.semantics.vectors import Vector
+from scenic_ref.semantics.space.vectors import Vector
 from scipy.stats import norm
 
 

@@ -3,23 +3,14 @@
 from __future__ import annotations
 
 from importlib import import_module
+from importlib.resources import files
 
 import pytest
 from scenic_ref.interpreter.parser import parse
-from scenic_ref.semantics.errors import UsageError
+from scenic_ref.semantics.kernel.errors import UsageError
 from scenic_ref.semantics.readings import PROFILES, READINGS, Reading, select
-from scenic_ref.semantics.readings.conflicts import CONFLICTS
-from scenic_ref.semantics.readings.conflicts_of_examples import CONFLICTS_OF_EXAMPLES
-from scenic_ref.semantics.readings.conflicts_of_policy import CONFLICTS_OF_POLICY
-from scenic_ref.semantics.readings.second_look import SECOND_LOOK
-from scenic_ref.semantics.readings.silences import SILENCES
-from scenic_ref.semantics.readings.silences_of_language import SILENCES_OF_LANGUAGE
-from scenic_ref.semantics.readings.silences_of_policy import SILENCES_OF_POLICY
-from scenic_ref.semantics.readings.silences_of_scenarios import SILENCES_OF_SCENARIOS
+from scenic_ref.semantics.readings.loading import FILES, readings_in
 
-TABLES = (
-    CONFLICTS, CONFLICTS_OF_EXAMPLES, CONFLICTS_OF_POLICY, SILENCES, SILENCES_OF_LANGUAGE, SILENCES_OF_POLICY, SILENCES_OF_SCENARIOS, SECOND_LOOK,
-)
 ALL = pytest.mark.parametrize("reading", READINGS.values(), ids=READINGS)
 
 
@@ -37,9 +28,44 @@ def resolve(name: str) -> object:
     raise ModuleNotFoundError(name)
 
 
-def test_ids_are_unique() -> None:
-    assert sum(len(table) for table in TABLES) == len(READINGS)
-    assert all(name == reading.id for name, reading in READINGS.items())
+def test_every_file_is_loaded() -> None:
+    folder = files("scenic_ref.semantics.readings")
+    assert {entry.name for entry in folder.iterdir() if entry.name.endswith(".toml")} == {f"{name}.toml" for name in FILES}
+
+
+GOOD = """
+[x]
+kind = "silence"
+about = "scene"
+question = "What?"
+places = ["Here"]
+consequence = "This."
+code = []
+[x.alternatives]
+a = "one"
+b = "other"
+[x.profiles]
+prose = "b"
+"""
+
+
+def test_a_good_file_is_read() -> None:
+    (reading,) = readings_in(GOOD, "f.toml")
+    assert (reading.default, reading.under("prose"), reading.under("formal")) == ("a", "b", "a")
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("kind", "kinds"), ('"silence"', '"quiet"'), ("about = \"scene\"\n", ""), ('["Here"]', '"Here"'), ('["Here"]', '[""]'), ('["Here"]', "[1]"),
+        ('b = "other"', "b = 2"), ('prose = "b"', 'prose = "c"'), ('prose = "b"', 'paper-2 = "b"'), ('"scene"', '"weather"'),
+        ("[x.profiles]", "[x.probe]\nprogram = 'ego = Object'\n[x.probe.shows]\na = 'x'\n[x.profiles]"), ("[x]", "x = 1\n[y]"),
+    ],
+)  # fmt: skip
+def test_a_file_that_is_not_as_it_should_be_is_refused(old: str, new: str) -> None:
+    assert old in GOOD
+    with pytest.raises(ValueError, match=r"^f.toml: \[x\]"):
+        list(readings_in(GOOD.replace(old, new), "f.toml"))
 
 
 @ALL
@@ -73,7 +99,7 @@ def test_code_names_exist(reading: Reading) -> None:
 
 def test_a_name_that_does_not_exist_is_not_resolved() -> None:
     with pytest.raises(AttributeError):
-        resolve("semantics.termination.nothing")
+        resolve("semantics.scenes.termination.nothing")
 
 
 @ALL

@@ -12,8 +12,8 @@ from typing import TypeVar
 import pytest
 from scenic_ref.inference.statistics import Categorical, contradicts
 from scenic_ref.interpreter.streams import Stream
-from scenic_ref.semantics import geometry as g
-from scenic_ref.semantics.regions import (
+from scenic_ref.semantics.space import geometry as g
+from scenic_ref.semantics.space.regions import (
     CircularRegion,
     PointSetRegion,
     PolygonalRegion,
@@ -22,8 +22,8 @@ from scenic_ref.semantics.regions import (
     Region,
     SectorRegion,
 )
-from scenic_ref.semantics.regions.combined import PROPOSALS
-from scenic_ref.semantics.vectors import Vector
+from scenic_ref.semantics.space.regions.combined import PROPOSALS
+from scenic_ref.semantics.space.vectors import Vector
 from shapely.geometry import MultiPolygon, Point, Polygon, box
 
 COUNT = 20_000

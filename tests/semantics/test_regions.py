@@ -10,9 +10,9 @@ import shapely
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scenic_ref.interpreter.streams import Stream
-from scenic_ref.semantics import geometry as g
-from scenic_ref.semantics.fields import VectorField
-from scenic_ref.semantics.regions import (
+from scenic_ref.semantics.space import geometry as g
+from scenic_ref.semantics.space.fields import VectorField
+from scenic_ref.semantics.space.regions import (
     BadRegion,
     CircularRegion,
     EmptyRegion,
@@ -28,7 +28,7 @@ from scenic_ref.semantics.regions import (
     everywhere,
     nowhere,
 )
-from scenic_ref.semantics.vectors import Vector
+from scenic_ref.semantics.space.vectors import Vector
 from shapely.geometry import LineString, MultiPolygon, Point, Polygon, box
 
 ORIGIN = Vector(0.0, 0.0)

@@ -8,7 +8,7 @@ from scenic_ref.conformance import Task, Vector, load_vectors
 from scenic_ref.conformance.ourselves import load, traced
 from scenic_ref.conformance.refusals import Error, Rejection
 from scenic_ref.conformance.reports import UNREACHABLE, shows
-from scenic_ref.semantics import errors
+from scenic_ref.semantics.kernel import errors
 from scenic_ref.semantics.rules import CATALOGUE, RULES
 
 VECTORS = load_vectors()

@@ -6,8 +6,8 @@ import math
 
 import pytest
 from scenic_ref.interpreter.streams import Stream
-from scenic_ref.semantics import geometry as g
-from scenic_ref.semantics.vectors import Vector
+from scenic_ref.semantics.space import geometry as g
+from scenic_ref.semantics.space.vectors import Vector
 from scenic_ref.simulators.worlds.city import LANE, SHOULDER, City, city
 from shapely.geometry import LineString
 

@@ -1,0 +1,98 @@
+"""Classes: Table "Properties of the built-in classes", single inheritance, default value expressions, `class` itself."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from functools import cache
+
+from ..space.vectors import Vector
+from ..syntax import expressions as e
+from ..syntax.nodes import Node
+from ..syntax.python_expressions import Attribute, Constant, Name, TupleDisplay
+from .scopes import Scope
+from .values import ScenicClass
+
+ALIASES: Mapping[str, str] = {"height": "length", "visibleDistance": "viewDistance"}
+"""Second spellings of properties (readings `height` and `view-distance`)."""
+
+EMPTY = Scope("builtins", None)
+
+
+def canonical(name: str) -> str:
+    """The property that a name stands for."""
+    return ALIASES.get(name, name)
+
+
+def _constant(value: object) -> Constant:
+    return Constant(value=value)
+
+
+def _self(name: str) -> Attribute:
+    return Attribute(value=Name(name="self"), name=name)
+
+
+def _pair(x: Node, y: Node) -> TupleDisplay:
+    return TupleDisplay(items=(x, y))  # type: ignore[arg-type]
+
+
+ORIGIN = _pair(_constant(0), _constant(0))
+
+POINT_CLASS = ScenicClass(
+    name="Point",
+    superclass=None,
+    own_defaults={
+        "position": _constant(Vector(0.0, 0.0)),
+        "viewDistance": _constant(50),
+        "mutationScale": _constant(0),
+        "positionStdDev": _constant(1),
+    },
+    scope=EMPTY,
+    built_in=True,
+)
+
+ORIENTED_POINT_CLASS = ScenicClass(
+    name="OrientedPoint",
+    superclass=POINT_CLASS,
+    own_defaults={
+        "heading": _constant(0.0),
+        "viewAngle": _constant(math.radians(360)),
+        "headingStdDev": _constant(math.radians(5)),
+    },
+    scope=EMPTY,
+    built_in=True,
+)
+
+OBJECT_CLASS = ScenicClass(
+    name="Object",
+    superclass=ORIENTED_POINT_CLASS,
+    own_defaults={
+        "width": _constant(1),
+        "length": _constant(1),
+        "speed": _constant(0),
+        # velocity = (0, 0) offset along self.heading by (0, self.speed): "default from speed, heading"
+        "velocity": e.OffsetAlong(base=ORIGIN, direction=_self("heading"), offset=_pair(_constant(0), _self("speed"))),
+        "angularSpeed": _constant(0),
+        "behavior": _constant(None),
+        "allowCollisions": _constant(False),
+        "requireVisible": _constant(True),
+        "regionContainedIn": _constant(None),
+    },
+    scope=EMPTY,
+    built_in=True,
+)
+
+BUILT_IN_CLASSES: Mapping[str, ScenicClass] = {c.name: c for c in (POINT_CLASS, ORIENTED_POINT_CLASS, OBJECT_CLASS)}
+
+VECTOR_PROPERTIES = frozenset({"position", "velocity"})
+SCALAR_PROPERTIES = frozenset(
+    {"heading", "width", "length", "viewDistance", "viewAngle", "speed", "angularSpeed", "mutationScale", "positionStdDev", "headingStdDev"}
+)
+BOOLEAN_PROPERTIES = frozenset({"allowCollisions", "requireVisible"})
+NON_NEGATIVE_PROPERTIES = frozenset({"width", "length", "viewDistance", "viewAngle", "mutationScale", "positionStdDev", "headingStdDev"})
+
+
+@cache
+def built_in_defaults(class_: ScenicClass) -> Mapping[str, object]:
+    """The default values of Point and OrientedPoint, which are constants."""
+    return {name: default.value for name, (default, _) in class_.defaults.items() if isinstance(default, Constant)}

@@ -1,0 +1,142 @@
+"""Boolean operators, conditional expressions, and reading `random-branch`: what decides control flow may not be random."""
+
+from __future__ import annotations
+
+import operator as python
+from collections.abc import Callable, Sequence
+from functools import reduce as fold_left
+from typing import NamedTuple
+
+from ..space.symbols import Symbol, is_truth
+from ..syntax import python_expressions as p
+from ..syntax.nodes import Node, Span
+from .allowed import is_user_made
+from .config import Config, Stack, State, reduce, value
+from .draws import numbered_apart
+from .errors import RandomBranch, RunError
+from .host import host
+from .kinds import kind_name
+from .outcome import Next, Operand, Outcome
+from .premises import describe_origin
+from .values import Random, plain, unwrap
+
+
+class Boolean(NamedTuple):
+    """Frame of `and`/`or`: operand `index` is being reduced; `held` are those before it once one was random."""
+
+    node: p.BooleanOperation
+    index: int
+    held: tuple[object, ...]
+
+
+def boolean(node: p.BooleanOperation, stack: Stack, state: State) -> Outcome:
+    """`E1 and E2`, `E1 or E2`: an operand is reduced only where those before it leave the answer open."""
+    return reduce(node.operands[0], Boolean(node, 0, ()), stack, state)
+
+
+def resume_boolean(frame: Boolean, result: object, stack: Stack, state: State) -> Outcome:
+    """An operand was reduced: the answer is known, or the next one is (reading `boolean-random`: where one was random)."""
+    node, following = frame.node, frame.index + 1
+    last, going_on = following == len(node.operands), node.operator == "and"
+    if not frame.held and type(result) is not Random:
+        if last or bool_of(result, node, state) is not going_on:
+            return value("E-Boolean", result, stack, state, node)
+        return reduce(node.operands[following], Boolean(node, following, ()), stack, state)
+    held = (*frame.held, result)
+    if not last and not frame.held:
+        stack, state = before_operands(node.operands[following:], stack, state)
+    if last:
+        return value("E-Boolean", combine(node.operator, held, state), stack, state, node)
+    operand = reduce(node.operands[following], Boolean(node, following, held), stack, state)
+    if state.reading("boolean-random") == "operator":
+        return operand
+    return where_open(truth_of(result, state), going_on, operand, lambda: value("E-Boolean", combine(node.operator, held, state), stack, state, node))
+
+
+def before_operands(operands: Sequence[p.Expression], stack: Stack, state: State) -> tuple[Stack, State]:
+    """Where something random decides whether the operands are reduced, draws within them are numbered apart from those after them."""
+    if state.reading("boolean-random") == "operator" or all(isinstance(operand, (p.Name, p.Constant)) for operand in operands):
+        return stack, state
+    return numbered_apart(stack, state)
+
+
+def where_open(truth: object, going_on: bool, operand: Next, decided: Callable[[], Next]) -> Next:
+    """Short-circuit on something random: the next operand is reduced where the truth so far leaves the answer open; else the answer is known."""
+    if isinstance(truth, Symbol):
+        return operand._replace(where=Operand(truth, going_on, operand.config.stack))
+    return operand if truth is going_on else decided()._replace(beyond=operand.config)
+
+
+def truth_of(result: object, state: State) -> object:
+    """The truth of a value, random or not, in this run; a symbol, if it is one."""
+    inner = unwrap(result)[0]
+    return inner.truth() if isinstance(inner, Symbol) else plain(host(state.settings.door, state, bool, result))
+
+
+def combine(operator: str, operands: tuple[object, ...], state: State) -> object:
+    """Python's `and` or `or` over values, some of which are random."""
+
+    def fold(*values: object) -> object:
+        for v in values[:-1]:
+            if bool(v) is (operator == "or"):
+                return v
+        return values[-1]
+
+    connective = {"and": python.and_, "or": python.or_}[operator]
+    if all(is_truth(plain(v)) for v in operands):
+        return fold_left(lambda left, right: host(state.settings.door, state, connective, left, right), operands)
+    return host(state.settings.door, state, fold, *operands)
+
+
+def bool_of(result: object, node: Node, state: State) -> bool:
+    """The truth of a value that is not random."""
+    if result is True or result is False:
+        return result
+    answer = host(state.settings.door, state, bool, result)
+    if type(answer) is Random:  # a class of the program whose truth depends on something random
+        raise random_branch(answer, node, "the truth of this value")
+    return bool(answer)
+
+
+def truth(result: object, node: Node, state: State, what: str) -> bool:
+    """The truth of a condition that decides control flow: it may not be random outside behaviors, monitors and compose blocks."""
+    if type(result) is Random:
+        raise random_branch(result, node, what)
+    return bool_of(result, node, state)
+
+
+def random_branch(result: Random, node: Node, what: str) -> RandomBranch:
+    """The error of reading `random-branch`."""
+    return RandomBranch(
+        f"{what} is random: it depends on {describe_origin(result.origin)}, and control flow outside behaviors and compose blocks may not",
+        node.span, rule="E-Branch", hint="use `require` to condition on it, or Uniform/Discrete to choose among values",
+    )
+
+
+def holding(result: object, span: Span, state: State, what: str, rule: str) -> object:
+    """Whether the condition of a requirement, guard, interrupt or end holds, perhaps as a symbol: a boolean, in this run where it is random.
+
+    An instance of a Python class of the program is as true as it says. Raises `RunError` for anything else.
+    """
+    inner = plain(result)
+    holds = plain(host(state.settings.door, state, bool, result)) if is_user_made(inner) else inner
+    if not is_truth(holds):
+        raise RunError(f"{what} is a boolean, and this is {kind_name(result)}", span, rule=rule, hint="compare it with something")
+    return holds
+
+
+class Test(NamedTuple):
+    """Frame of `E1 if B else E2` while B is being reduced."""
+
+    node: p.Conditional
+
+
+def conditional(node: p.Conditional, stack: Stack, state: State) -> Outcome:
+    """`E1 if B else E2`."""
+    return reduce(node.test, Test(node), stack, state)
+
+
+def resume_test(frame: Test, result: object, stack: Stack, state: State) -> Outcome:
+    """Go on with the branch that the condition chose."""
+    chosen = frame.node.then if truth(result, frame.node.test, state, "the condition of this `if`") else frame.node.otherwise
+    return Next("E-Conditional", Config(chosen, stack, state), frame.node)

@@ -1,0 +1,137 @@
+"""The state ⟨s, σ, π, O⟩ of a program: what is left to do, the variables, the global parameters, the objects."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+from ..syntax.nodes import NOWHERE, Node, Span
+from .outcome import Change, Next
+from .scopes import Scope
+from .values import Dynamic, Instance, Origin
+
+if TYPE_CHECKING:
+    from ..syntax import Program
+    from .host import Door
+    from .outcome import Outcome
+    from .simulation import Declared, Simulation
+
+Properties = Mapping[str, object]
+
+
+class Settings(NamedTuple):
+    """What stays the same during a run: readings, importable modules, the machine itself (for calls from host code).
+
+    A `trusted` program may hold and ask anything (`allowed`), since it imports Python code that can do anything.
+    """
+
+    readings: Mapping[str, str]
+    library: Mapping[str, Program | Mapping[str, object] | Exception]
+    machine: Callable[[Config], Outcome]
+    door: Door
+    params: Mapping[str, object] = {}
+    model: str | None = None
+    euler_steps: int = 4
+    scenario: str | None = None
+    trusted: bool = False
+
+
+class State(NamedTuple):
+    """(σ, π, O) and what the machine keeps beside them.
+
+    `sigma` is σ, `params` is π, `objects` maps the number of every instance to its properties, `scene` lists the
+    Objects among them in the order of creation (O proper). `ego` and `workspace` are the two variables that all modules
+    share. `prefix` and `draws` address the next draw; `modules` holds what was imported in this run; `late` the
+    requirements that wait for the end, each with the state at its statement (reading `require-time=end`); `dynamic`
+    those for the policy, with their scopes; `handling` the exceptions being handled, innermost last; `depth` counts open calls, `made` the
+    instances. `initial` is the modular scenario that the run began with, if it is one, and `simulation` what there is while it runs (None:
+    the scene is being generated).
+    """
+
+    sigma: Scope
+    settings: Settings
+    params: Mapping[str, object] = {}
+    objects: Mapping[int, Properties] = {}
+    scene: tuple[Instance, ...] = ()
+    names: Mapping[int, str] = {}
+    ego: object = None
+    workspace: object = None
+    prefix: tuple[int, ...] = ()
+    draws: int = 0
+    modules: Mapping[str, object] = {}
+    late: tuple[tuple[Node, State], ...] = ()
+    dynamic: tuple[Declared, ...] = ()
+    handling: tuple[BaseException, ...] = ()
+    depth: int = 0
+    made: int = 0
+    initial: Dynamic | None = None
+    simulation: Simulation | None = None
+
+    @property
+    def runs(self) -> bool:
+        """Whether what is drawn may decide what happens, so that rules see plain values: while a scenario runs, but not in setup blocks."""
+        return self.simulation is not None and not self.simulation.setting
+
+    @property
+    def address(self) -> tuple[int, ...]:
+        """The address of the next draw."""
+        return (*self.prefix, self.draws)
+
+    def reading(self, name: str) -> str:
+        """The alternative of a reading that this run follows."""
+        return self.settings.readings[name]
+
+    def property(self, instance: Instance, name: str) -> object:
+        """O(instance.name)."""
+        return self.objects[instance.number][name]
+
+    def with_properties(self, instance: Instance, properties: Properties) -> State:
+        """O[instance.p / v] for every p in `properties`."""
+        updated = {**self.objects.get(instance.number, {}), **properties}
+        return self.with_objects({**self.objects, instance.number: updated})
+
+    def with_objects(self, objects: Mapping[int, Properties]) -> State:
+        """The same with another O; what `_replace` does, for the step that is taken most."""
+        return tuple.__new__(State, (*self[:OBJECTS], objects, *self[OBJECTS + 1 :]))
+
+
+class Value(NamedTuple):
+    """An expression has been reduced to `value`; a statement to `pass`, whose value is PASS."""
+
+    value: object
+
+
+PASS = Value(None)
+
+
+class Abrupt(NamedTuple):
+    """A statement left its block: by `break`, `continue`, `return` (with a value), `abort`, `terminate`, or an exception (with the draw that
+    it depends on).
+    """
+
+    kind: Literal["break", "continue", "return", "raise", "abort", "terminate"]
+    value: object = None
+    span: Span = NOWHERE
+    origin: Origin | None = None
+
+
+OBJECTS = State._fields.index("objects")
+Stack = tuple  # () or (frame, Stack): the context in which the control stands, innermost first
+
+
+class Config(NamedTuple):
+    """A configuration: a node to reduce, or what it was reduced to; the context around it; the state."""
+
+    control: Node | Value | Abrupt
+    stack: Stack
+    state: State
+
+
+def value(rule: str, result: object, stack: Stack, state: State, node: Node | None = None, change: Change | None = None) -> Next:
+    """The conclusion `... → result` of a rule without probability."""
+    return Next(rule, Config(Value(result), stack, state), node, change)
+
+
+def reduce(node: Node, frame: object, stack: Stack, state: State) -> Next:
+    """Go on with a premise: reduce `node`, then come back to `frame`."""
+    return Next("", Config(node, (frame, stack), state))

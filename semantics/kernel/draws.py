@@ -1,0 +1,85 @@
+"""The rule "Distributions" of Figure "expression-semantics": a distribution evaluates to a sample from it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from ..space.distributions import BadParameters, Distribution, Range
+from ..syntax import expressions as e
+from ..syntax.nodes import Node, Span
+from .config import Abrupt, Config, Stack, State, Value, value
+from .errors import RunError
+from .kinds import has_kind
+from .outcome import Draw, Next, Outcome, Requirement, Stuck
+from .premises import premises
+from .values import Constructor, Origin, Random, plain, unwrap
+
+
+def draw(node: Node, constructor: Constructor, arguments: tuple[object, ...], keywords: Mapping[str, object], stack: Stack, state: State) -> Outcome:
+    """⟨params⟩ → θ and v ∈ dom baseDist(θ) give ⟨baseDist(params)⟩ →^{P_θ(v)} v (Figure "expression-semantics", Distributions)."""
+    try:
+        if constructor.keeps_values:
+            distribution = constructor.make(*arguments, **keywords)
+        else:
+            distribution = constructor.make(*(unwrap(a)[0] for a in arguments), **{k: unwrap(v)[0] for k, v in keywords.items()})
+    except BadParameters as bad:
+        return invalid("E-Distributions", bad, node.span, state)
+    except TypeError:
+        raise RunError(f"the parameters of {constructor.name} are ({constructor.takes})", node.span, rule="E-Distributions") from None
+    return ask(node, distribution, "E-Distributions", stack, state, f"{constructor.name}(...)")
+
+
+def invalid(rule: str, bad: BadParameters, span: Span, state: State) -> Stuck:
+    """No rule fires for a θ that is none (reading `invalid-parameters`): an error, or the run is stuck."""
+    if state.reading("invalid-parameters") == "error":
+        raise RunError(str(bad), span, rule=rule)
+    return Stuck(rule, Requirement("parameters", span, str(bad)))
+
+
+def ask(node: Node, distribution: Distribution, rule: str, stack: Stack, state: State, text: str) -> Draw:
+    """A draw whose result is the value of the expression."""
+    origin = Origin(node.span, text, distribution)
+    after = state._replace(draws=state.draws + 1)
+
+    def resume(drawn: object) -> Config:
+        return Config(Value(Random(unwrap(drawn)[0], origin)), stack, after)
+
+    return Draw(rule, state.address, distribution, node, resume)
+
+
+class Apart(NamedTuple):
+    """Frame of what is reduced only in some runs: its own draws are numbered apart from those after it, of which the next has the number `draws`."""
+
+    prefix: tuple[int, ...]
+    draws: int
+
+
+def numbered_apart(stack: Stack, state: State) -> tuple[Stack, State]:
+    """The stack and the state in which something is reduced whose draws are numbered apart."""
+    return (Apart(state.prefix, state.draws + 1), stack), state._replace(prefix=state.address, draws=0)
+
+
+def resume_apart(frame: Apart, result: object, stack: Stack, state: State) -> Outcome:
+    """Go on numbering the draws after it."""
+    return Next("", Config(Value(result), stack, state._replace(prefix=frame.prefix, draws=frame.draws)))
+
+
+def unwind_apart(frame: Apart, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
+    """As above, for an exception."""
+    return Next("", Config(abrupt, stack, state._replace(prefix=frame.prefix, draws=frame.draws)))
+
+
+def interval_or_pair(node: e.IntervalOrPair, stack: Stack, state: State) -> Outcome:
+    """`(low, high)` of dialect `pldi19` (reading `intervals`)."""
+    return premises(node, [node.low, node.high], conclude_interval, stack, state)
+
+
+def conclude_interval(node: e.IntervalOrPair, values: list[object], stack: Stack, state: State) -> Outcome:
+    """Uniform on the interval if both ends are scalars, otherwise a pair."""
+    if all(has_kind(plain(v), "scalar") for v in values):
+        return draw(node, RANGE, tuple(values), {}, stack, state)
+    return value("E-Display", tuple(values), stack, state, node)
+
+
+RANGE = Constructor("Range", Range, keeps_values=False, takes="low, high")

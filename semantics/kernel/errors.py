@@ -1,0 +1,175 @@
+"""The closed family of errors that a user can meet (DESIGN: four kinds of failure, never mixed).
+
+A *stuck* run is not an error but an outcome; `AttemptsExhausted` is what a report of too many stuck runs raises.
+Kinds are told apart by class, never by message text.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from ..syntax.nodes import NOWHERE, Span
+
+
+class ScenicError(Exception):
+    """Anything that `scenic_ref` raises on purpose.
+
+    `message` is one sentence; `span` says where in the source; `rule` is the id of the rule that could not be applied
+    (or ""); `hint` is one suggested repair (or "").
+    """
+
+    exit_code = 1
+    kind = "error"
+
+    def __init__(self, message: str, span: Span = NOWHERE, *, rule: str = "", hint: str = "") -> None:
+        super().__init__(message)
+        self.message = message
+        self.span = span
+        self.rule = rule
+        self.hint = hint
+
+    def __str__(self) -> str:
+        place = f"{self.span}: " if self.span is not NOWHERE else ""
+        return place + self.message
+
+
+class ProgramError(ScenicError):
+    """The user's program is wrong; `phase` says when that was found."""
+
+    kind = "program error"
+    phase = "run"
+
+
+class ParseError(ProgramError):
+    """The text is not a program of the grammar; `expected` lists what could have stood at `span`."""
+
+    kind = "syntax error"
+    phase = "parse"
+
+    def __init__(self, message: str, span: Span, *, expected: tuple[str, ...] = (), hint: str = "") -> None:
+        super().__init__(message, span, hint=hint)
+        self.expected = expected
+
+
+class CheckError(ProgramError):
+    """The program parses but can never run: `take` outside a behavior, `return` outside a function, ..."""
+
+    kind = "static error"
+    phase = "check"
+
+
+class ResolutionError(ProgramError):
+    """Algorithm 1 (resolveSpecifiers) found the specifiers of an object ill-formed."""
+
+    kind = "specifier error"
+    phase = "resolve"
+
+
+class SpecifiedTwice(ResolutionError):
+    """A property is specified non-optionally by two specifiers."""
+
+
+class SpecifiedTwiceOptionally(ResolutionError):
+    """A property is specified only optionally, and by two specifiers."""
+
+
+class MissingProperty(ResolutionError):
+    """A specifier depends on a property that the object does not have."""
+
+
+class CyclicDependencies(ResolutionError):
+    """The specifiers depend on each other in a circle; `cycle` lists the properties along it."""
+
+    def __init__(self, message: str, span: Span, *, cycle: tuple[str, ...], rule: str = "", hint: str = "") -> None:
+        super().__init__(message, span, rule=rule, hint=hint)
+        self.cycle = cycle
+
+
+class RunError(ProgramError):
+    """A rule's premises cannot hold whatever is drawn: a wrong type, an unknown name, a bad parameter."""
+
+
+class RandomBranch(RunError):
+    """Control flow outside a behavior depends on a random value (reading `random-branch`)."""
+
+
+class UncaughtException(RunError):
+    """The program raised a Python exception that nothing caught; `exception` is it."""
+
+    def __init__(self, message: str, span: Span, *, exception: BaseException, hint: str = "") -> None:
+        super().__init__(message, span, hint=hint)
+        self.exception = exception
+
+
+class SimulatorError(RunError):
+    """A simulator raised an exception, or gave numbers that are none."""
+
+    kind = "simulator error"
+
+
+class ImportRefused(RunError):
+    """The import runs arbitrary Python code and `--trust` was not given, or reaches a private name."""
+
+
+class FuelExhausted(RunError):
+    """One run took more steps than allowed: probably an endless loop."""
+
+
+class Gap(ScenicError):
+    """The paper says nothing and no reading covers it."""
+
+    kind = "gap in the paper"
+
+
+class UsageError(ScenicError):
+    """The command line or the API was used wrongly: an unknown profile, a file that cannot be read or written."""
+
+    exit_code = 2
+    kind = "usage error"
+
+
+class AttemptsExhausted(ScenicError):
+    """No run was accepted within the limit; `stuck` counts the reasons of the stuck runs, most frequent first."""
+
+    exit_code = 3
+    kind = "attempts exhausted"
+
+    def __init__(self, message: str, span: Span = NOWHERE, *, attempts: int, stuck: tuple[tuple[object, int], ...]) -> None:
+        super().__init__(message, span)
+        self.attempts = attempts
+        self.stuck = stuck
+
+
+class RunsExhausted(ScenicError):
+    """An enumeration has more than the allowed number of runs; those made cover the part `covered` of the probability."""
+
+    exit_code = 3
+    kind = "runs exhausted"
+
+    def __init__(self, message: str, span: Span = NOWHERE, *, runs: int, covered: Fraction, hint: str = "") -> None:
+        super().__init__(message, span, hint=hint)
+        self.runs = runs
+        self.covered = covered
+
+
+class InternalError(ScenicError):
+    """A fault of scenic_ref itself; please report it with the program and the seed."""
+
+    exit_code = 4
+    kind = "internal error"
+
+
+class GuardViolation(Exception):
+    """A precondition or invariant does not hold."""
+
+
+class PreconditionViolation(GuardViolation):
+    """A precondition does not hold where a behavior or scenario begins."""
+
+
+class InvariantViolation(GuardViolation):
+    """An invariant does not hold where a behavior or scenario begins or goes on."""
+
+
+GUARD_VIOLATIONS = {c.__name__: c for c in (GuardViolation, PreconditionViolation, InvariantViolation)}
+"""Exceptions that a program may name and catch."""

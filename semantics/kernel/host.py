@@ -1,0 +1,195 @@
+"""The border between the machine and Python code that it did not interpret: operations, builtins, library methods.
+
+Out: `host` runs a Python operation and tells the program's exceptions from our own mistakes. In: host code that was
+given a function of the program (a key for `sorted`, the value of a vector field) calls it through the `Door`, where a
+draw is refused, never lost.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+
+import numpy as np
+
+from ..space.symbols import NotLifted
+from .allowed import is_value
+from .budget import PLAIN, STEP, Budget
+from .config import Abrupt, Config, State, Value
+from .errors import FuelExhausted, RunError, ScenicError
+from .nesting import too_deep
+from .outcome import Draw, Fault, Next, Observe, Operand, Stuck
+from .values import Function, Instance, Origin, unwrap, wrap
+
+DOOR_FUEL = 1_000_000
+Lift = Callable[[Callable[..., object], list[object], dict[str, object]], object]
+"""Applies an operation of Python to arguments with symbols in them, when the machine runs on symbols (DESIGN, section 1)."""
+NUMBERS_PER_CALL = 1_000_000
+"""Instances made behind the door have numbers of their own, so that none is ever taken for another."""
+
+
+class HostException(Exception):
+    """An exception that belongs to the program: host code raised it on the program's behalf; whether it did may be random."""
+
+    def __init__(self, exception: Exception, origin: Origin | None = None) -> None:
+        super().__init__(str(exception))
+        self.exception = exception
+        self.origin = origin
+
+
+class DoorStuck(Exception):
+    """A requirement failed inside a function that host code called."""
+
+    def __init__(self, outcome: Stuck) -> None:
+        super().__init__(outcome.requirement.text)
+        self.outcome = outcome
+
+
+class Door:
+    """The one way in: `call` runs a function of the program to its value in the state of the surrounding host call."""
+
+    __slots__ = ("budget", "called", "calls", "enter", "lift", "origin", "state")
+
+    def __init__(self, enter: Callable[[Function, tuple[object, ...], Mapping[str, object], State], Config]) -> None:
+        self.enter = enter
+        self.budget = Budget()
+        self.state: State | None = None
+        self.origin: Origin | None = None
+        self.called = False
+        self.calls = 0
+        self.lift: Lift | None = None
+
+    def call(self, function: Function, arguments: tuple[object, ...], keywords: Mapping[str, object]) -> object:
+        """The value of `function(*arguments, **keywords)`, with nothing random left in it (its origin is kept)."""
+        if self.state is None:
+            raise RunError(f"{function.name} is called outside any run", function.span)
+        state, outer, self.called = self.state, self.origin, True
+        self.calls += 1
+        begun = state._replace(made=state.made + self.calls * NUMBERS_PER_CALL)
+        config = self.enter(function, arguments, keywords, begun)
+        for _ in range(DOOR_FUEL):
+            if not config.stack:
+                break
+            self.budget.spend(STEP)
+            match state.settings.machine(config):
+                case Next(where=Operand()):
+                    raise NotLifted(f"{function.name}, which library code calls, goes by a random value")
+                case Next(config=after) | Observe(config=after):
+                    config = after
+                case Fault(error=error):
+                    raise error
+                case Stuck() as outcome:
+                    raise DoorStuck(outcome)
+                case Draw(node=node):
+                    raise RunError(
+                        f"{function.name} draws a random value while library code calls it", node.span, rule="E-Call-Host",
+                        hint="draw the value before the call and use it inside the function",
+                    )
+                case _:
+                    raise RunError(f"{function.name} ends the program while library code calls it", function.span)
+        else:
+            raise FuelExhausted(f"{function.name} does not come to an end", function.span)
+        match config.control:
+            case Abrupt(kind="raise", value=BaseException() as exception):
+                raise exception
+            case Value(value=value):
+                check_unchanged(function, begun, config.state)
+                result, origin = unwrap(value)
+                if any(i.number >= begun.made for i in instances_in(result)):
+                    raise RunError(
+                        f"{function.name} returns a new object or point to library code that calls it", function.span, rule="E-Call-Host",
+                        hint="return its position instead",
+                    )
+                self.state, self.origin = state, outer or self.origin or origin
+                return result
+            case _:
+                return None
+
+
+def check_unchanged(function: Function, before: State, after: State) -> None:
+    """Refuse changes of the state by a function that library code called: they would be lost."""
+    kept = ("scene", "params", "ego", "workspace", "late", "dynamic")
+    changed = any(getattr(before, name) is not getattr(after, name) for name in kept)
+    if changed or any(after.objects[number] is not properties for number, properties in before.objects.items()):
+        raise RunError(
+            f"{function.name} changes the scene while library code calls it", function.span, rule="E-Call-Host",
+            hint="make objects, parameters and requirements outside of the function",
+        )
+
+
+def instances_in(value: object) -> Iterator[Instance]:
+    """The instances in a value and in its lists and tuples."""
+    if isinstance(value, Instance):
+        yield value
+    elif isinstance(value, (list, tuple)):
+        for item in value:
+            yield from instances_in(item)
+
+
+def host(door: Door, state: State, operation: Callable[..., object], *arguments: object, **keywords: object) -> object:
+    """`operation(*arguments, **keywords)` in Python; what is random inside the arguments makes the result random."""
+    origin: Origin | None = None
+    plain_arguments = []
+    for argument in arguments:
+        value, found = unwrap(argument)
+        origin = origin or found
+        plain_arguments.append(value)
+    plain_keywords = {}
+    for name, argument in keywords.items():
+        plain_keywords[name], found = unwrap(argument)
+        origin = origin or found
+    door.state, door.origin = state, None
+    door.budget.go_through(plain_arguments)
+    try:
+        result = (
+            operation(*plain_arguments, **plain_keywords) if door.lift is None or origin is None
+            else door.lift(operation, plain_arguments, plain_keywords)
+        )
+    except (ScenicError, DoorStuck, HostException):
+        raise
+    except RecursionError:
+        raise too_deep() from None
+    except MemoryError:
+        raise RunError("this operation needs more memory than there is") from None
+    except Exception as exception:  # whatever library code raises is the program's to catch
+        raise HostException(exception, origin or door.origin) from exception
+    if type(result) not in PLAIN:
+        result = settled(result, state)
+    return wrap(result, origin or door.origin)
+
+
+def settled(result: object, state: State) -> object:
+    """What host code made, paid for and checked; a number of NumPy's as Python's."""
+    if isinstance(result, np.generic):
+        return result.item()
+    state.settings.door.budget.made(result)
+    check_value(result, state)
+    return result
+
+
+def check_value(result: object, state: State) -> None:
+    """Refuse a value that is none of a program's (`allowed.is_value`)."""
+    if type(result) not in PLAIN and not state.settings.trusted and not is_value(result):
+        raise RunError(f"a {type(result).__name__} is no value that a program may have", rule="E-Call-Host")
+
+
+def raw(door: Door, state: State, operation: Callable[..., object], *arguments: object, **keywords: object) -> object:
+    """`operation(*arguments, **keywords)` in Python on the values as they are, containers with random elements and all.
+
+    The result is random if functions of the program that it called met something random.
+    """
+    outer, door.state, door.origin = door.origin, state, None
+    try:
+        result = operation(*arguments, **keywords)
+        met = door.origin
+    except (ScenicError, DoorStuck, HostException):
+        raise
+    except RecursionError:
+        raise too_deep() from None
+    except MemoryError:
+        raise RunError("this operation needs more memory than there is") from None
+    except Exception as exception:  # whatever library code raises is the program's to catch
+        raise HostException(exception) from exception
+    finally:
+        door.origin = outer
+    check_value(result, state)
+    return result if met is None else wrap(unwrap(result)[0], met)

@@ -1,0 +1,206 @@
+"""The paper's types of operands: which values count as a scalar, vector, heading, field, region, point, object.
+
+`Point` and `OrientedPoint` are automatically interpreted as vectors or headings in contexts expecting these (paper,
+Section "Data Types"). A `Reader` makes these interpretations and remembers whether anything it read was random.
+"""
+
+from __future__ import annotations
+
+from numbers import Real
+from typing import NamedTuple
+
+from ..space.fields import VectorField
+from ..space.regions import Region
+from ..space.symbols import Symbol, is_finite_number, number
+from ..space.vectors import Vector
+from .config import State
+from .values import Dynamic, Instance, Origin, Random, ScenicClass, unwrap, wrap
+
+SCALAR, VECTOR, HEADING, FIELD, REGION = "scalar", "vector", "heading", "vector field", "region"
+POINT, ORIENTED_POINT, OBJECT = "Point", "OrientedPoint", "Object"
+
+
+class OrientedPointAt(NamedTuple):
+    """The value OrientedPoint(position, heading) of the paper's equations; heading None stands for ⊥."""
+
+    position: Vector
+    heading: float | None
+
+
+class View:
+    """The properties of an instance as an equation reads them: `view.position`, `view.heading`, ... with no randomness left."""
+
+    __slots__ = ("instance", "reader")
+
+    def __init__(self, instance: Instance, reader: Reader) -> None:
+        self.instance = instance
+        self.reader = reader
+
+    @property
+    def position(self) -> Vector:
+        """Metres."""
+        return self.reader.property(self.instance, "position")  # type: ignore[return-value]
+
+    @property
+    def heading(self) -> float:
+        """Radians anticlockwise from North."""
+        return self.reader.property(self.instance, "heading")  # type: ignore[return-value]
+
+    @property
+    def width(self) -> float:
+        """Metres, along the local x axis; 0 for a Point, which has none (reading `point-size`)."""
+        return self.reader.size(self.instance, "width")
+
+    @property
+    def length(self) -> float:
+        """Metres, along the local y axis (`height` in the appendix: reading `height`); 0 for a Point."""
+        return self.reader.size(self.instance, "length")
+
+    @property
+    def view_distance(self) -> float:
+        """Metres."""
+        return self.reader.property(self.instance, "viewDistance")  # type: ignore[return-value]
+
+    @property
+    def view_angle(self) -> float:
+        """Radians."""
+        return self.reader.property(self.instance, "viewAngle")  # type: ignore[return-value]
+
+    @property
+    def is_oriented(self) -> bool:
+        """Whether the instance is an OrientedPoint, not only a Point."""
+        if isinstance(self.instance, Symbol):
+            return self.instance.always(is_oriented)  # type: ignore[arg-type]
+        return is_oriented(self.instance)
+
+
+class Reader:
+    """Interprets values as the kinds that an equation expects; `origin` is that of the first random thing it met."""
+
+    __slots__ = ("origin", "state")
+
+    def __init__(self, state: State) -> None:
+        self.state = state
+        self.origin: Origin | None = None
+
+    def plain(self, value: object) -> object:
+        """The value with no randomness inside."""
+        result, origin = unwrap(value)
+        self.origin = self.origin or origin
+        return result
+
+    def property(self, instance: Instance, name: str) -> object:
+        """O(instance.name), without randomness."""
+        if isinstance(instance, Symbol):
+            return instance.each(lambda one: self.property(one, name))
+        return self.plain(self.state.objects[instance.number][name])
+
+    def size(self, instance: Instance, name: str) -> float:
+        """O(instance.width) or O(instance.length), 0 where the instance has none."""
+        if isinstance(instance, Symbol):
+            return instance.each(lambda one: self.size(one, name))
+        return self.plain(self.state.objects[instance.number].get(name, 0.0))  # type: ignore[return-value]
+
+    def wrap(self, value: object) -> object:
+        """`value` marked random if anything read was."""
+        return wrap(value, self.origin)
+
+    def read(self, value: object, kind: str) -> object:
+        """The plain value as the given kind; the caller knows that it is one (`has_kind`)."""
+        if isinstance(value, Symbol) and kind in (VECTOR, HEADING):
+            if kind == HEADING and value.always(is_scalar):
+                return number(value)
+            found = value.each(lambda one: self.read(one, kind))
+            return number(found) if kind == HEADING else found
+        match kind:
+            case "vector":
+                return self.vector(value)
+            case "heading":
+                return self.property(value, "heading") if isinstance(value, Instance) else number(value)  # type: ignore[arg-type]
+            case "Point" | "OrientedPoint" | "Object":
+                return View(value, self)  # type: ignore[arg-type]
+            case "scalar":
+                return value
+            case _:
+                return value
+
+    def vector(self, value: object) -> Vector:
+        """A vector, a pair of scalars or a Point as a vector."""
+        if isinstance(value, Vector):
+            return value
+        if isinstance(value, Instance):
+            return self.property(value, "position")  # type: ignore[return-value]
+        x, y = value  # type: ignore[misc]
+        return Vector(number(x), number(y))
+
+
+def is_scalar(value: object) -> bool:
+    """Whether the value is a number (truth values are not)."""
+    return (isinstance(value, Real) and not isinstance(value, bool)) or (isinstance(value, Symbol) and value.always(is_scalar))
+
+
+def is_oriented(instance: Instance) -> bool:
+    """Whether the instance's class is OrientedPoint or below it."""
+    return instance.class_.built_in_name != "Point"
+
+
+def is_object(instance: Instance) -> bool:
+    """Whether the instance's class is Object or below it, so that it is part of the scene."""
+    return instance.class_.built_in_name == "Object"
+
+
+def has_kind(value: object, kind: str) -> bool:
+    """Whether a plain value can be interpreted as the kind."""
+    if isinstance(value, Symbol):
+        return value.always(lambda one: has_kind(one, kind))
+    match kind:
+        case "scalar":
+            return is_scalar(value)
+        case "vector":
+            return isinstance(value, (Vector, Instance)) or (
+                isinstance(value, (tuple, list)) and len(value) == 2 and is_scalar(value[0]) and is_scalar(value[1])
+            )
+        case "heading":
+            return is_scalar(value) or (isinstance(value, Instance) and is_oriented(value))
+        case "vector field":
+            return isinstance(value, VectorField)
+        case "region":
+            return isinstance(value, Region)
+        case "Point":
+            return isinstance(value, Instance)
+        case "OrientedPoint":
+            return isinstance(value, Instance) and is_oriented(value)
+        case "Object":
+            return isinstance(value, Instance) and is_object(value)
+        case _:
+            raise AssertionError(kind)
+
+
+def kind_name(value: object) -> str:
+    """What the user would call a value's type."""
+    value = value.value if type(value) is Random else value
+    if isinstance(value, bool) or value is None:
+        return repr(value)
+    for kind in (SCALAR, FIELD, REGION):
+        if has_kind(value, kind):
+            return f"a {kind}"
+    if isinstance(value, Vector):
+        return "a vector"
+    if isinstance(value, Instance):
+        return f"an instance of {value.class_.name}"
+    if isinstance(value, str):
+        return "a string"
+    if isinstance(value, ScenicClass):
+        return f"the class {value.name}"
+    if isinstance(value, Dynamic):
+        return f"the {type(value.definition).__name__.removesuffix('Definition').lower()} {value!r}"
+    if isinstance(value, (tuple, list)):
+        return f"a {type(value).__name__} of {len(value)}"
+    return f"a {type(value).__name__}"
+
+
+def is_finite(value: object) -> bool:
+    """Whether a scalar or vector has no NaN or infinity in it."""
+    if isinstance(value, Vector):
+        return bool(is_finite_number(value.x) and is_finite_number(value.y))
+    return bool(is_finite_number(value))

@@ -1,0 +1,121 @@
+"""What one step of the machine can say (DESIGN, section 1)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+from ..syntax.nodes import Node, Span
+from .errors import ScenicError
+
+if TYPE_CHECKING:
+    from ..space.distributions import Distribution
+    from .config import Config, Stack, State
+    from .values import Instance
+
+
+class Requirement(NamedTuple):
+    """A condition that a run must meet: what kind, where it stands, and a sentence naming it."""
+
+    kind: str
+    span: Span
+    text: str
+
+
+class Change(NamedTuple):
+    """What a step changed, for people: `where` is σ, π, O or "print"; `name` and `value` say what became what.
+
+    `instance` is the object some of whose properties were assigned: which, the states before and after tell.
+    """
+
+    where: Literal["σ", "π", "O", "print", ""]
+    name: str
+    value: object
+    instance: Instance | None = None
+
+
+class Operand(NamedTuple):
+    """On symbols: an operand that is reduced only in the runs in which the truth of `symbol` is `expected`; it ends in `stack`."""
+
+    symbol: object
+    expected: bool
+    stack: Stack
+
+
+class Next(NamedTuple):
+    """A rule fired with probability 1; `rule` is "" for the bookkeeping between rules.
+
+    Where something random decides whether an operand is reduced (reading `boolean-random`), `beyond` is the configuration that reduces it in
+    runs in which it is not needed; on symbols, `config` reduces it, and speaks for the runs in which `where` holds, until the control is back
+    at its stack.
+    """
+
+    rule: str
+    config: Config
+    node: Node | None = None
+    change: Change | None = None
+    beyond: Config | None = None
+    where: Operand | None = None
+
+
+class Draw(NamedTuple):
+    """A probabilistic rule asks for a value of `distribution`; `resume(value)` is the configuration after it.
+
+    `address` names the draw within the run. `per_scene` draws are made once for all attempts at one scene (reading
+    `soft=scene`).
+    """
+
+    rule: str
+    address: tuple[int, ...]
+    distribution: Distribution
+    node: Node
+    resume: Callable[[object], Config]
+    per_scene: bool = False
+
+
+class Observe(NamedTuple):
+    """A requirement was checked and holds."""
+
+    rule: str
+    requirement: Requirement
+    config: Config
+
+
+class Done(NamedTuple):
+    """The run ended with a scene: (π, O) of `state`."""
+
+    rule: str
+    state: State
+
+
+class Stuck(NamedTuple):
+    """No rule applies: `requirement` does not hold. `beyond` is the configuration if it had, where there is one."""
+
+    rule: str
+    requirement: Requirement
+    beyond: Config | None = None
+
+
+class Fault(NamedTuple):
+    """The program is wrong, or the paper is silent: `error` says where and how."""
+
+    error: ScenicError
+
+
+class Act(NamedTuple):
+    """The policy has chosen the actions of a time step: those of each agent, by its number; agents that take none are left out."""
+
+    rule: str
+    actions: Mapping[int, tuple[object, ...]]
+    state: State
+
+
+class Finish(NamedTuple):
+    """The policy says that the scenario ends, and why: all requirements are satisfied."""
+
+    rule: str
+    reason: str
+    state: State
+
+
+Outcome = Next | Draw | Observe | Done | Stuck | Fault | Act | Finish

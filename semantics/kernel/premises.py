@@ -1,0 +1,137 @@
+"""Premises of a rule, reduced one after the other, then its conclusion.
+
+Most rules of the paper have the shape "if E1 → v1, ..., En → vn then E → f(v1, ..., vn)". `premises` reduces the Ei from
+left to right and hands their values to the rule. Constants and variables are axioms: they need no step of their own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from difflib import get_close_matches
+from typing import NamedTuple
+
+from ..syntax.dynamics import Do
+from ..syntax.nodes import Node
+from ..syntax.python_expressions import Call, Constant, Name
+from ..syntax.statements import Assignment, Return
+from .config import Config, Stack, State
+from .errors import RunError
+from .outcome import Next, Outcome
+from .scopes import MISSING, Scope
+from .values import Origin, plain
+
+Conclusion = Callable[..., Outcome]
+"""Gets the node, the values of its premises, the stack and the state: `conclude(node, values, stack, state)`."""
+
+NOT_AN_AXIOM = object()
+
+
+class Premises(NamedTuple):
+    """The frame of a rule whose premise number `index` is being reduced; `values` are those of the ones before it."""
+
+    node: Node
+    expressions: Sequence[Node | None]
+    index: int
+    values: tuple[object, ...]
+    conclude: Conclusion
+
+
+def premises(
+    node: Node, expressions: Sequence[Node | None], conclude: Conclusion, stack: Stack, state: State, values: list[object] | None = None
+) -> Outcome:
+    """Reduce the premises from number len(values) on, then conclude; a missing (optional) premise has the value None."""
+    values = [] if values is None else values
+    read = raw_axiom if not state.runs or type(node) in CARRIERS else axiom
+    for index in range(len(values), len(expressions)):
+        expression = expressions[index]
+        result = None if expression is None else read(expression, state)
+        if result is NOT_AN_AXIOM:
+            frame = Premises(node, expressions, index, tuple(values), conclude)
+            return Next("", Config(expression, (frame, stack), state))  # type: ignore[arg-type]
+        values.append(result)
+    return conclude(node, values, stack, state)
+
+
+def resume_premises(frame: Premises, result: object, stack: Stack, state: State) -> Outcome:
+    """The premise that `frame` waits for was reduced to `result`: go on with the next."""
+    return premises(frame.node, frame.expressions, frame.conclude, stack, state, [*frame.values, result])
+
+
+CARRIERS = frozenset({Call, Assignment, Return, Do})
+"""While a scenario runs, whatever is drawn may decide its course, and rules see plain values; but where a value is only passed on, to a variable or
+parameter, it keeps the distribution that it was drawn from, for `resample`.
+"""
+
+
+def axiom(expression: Node, state: State) -> object:
+    """The value of a constant or variable, else NOT_AN_AXIOM; a plain one while a scenario runs."""
+    found = raw_axiom(expression, state)
+    return plain(found) if state.runs else found
+
+
+def raw_axiom(expression: Node, state: State) -> object:
+    """The value of a constant or variable, else NOT_AN_AXIOM."""
+    kind = type(expression)
+    if kind is Constant:
+        return expression.value  # type: ignore[attr-defined]
+    if kind is Name:
+        return variable(expression, state)  # type: ignore[arg-type]
+    return NOT_AN_AXIOM
+
+
+def variable(node: Name, state: State) -> object:
+    """σ(x); `ego` and `workspace` are shared by all modules."""
+    name = node.name
+    if name in SHARED:
+        own = parameter(name, state.sigma)
+        if own is not MISSING:
+            return own
+    if name == "ego":
+        if state.ego is None:
+            raise RunError("ego is used before it is assigned", node.span, rule="E-Variable", hint="create it first: ego = Object ...")
+        return state.ego
+    if name == "workspace" and state.workspace is not None:
+        return state.workspace
+    result = state.sigma.lookup(name)
+    if result is MISSING:
+        raise unknown_variable(node, state)
+    return result
+
+
+SHARED = frozenset({"ego", "workspace"})
+
+
+def parameter(name: str, sigma: Scope) -> object:
+    """What a parameter or loop variable that is called `ego` or `workspace` is bound to in a function or comprehension, or MISSING."""
+    scope: Scope | None = sigma
+    while scope is not None and scope.kind != "module":
+        if scope.kind in ("function", "comprehension") and name in scope.bindings:
+            return scope.bindings[name]
+        scope = scope.parent
+    return MISSING
+
+
+LATER = {"DiscreteRange": "it is of later versions of Scenic: write Uniform(*range(low, high + 1))"}
+"""Names of later versions, and what says the same."""
+
+
+def unknown_variable(node: Name, state: State) -> RunError:
+    """The error for a name that σ does not bind, with the nearest one that it does."""
+    known: list[str] = []
+    scope = state.sigma
+    while scope is not None:
+        known.extend(scope.bindings)
+        if node.name in scope.names.local:
+            hint = "" if state.simulation is None else "interrupts are looked at before their `try` begins: see `readings interrupt-first-step`"
+            return RunError(f"the local variable {node.name} is used before it is assigned", node.span, rule="E-Variable", hint=hint)
+        scope = scope.parent
+    near = get_close_matches(node.name, known, n=1)
+    hint = f"did you mean {near[0]}?" if near else "import it, or choose a world model with `model NAME`" if node.name[:1].isupper() else ""
+    hint = LATER.get(node.name, hint)
+    return RunError(f"{node.name} is not defined", node.span, rule="E-Variable", hint=hint)
+
+
+def describe_origin(origin: Origin) -> str:
+    """Where a random value comes from, in words."""
+    place = f" (line {origin.span.line})" if origin.span.line else ""
+    return f"{origin.text}{place}"

@@ -1,0 +1,324 @@
+"""What expressions evaluate to: random values, instances, classes, functions (paper, Section "Data Types").
+
+Booleans, scalars, strings, tuples, lists, ... are Python's own; vectors, fields and regions stand in `vectors`,
+`fields` and `regions`.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping
+from copy import copy
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from ..syntax.nodes import NOWHERE, Node, Span
+from ..syntax.python_expressions import Parameter
+from ..syntax.statements import Block
+from .budget import Budget
+from .errors import RunError
+from .scopes import Names, Scope
+from .sets import FrozenSet, Set
+
+if TYPE_CHECKING:
+    from ..space.distributions import Distribution
+    from .host import Door
+
+
+class Origin(NamedTuple):
+    """Where a random value comes from: the draw in the source and what was drawn; `distribution` if it is itself a draw."""
+
+    span: Span
+    text: str
+    distribution: Distribution | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Random:
+    """A value that some run would find different: `value` in this run, and the draw it stems from.
+
+    The machine wraps the result of every draw and of every operation on wrapped values. Control flow outside behaviors
+    may not look inside (reading `random-branch`); `resample` reads `origin.distribution` (reading `resample`).
+    """
+
+    value: object
+    origin: Origin
+
+
+def plain(value: object) -> object:
+    """The value in this run, random or not; containers are left as they are."""
+    return value.value if type(value) is Random else value
+
+
+def unwrap(value: object) -> tuple[object, Origin | None]:
+    """The value with no `Random` anywhere inside lists, tuples, sets and dicts, and the origin of the first one found."""
+    if isinstance(value, Random):
+        inner, _ = unwrap(value.value)
+        return inner, value.origin
+    return _unwrapped(value, {}) if isinstance(value, CONTAINERS) else (value, None)
+
+
+def _unwrapped(value: Any, seen: dict[int, tuple[object, Origin | None]]) -> tuple[object, Origin | None]:
+    """`unwrap` of a container; what stands in several places is looked at once."""
+    known = seen.get(id(value))
+    if known is None:
+        known = seen[id(value)] = _unwrapped_first(value, seen)
+    return known
+
+
+def _unwrapped_first(value: Any, seen: dict[int, tuple[object, Origin | None]]) -> tuple[object, Origin | None]:
+    kind = type(value)
+    if isinstance(value, dict):
+        if is_flat(value.keys()) and is_flat(value.values()):
+            return value, None
+        pairs = [(_part(key, seen), _part(item, seen)) for key, item in value.items()]
+        origin = next((o for pair in pairs for _, o in pair if o is not None), None)
+        return (value, None) if origin is None else (_refilled(value, {k[0]: v[0] for k, v in pairs}), origin)
+    if (isinstance(value, tuple) and kind is not tuple) or is_flat(value):
+        return value, None
+    found = [_part(item, seen) for item in value]
+    origin = next((o for _, o in found if o is not None), None)
+    if origin is None:
+        return value, None
+    items = [v for v, _ in found]
+    return _refilled(value, items) if isinstance(value, (list, deque)) else kind(items) if kind in PLAIN else items, origin
+
+
+def _part(item: object, seen: dict[int, tuple[object, Origin | None]]) -> tuple[object, Origin | None]:
+    if isinstance(item, Random):
+        return _part(item.value, seen)[0], item.origin
+    return _unwrapped(item, seen) if isinstance(item, CONTAINERS) else (item, None)
+
+
+def is_flat(items: Iterable[object]) -> bool:
+    """Whether there is neither a random value nor a container among the items."""
+    return not any(kind is Random or issubclass(kind, CONTAINERS) for kind in set(map(type, items)))
+
+
+PLAIN = (tuple, Set, FrozenSet, set, frozenset)
+CONTAINERS = (list, tuple, set, frozenset, dict, deque, type({}.values()), type({}.items()))
+
+
+def _refilled(container: object, content: object) -> object:
+    """The content in a container of the same type; a copy, where that is a subclass of list or dict, or a deque."""
+    if type(container) in (list, dict):
+        return content
+    result = copy(container)
+    result.clear()  # type: ignore[attr-defined]
+    (dict.update if isinstance(result, dict) else type(result).extend)(result, content)  # type: ignore[attr-defined, call-arg]
+    return result
+
+
+def wrap(value: object, origin: Origin | None) -> object:
+    """`value` marked as stemming from `origin`; the distribution is dropped, since `value` is a result, not a draw."""
+    if origin is None or type(value) is Random:
+        return value
+    return Random(value, origin if origin.distribution is None else origin._replace(distribution=None))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Instance:
+    """A reference to an instance of a Scenic class, made at `span`; its properties stand in the state's O, under `number`."""
+
+    number: int
+    class_: ScenicClass
+    span: Span = NOWHERE
+
+    def __repr__(self) -> str:
+        return f"<{self.class_.name} {self.number}>"
+
+
+@dataclass(frozen=True, eq=False)
+class ScenicClass:
+    """A Scenic class: its own defaults as expressions, its methods, and the scope in which both are evaluated."""
+
+    name: str
+    superclass: ScenicClass | None
+    own_defaults: Mapping[str, Node]
+    scope: Scope
+    methods: Mapping[str, object] = field(default_factory=dict)
+    span: Span = NOWHERE
+    built_in: bool = False
+
+    @cached_property
+    def built_in_name(self) -> str:
+        """Which of Point, OrientedPoint and Object this class is or descends from, the nearest one."""
+        return next(c.name for c in self.lineage if c.built_in)
+
+    @cached_property
+    def lineage(self) -> tuple[ScenicClass, ...]:
+        """This class, its superclass, and so on up to Point."""
+        return (self,) if self.superclass is None else (self, *self.superclass.lineage)
+
+    @cached_property
+    def defaults(self) -> Mapping[str, tuple[Node, ScenicClass]]:
+        """The most-derived default value expression of every property, with the class that it stands in."""
+        inherited = {} if self.superclass is None else dict(self.superclass.defaults)
+        return inherited | {name: (value, self) for name, value in self.own_defaults.items()}
+
+    def is_subclass_of(self, other: ScenicClass) -> bool:
+        """Whether `other` is this class or one above it."""
+        return other in self.lineage
+
+    def method(self, name: str) -> object | None:
+        """The most-derived method or class attribute of that name, or None."""
+        return next((c.methods[name] for c in self.lineage if name in c.methods), None)
+
+    def __repr__(self) -> str:
+        return f"<class {self.name}>"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Function:
+    """A function of the program: closed over its scope, its default values evaluated when `def` ran."""
+
+    name: str
+    parameters: tuple[Parameter, ...]
+    body: Block | Node
+    scope: Scope
+    defaults: Mapping[str, object]
+    names: Names
+    door: Door
+    span: Span = NOWHERE
+
+    def __call__(self, *arguments: object, **keywords: object) -> object:
+        """Called by host code: through the door."""
+        return self.door.call(self, arguments, keywords)
+
+    def __get__(self, instance: object, owner: type | None = None) -> Function | Method:
+        """A method, where Python looks this function up on an instance of a class of the program."""
+        return self if instance is None else Method(self, instance, self.door)
+
+    def __repr__(self) -> str:
+        return f"<function {self.name}>"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Method:
+    """A function of the program bound to its first argument."""
+
+    function: Function
+    instance: object
+    door: Door
+
+    def __repr__(self) -> str:
+        return f"<method {self.function.name}>"  # pyright: ignore[reportAttributeAccessIssue]
+
+    def __call__(self, *arguments: object, **keywords: object) -> object:
+        """Called by host code: through the door."""
+        return self.door.call(self.function, (self.instance, *arguments), keywords)  # pyright: ignore[reportArgumentType]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Constructor:
+    """A distribution's name as a value: `make(arguments)` checks the parameters θ and gives baseDist(θ).
+
+    `takes` names its parameters, for messages. `keeps_values`: the arguments are values to choose among, not parameters; they may be random.
+    """
+
+    name: str
+    make: Callable[..., Distribution]
+    keeps_values: bool
+    takes: str = ""
+
+    def __repr__(self) -> str:
+        return f"<distribution {self.name}>"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Special:
+    """A builtin that is a rule of the machine rather than a host function: `resample`, `print`, ..."""
+
+    name: str
+
+    def __call__(self, *arguments: object, **keywords: object) -> object:
+        """Called by host code, which the machine's rules cannot follow."""
+        raise RunError(
+            f"library code cannot call {self.name} by itself", rule="E-Call-Host", hint=f"give it a function: lambda x: {self.name}(x)"
+        )
+
+    def __repr__(self) -> str:
+        return f"<built-in {self.name}>"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Dynamic:
+    """A behavior, monitor or scenario class as a value, or (with arguments) one ready to run."""
+
+    definition: Node
+    scope: Scope
+    defaults: Mapping[str, object]
+    arguments: tuple[tuple[object, ...], Mapping[str, object]] | None = None
+    space: Scope | None = None
+    """The variables of a scenario with arguments: it is one instance, which others can refer to."""
+
+    def __repr__(self) -> str:
+        name = getattr(self.definition, "name", "")
+        if self.arguments is None:
+            return name
+        positional, keywords = (unwrap(part)[0] for part in self.arguments)
+        shown = [repr(v) for v in positional] + [f"{k}={v!r}" for k, v in keywords.items()]  # type: ignore[attr-defined]
+        return f"{name}({', '.join(shown)})"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Module:
+    """An imported module's namespace."""
+
+    name: str
+    scope: Scope
+
+    def __repr__(self) -> str:
+        return f"<module {self.name}>"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Native:
+    """A function of the reference in place of one of Python's; one that `pays` gets the run's budget first, and is bound to it when a run begins."""
+
+    name: str
+    function: Callable[..., object]
+    pays: bool = False
+    members: Mapping[str, Native] = field(default_factory=dict)
+
+    def __call__(self, *arguments: object, **keywords: object) -> object:
+        """The function of the arguments."""
+        return self.function(*arguments, **keywords)
+
+    def __repr__(self) -> str:
+        return f"<built-in function {self.name}>"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bound:
+    """A function of the reference with the budget that it pays from, and for a method with its subject."""
+
+    name: str
+    function: Callable[..., object]
+    budget: Budget
+    subject: tuple[object, ...] = ()
+    members: Mapping[str, Native] = field(default_factory=dict)
+
+    def __call__(self, *arguments: object, **keywords: object) -> object:
+        """The function of the budget, the subject and the arguments."""
+        return self.function(self.budget, *self.subject, *arguments, **keywords)
+
+    def afresh(self, *arguments: object, **keywords: object) -> object:
+        """The same with a budget of its own, for one call of many rows."""
+        return self.function(Budget(), *self.subject, *arguments, **keywords)
+
+    def __repr__(self) -> str:
+        return f"<built-in function {self.name}>"
+
+
+class Pairs(NamedTuple):
+    """The entries of a dictionary whose keys are symbols: weights of `Discrete`, and nothing else."""
+
+    pairs: list[tuple[object, object]]
+
+
+class Entries(dict):
+    """A dictionary with random keys, as it is in this run; `pairs` are its entries before equal keys became one."""
+
+    pairs: list[tuple[object, object]]

@@ -1,0 +1,213 @@
+"""Calls: apply a function value, whether a distribution, a function of the program, a rule of the machine, or host code."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Mapping
+from types import BuiltinFunctionType, MethodType
+
+from ..kernel.allowed import is_known, is_user_class
+from ..kernel.conditions import random_branch
+from ..kernel.config import Stack, State, value
+from ..kernel.draws import draw
+from ..kernel.errors import RunError
+from ..kernel.host import HostException, host, raw
+from ..kernel.kinds import is_scalar, kind_name
+from ..kernel.nesting import check_written
+from ..kernel.outcome import Next, Outcome
+from ..kernel.premises import premises
+from ..kernel.queries import Clock, Closest, check_running, distance_to_closest
+from ..kernel.scopes import Scope, function_names
+from ..kernel.values import Constructor, Dynamic, Function, Instance, Method, Native, Random, ScenicClass, Special, plain, unwrap, wrap
+from ..space.distributions import BadParameters
+from ..space.fields import BadField, VectorField
+from ..space.regions import BadRegion, Region
+from ..space.symbols import number
+from ..space.vectors import Vector
+from ..syntax import python_expressions as p
+from ..syntax.dynamics import ScenarioDefinition
+from ..syntax.nodes import Node
+from .assignment import random_write
+from .expressions import elements
+from .functions import bind, enter
+from .prices import as_callback, check_arguments
+from .specials import HOST_RULES, SPECIALS, STORED, call_container_method, container_method
+from .texts import without_addresses
+
+
+def call(node: p.Call, stack: Stack, state: State) -> Outcome:
+    """`E(arguments)`: the function first, then the arguments from left to right."""
+    arguments = [a.value if isinstance(a, p.Starred) else a for a in node.arguments]
+    return premises(node, [node.function, *arguments, *(k.value for k in node.keywords)], conclude_call, stack, state)
+
+
+def conclude_call(node: p.Call, values: list[object], stack: Stack, state: State) -> Outcome:
+    """Spread starred arguments, then apply the function."""
+    function, *rest = while_running(values) if state.runs else values
+    arguments: list[object] = []
+    for expression, argument in zip(node.arguments, rest, strict=False):
+        if isinstance(expression, p.Starred):
+            arguments.extend(elements(plain(argument) if state.runs else argument, expression, state))
+        else:
+            arguments.append(argument)
+    keywords: dict[str, object] = {}
+    for keyword, argument in zip(node.keywords, rest[len(node.arguments) :], strict=True):
+        if keyword.name is not None:
+            keywords[keyword.name] = argument
+        elif type(argument) is Random:
+            raise random_branch(argument, node, "which arguments are given")
+        elif isinstance(argument, Mapping):
+            keywords.update({str(k): v for k, v in argument.items()})
+        else:
+            raise HostException(TypeError(f"{kind_name(argument)} after ** is not a mapping"))
+    return apply(node, function, tuple(arguments), keywords, stack, state)
+
+
+def while_running(values: list[object]) -> list[object]:
+    """A function and its arguments while a scenario runs: only functions and behaviors of the program, and `resample`, get more than plain values."""
+    function, *rest = values
+    function = plain(function)
+    passed_on = isinstance(function, (Function, Method, Dynamic)) or (isinstance(function, Special) and function.name == "resample")
+    return [function, *(rest if passed_on else map(plain, rest))]
+
+
+def apply(node: Node, function: object, arguments: tuple[object, ...], keywords: Mapping[str, object], stack: Stack, state: State) -> Outcome:
+    """Apply a function value: a distribution, a function of the program, a rule of the machine, or host code."""
+    match function:
+        case Constructor():
+            return draw(node, function, arguments, keywords, stack, state)
+        case Function():
+            return Next("E-Call", enter(function, arguments, keywords, state, stack, node), node)
+        case Method():
+            code: Function = function.function  # pyright: ignore[reportAssignmentType]: not a class attribute, so no descriptor
+            return Next("E-Call", enter(code, (function.instance, *arguments), keywords, state, stack, node), node)
+        case Special():
+            return SPECIALS[function.name](node, arguments, keywords, stack, state)
+        case ScenicClass():
+            raise RunError(
+                f"{function.name} is a Scenic class: its objects are made with specifiers, not with parentheses", node.span,
+                rule="E-ObjectDefinition", hint=f"write {function.name} at ..., or {function.name} alone",
+            )
+        case Dynamic():
+            return value("E-Call-Dynamic", invocation(function, arguments, keywords), stack, state, node)
+        case Clock():
+            check_running(node, state)
+            return value("E-Call", function, stack, state, node)
+        case Closest():
+            return value("E-Call", distance_to_closest(function, arguments, node, state), stack, state, node)
+        case Instance():
+            raise HostException(TypeError(f"an instance of {function.class_.name} is not callable"))
+        case Random() if isinstance(function.value, (Function, Method, Constructor, Special)):
+            raise random_branch(function, node, "which function is called")
+        case type() if is_user_class(function):
+            return instantiate(node, function, arguments, keywords, stack, state)
+        case MethodType(__func__=Function() as code):
+            return Next("E-Call", enter(code, (function.__self__, *arguments), keywords, state, stack, node), node)
+        case type() | BuiltinFunctionType() | Native() if function in HOST_RULES:
+            check_call(function, arguments, keywords, state)
+            return HOST_RULES[function](node, arguments, keywords, stack, state)
+        case _:
+            return call_host(node, function, arguments, keywords, stack, state)
+
+
+def invocation(dynamic: Dynamic, arguments: tuple[object, ...], keywords: Mapping[str, object]) -> Dynamic:
+    """A behavior, monitor or scenario with its arguments, checked against its parameters."""
+    definition = dynamic.definition
+    bound = bind(definition.name, definition.parameters, dynamic.defaults, arguments, keywords)  # type: ignore[attr-defined]
+    space = Scope("function", dynamic.scope, function_names(definition), bound) if isinstance(definition, ScenarioDefinition) else None
+    return Dynamic(definition, dynamic.scope, dynamic.defaults, (arguments, dict(keywords)), space)
+
+
+def call_host(node: Node, function: object, arguments: tuple[object, ...], keywords: Mapping[str, object], stack: Stack, state: State) -> Outcome:
+    """Call library code with plain values; the result is random if anything that went in was."""
+    if not callable(plain(function)):
+        raise HostException(TypeError(f"{kind_name(function)} is not callable"))
+    check_call(plain(function), arguments, keywords, state)
+    if "key" in keywords and type(keywords["key"]) is not Random and state.settings.door.lift is None:
+        keywords = {**keywords, "key": as_callback(keywords["key"], state.settings.door.budget)}
+    if container_method(plain(function)):
+        if type(function) is Random and function.value.__name__ in STORED:  # type: ignore[attr-defined]
+            raise random_write(Random(function.value.__self__, function.origin), node)  # type: ignore[attr-defined]
+        if type(function) is not Random:
+            return value("E-Call-Host", call_container_method(node, function, arguments, keywords, state), stack, state, node)  # type: ignore[arg-type]
+    function = on_plain_elements(function)
+    if is_geometric(plain(function)):
+        arguments = tuple(as_positions(a, state) for a in arguments)
+        keywords = {k: as_positions(v, state) for k, v in keywords.items()}
+
+    try:
+        result = host(state.settings.door, state, invoke, vector if function is Vector else function, *arguments, **keywords)
+    except HostException as problem:
+        if isinstance(problem.exception, (BadField, BadRegion, BadParameters)):
+            raise RunError(without_addresses(str(problem.exception)), node.span, rule="E-Call-Host") from None
+        raise
+    return value("E-Call-Host", result, stack, state, node)
+
+
+def check_call(function: object, arguments: tuple[object, ...], keywords: Mapping[str, object], state: State) -> None:
+    """Pay for what library code goes through, and refuse what it must not be given (`prices`), or what is none of a program's classes."""
+    inner, named = list(map(plain, arguments)), {name: plain(a) for name, a in keywords.items()}
+    check_arguments(function, inner, named, state.settings.door.budget)
+    if any(function is comparing for comparing in COMPARING):
+        check_written(*inner, *named.values())
+    if function is Vector and not all(is_scalar(unwrap(a)[0]) for a in (*arguments, *keywords.values())):
+        raise RunError(f"Vector(x, y) takes two scalars, not {', '.join(map(kind_name, (*inner, *named.values())))}", rule="E-Call-Host")
+    if isinstance(function, type) and not state.settings.trusted and not is_known(function):
+        raise RunError(f"{function.__name__} is no class of this language", rule="E-Call-Host")
+
+
+COMPARING = (sorted, min, max)
+"""Functions that compare what they go through."""
+
+
+def vector(x: float, y: float) -> Vector:
+    """Vector(x, y): its coordinates are floats, as those of any vector of the language."""
+    return Vector(number(x), number(y))
+
+
+def invoke(function: Callable[..., object], *arguments: object, **keywords: object) -> object:
+    """The operation of a call of library code."""
+    return function(*arguments, **keywords)
+
+
+def on_plain_elements(function: object) -> object:
+    """A method of a container with random elements, as a method of the container of their values in this run."""
+    owner = getattr(function, "__self__", None)
+    if not isinstance(owner, (list, dict, set, tuple, deque)) or not isinstance(function, BuiltinFunctionType):
+        return function
+    values, origin = unwrap(owner)
+    return function if origin is None else wrap(getattr(values, function.__name__), origin)
+
+
+def is_geometric(function: object) -> bool:
+    """Whether this constructs a region or field, or is a method of one: it takes vectors, and Points count as such."""
+    if isinstance(function, type):
+        return issubclass(function, (Region, VectorField))
+    return isinstance(getattr(function, "__self__", None), (Region, VectorField, Vector))
+
+
+def as_positions(argument: object, state: State) -> object:
+    """Points replaced by their positions, in lists and tuples as well."""
+    match argument:
+        case Instance():
+            return state.objects[argument.number]["position"]
+        case Random(value=Instance() as instance, origin=origin):
+            return Random(unwrap(state.objects[instance.number]["position"])[0], origin)
+        case list() | tuple() if any(isinstance(a, (Instance, Random, list, tuple)) for a in argument):
+            return type(argument)(as_positions(a, state) for a in argument)
+        case _:
+            return argument
+
+
+def instantiate(
+    node: Node, class_: type, arguments: tuple[object, ...], keywords: Mapping[str, object], stack: Stack, state: State
+) -> Outcome:
+    """An instance of a Python class of the program; `__init__` runs in the machine, so that it may draw."""
+    initializer = getattr(class_, "__init__", None)
+    if not isinstance(initializer, Function):
+        return call_host(node, class_, arguments, keywords, stack, state)
+    rest = arguments if issubclass(class_, BaseException) else ()
+    instance = raw(state.settings.door, state, class_.__new__, class_, *rest)
+    config = enter(initializer, (instance, *arguments), keywords, state, stack, node)
+    frame, below = config.stack
+    return Next("E-Call", config._replace(stack=(frame._replace(constructed=instance), below)), node)

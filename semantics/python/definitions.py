@@ -1,0 +1,116 @@
+"""Class definitions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from ..kernel.allowed import MARK, OVERRIDES, is_base, is_hidden, may_override
+from ..kernel.classes import OBJECT_CLASS, canonical
+from ..kernel.config import Abrupt, Config, Stack, State
+from ..kernel.errors import CheckError, RunError
+from ..kernel.host import HostException
+from ..kernel.kinds import kind_name
+from ..kernel.outcome import Change, Next, Outcome
+from ..kernel.premises import premises
+from ..kernel.scopes import NO_NAMES, Scope
+from ..kernel.values import ScenicClass, plain
+from ..syntax import statements as s
+from ..syntax.nodes import Node
+from .assignment import done
+from .control import block
+
+# Classes
+
+
+class ClassBody(NamedTuple):
+    """Frame of the Python part of a class body: methods and class attributes."""
+
+    node: s.ClassDefinition
+    outer: Scope
+    superclass: ScenicClass | tuple[type, ...]
+
+
+def class_definition(node: s.ClassDefinition, stack: Stack, state: State) -> Outcome:
+    """`class C(superclass): property: E ...`: Object is the default superclass (paper, Section "Data Types")."""
+    return premises(node, node.superclasses, conclude_superclasses, stack, state)
+
+
+def conclude_superclasses(node: s.ClassDefinition, values: list[object], stack: Stack, state: State) -> Outcome:
+    """A Scenic class has one Scenic superclass; below Python classes it is a Python class."""
+    superclasses = [plain(v) for v in values] or [OBJECT_CLASS]
+    scope = Scope("class", state.sigma, NO_NAMES)
+    inner = state._replace(sigma=scope)
+    if isinstance(superclasses[0], ScenicClass):
+        if len(superclasses) > 1:
+            raise RunError(f"the Scenic class {node.name} has more than one superclass", node.span, rule="S-Class")
+        return block(node.body, (ClassBody(node, state.sigma, superclasses[0]), stack), inner)
+    for superclass in superclasses:
+        if not (isinstance(superclass, type) and (state.settings.trusted or is_base(superclass))):
+            name = superclass.__name__ if isinstance(superclass, type) else kind_name(superclass)
+            raise RunError(f"{node.name} cannot be a subclass of {name}", node.span, rule="S-Class")
+    if node.properties:
+        raise RunError(
+            f"{node.name} is a Python class, so it has no properties", node.properties[0].span, rule="S-Class",
+            hint="derive it from Object, or leave the superclass out",
+        )
+    return block(node.body, (ClassBody(node, state.sigma, tuple(superclasses)), stack), inner)  # type: ignore[arg-type]
+
+
+def resume_class_body(frame: ClassBody, result: object, stack: Stack, state: State) -> Outcome:
+    """σ[C / the class]."""
+    node = frame.node
+    members = state.sigma.bindings
+    outer = state._replace(sigma=frame.outer)
+    made = make_scenic_class(node, frame.superclass, members, frame.outer) if isinstance(frame.superclass, ScenicClass) else make_python_class(
+        node, frame.superclass, members
+    )
+    frame.outer.bind(node.name, made)
+    return done("S-Class", node, stack, outer, Change("σ", node.name, made))
+
+
+def unwind_class_body(frame: ClassBody, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
+    """An exception in the body: restore σ."""
+    return Next("", Config(abrupt, stack, state._replace(sigma=frame.outer)))
+
+
+def make_scenic_class(node: s.ClassDefinition, superclass: ScenicClass, members: Mapping[str, object], scope: Scope) -> ScenicClass:
+    """The class with its own default value expressions; they are evaluated for each object."""
+    defaults: dict[str, Node] = {}
+    for default in node.properties:
+        name = canonical(default.name)
+        if name in defaults:
+            raise CheckError(f"the property {name} has two defaults in class {node.name}", default.span)
+        defaults[name] = default.value
+    for name in members:
+        if canonical(name) in superclass.defaults:
+            raise RunError(
+                f"{name} is a property of {superclass.name}, and `=` does not give it a default", node.span, rule="S-Class", hint=f"write {name}: ..."
+            )
+    if "__init__" in members:
+        raise RunError(
+            f"the Scenic class {node.name} has no __init__: its objects are made from specifiers", node.span, rule="S-Class",
+            hint=f"for a Python class write class {node.name}(object):",
+        )
+    return ScenicClass(node.name, superclass, defaults, scope, dict(members), node.span)
+
+
+def make_python_class(node: s.ClassDefinition, superclasses: tuple[type, ...], members: Mapping[str, object]) -> type:
+    """A Python class; its methods are functions of the program. An enumeration's members are made by the enumeration."""
+    hidden = next(filter(is_hidden, members), None)
+    if hidden is not None:
+        raise RunError(f"a class cannot define {hidden}", node.span, rule="S-Class", hint="docs/security.md lists what it can")
+    foreign = next((name for name, member in members.items() if name in OVERRIDES and not may_override(name, member)), None)
+    if foreign is not None:
+        raise RunError(f"{foreign} must be a function of the program", node.span, rule="S-Class", hint="write def")
+    try:
+        kind = type(superclasses[0])
+        namespace = kind.__prepare__(node.name, superclasses)
+        for name, member in members.items():
+            namespace[name] = member
+        namespace["__module__"] = "scenic"
+        namespace[MARK] = True  # before the class is made: an enumeration runs functions of the program when it is
+        made = kind(node.name, superclasses, namespace)  # type: ignore[arg-type]
+    except Exception as exception:
+        raise HostException(exception) from exception
+    return made

@@ -1,0 +1,351 @@
+"""Expressions inherited from Python: displays, attributes, subscripts, arithmetic, comparisons, boolean operators.
+
+The paper uses their rules "essentially without change". What differs from Python: an operation on a random value gives a
+random value, and nothing may branch on one outside behaviors (reading `random-branch`).
+"""
+
+from __future__ import annotations
+
+import operator as python
+from collections.abc import Callable, Mapping
+
+from ..kernel.allowed import is_user_made, may_ask
+from ..kernel.budget import LARGEST_SEQUENCE, PLAIN
+from ..kernel.classes import canonical
+from ..kernel.conditions import random_branch
+from ..kernel.config import Stack, State, value
+from ..kernel.errors import RunError
+from ..kernel.host import HostException, host, raw
+from ..kernel.kinds import Reader, has_kind, is_scalar, kind_name
+from ..kernel.outcome import Outcome
+from ..kernel.premises import premises, raw_axiom
+from ..kernel.queries import Clock, Closest, attribute_of_clock
+from ..kernel.scopes import MISSING, Scope
+from ..kernel.sets import Set
+from ..kernel.values import Bound, Dynamic, Entries, Function, Instance, Method, Module, Native, Pairs, Random, ScenicClass, plain, unwrap, wrap
+from ..space.symbols import Symbol
+from ..space.vectors import Vector
+from ..syntax import expressions as e
+from ..syntax import python_expressions as p
+from ..syntax.nodes import Node
+from .arithmetic import BINARY, UNARY
+from .keys import check_key, check_keys
+from .library import ascii_of, attribute_of, bound
+from .texts import formatted as format_value
+from .texts import represented, written
+
+
+def axiom_rule(node: Node, stack: Stack, state: State) -> Outcome:
+    """⟨c⟩ → c and ⟨x⟩ → σ(x)."""
+    return value("E-Variable" if isinstance(node, p.Name) else "E-Constant", raw_axiom(node, state), stack, state, node)
+
+
+# Displays
+
+
+def display(node: p.TupleDisplay | p.ListDisplay | p.SetDisplay, stack: Stack, state: State) -> Outcome:
+    """`(a, *b)`, `[a, *b]`, `{a, *b}`: the elements keep their randomness, the container has none of its own."""
+    return premises(node, [i.value if isinstance(i, p.Starred) else i for i in node.items], conclude_display, stack, state)
+
+
+def conclude_display(node: p.TupleDisplay | p.ListDisplay | p.SetDisplay, values: list[object], stack: Stack, state: State) -> Outcome:
+    """Put the elements together."""
+    items: list[object] = []
+    for expression, item in zip(node.items, values, strict=True):
+        if isinstance(expression, p.Starred):
+            items.extend(elements(item, expression, state))
+        else:
+            items.append(item)
+    kind = {p.TupleDisplay: tuple, p.ListDisplay: list, p.SetDisplay: Set}[type(node)]
+    return value("E-Display", host_container(kind, items), stack, state, node)
+
+
+def host_container(kind: Callable[[list], object], items: list) -> object:
+    """A container of the items, random as a whole if members of a set or keys of a dictionary are; an unhashable one is the program's mistake."""
+    keys = items if kind is Set else [key for key, _ in items] if kind is dict else []
+    plain_keys, origin = unwrap(keys)
+    check_keys(plain_keys)  # type: ignore[arg-type]
+    try:
+        if origin is None:
+            return kind(items)
+        plain_items = unwrap(items)[0]
+        if kind is dict and any(isinstance(key, Symbol) for key, _ in plain_items):  # type: ignore[attr-defined]
+            return wrap(Pairs(plain_items), origin)  # type: ignore[arg-type]
+        result = (Entries if kind is dict else kind)(plain_items)  # type: ignore[operator]
+    except TypeError as exception:
+        raise HostException(exception) from exception
+    if isinstance(result, Entries):
+        result.pairs = plain_items  # type: ignore[assignment]
+    return wrap(result, origin)
+
+
+def elements(iterable: object, node: Node, state: State) -> list[object]:
+    """The items of something iterated over; how many there are may not be random."""
+    if type(iterable) is Random:
+        raise random_branch(iterable, node, "the number of its elements")
+    if isinstance(iterable, range) and len(iterable) > LARGEST_SEQUENCE:
+        raise RunError(f"{len(iterable)} elements are too many", node.span)
+    result = raw(state.settings.door, state, list, iterable)
+    state.settings.door.budget.made(plain(result))
+    if type(result) is Random:  # an iterator of the program gave something random
+        raise random_branch(result, node, "what its iterator gives")
+    return result  # type: ignore[return-value]
+
+
+def dict_display(node: p.DictDisplay, stack: Stack, state: State) -> Outcome:
+    """`{k: v, **m}`."""
+    expressions = [part for key, item in node.items for part in (key, item)]
+    return premises(node, expressions, conclude_dict, stack, state)
+
+
+def conclude_dict(node: p.DictDisplay, values: list[object], stack: Stack, state: State) -> Outcome:
+    """Put the entries together, later ones winning."""
+    entries: list[tuple[object, object]] = []
+    for index, (key_expression, _) in enumerate(node.items):
+        key, item = values[2 * index], values[2 * index + 1]
+        if key_expression is not None:
+            entries.append((key, item))
+            continue
+        mapping = plain(item)
+        if not isinstance(mapping, Mapping):
+            raise HostException(TypeError(f"{kind_name(item)} is not a mapping"))
+        origin = item.origin if type(item) is Random else None
+        entries += [(wrap(k, origin), wrap(v, origin)) for k, v in mapping.items()]
+    return value("E-Display", host_container(dict, entries), stack, state, node)
+
+
+def formatted(node: p.FString, stack: Stack, state: State) -> Outcome:
+    """An f-string: its values, formatted and joined."""
+    expressions: list[Node | None] = []
+    for part in node.parts:
+        if isinstance(part, p.FormattedValue):
+            expressions += [part.value, part.format]
+    return premises(node, expressions, conclude_formatted, stack, state)
+
+
+def conclude_formatted(node: p.FString, values: list[object], stack: Stack, state: State) -> Outcome:
+    """Join the pieces."""
+    conversions = {"": lambda v: v, "r": represented, "s": written, "a": ascii_of}
+
+    def join(*parts: object) -> str:
+        rest = iter(parts)
+        return "".join(
+            part if isinstance(part, str) else format_value(conversions[part.conversion](next(rest)), str(next(rest) or "")) for part in node.parts
+        )
+
+    texts = [instance_text(v, state) for v in values]
+    return value("E-FString", host(state.settings.door, state, join, *texts), stack, state, node)
+
+
+def instance_text(argument: object, state: State) -> object:
+    """An instance as `print`, `str` and f-strings show it, with its class and position; other values as they are."""
+    inner = plain(argument)
+    if not isinstance(inner, Instance):
+        return argument
+    position, origin = unwrap(state.objects[inner.number].get("position"))
+    return wrap(f"{inner.class_.name} at {position}", argument.origin if type(argument) is Random else origin)
+
+
+# Attributes and subscripts
+
+
+def attribute(node: p.Attribute, stack: Stack, state: State) -> Outcome:
+    """`E.name`."""
+    return premises(node, [node.value], conclude_attribute, stack, state)
+
+
+def conclude_attribute(node: p.Attribute, values: list[object], stack: Stack, state: State) -> Outcome:
+    """O(instance.property) for instances, the attribute for everything else."""
+    subject = values[0]
+    if type(subject) is Random:
+        shared = shared_method(subject, node.name, state)
+        if shared is not None:
+            return value("E-Attribute", shared, stack, state, node)
+        several = isinstance(subject.value, Symbol)
+        found = subject.value.each(lambda one: get_attribute(one, node, state)) if several else get_attribute(subject.value, node, state)  # type: ignore[attr-defined]
+        inner, origin = unwrap(found)
+        return value("E-Attribute", wrap(inner, subject.origin or origin), stack, state, node)
+    return value("E-Attribute", get_attribute(subject, node, state), stack, state, node)
+
+
+def shared_method(subject: Random, name: str, state: State) -> Method | None:
+    """A method of the program that all instances have among which a draw chose: which one runs is then not random."""
+    support = subject.origin.distribution.support() if subject.origin.distribution is not None else None
+    if support is None or not isinstance(subject.value, Instance) or canonical(name) in state.objects[subject.value.number]:
+        return None
+    found = {plain(v).class_.method(name) if isinstance(plain(v), Instance) else None for v, _ in support}  # type: ignore[attr-defined]
+    method = found.pop() if len(found) == 1 else None
+    return Method(method, subject, method.door) if isinstance(method, Function) else None
+
+
+def get_attribute(subject: object, node: p.Attribute, state: State) -> object:
+    """The attribute of a value that is not wrapped."""
+    name = node.name
+    match subject:
+        case Clock():
+            return attribute_of_clock(name, node, state)
+        case Instance():
+            return instance_attribute(subject, name, state)
+        case Module():
+            result = subject.scope.bindings.get(name, MISSING)
+            if result is MISSING:
+                raise HostException(AttributeError(f"module {subject.name} has no {name}"))
+            return result
+        case ScenicClass():
+            found = subject.method(name)
+            if found is None:
+                raise HostException(AttributeError(f"class {subject.name} has no attribute {name}; a property needs an instance"))
+            return found
+        case Dynamic(space=Scope() as space) if name in space.bindings:
+            return space.bindings[name]
+        case Dynamic(space=Scope()) if name == "ego" and state.ego is not None:
+            return state.ego  # all scenarios share it (reading `ego-of-scenarios`)
+        case Function() | Method() | Dynamic():
+            if name == "__name__" and isinstance(subject, Function):
+                return subject.name
+            raise HostException(AttributeError(f"{subject!r} has no attribute {name}"))
+        case Native(members=members) | Bound(members=members) if name in members:
+            return bound(members[name], state.settings.door.budget)
+        case _:
+            return get_host_attribute(subject, name, node, state)
+
+
+def get_host_attribute(subject: object, name: str, node: p.Attribute, state: State) -> object:
+    """An attribute of the table, or of a class of the program; a container's methods stay those of the container itself, random elements and all."""
+    door = state.settings.door
+    if isinstance(subject, Symbol) or (state.settings.trusted and not name.startswith("_")):
+        return raw(door, state, getattr, subject, name)
+    if name in ("x", "y") and is_pair(subject) and state.reading("pairs") == "vector":
+        return subject["xy".index(name)]  # type: ignore[index]
+    if may_ask(subject, name):
+        return raw(door, state, attribute_of, subject, name, door.budget)
+    fallback = getattr(type(subject), "__getattr__", None) if is_user_made(subject) and not isinstance(subject, type) else None
+    if isinstance(fallback, Function):
+        return raw(door, state, fallback, subject, name)
+    if name.startswith("_"):
+        raise RunError(f"names with a leading underscore, such as {name}, are private to Python objects", node.span, rule="E-Attribute")
+    raise HostException(AttributeError(f"{kind_name(subject)} has no attribute {name}"))
+
+
+def instance_attribute(instance: Instance, name: str, state: State) -> object:
+    """O(instance.name), or a method of its class."""
+    properties = state.objects[instance.number]
+    result = properties.get(canonical(name), MISSING)
+    if result is not MISSING:
+        return result
+    found = instance.class_.method(name)
+    if found is None and name == "distanceToClosest":
+        return Closest(instance)
+    if found is None:
+        raise HostException(AttributeError(f"{instance.class_.name} has no property {name}"))
+    if isinstance(found, (property, staticmethod)):
+        return raw(state.settings.door, state, found.__get__, instance, Instance)
+    return Method(found, instance, found.door) if isinstance(found, Function) else found
+
+
+def subscript(node: p.Subscript, stack: Stack, state: State) -> Outcome:
+    """`E[index]` and `E[a:b:c]`."""
+    index = node.index
+    parts = [index.lower, index.upper, index.step] if isinstance(index, p.Slice) else [index]
+    return premises(node, [node.value, *parts], conclude_subscript, stack, state)
+
+
+def conclude_subscript(node: p.Subscript, values: list[object], stack: Stack, state: State) -> Outcome:
+    """The element keeps its own randomness; a random index or container makes it random."""
+    return value("E-Subscript", get_item(node, values, state), stack, state, node)
+
+
+def get_item(node: p.Subscript, values: list[object], state: State) -> object:
+    """The element of a container, whose value comes first, at an index, or from, to and step of a slice."""
+    container, *parts = values
+    places, origin = unwrap(parts)
+    if type(container) is Random:
+        container, origin = container.value, container.origin
+    index = slice(*places) if isinstance(node.index, p.Slice) else places[0]  # type: ignore[misc, index]
+    check_key(index)
+    result = raw(state.settings.door, state, python.getitem, container, index)
+    return result if origin is None else wrap(unwrap(result)[0], origin)
+
+
+# Arithmetic
+
+
+def apply_host(rule: str, node: Node, function: Callable[..., object], values: list[object], stack: Stack, state: State) -> Outcome:
+    """Conclude with a Python operation; the fast path is for two plain numbers."""
+    if len(values) == 2:
+        left, right = values
+        if type(left) is float and type(right) is float:
+            try:
+                return value(rule, function(left, right), stack, state, node)
+            except ArithmeticError as exception:
+                raise HostException(exception) from exception
+    return value(rule, host(state.settings.door, state, function, *values), stack, state, node)
+
+
+def binary(node: p.BinaryOperation, stack: Stack, state: State) -> Outcome:
+    """`E1 + E2` and the other arithmetic operators."""
+    return premises(node, [node.left, node.right], conclude_binary, stack, state)
+
+
+def conclude_binary(node: p.BinaryOperation, values: list[object], stack: Stack, state: State) -> Outcome:
+    """Python's arithmetic; a Point operand is read as its position (Section "Data Types")."""
+    operands = as_vectors(values, state)
+    if node.operator in "+-*/" and state.reading("pairs") == "vector" and any(map(is_pair, operands)):
+        operands = pairs_as_vectors(node.operator, operands, state)
+    return apply_host("E-Arithmetic", node, BINARY[node.operator], operands, stack, state)
+
+
+def is_pair(value: object) -> bool:
+    """Whether the value is a tuple of two scalars."""
+    inner = plain(value)
+    if type(inner) in PLAIN:
+        return False
+    if isinstance(inner, Symbol):
+        return inner.always(is_pair)
+    return type(inner) is tuple and len(inner) == 2 and all(is_scalar(plain(part)) for part in inner)
+
+
+def pairs_as_vectors(operator: str, operands: list[object], state: State) -> list[object]:
+    """Pairs of scalars as vectors where the operator is one of vectors: two of them, or one and a scalar (reading `pairs`)."""
+    others = [unwrap(v)[0] for v in operands if not is_pair(v)]
+    if operator in "+-":
+        fits = all(isinstance(v, Vector) for v in others)
+    else:
+        fits = len(others) == 1 and has_kind(others[0], "scalar") and not (operator == "/" and is_pair(operands[1]))
+    return [as_vector(v, state) for v in operands] if fits else operands
+
+
+def as_vector(value: object, state: State) -> object:
+    """A pair of scalars as a vector, random if one of them is; anything else as it is."""
+    if not is_pair(value):
+        return value
+    reader = Reader(state)
+    return reader.wrap(reader.read(reader.plain(value), "vector"))
+
+
+def as_vectors(values: list[object], state: State) -> list[object]:
+    """Instances replaced by their positions."""
+    return [state.objects[v.number]["position"] if isinstance(v, Instance) else v for v in values]
+
+
+def unary(node: p.UnaryOperation, stack: Stack, state: State) -> Outcome:
+    """`-E`, `+E`, `~E`, `not E`."""
+    return premises(node, [node.operand], conclude_unary, stack, state)
+
+
+def conclude_unary(node: p.UnaryOperation, values: list[object], stack: Stack, state: State) -> Outcome:
+    """Python's unary operators."""
+    rule = "E-Not" if node.operator == "not" else "E-Arithmetic"
+    return apply_host(rule, node, UNARY[node.operator], values, stack, state)
+
+
+def seconds(node: e.Seconds, stack: Stack, state: State) -> Outcome:
+    """`E seconds` is E, in seconds (reading `time-unit`)."""
+    return premises(node, [node.value], conclude_seconds, stack, state)
+
+
+def conclude_seconds(node: e.Seconds, values: list[object], stack: Stack, state: State) -> Outcome:
+    """A duration in seconds is a scalar."""
+    if not has_kind(plain(values[0]), "scalar"):
+        raise RunError(f"`seconds` expects a scalar, not {kind_name(values[0])}", node.span, rule="E-Seconds")
+    return value("E-Seconds", values[0], stack, state, node)

@@ -1,0 +1,132 @@
+"""Functions and lambdas, as in Python: closed over their scope, default values evaluated once; arguments keep their randomness."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from ..kernel.config import Abrupt, Config, Stack, State, value
+from ..kernel.errors import RunError
+from ..kernel.host import HostException
+from ..kernel.outcome import Next, Outcome
+from ..kernel.premises import premises
+from ..kernel.scopes import Scope, function_names
+from ..kernel.values import Function
+from ..syntax import python_expressions as p
+from ..syntax import statements as s
+from ..syntax.nodes import NOWHERE, Node
+
+LARGEST_DEPTH = 3_000
+"""So many calls may be open: the machine needs none of Python's stack for them."""
+
+
+class Called(NamedTuple):
+    """Frame of a call: what comes below it runs in the callee's scope; `caller` is restored when it ends."""
+
+    caller: Scope
+    node: Node
+    constructed: object = None
+
+
+class InScope(NamedTuple):
+    """Frame that restores σ to `outer` when what stands above it ends."""
+
+    outer: Scope
+
+
+def lambda_rule(node: p.Lambda, stack: Stack, state: State) -> Outcome:
+    """`lambda parameters: E`: default values are evaluated now, once (reading `default-arguments`), then it closes over σ."""
+    return premises(node, [q.default for q in node.parameters], conclude_lambda, stack, state)
+
+
+def conclude_lambda(node: p.Lambda, values: list[object], stack: Stack, state: State) -> Outcome:
+    """The function as a value."""
+    function = make_function(node, values, state)
+    return value("E-Lambda", function, stack, state, node)
+
+
+def make_function(node: p.Lambda | s.FunctionDefinition, values: list[object], state: State) -> Function:
+    """A function closed over the current σ."""
+    defaults = {q.name: v for q, v in zip(node.parameters, values, strict=False) if q.default is not None}
+    name = node.name if isinstance(node, s.FunctionDefinition) else "<lambda>"
+    return Function(name, node.parameters, node.body, state.sigma, defaults, function_names(node), state.settings.door, node.span)
+
+
+def bind(
+    name: str, parameters: tuple[p.Parameter, ...], defaults: Mapping[str, object], arguments: tuple[object, ...], keywords: Mapping[str, object]
+) -> dict[str, object]:
+    """The variables of a call; TypeError (the program's) when the arguments do not fit the parameters."""
+    bound: dict[str, object] = {}
+    rest = dict(keywords)
+    positional = [q for q in parameters if q.kind in ("positional", "positional only")]
+    star = next((q for q in parameters if q.kind == "*args"), None)
+    if len(arguments) > len(positional) and star is None:
+        raise HostException(TypeError(f"{name}() takes {len(positional)} positional arguments but {len(arguments)} were given"))
+    for parameter, argument in zip(positional, arguments, strict=False):
+        bound[parameter.name] = argument
+        if parameter.kind == "positional" and parameter.name in rest:
+            raise HostException(TypeError(f"{name}() got two values for {parameter.name}"))
+    if star is not None and star.name:
+        bound[star.name] = tuple(arguments[len(positional) :])
+    for parameter in parameters:
+        if parameter.kind in ("*args", "**kwargs") or parameter.name in bound:
+            continue
+        if parameter.kind != "positional only" and parameter.name in rest:
+            bound[parameter.name] = rest.pop(parameter.name)
+        elif parameter.name in defaults:
+            bound[parameter.name] = defaults[parameter.name]
+        else:
+            raise HostException(TypeError(f"{name}() needs a value for {parameter.name}"))
+    extra = next((q for q in parameters if q.kind == "**kwargs"), None)
+    if extra is not None:
+        bound[extra.name] = rest
+    elif rest:
+        raise HostException(TypeError(f"{name}() has no parameter {next(iter(rest))}"))
+    return bound
+
+
+def enter(
+    function: Function, arguments: tuple[object, ...], keywords: Mapping[str, object], state: State, stack: Stack = (), node: Node | None = None
+) -> Config:
+    """The configuration that runs a function's body; it ends in the frame `Called`."""
+    if state.depth >= LARGEST_DEPTH:
+        raise RunError(f"{function.name} calls itself too deeply ({LARGEST_DEPTH} calls are open)", function.span, rule="E-Call")
+    bindings = bind(function.name, function.parameters, function.defaults, arguments, keywords)
+    scope = Scope("function", function.scope, function.names, bindings)
+    frame = Called(state.sigma, node if node is not None else p.Constant(value=None, span=function.span))
+    inner = state._replace(sigma=scope, depth=state.depth + 1)
+    control = body_as_statement(function.body) if isinstance(function.body, tuple) else function.body
+    return Config(control, (frame, stack), inner)
+
+
+def body_as_statement(body: s.Block) -> Node:
+    """A function's body as one statement."""
+    return s.If(test=p.Constant(value=True), then=body, span=body[0].span if body else NOWHERE)
+
+
+def resume_called(frame: Called, result: object, stack: Stack, state: State) -> Outcome:
+    """The body ended: a lambda with its value, a function without `return` with None."""
+    outcome = frame.constructed if frame.constructed is not None else result
+    return value("E-Return", outcome, stack, leave(frame, state), frame.node)
+
+
+def leave(frame: Called, state: State) -> State:
+    """Back in the caller's scope."""
+    return state._replace(sigma=frame.caller, depth=state.depth - 1)
+
+
+def unwind_called(frame: Called, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
+    """`return v` ends the call with v; an exception goes on to the caller."""
+    if abrupt.kind == "return":
+        return resume_called(frame, abrupt.value, stack, state)
+    return Next("", Config(abrupt, stack, leave(frame, state)))
+
+
+def resume_in_scope(frame: InScope, result: object, stack: Stack, state: State) -> Outcome:
+    """Restore σ and hand the value on."""
+    return value("", result, stack, state._replace(sigma=frame.outer))
+
+
+def unwind_in_scope(frame: InScope, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
+    """Restore σ and go on unwinding."""
+    return Next("", Config(abrupt, stack, state._replace(sigma=frame.outer)))

@@ -1,0 +1,214 @@
+"""Modules: `import`, `from ... import ...`, `model` (inherited from Python; Section "Statements").
+
+A module that stands beside the program has a key that begins with one dot, and one more for each folder above the program's: ".sub.b" is the file
+sub/b.scenic. All other modules have their names as keys.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from difflib import get_close_matches
+from typing import NamedTuple
+
+from ..kernel.config import Abrupt, Config, Stack, State
+from ..kernel.errors import ImportRefused, RunError
+from ..kernel.host import HostException
+from ..kernel.outcome import Next, Outcome
+from ..kernel.scopes import MISSING, Scope
+from ..kernel.values import Module
+from ..syntax import Program
+from ..syntax import statements as s
+from ..syntax.nodes import Node
+from .assignment import done
+from .control import block
+from .library import bound
+
+# Keys
+
+
+def beside(name: str, level: int, package: str) -> str:
+    """The key of a name with `level` dots before it, in a module of the package: that package, or one above it for each further dot."""
+    rest = package.lstrip(".")
+    dots, parts = len(package) - len(rest), rest.split(".") if rest else []
+    for _ in range(level - 1):
+        if parts:
+            parts.pop()
+        else:
+            dots += 1
+    return "." * dots + ".".join([*parts, *([name] if name else [])])
+
+
+def package_of(key: str) -> str:
+    """The package that the module belongs to: its folder; "." is that of the program."""
+    rest = key.lstrip(".")
+    return (key[: len(key) - len(rest)] or ".") + (rest.rpartition(".")[0] if key.startswith(".") else "")
+
+
+def member_key(package: str, member: str) -> str:
+    """The key of a module in a package."""
+    return package + member if package.endswith(".") else f"{package}.{member}"
+
+
+def key_of(name: str, level: int, package: str, library: Mapping[str, object]) -> str:
+    """The key of a module as it is written in a module of the package: without dots before it, one beside the program comes first."""
+    if level:
+        return beside(name, level, package)
+    return name if name in library else beside(name, 1, ".")
+
+
+# Statements
+
+
+class ModuleBody(NamedTuple):
+    """Frame of an imported module's statements; `then` is the import that goes on afterwards."""
+
+    key: str
+    outer: Scope
+    then: Node
+
+
+def import_statement(node: s.Import, stack: Stack, state: State) -> Outcome:
+    """`import a.b as c`."""
+    keys = [key_here(imported.name, 0, state) for imported in node.names]
+    for imported, key in zip(node.names, keys, strict=True):
+        if key not in state.modules:
+            return load(key, imported.name, node, stack, state)
+    for imported, key in zip(node.names, keys, strict=True):
+        module = state.modules[key]
+        if imported.alias is not None:
+            state.sigma.bind(imported.alias, module)
+        else:
+            bind_dotted(imported.name, module, state)
+    return done("S-Import", node, stack, state)
+
+
+def key_here(name: str, level: int, state: State) -> str:
+    """The key of a module as it is written in the module whose statements run."""
+    return key_of(name, level, state.sigma.module.package, state.settings.library)
+
+
+def bind_dotted(name: str, module: object, state: State) -> None:
+    """`import a.b.c` binds a, through which a.b.c is reached."""
+    first, *rest = name.split(".")
+    if not rest:
+        state.sigma.bind(first, module)
+        return
+    found = state.sigma.bindings.get(first)
+    package = found if isinstance(found, Module) else Module(first, Scope("module", None))
+    state.sigma.bind(first, package)
+    for part in rest[:-1]:
+        inner = package.scope.bindings.setdefault(part, Module(part, Scope("module", None)))
+        assert isinstance(inner, Module)
+        package = inner
+    package.scope.bindings[rest[-1]] = module
+
+
+def import_from(node: s.ImportFrom, stack: Stack, state: State) -> Outcome:
+    """`from m import a, b` and `from m import *`."""
+    name = "." * node.level + node.module
+    key = key_here(node.module, node.level, state)
+    if key not in state.modules:
+        return load(key, name, node, stack, state)
+    module = state.modules[key]
+    names = {n.name: n.alias or n.name for n in node.names} or {n: n for n in public_names(module, node)}
+    for member, alias in names.items():
+        submodule = member_key(key, member)
+        found = member_of(module, member)
+        if found is MISSING and submodule in state.settings.library:
+            if submodule not in state.modules:
+                return load(submodule, submodule, node, stack, state)
+            found = state.modules[submodule]
+        if found is MISSING and member == "ego" and state.ego is not None:
+            continue  # all modules share it
+        if found is MISSING:
+            raise unknown(member, name, module)
+        state.sigma.bind(alias, found)
+    return done("S-Import", node, stack, state)
+
+
+def model(node: s.Model, stack: Stack, state: State) -> Outcome:
+    """⟨model m⟩ → ⟨from m import *⟩; the command line may name another m for the program (`programs.initial`)."""
+    return Next("S-Model", Config(s.ImportFrom(module=node.name, names=(), span=node.span), stack, state), node)
+
+
+def public_names(module: object, node: Node) -> list[str]:
+    """What `*` imports: the names in `__all__`, or if there is none all that do not begin with an underscore. Raises `RunError`."""
+    listed = member_of(module, "__all__") if isinstance(module, Module) else MISSING
+    if listed is MISSING:
+        return members(module)
+    if not isinstance(listed, (list, tuple)) or not all(isinstance(name, str) for name in listed):
+        raise RunError(f"`__all__` of {module!r} is no list of names", node.span, rule="S-Import")
+    return list(listed)
+
+
+def members(module: object) -> list[str]:
+    """The names in a module that do not begin with an underscore."""
+    names = list(module.scope.bindings) if isinstance(module, Module) else dir(module)
+    return [n for n in names if not n.startswith("_")]
+
+
+def member_of(module: object, name: str) -> object:
+    """A member of a module, or MISSING."""
+    if isinstance(module, Module):
+        return module.scope.bindings.get(name, MISSING)
+    return MISSING if name.startswith("_") else getattr(module, name, MISSING)
+
+
+def unknown(member: str, name: str, module: object) -> HostException:
+    """The exception of a name that a module has not, with the nearest one that it has."""
+    error = ImportError(f"the module {name} has no {member}")
+    near = get_close_matches(member, members(module), n=1)
+    if near:
+        error.add_note(f"did you mean {near[0]}?")
+    return HostException(error)
+
+
+# Loading
+
+
+def load(key: str, name: str, node: Node, stack: Stack, state: State) -> Outcome:
+    """Run a Scenic module, once per run, or take a Python one; then try the import again.
+
+    One that does not exist is an `ImportError`, as in Python. One that this machine refuses ends the program: that is not the program's to catch.
+    """
+    found = state.settings.library.get(key, MISSING)
+    if isinstance(found, Program):
+        builtins = state.sigma.module.parent
+        scope = Scope("module", builtins, package=package_of(key))
+        module = Module(name.lstrip("."), scope)
+        begun = state._replace(sigma=scope, modules={**state.modules, key: module})
+        return block(found.statements, (ModuleBody(key, state.sigma, node), stack), begun, "S-Import", node)
+    if found is MISSING or isinstance(found, ModuleNotFoundError):
+        raise absent(name, found)
+    if isinstance(found, Exception):
+        raise ImportRefused(str(found), node.span, rule="S-Import", hint=getattr(found, "hint", ""))
+    budget = state.settings.door.budget
+    own = {member: bound(own_copy(value), budget) for member, value in found.items()} if isinstance(found, Mapping) else {}
+    module = Module(name, Scope("module", None, bindings=own)) if isinstance(found, Mapping) else found
+    return Next("", Config(node, stack, state._replace(modules={**state.modules, key: module})))
+
+
+def absent(name: str, found: object) -> HostException:
+    """The exception of a module that does not exist, with what the library noted of it."""
+    error = ModuleNotFoundError(f"there is no module {name}")
+    for note in getattr(found, "__notes__", ()):
+        error.add_note(note)
+    return HostException(error)
+
+
+def own_copy(value: object) -> object:
+    """A value of a Python module as a run gets it: what the program changes in it, no other run sees."""
+    if type(value) is dict:
+        return {key: own_copy(item) for key, item in value.items()}
+    return [own_copy(item) for item in value] if type(value) is list else value
+
+
+def resume_module_body(frame: ModuleBody, result: object, stack: Stack, state: State) -> Outcome:
+    """The module has run: go on with the import."""
+    return Next("", Config(frame.then, stack, state._replace(sigma=frame.outer)))
+
+
+def unwind_module_body(frame: ModuleBody, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
+    """An exception in the module: it is not imported."""
+    left = {key: module for key, module in state.modules.items() if key != frame.key}
+    return Next("", Config(abrupt, stack, state._replace(sigma=frame.outer, modules=left)))

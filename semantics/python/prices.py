@@ -1,0 +1,92 @@
+"""What a call of library code costs and may not be given, whether the program makes it or library code itself (a key for `sorted`)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from ..kernel.allowed import KEY, is_user_class, names
+from ..kernel.budget import ITEM, LARGEST_SEQUENCE, Budget, length_of, refuse_too_large, refuse_too_long, size_of
+from ..kernel.errors import RunError
+from ..kernel.values import Function, Method, Native, Special
+from .keys import check_hashed
+from .texts import check_encoding
+
+HOLDERS: tuple[type[Any], ...] = (slice, staticmethod, classmethod, property, KEY)
+"""Types whose values may not hold each other: Python frees such a chain by a recursion that it does not count, and dies of a long one."""
+NAMING = (AttributeError, ImportError, NameError, OSError, SyntaxError)
+"""Exceptions that hold more than their arguments."""
+
+
+def check_arguments(function: object, arguments: Sequence[object], keywords: Mapping[str, object], budget: Budget) -> None:
+    """Pay for what library code goes through, and refuse what it would make of a single number, a long range or a chain."""
+    given = [*arguments, *keywords.values()]
+    if function is not range and any(isinstance(a, range) and size_of(a) > ITEM * LARGEST_SEQUENCE for a in given):
+        raise RunError("a range with so many elements cannot be turned into a collection", rule="E-Call-Host")
+    owner = getattr(function, "__self__", None)
+    budget.go_through(given if owner is None or getattr(function, "__name__", "") in QUICK else [*given, owner])
+    check_hashed(function, given)
+    if isinstance(function, type):
+        check_construction(function, arguments, keywords)
+    if (isinstance(function, type) or type(function) is KEY or isinstance(owner, property)) and not is_user_class(function):
+        check_chain(function, arguments, keywords)
+
+
+QUICK = names("append appendleft pop popleft get add discard setdefault keys values items extend update move_to_end")
+"""Methods that do not go through what they belong to."""
+
+
+def check_construction(function: type, arguments: Sequence[Any], keywords: Mapping[str, object]) -> None:
+    """Refuse what a class of Python would make of one number or text."""
+    first = arguments[0] if arguments else None
+    if function is bytes and first is not None and hasattr(type(first), "__index__"):
+        refuse_too_long(first)
+    if function is int and isinstance(first, (str, bytes)):
+        refuse_too_large(4 * length_of(first))
+    if function in (str, bytes):
+        for encoding in (*arguments[1:2], *(v for k, v in keywords.items() if k == "encoding")):
+            check_encoding(encoding)
+
+
+def is_holder(value: object) -> bool:
+    """Whether a chain could go on with the value."""
+    return isinstance(value, (*HOLDERS, BaseException))
+
+
+def check_chain(function: object, arguments: Sequence[object], keywords: Mapping[str, object]) -> None:
+    """Refuse a value that would hold another of its kind. Raises `RunError`."""
+    if isinstance(function, type) and issubclass(function, NAMING):
+        chained = any(map(is_holder, (*arguments[2:], *keywords.values())))
+    else:
+        holds = type(function) is KEY or not isinstance(function, type) or function in HOLDERS
+        chained = holds and any(map(is_holder, (*arguments, *keywords.values())))
+    if chained:
+        name = getattr(function, "__name__", "this")
+        raise RunError(f"{name} does not hold another of its kind", rule="E-Call-Host")
+
+
+def as_callback(function: object, budget: Budget) -> object:
+    """A function as library code may call it: one that is not the program's own pays as in a call by the program."""
+    if not callable(function) or isinstance(function, (Function, Method, Special)) or is_user_class(function):
+        return function
+    return Native(str(getattr(function, "name", getattr(function, "__name__", "function"))), priced(function, budget))
+
+
+def priced(function: Callable[..., object], budget: Budget) -> Callable[..., object]:
+    """The function, each call of which is paid for."""
+
+    def called(*arguments: object, **keywords: object) -> object:
+        check_arguments(function, arguments, keywords, budget)
+        result = function(*arguments, **keywords)
+        budget.spend(ITEM)
+        budget.made(result)
+        return result
+
+    return called
+
+
+def with_callbacks(arguments: Sequence[object], budget: Budget) -> list[object]:
+    """Arguments among which there may be functions that will be called."""
+    return [as_callback(a, budget) for a in arguments]
+
+

@@ -1,0 +1,317 @@
+"""Builtins that are rules of the machine rather than host functions, because they must see randomness or Scenic values."""
+
+from __future__ import annotations
+
+from collections import Counter, deque
+from collections.abc import Callable, Collection, Mapping
+from types import BuiltinFunctionType, MethodType
+
+from ..kernel.allowed import is_known
+from ..kernel.config import Config, Stack, State, value
+from ..kernel.draws import ask
+from ..kernel.errors import RunError
+from ..kernel.host import HostException, host, raw
+from ..kernel.kinds import kind_name
+from ..kernel.nesting import check_written
+from ..kernel.outcome import Change, Next, Outcome
+from ..kernel.premises import describe_origin
+from ..kernel.scopes import MISSING, Scope
+from ..kernel.values import Dynamic, Function, Instance, Method, Origin, Random, ScenicClass, Special, plain, unwrap, wrap
+from ..syntax import python_expressions as p
+from ..syntax.nodes import Node
+from .assignment import set_attribute
+from .expressions import elements, get_attribute, host_container, instance_text
+from .functions import InScope
+from .library import LISTING
+from .texts import written
+
+Arguments = tuple[object, ...]
+Keywords = Mapping[str, object]
+Rule = Callable[[Node, Arguments, Keywords, Stack, State], Outcome]
+
+
+def resample(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
+    """⟨resample(D)⟩ →^{P_θ(v)} v: another sample from the distribution that D was drawn from, with the same θ (reading `resample`)."""
+    if len(arguments) != 1 or keywords:
+        raise HostException(TypeError("resample() takes one argument, the value to draw again"))
+    subject = arguments[0]
+    if type(subject) is not Random:
+        if state.simulation is not None:
+            raise RunError(
+                "while a scenario runs, resample needs a variable that a value was drawn into: what is computed, or stands in a container or "
+                "property, no longer knows its distribution", node.span, rule="E-Resample", hint="write the distribution again",
+            )  # fmt: skip
+        if state.reading("resample-constant") == "point-mass" and not isinstance(subject, (list, dict, set)):
+            return value("E-Resample-Constant", subject, stack, state, node)
+        raise RunError(f"resample needs a value drawn from a distribution, not {kind_name(subject)}", node.span, rule="E-Resample")
+    distribution = subject.origin.distribution
+    if distribution is None:
+        raise RunError(
+            f"resample needs one of the built-in distributions, not an operation on one (this value depends on {describe_origin(subject.origin)})",
+            node.span, rule="E-Resample", hint="resample the operands instead: resample(x) + resample(y)",
+        )
+    return ask(node, distribution, "E-Resample", stack, state, subject.origin.text)
+
+
+def print_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
+    """`print(...)`: the driving loop shows the text; the semantics itself has no output."""
+    texts = [written(unwrap(instance_text(argument, state))[0]) for argument in arguments]
+    separator = keywords.get("sep", " ")
+    text = (separator if isinstance(separator, str) else " ").join(texts)
+    return value("E-Print", None, stack, state, node, Change("print", "", text))
+
+
+def isinstance_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
+    """`isinstance(v, C)` for Scenic and Python classes, or a tuple of them."""
+    if len(arguments) != 2:
+        raise HostException(TypeError("isinstance() takes two arguments"))
+    subject, (classes, of_classes) = arguments[0], unwrap(arguments[1])
+    inner = plain(subject)
+    result = any(_is_instance(inner, c) for c in _flat(classes))
+    origin = subject.origin if type(subject) is Random else of_classes
+    return value("E-Call-Host", wrap(result, origin), stack, state, node)
+
+
+def _flat(classes: object) -> list[object]:
+    return [c for group in classes for c in _flat(group)] if isinstance(classes, tuple) else [classes]
+
+
+def _is_instance(subject: object, class_: object) -> bool:
+    if isinstance(class_, ScenicClass):
+        return isinstance(subject, Instance) and subject.class_.is_subclass_of(class_)
+    if isinstance(class_, type):
+        return isinstance(subject, class_) and not isinstance(subject, (Instance, ScenicClass, Function, Method, Dynamic))
+    raise HostException(TypeError("isinstance() needs a class or a tuple of classes"))
+
+
+def issubclass_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
+    """`issubclass(C, D)`."""
+    if len(arguments) != 2:
+        raise HostException(TypeError("issubclass() takes two arguments"))
+    (subject, classes), origin = unwrap(arguments)  # type: ignore[misc]
+    others = _flat(classes)
+    if isinstance(subject, ScenicClass):
+        result: object = any(isinstance(c, ScenicClass) and subject.is_subclass_of(c) for c in others)
+    else:
+        result = raw(state.settings.door, state, issubclass, subject, tuple(c for c in others if isinstance(c, type)))
+    return value("E-Call-Host", wrap(result, origin), stack, state, node)
+
+
+def type_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
+    """`type(v)`: the class of a value."""
+    if len(arguments) != 1 or keywords:
+        raise RunError("type() takes one argument: classes are made with `class`", node.span, rule="E-Call-Host")
+    inner = plain(arguments[0])
+    result = inner.class_ if isinstance(inner, Instance) else type(inner)
+    if isinstance(result, type) and not is_known(result) and not state.settings.trusted:
+        raise RunError(f"type() of {kind_name(inner)} is no class of this language", node.span, rule="E-Call-Host")
+    origin = arguments[0].origin if type(arguments[0]) is Random else None
+    return value("E-Call-Host", wrap(result, origin), stack, state, node)
+
+
+def getattr_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
+    """`getattr(v, name[, default])`, under the same rules as `v.name`."""
+    if len(arguments) not in (2, 3) or not isinstance(plain(arguments[1]), str):
+        raise HostException(TypeError("getattr() takes a value, a name and perhaps a default"))
+    result, origin = _named(node, arguments, state)
+    if result is MISSING:
+        result = arguments[2]
+    return value("E-Attribute", result if origin is None else wrap(unwrap(result)[0], origin), stack, state, node)
+
+
+def hasattr_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
+    """`hasattr(v, name)`."""
+    if len(arguments) != 2 or not isinstance(plain(arguments[1]), str):
+        raise HostException(TypeError("hasattr() takes a value and a name"))
+    result, origin = _named(node, (*arguments, None), state)
+    return value("E-Attribute", wrap(result is not MISSING, origin), stack, state, node)
+
+
+def _named(node: Node, arguments: Arguments, state: State) -> tuple[object, Origin | None]:
+    """The attribute of the first argument that the second names, MISSING if there is none and a third argument; what made the choice random."""
+    subject, name = arguments[:2]
+    origin = next((v.origin for v in (subject, name) if type(v) is Random), None)
+    access = p.Attribute(value=p.Constant(value=None), name=str(plain(name)), span=node.span)
+    try:
+        return get_attribute(plain(subject), access, state), origin
+    except HostException as problem:
+        if len(arguments) == 3 and isinstance(problem.exception, AttributeError):
+            return MISSING, origin
+        raise
+
+
+def setattr_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
+    """`setattr(v, name, w)`, under the same rules as `v.name = w`."""
+    if len(arguments) != 3 or not isinstance(plain(arguments[1]), str):
+        raise HostException(TypeError("setattr() takes a value, a name and a value"))
+    if type(arguments[1]) is Random:
+        raise RunError("the name of the attribute that is assigned may not be random", node.span, rule="S-Assignment")
+    return value("S-Assignment", None, stack, set_attribute(arguments[0], str(plain(arguments[1])), arguments[2], node, state), node)
+
+
+def callable_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
+    """`callable(v)`."""
+    if len(arguments) != 1:
+        raise HostException(TypeError("callable() takes one argument"))
+    inner = plain(arguments[0])
+    result = not isinstance(inner, (Instance, ScenicClass)) and callable(inner)
+    origin = arguments[0].origin if type(arguments[0]) is Random else None
+    return value("E-Call-Host", wrap(result, origin), stack, state, node)
+
+
+_F, _X, _XS = p.Name(name="<function>"), p.Name(name="<element>"), p.Name(name="<elements>")
+
+
+def map_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
+    """`map(f, xs)` is `[f(x) for x in xs]`, a list; with several iterables the elements are taken side by side."""
+    if len(arguments) < 2:
+        raise HostException(TypeError("map() takes a function and at least one iterable"))
+    function, *iterables = arguments
+    if len(iterables) == 1:
+        return _comprehend(node, function, iterables[0], p.Call(function=_F, arguments=(_X,), span=node.span), (), stack, state)
+    rows = list(zip(*(elements(i, node, state) for i in iterables), strict=False))
+    element = p.Call(function=_F, arguments=(p.Starred(value=_X),), span=node.span)
+    return _comprehend(node, function, rows, element, (), stack, state)
+
+
+def filter_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
+    """`filter(f, xs)` is `[x for x in xs if f(x)]`, a list (Section 3.3 picks from one with `Uniform(*roads)`)."""
+    if len(arguments) != 2:
+        raise HostException(TypeError("filter() takes a function and an iterable"))
+    test = _X if arguments[0] is None else p.Call(function=_F, arguments=(_X,), span=node.span)
+    return _comprehend(node, arguments[0], arguments[1], _X, (test,), stack, state)
+
+
+def _comprehend(
+    node: Node, function: object, iterable: object, element: p.Expression, tests: tuple[p.Expression, ...], stack: Stack, state: State
+) -> Outcome:
+    scope = Scope("comprehension", state.sigma, bindings={"<function>": function, "<elements>": iterable})
+    clause = p.ComprehensionClause(target=_X, iterable=_XS, conditions=tests)
+    body = p.Comprehension(kind="list", element=element, clauses=(clause,), span=node.span)
+    return Next("E-Call-Host", Config(body, (InScope(state.sigma), stack), state._replace(sigma=scope)), node)
+
+
+def super_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
+    """`super()` has no rule."""
+    raise RunError("super() is not part of this language", node.span, rule="E-Call-Host", hint="name the class: Base.method(self, ...)")
+
+
+def str_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
+    """`str(v)` of an instance is what `print` shows."""
+    if len(arguments) == 1 and not keywords and isinstance(plain(arguments[0]), Instance):
+        return value("E-Call-Host", instance_text(arguments[0], state), stack, state, node)
+    texts = host(state.settings.door, state, written if len(arguments) == 1 and not keywords else str, *arguments, **keywords)
+    return value("E-Call-Host", texts, stack, state, node)
+
+
+STRUCTURAL: Mapping[Callable[..., object], Callable[..., object]] = {
+    len: len,
+    list: list,
+    tuple: tuple,
+    dict: lambda *xs, **named: _settled(dict(*xs, **named)),
+    LISTING["zip"]: LISTING["zip"].function,
+    LISTING["enumerate"]: LISTING["enumerate"].function,
+    LISTING["reversed"]: LISTING["reversed"].function,
+}
+"""Builtins that look at a container, not at its elements: these keep their randomness. Lazy ones give lists."""
+
+
+def _settled(entries: dict) -> object:
+    """A dictionary whose keys are all known, or a random one."""
+    return host_container(dict, list(entries.items()))
+
+
+def structural(builtin: Callable[..., object]) -> Rule:
+    """The rule of a builtin that looks at a container only."""
+    function = STRUCTURAL[builtin]
+
+    def rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
+        options = () if builtin is dict else keywords.values()
+        if any(type(a) is Random for a in (*arguments, *options)):
+            return value("E-Call-Host", host(state.settings.door, state, function, *arguments, **keywords), stack, state, node)
+        made = raw(state.settings.door, state, function, *arguments, **keywords)
+        state.settings.door.budget.made(plain(made))
+        return value("E-Call-Host", made, stack, state, node)
+
+    return rule
+
+
+STORED: Mapping[str, Collection[int]] = {
+    "append": {0}, "appendleft": {0}, "extend": {0}, "extendleft": {0}, "insert": {1}, "setdefault": {1}, "update": {0},
+    "add": (), "clear": (), "difference_update": (), "discard": (), "intersection_update": (), "move_to_end": (), "pop": (), "popitem": (),
+    "popleft": (), "remove": (), "reverse": (), "rotate": (), "sort": (), "subtract": (), "symmetric_difference_update": (),
+}
+"""Methods that change a container: which arguments become elements, which keep their randomness. All others are keys, indices, counts."""
+
+KEEPING = frozenset({"copy", "items", "keys", "values", "get"})
+"""Methods that do not change a container and do not look at its elements."""
+
+GIVING = frozenset({"pop", "popitem", "popleft", "setdefault"})
+
+
+COMPARING = frozenset({"sort", "remove"})
+"""Methods that compare the elements."""
+
+
+def container_method(function: object) -> str:
+    """The name of the method, if this is a method of a Python container that changes it or does not look at the elements."""
+    name = getattr(function, "__name__", "") if isinstance(function, (BuiltinFunctionType, MethodType)) else ""
+    known = (name in STORED or name in KEEPING) and isinstance(getattr(function, "__self__", None), (list, dict, set, deque))
+    return name if known else ""
+
+
+def call_container_method(
+    node: Node, function: BuiltinFunctionType | MethodType, arguments: Arguments, keywords: Keywords, state: State
+) -> object:
+    """Call a method of `container_method`: stored elements keep their randomness, but where they stand may not be random."""
+    name, owner = function.__name__, function.__self__
+    stored: Collection[int] = STORED.get(name, ())
+    counting = isinstance(owner, (set, Counter))
+    places = [a for i, a in enumerate(arguments) if counting or i not in stored]
+    if name == "update" and isinstance(owner, dict) and not counting and arguments:
+        if type(arguments[0]) is Random:
+            raise random_place(name, node)
+        entries = raw(state.settings.door, state, dict, arguments[0])
+        arguments, places = (entries, *arguments[1:]), [*entries]  # type: ignore[misc]
+    elif name in ("extend", "extendleft"):
+        arguments = tuple(elements(a, node, state) for a in arguments)
+    met = unwrap([*places, *(keywords.values() if counting or name in ("sort", "pop") else ())])[1] is not None
+    if met and name in KEEPING:
+        return host(state.settings.door, state, getattr(unwrap(owner)[0], name), *arguments, **keywords)
+    if met or (name in ("sort", "remove") and unwrap(owner)[1] is not None):
+        raise random_place(name, node)
+    if name in COMPARING:
+        check_written(owner)
+    result = raw(state.settings.door, state, function, *arguments, **keywords)
+    if name in STORED and name not in GIVING and type(result) is Random:  # a key function or comparison of the program met something random
+        raise random_place(name, node)
+    return result
+
+
+def random_place(name: str, node: Node) -> RunError:
+    """The error where a change of a container would make its shape random."""
+    return RunError(
+        f"{name}() would make which element stands where random", node.span, rule="E-Call-Host",
+        hint="make a new container, with sorted(...), a comprehension or an operator",
+    )
+
+
+SPECIALS: Mapping[str, Rule] = {
+    "resample": resample,
+    "print": print_rule,
+    "isinstance": isinstance_rule,
+    "issubclass": issubclass_rule,
+    "type": type_rule,
+    "getattr": getattr_rule,
+    "hasattr": hasattr_rule,
+    "setattr": setattr_rule,
+    "callable": callable_rule,
+    "super": super_rule,
+}
+
+SPECIAL_VALUES: Mapping[str, Special] = {name: Special(name) for name in SPECIALS}
+
+HOST_RULES: Mapping[Callable[..., object], Rule] = {
+    **{builtin: structural(builtin) for builtin in STRUCTURAL}, LISTING["map"]: map_rule, LISTING["filter"]: filter_rule, str: str_rule,
+}
+"""Python's own builtins with a rule of their own where the program calls them; elsewhere they are ordinary values."""

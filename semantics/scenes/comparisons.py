@@ -1,0 +1,109 @@
+"""Comparisons, and chains of them: standard, as in Python; `in` with a region is an operator of the paper."""
+
+from __future__ import annotations
+
+import operator as python
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from ..kernel.budget import ITEM, refuse_too_long, size_of
+from ..kernel.conditions import before_operands, bool_of, combine, truth_of, where_open
+from ..kernel.config import Stack, State, Value, reduce, value
+from ..kernel.host import HostException, host
+from ..kernel.kinds import has_kind, kind_name
+from ..kernel.nesting import check_written
+from ..kernel.outcome import Next, Outcome
+from ..kernel.premises import Premises, premises
+from ..kernel.values import Random, plain, unwrap
+from ..python.expressions import as_vector
+from ..python.keys import check_key
+from ..space.regions import Region
+from ..space.vectors import Vector
+from ..syntax import python_expressions as p
+from .operations import membership
+
+
+def contains(container: Any, item: object) -> bool:
+    """`item in container`."""
+    if isinstance(container, range) and not isinstance(item, int):
+        refuse_too_long(size_of(container) // ITEM)
+    if isinstance(container, (dict, set, frozenset)):
+        check_key(item)
+    return item in container
+
+
+COMPARE: Mapping[str, Callable[..., object]] = {
+    "==": python.eq, "!=": python.ne, "<": python.lt, ">": python.gt, "<=": python.le, ">=": python.ge,
+    "is": python.is_, "is not": python.is_not,
+    "in": lambda left, right: contains(right, left), "not in": lambda left, right: not contains(right, left),
+}
+
+
+def comparison(node: p.Comparison, stack: Stack, state: State) -> Outcome:
+    """`E1 < E2 <= E3`: from left to right, until a link does not hold."""
+    return premises(node, [None, node.left, node.operands[0]], conclude_comparison, stack, state, [()])
+
+
+def conclude_comparison(node: p.Comparison, values: list[object], stack: Stack, state: State) -> Outcome:
+    """The next link is reduced; `values` are the links before it and its operands. `in` with a region is an operator of the paper."""
+    held: tuple[object, ...] = values[0]  # type: ignore[assignment]
+    left, right = values[1:]
+    name = node.operators[len(held)]
+    if node.operators == ("in",) and lies_in_region(left, right):
+        return membership(node, left, right, stack, state)
+    before, held = any(type(v) is Random for v in held), (*held, link(node, name, left, right, state))
+    last = len(held) == len(node.operators)
+    if not before and type(held[-1]) is not Random:
+        if last or not bool_of(held[-1], node, state):
+            return value("E-Compare", held[-1], stack, state, node)
+        return premises(node, [None, None, node.operands[len(held)]], conclude_comparison, stack, state, [held, right])
+    if not last and not before:
+        stack, state = before_operands(node.operands[len(held) :], stack, state)
+    if last:
+        return value("E-Compare", combine("and", held, state), stack, state, node)
+    frame = Premises(node, [None, None, node.operands[len(held)]], 2, (held, right), conclude_comparison)
+    operand = reduce(node.operands[len(held)], frame, stack, state)
+    if state.reading("boolean-random") == "operator":
+        return operand
+    return where_open(truth_of(held[-1], state), True, operand, lambda: value("E-Compare", combine("and", held, state), stack, state, node))
+
+
+def lies_in_region(left: object, right: object) -> bool:
+    """Whether `left in right` is the operator of the paper."""
+    if not isinstance(plain(right), Region):
+        return False
+    if not has_kind(unwrap(left)[0], "vector"):
+        raise HostException(TypeError(f"{kind_name(left)} cannot lie in a region"))
+    return True
+
+
+def link(node: p.Comparison, name: str, left: object, right: object, state: State) -> object:
+    """`left name right`, for one link of a comparison."""
+    if type(left) is float and type(right) is float and name in ORDER:
+        return COMPARE[name](left, right)
+    if name in ("in", "not in") and lies_in_region(left, right):
+        outcome = membership(node, left, right, (), state)
+        assert isinstance(outcome, Next) and isinstance(outcome.config.control, Value)
+        result = outcome.config.control.value
+        return result if name == "in" else host(state.settings.door, state, python.not_, result)
+    if name in ("is", "is not"):
+        if right is None and never_none(left):
+            return name == "is not"
+        if type(left) is not Random and type(right) is not Random:
+            return COMPARE[name](left, right)
+    state.settings.door.budget.compared(plain(left), plain(right))
+    check_written(plain(left), plain(right))
+    if name in ("==", "!=") and isinstance(plain(left), Vector) is not isinstance(plain(right), Vector) and state.reading("pairs") == "vector":
+        left, right = (as_vector(v, state) for v in (left, right))
+    return host(state.settings.door, state, COMPARE[name], left, right)
+
+
+ORDER = frozenset({"<", ">", "<=", ">="})
+
+
+def never_none(subject: object) -> bool:
+    """Whether `subject` is a draw that cannot give None, so that `is None` does not depend on what is drawn (reading `is-none`)."""
+    if type(subject) is not Random or subject.origin.distribution is None:
+        return False
+    support = subject.origin.distribution.support()
+    return support is None or all(plain(v) is not None for v, _ in support)

@@ -1,0 +1,151 @@
+"""How the machine applies an operator: rewrite it, or reduce its operands and apply the equation for their kinds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from ..kernel.classes import ORIENTED_POINT_CLASS, built_in_defaults
+from ..kernel.config import Config, Stack, State, Value, value
+from ..kernel.errors import RunError, ScenicError
+from ..kernel.host import DoorStuck, HostException
+from ..kernel.kinds import OrientedPointAt, Reader, has_kind, is_oriented, kind_name
+from ..kernel.outcome import Next, Outcome, Requirement, Stuck
+from ..kernel.premises import premises
+from ..kernel.scopes import MISSING
+from ..kernel.values import Instance
+from ..space.fields import OutsideField
+from ..space.vectors import Vector
+from ..syntax import expressions as e
+from ..syntax.nodes import Node
+from . import operators as o
+
+SPECIFIED = "<the object being specified>"
+
+
+def operator(node: Node, stack: Stack, state: State) -> Outcome:
+    """Rewrite the operator if its equation is a rewriting, else reduce its operands."""
+    rewriting = o.REWRITINGS.get(type(node))
+    if rewriting is not None and rewriting.applies(node):
+        return Next(rewriting.rule, Config(rewriting.rewrite(node), stack, state), node)
+    names, _ = o.EQUATIONS[type(node)]
+    return premises(node, [getattr(node, name) for name in names], apply_operator, stack, state)
+
+
+def side_of(node: e.SideOf, stack: Stack, state: State) -> Outcome:
+    """`front of O` and its seven siblings."""
+    return premises(node, [node.object], apply_side, stack, state)
+
+
+def apply_side(node: e.SideOf, values: list[object], stack: Stack, state: State) -> Outcome:
+    """Apply the equation of the side."""
+    return apply_equation(node, (o.SIDES[node.side],), values, stack, state)
+
+
+def apply_operator(node: Node, values: list[object], stack: Stack, state: State) -> Outcome:
+    """The operands are reduced: choose the equation by their kinds and conclude."""
+    return apply_equation(node, o.EQUATIONS[type(node)][1], values, stack, state)
+
+
+def apply_equation(node: Node, equations: Sequence[o.Equation], values: list[object], stack: Stack, state: State) -> Outcome:
+    """Conclude with the first equation whose kinds fit; what is random in the operands makes the result random."""
+    reader = Reader(state)
+    operands = [reader.plain(v) for v in values]
+    equation = select(node, equations, operands, state)
+    arguments = [reader.read(operand, kind) for operand, kind in zip(operands, equation.kinds, strict=True)]
+    if equation.needs_self:
+        arguments.append(reader.property(specified_object(node, state), "position"))
+    if equation.needs_euler_steps:
+        arguments.append(state.settings.euler_steps)
+    try:
+        result = compute(equation.function, arguments, reader)
+    except OutsideField as outside:
+        requirement = Requirement("field", node.span, outside.premise)
+        return Stuck(equation.rule, requirement, Config(Value(reader.wrap(_any_result(equation, arguments))), stack, state))
+    if isinstance(result, OrientedPointAt):
+        point, state = new_oriented_point(result, reader, state)
+        return value(equation.rule, point, stack, state, node)
+    return value(equation.rule, reader.wrap(result), stack, state, node)
+
+
+def compute(equation: Callable[..., object], arguments: Sequence[object], reader: Reader) -> object:
+    """The right-hand side of an equation; a vector field of the program is called through the door, and what it reads counts."""
+    door = reader.state.settings.door
+    door.state, door.called, door.origin = reader.state, False, None
+    try:
+        result = equation(*arguments)
+    except (OutsideField, ScenicError, HostException, DoorStuck):
+        raise
+    except Exception as exception:
+        if door.called:
+            raise HostException(exception) from exception
+        raise
+    reader.origin = reader.origin or door.origin
+    return result
+
+
+def _any_result(equation: o.Equation, arguments: list[object]) -> object:
+    """Some value of the right type for a run that is stuck anyway (see `Stuck.beyond`)."""
+    return next((a for a in arguments if isinstance(a, Vector)), Vector(0.0, 0.0)) if "OffsetAlong" in equation.rule else 0.0
+
+
+def select(node: Node, equations: Sequence[o.Equation], operands: list[object], state: State) -> o.Equation:
+    """The equation for operands of these kinds; an error names what the operator expects."""
+    if isinstance(node, e.RelativeTo) and all(isinstance(v, Instance) and is_oriented(v) for v in operands):
+        raise RunError(
+            "both sides of `relative to` are oriented points, so it could mean their positions or their headings",
+            node.span, rule="O-RelativeTo-Headings", hint="write .position or .heading behind one of them",
+        )
+    if isinstance(node, e.OffsetBy) and state.reading("oriented-offset") == "global":
+        equations = [q for q in equations if q.rule != "O-OffsetBy-OrientedPoint"]
+    for equation in equations:
+        if all(has_kind(v, kind) for v, kind in zip(operands, equation.kinds, strict=True)):
+            return equation
+    expected = " or ".join(dict.fromkeys("(" + ", ".join(q.kinds) + ")" for q in equations))
+    found = ", ".join(kind_name(v) for v in operands)
+    raise RunError(f"{operator_name(node)} expects {expected}, not ({found})", node.span, rule=equations[0].rule)
+
+
+def operator_name(node: Node) -> str:
+    """The operator as the user wrote it, for messages."""
+    names = {
+        e.RelativeHeading: "relative heading of", e.ApparentHeading: "apparent heading of", e.Distance: "distance from ... to",
+        e.DistancePast: "distance of ... past", e.Angle: "angle from ... to", e.CanSee: "can see", e.Degrees: "deg", e.FieldAt: "at",
+        e.RelativeTo: "relative to", e.VectorOf: "@", e.OffsetBy: "offset by", e.OffsetAlong: "offset along ... by",
+        e.VisibleFrom: "visible from", e.Follow: "follow ... from ... for",
+    }
+    if isinstance(node, e.SideOf):
+        return f"`{node.side} of`"
+    return f"`{names.get(type(node), type(node).__name__)}`"
+
+
+def specified_object(node: Node, state: State) -> Instance:
+    """`self` of the specifier around this expression, whose position is already known (reading `field-dependency`)."""
+    instance = state.sigma.lookup(SPECIFIED)
+    if instance is MISSING:
+        raise RunError(
+            "a vector field relative to something has no value by itself: it needs the position of an object being specified",
+            node.span, rule="O-RelativeTo-HeadingField", hint="use it inside a specifier, or write `field at position`",
+        )
+    assert isinstance(instance, Instance)
+    if "position" not in state.objects[instance.number]:
+        raise RunError(
+            "this heading needs the object's position, which is not known yet", node.span, rule="O-RelativeTo-HeadingField",
+            hint="give the vector field a name of its own, so that the dependency on position is seen",
+        )
+    return instance
+
+
+def new_oriented_point(at: OrientedPointAt, reader: Reader, state: State) -> tuple[Instance, State]:
+    """OrientedPoint(position, heading) as an instance with the class's other default values; it is no part of the scene."""
+    number = state.made
+    point = Instance(number, ORIENTED_POINT_CLASS)
+    properties = dict(built_in_defaults(ORIENTED_POINT_CLASS))
+    properties["position"] = reader.wrap(at.position)
+    if at.heading is not None:
+        properties["heading"] = reader.wrap(at.heading)
+    return point, state._replace(objects={**state.objects, number: properties}, made=number + 1)
+
+
+def membership(node: Node, left: object, right: object, stack: Stack, state: State) -> Outcome:
+    """`V in R` and `O in R`."""
+    return apply_equation(node, o.IN_EQUATIONS, [left, right], stack, state)

@@ -1,0 +1,148 @@
+"""Algorithm 1, resolveSpecifiers: which specifier determines each property, and in which order they are evaluated.
+
+The five phases and their comments are the algorithm's own. Reading `alg1-graph`: the vertices of the graph are
+specifiers, the image of specForProperty.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from ..kernel.errors import CyclicDependencies, MissingProperty, ResolutionError, SpecifiedTwice, SpecifiedTwiceOptionally
+from ..syntax.nodes import Node, Span
+from .specifiers import Form
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Specification:
+    """A specifier as Algorithm 1 sees it: what it specifies, optionally or not, and its dependencies; those that say the same are different.
+
+    `node` is the specifier, or the expression of a default value; `form` and `arguments` are those of an evaluated
+    specifier (None for `with`, default values, and arguments that wait for the object's position).
+    """
+
+    node: Node
+    name: str
+    specifies: tuple[str, ...]
+    optional: tuple[str, ...] = ()
+    dependencies: tuple[str, ...] = ()
+    form: Form | None = None
+    arguments: tuple[object, ...] | None = None
+    is_default: bool = False
+
+
+Ordered = tuple[tuple[Specification, tuple[str, ...]], ...]
+
+
+def resolve_specifiers(
+    span: Span,
+    specifiers: Sequence[Specification],
+    defaults: Mapping[str, Specification],
+    known: frozenset[str] | None = None,
+    absent: frozenset[str] = frozenset(),
+) -> Ordered:
+    """((S1, P1), ..., (Sn, Pn)): the specifiers in evaluation order, each with the properties whose values it determines.
+
+    `defaults` is defaultValueExpressions(class). `known`, if given, keeps optional specifications to those properties
+    (reading `optional-unknown` = ignore); `absent` are dependencies that may be missing (reading `point-size`).
+    Raises a named `ResolutionError` where the algorithm says "syntax error".
+    """
+    # 1. gather all specified properties
+    spec_for_property: dict[str, Specification] = {}
+    optional_specs: dict[str, list[Specification]] = {}
+    for specifier in specifiers:
+        for name in specifier.specifies:
+            if name in spec_for_property:
+                raise SpecifiedTwice(
+                    f"the property {name} is specified twice: by `{spec_for_property[name].name}` and by `{specifier.name}`",
+                    specifier.node.span, rule="R-SpecifiedTwice",
+                )
+            spec_for_property[name] = specifier
+        for name in specifier.optional:
+            if known is None or name in known:
+                optional_specs.setdefault(name, []).append(specifier)
+
+    # 2. filter optional specifications
+    for name, candidates in optional_specs.items():
+        if name in spec_for_property:
+            continue
+        if len(candidates) > 1:
+            names = " and by ".join(f"`{c.name}`" for c in candidates)
+            raise SpecifiedTwiceOptionally(
+                f"the property {name} is specified optionally twice: by {names}", candidates[1].node.span, rule="R-SpecifiedTwiceOptionally",
+                hint=f"say which is meant with an explicit specifier for {name}",
+            )
+        spec_for_property[name] = candidates[0]
+
+    # 3. add default specifiers as needed
+    for name, default in defaults.items():
+        if name not in spec_for_property:
+            spec_for_property[name] = default
+
+    # 4. build dependency graph
+    used = tuple(dict.fromkeys(spec_for_property.values()))
+    determined: dict[Specification, list[str]] = {s: [] for s in used}
+    for name, specifier in spec_for_property.items():
+        determined[specifier].append(name)
+    predecessors: dict[Specification, list[tuple[str, Specification]]] = {s: [] for s in used}
+    for specifier in used:
+        for dependency in specifier.dependencies:
+            if dependency not in spec_for_property:
+                if dependency in absent:
+                    continue
+                raise MissingProperty(
+                    f"`{specifier.name}` needs the property {dependency}, which this object does not have", _place(specifier, span),
+                    rule="R-MissingProperty",
+                )
+            predecessors[specifier].append((dependency, spec_for_property[dependency]))
+
+    # 5. construct specifier and property evaluation order
+    order = _topological_order(used, predecessors, span)
+    return tuple((s, tuple(determined[s])) for s in order)
+
+
+def _place(specifier: Specification, span: Span) -> Span:
+    return span if specifier.is_default else specifier.node.span
+
+
+def _topological_order(
+    used: tuple[Specification, ...],
+    predecessors: Mapping[Specification, list[tuple[str, Specification]]],
+    span: Span,
+) -> list[Specification]:
+    """Repeatedly the first specifier whose dependencies are all placed (Kahn's algorithm, stable)."""
+    placed: set[Specification] = set()
+    order: list[Specification] = []
+    waiting = list(used)
+    while waiting:
+        ready = [s for s in waiting if not predecessors[s] or all(p in placed for _, p in predecessors[s])]
+        if not ready:
+            raise _cycle_error(waiting, predecessors, span)
+        order.extend(ready)
+        placed.update(ready)
+        waiting = [s for s in waiting if s not in placed]
+    return order
+
+
+def _cycle_error(
+    waiting: list[Specification], predecessors: Mapping[Specification, list[tuple[str, Specification]]], span: Span
+) -> ResolutionError:
+    """The error that prints one cycle: position (left of) needs heading (facing), which needs position."""
+    unplaced = set(waiting)
+    path: list[tuple[str, Specification]] = []
+    current = waiting[0]
+    seen: list[Specification] = []
+    while current not in seen:
+        seen.append(current)
+        dependency, following = next((d, p) for d, p in predecessors[current] if p in unplaced)
+        path.append((dependency, current))
+        current = following
+    cycle = path[seen.index(current) :]
+    names = tuple(dependency for dependency, _ in cycle)
+    steps = ", ".join(f"`{specifier.name}` needs {dependency}" for dependency, specifier in cycle)
+    place = next((s.node.span for _, s in cycle if not s.is_default), span)
+    return CyclicDependencies(
+        f"the specifiers depend on each other in a circle: {steps}", place, cycle=(*names, names[0]), rule="R-Cyclic",
+        hint="specify one of these properties without the others, for example position with `at`",
+    )

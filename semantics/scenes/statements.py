@@ -1,0 +1,123 @@
+"""Scenic's static statements: Figure "statement-semantics" of the paper."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ..kernel.conditions import holding
+from ..kernel.config import PASS, Config, Stack, State, reduce
+from ..kernel.draws import numbered_apart
+from ..kernel.errors import RunError
+from ..kernel.kinds import is_object, is_scalar, kind_name
+from ..kernel.nesting import check_nesting
+from ..kernel.outcome import Change, Draw, Next, Observe, Outcome, Requirement, Stuck
+from ..kernel.premises import premises
+from ..kernel.simulation import check_setup
+from ..kernel.values import Instance, Random, plain
+from ..python.assignment import done
+from ..space.distributions import BadParameters, Coin
+from ..space.symbols import is_finite_number, met
+from ..syntax import statements as s
+
+
+def param(node: s.Param, stack: Stack, state: State) -> Outcome:
+    """If ⟨E, σ, π, O⟩ → ⟨v, σ, π, O'⟩ then ⟨param x = E, σ, π, O⟩ → ⟨pass, σ, π[x/v], O'⟩."""
+    return premises(node, [a.value for a in node.assignments], conclude_param, stack, state)
+
+
+def conclude_param(node: s.Param, values: list[object], stack: Stack, state: State) -> Outcome:
+    """π[x/v]; a value given on the command line wins."""
+    assigned = {a.name: v for a, v in zip(node.assignments, values, strict=True) if a.name not in state.settings.params}
+    for name, assignment in assigned.items():
+        check_nesting(f"the parameter {name}", assignment, node.span)
+    change = Change("π", ", ".join(assigned), next(iter(assigned.values()), None))
+    return done("S-Param", node, stack, state._replace(params={**state.params, **assigned}), change)
+
+
+# Requirements
+
+
+class Requiring(NamedTuple):
+    """Frame: the condition of a requirement is being reduced."""
+
+    requirement: Requirement
+    rule: str
+    what: str = "a requirement"
+
+
+def hard_requirement(node: s.Require, stack: Stack, state: State) -> Outcome:
+    """Hard Requirements: if ⟨B, σ, π, O⟩ → ⟨True, σ, π, O'⟩ then ⟨require B, σ, π, O⟩ → ⟨pass, σ, π, O'⟩."""
+    if state.reading("require-time") == "end" and state.simulation is None:
+        captured = state._replace(sigma=state.sigma.snapshot(), late=())
+        return Next("S-Require-Capture", Config(PASS, stack, state._replace(late=(*state.late, (node, captured)))), node)
+    return enforce(node, stack, state)
+
+
+def enforce(node: s.Require, stack: Stack, state: State) -> Outcome:
+    """Reduce the condition: now, or at the end of the program in the state of the statement (reading `require-time`)."""
+    requirement = Requirement("require", node.span, f"the requirement on line {node.span.line}")
+    return reduce(node.condition, Requiring(requirement, "S-Require"), stack, state)
+
+
+def resume_requiring(frame: Requiring, result: object, stack: Stack, state: State) -> Outcome:
+    """The rule fires only if the condition is True; otherwise no rule applies and the run is stuck."""
+    after = Config(PASS, stack, state)
+    holds = holding(result, frame.requirement.span, state, frame.what, frame.rule)
+    return Observe(frame.rule, frame.requirement, after) if met(holds, frame.requirement) else Stuck(frame.rule, frame.requirement, after)
+
+
+def soft_requirement(node: s.SoftRequire, stack: Stack, state: State) -> Outcome:
+    """Soft Requirements: ⟨require[p] B⟩ →^p ⟨require B⟩ and ⟨require[p] B⟩ →^{1-p} ⟨pass⟩."""
+    return premises(node, [node.probability], conclude_soft, stack, state)
+
+
+def conclude_soft(node: s.SoftRequire, values: list[object], stack: Stack, state: State) -> Outcome:
+    """Throw the coin: once per run, or once per scene before the rejection loop (reading `soft`)."""
+    probability = values[0]
+    if type(probability) is Random:
+        raise RunError("the probability of a soft requirement must be a constant", node.probability.span, rule="S-SoftReq-Check")
+    try:
+        coin = Coin(probability)  # type: ignore[arg-type]
+    except (BadParameters, TypeError):
+        raise RunError(
+            f"the probability of a soft requirement must be between 0 and 1, not {probability}", node.probability.span, rule="S-SoftReq-Check"
+        ) from None
+
+    def resume(heads: object) -> Config:
+        if not heads:
+            return Config(PASS, stack, state._replace(draws=state.draws + 1))
+        return Config(s.Require(condition=node.condition, span=node.span), *numbered_apart(stack, state))
+
+    return Draw("S-SoftReq", state.address, coin, node, resume, per_scene=state.reading("soft") == "scene")
+
+
+# Mutation
+
+
+def mutate(node: s.Mutate, stack: Stack, state: State) -> Outcome:
+    """⟨mutate obj_i by s, σ, π, O⟩ → ⟨pass, σ, π, O[σ(obj_i).mutationScale / s]⟩; the scale is 1 by default."""
+    return premises(node, [*node.objects, node.scale], conclude_mutate, stack, state)
+
+
+def conclude_mutate(node: s.Mutate, values: list[object], stack: Stack, state: State) -> Outcome:
+    """Set the scale of the listed objects, or of every Object that exists now (reading `mutate-all`)."""
+    *listed, scale = values
+    first = 0
+    if state.simulation is not None:
+
+        first = check_setup("objects are mutated", node, stack)
+    scale = 1 if node.scale is None else scale
+    inner = plain(scale)
+    if not is_scalar(inner) or inner < 0 or not is_finite_number(inner):  # type: ignore[operator]
+        raise RunError(f"`mutate ... by` expects a number that is at least 0, not {inner}", node.span, rule="S-Mutate")
+    targets = [plain(v) for v in listed] if node.objects else list(state.scene[first:])
+    for target in targets:
+        if not (isinstance(target, Instance) and is_object(target)):
+            raise RunError(f"only Objects can be mutated, not {kind_name(target)}", node.span, rule="S-Mutate")
+        if target not in state.scene[first:]:
+            raise RunError(f"{target!r} is in the scene already: a scenario that runs mutates the objects that it makes", node.span, rule="S-Mutate")
+        state = state.with_properties(target, {"mutationScale": scale})
+    return done("S-Mutate", node, stack, state, Change("O", ", ".join(f"{t!r}.mutationScale" for t in targets), scale))
+
+
+# Dynamic requirements and definitions: remembered for the policy
