@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .interpreter.scenes import Scene, SceneObject
+    from .formats.scenes import Scene, SceneObject
     from .scenario import Scenario, load, loads
     from .semantics.kernel import errors
 
@@ -20,7 +20,7 @@ __version__ = "0.1.0"
 __all__ = ["Scenario", "Scene", "SceneObject", "__version__", "errors", "load", "loads"]
 
 _HOMES = {
-    "Scene": ".interpreter.scenes", "SceneObject": ".interpreter.scenes", "Scenario": ".scenario", "load": ".scenario", "loads": ".scenario",
+    "Scene": ".formats.scenes", "SceneObject": ".formats.scenes", "Scenario": ".scenario", "load": ".scenario", "loads": ".scenario",
     "errors": ".semantics.kernel.errors",
 }
 

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 import scenic_ref
 from narrow import NARROW
-from scenic_ref.inference.batch.sampling import Batch
+from scenic_ref.inference.batch.evaluate.sampling import Batch
 from scenic_ref.inference.pruning import PAPER, TECHNIQUES, Pruning
 from scenic_ref.inference.pruning.analysis import prune_recorded
 from scenic_ref.inference.pruning.recording import record

@@ -14,8 +14,8 @@ import time
 from pathlib import Path
 
 import scenic_ref
-from scenic_ref.interpreter.simulating import Simulator
 from scenic_ref.simulators import SIMULATORS, by_name
+from scenic_ref.simulators.simulating import Simulator
 
 HEAD = """
 from scenic.domains.driving.actions import *

@@ -10,9 +10,9 @@ from functools import cache, cached_property
 from threading import get_ident
 from typing import TYPE_CHECKING, NamedTuple
 
+from ..formats.scenes import Scene, scene_of
 from ..interpreter.choosers import from_stream
 from ..interpreter.running import Accepted, Witness, run
-from ..interpreter.scenes import Scene, scene_of
 from ..semantics.kernel.conditions import bool_of
 from ..semantics.kernel.config import Config, Value
 from ..semantics.kernel.errors import AttemptsExhausted, ScenicError

@@ -8,10 +8,10 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from ..formats.scenes import in_json
 from ..inference.enumeration import Enumeration
 from ..inference.statistics.columns import Column
 from ..inference.statistics.relations import table_of
-from ..interpreter.scenes import in_json
 from .drawing import drawing_of
 from .files import PICTURES, check_ending, check_place, write
 from .options import Source
@@ -148,7 +148,7 @@ def show(found: Enumeration) -> None:
 
 def plot(found: Enumeration, path: str, name: str) -> None:
     """The outcomes as bars, the likeliest first. Raises `UsageError`."""
-    from ..interpreter.pictures import bar_chart
+    from ..formats.pictures import bar_chart
 
     columns = varying(found)[:MOST_COLUMNS]
     shown = found.outcomes[:MOST_ROWS]

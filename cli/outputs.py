@@ -17,9 +17,9 @@ try:
 except ImportError:  # not on this system
     fcntl = None
 
-from ..inference.batch.jobs import uninterrupted
-from ..interpreter.scenes import SCHEMA
-from ..interpreter.tables import SUFFIXES
+from ..formats.scenes import SCHEMA
+from ..formats.tables import SUFFIXES
+from ..inference.batch.jobs.blocks import uninterrupted
 from ..semantics.kernel.errors import UsageError
 from .drawing import Drawn
 
@@ -189,7 +189,7 @@ class TableOutput(Output):
     """A Parquet or npz file, which is there only when it is complete."""
 
     def __init__(self, path: str) -> None:
-        from ..interpreter.tables import open_table
+        from ..formats.tables import open_table
 
         self.table = open_table(Path(path))
 

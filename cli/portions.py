@@ -10,12 +10,12 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from ..formats.tables import Columns
 from ..inference.batch import Batch, Block
-from ..inference.batch.features import features_in
-from ..inference.batch.jobs import FIRST, Pace, Workers, block_of
-from ..inference.batch.output import lines_of, table_of
+from ..inference.batch.evaluate.features import features_in
+from ..inference.batch.jobs.blocks import FIRST, Pace, Workers, block_of
+from ..inference.batch.jobs.lines import lines_of, table_of
 from ..inference.statistics.columns import Table as Features
-from ..interpreter.tables import Columns
 from ..semantics.kernel.outcome import Requirement
 from .drawing import Drawing, Softness, drawing_of
 from .options import Source

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from contextlib import AbstractContextManager, ExitStack
 from typing import NamedTuple
 
-from ..inference.batch.jobs import Workers, cluster, processes
-from ..interpreter.tables import SUFFIXES
+from ..formats.tables import SUFFIXES
+from ..inference.batch.jobs.blocks import Workers, cluster, processes
 from ..scenario import FEW
 from ..semantics.kernel.errors import ScenicError, UsageError
 from .drawing import Drawing, Drawn, drawing_of
@@ -207,7 +207,7 @@ def check_earlier(drawing: Drawing, request: Request, earlier: Resumed) -> None:
 
 def plot(drawing: Drawing, request: Request, known: list[tuple[int, int]]) -> None:
     """Draw the first scenes into one picture, each from the attempt that is known to give it."""
-    from ..interpreter.pictures import save_picture
+    from ..formats.pictures import save_picture
 
     assert request.plot is not None
     shown = [drawing.again(request.seed, index, attempts) for index, attempts in known[:MOST_PLOTTED]]

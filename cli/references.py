@@ -8,7 +8,7 @@ from collections.abc import Generator, Iterator, Mapping, Sequence
 from itertools import islice
 from types import TracebackType
 
-from ..inference.batch.jobs import processes
+from ..inference.batch.jobs.blocks import processes
 from ..inference.statistics.columns import Table, features_table
 from ..inference.statistics.rounding import DEFAULT_TOLERANCE
 from .drawing import Drawing, Drawn, drawing_of

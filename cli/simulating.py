@@ -11,21 +11,21 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
+from ..formats.recordings import to_line
 from ..inference.simulation import SampledRun
-from ..interpreter.recordings import to_line
-from ..interpreter.simulating import Failed
 from ..scenario import Scenario
 from ..semantics.kernel.errors import InternalError
 from ..semantics.kernel.outcome import Requirement
 from ..simulators import by_name
+from ..simulators.simulating import Failed
 from .drawing import Drawn, drawing_of
 from .files import LINES, check_ending, check_place
 from .options import Source
 from .outputs import Output, open_output
+from .pages import MOST, write_movie, write_page
 from .production import rehearse
 from .progress import Progress
-from .recorded import Replays, check_recordings
-from .replaying import MOST, write_movie, write_page
+from .replay import Replays, check_recordings
 from .reports import requirement_lines
 from .session import Session, escaped, tell
 

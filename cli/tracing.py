@@ -10,15 +10,17 @@ from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
+from ..formats.recordings import Simulated
+from ..formats.scenes import in_json
 from ..inference.rejection import sample
 from ..inference.simulation import attempts_at
 from ..interpreter.choosers import from_stream
-from ..interpreter.scenes import in_json
-from ..interpreter.simulating import Failed, Simulated, Simulator
 from ..interpreter.tracing import Event, Trace, finite
 from ..scenario import Scenario
 from ..semantics.kernel.errors import AttemptsExhausted, ScenicError, UsageError
 from ..semantics.rules import RULES
+from ..simulators.protocol import Simulator
+from ..simulators.simulating import Failed
 from .drawing import drawing_of
 from .errors import source_line, source_text
 from .options import Source

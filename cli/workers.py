@@ -7,7 +7,7 @@ from collections.abc import Callable, Generator
 from contextlib import AbstractContextManager
 from typing import NamedTuple
 
-from ..inference.batch.jobs import Workers, processes
+from ..inference.batch.jobs.blocks import Workers, processes
 from ..semantics.kernel.errors import ScenicError
 from .drawing import Drawing, Drawn, drawing_of
 from .options import Source

@@ -7,17 +7,17 @@ from contextlib import contextmanager, suppress
 from typing import Literal
 
 from .. import __version__
+from ..formats.recordings import Simulated, to_json
 from ..inference.rejection import counting
 from ..interpreter.choosers import from_stream
 from ..interpreter.dialects import DIALECTS
-from ..interpreter.recordings import to_json
 from ..interpreter.running import DEFAULT_FUEL
-from ..interpreter.simulating import Simulated, simulate_once
 from ..interpreter.tracing import Trace
 from ..scenario import Scenario, loads
 from ..semantics.kernel.errors import AttemptsExhausted, ProgramError, RunsExhausted, ScenicError, UsageError
 from ..semantics.kernel.outcome import Outcome, Requirement, Stuck
 from ..semantics.syntax.nodes import NOWHERE
+from ..simulators.simulating import simulate_once
 from ..simulators.still import Still
 from .implementation import Enumerated, NeverAccepted, Refused, SceneRecord, SimulationRecord, Task
 

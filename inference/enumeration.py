@@ -15,8 +15,8 @@ from fractions import Fraction
 from functools import cached_property
 from typing import NamedTuple
 
+from ..formats.scenes import Scene, scene_of
 from ..interpreter.running import DEFAULT_FUEL, Accepted, run
-from ..interpreter.scenes import Scene, scene_of
 from ..semantics.kernel.config import Config
 from ..semantics.kernel.errors import AttemptsExhausted, RunsExhausted, UsageError
 from ..semantics.kernel.outcome import Draw, Requirement

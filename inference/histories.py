@@ -9,11 +9,12 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple
 
-from ..interpreter.recordings import to_json
+from ..formats.recordings import Simulated, to_json
 from ..interpreter.running import DEFAULT_FUEL
-from ..interpreter.simulating import Failed, Simulated, Simulator, simulate_once
 from ..semantics.kernel.config import Config
 from ..semantics.kernel.errors import RunsExhausted, UsageError
+from ..simulators.protocol import Simulator
+from ..simulators.simulating import Failed, simulate_once
 from .enumeration import DEFAULT_RUNS, Choice, Runner, following
 from .simulation import exhausted
 

@@ -10,9 +10,9 @@ from collections import Counter
 from collections.abc import Callable
 from typing import NamedTuple
 
+from ..formats.scenes import Scene, scene_of
 from ..interpreter.choosers import AS_THEY_ARE, Draws, from_stream
 from ..interpreter.running import DEFAULT_FUEL, Accepted, Chooser, Witness, run
-from ..interpreter.scenes import Scene, scene_of
 from ..semantics.kernel.config import Config
 from ..semantics.kernel.errors import AttemptsExhausted
 from ..semantics.kernel.outcome import Draw, Requirement

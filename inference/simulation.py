@@ -7,12 +7,14 @@ from collections.abc import Callable, Iterator
 from itertools import count, islice
 from typing import NamedTuple
 
+from ..formats.recordings import Simulated
 from ..interpreter.choosers import from_stream
 from ..interpreter.running import DEFAULT_FUEL, Witness
-from ..interpreter.simulating import Failed, Simulated, Simulator, simulate_once
 from ..semantics.dynamics.processes import DYNAMIC
 from ..semantics.kernel.config import Config
 from ..semantics.kernel.errors import AttemptsExhausted
+from ..simulators.protocol import Simulator
+from ..simulators.simulating import Failed, simulate_once
 from .rejection import DEFAULT_ATTEMPTS, counting
 
 RETRIES = 100

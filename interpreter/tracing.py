@@ -13,12 +13,12 @@ from ..semantics.kernel.config import Config, State
 from ..semantics.kernel.outcome import Act, Change, Done, Draw, Finish, Next, Observe, Outcome, Stuck
 from ..semantics.kernel.simulation import agent_of, simulation_of
 from ..semantics.kernel.values import Instance, unwrap
+from ..semantics.python.texts import stable_repr
 from ..semantics.rules import RULES
 from ..semantics.scenes.object_definitions import Defaulting
 from ..semantics.space.vectors import Vector
 from ..semantics.syntax.nodes import NOWHERE, Span
 from .running import Accepted, Chooser, Run, run
-from .scenes import stable_repr
 
 MISSING = object()
 LONGEST = 80

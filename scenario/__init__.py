@@ -12,9 +12,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import Literal
 
+from ..formats.recorded import Recording, recording_of
+from ..formats.recordings import Simulated
+from ..formats.scenes import Scene, scene_of
 from ..inference.batch import Batch, Block, Impossible, NotLifted
-from ..inference.batch.features import features_in
-from ..inference.batch.jobs import Pace, block_of
+from ..inference.batch.evaluate.features import features_in
+from ..inference.batch.jobs.blocks import Pace, block_of
 from ..inference.enumeration import DEFAULT_RUNS, Enumeration, enumerate_runs
 from ..inference.histories import Histories, enumerate_simulations
 from ..inference.pruning import TECHNIQUES, Finding, Pruning, prune
@@ -26,11 +29,7 @@ from ..interpreter.checks import check
 from ..interpreter.choosers import AS_THEY_ARE, Draws, from_stream
 from ..interpreter.modules import library_of, module_named, read_text, with_old_imports
 from ..interpreter.parser import parse
-from ..interpreter.recorded import Recording, recording_of
-from ..interpreter.replays import replay_once
 from ..interpreter.running import DEFAULT_FUEL, Accepted, Run, Witness, rehearse, run
-from ..interpreter.scenes import Scene, scene_of
-from ..interpreter.simulating import Failed, Simulated, Simulator
 from ..semantics.kernel.config import Config, Settings
 from ..semantics.kernel.errors import AttemptsExhausted, InternalError, UsageError
 from ..semantics.programs import initial, make_settings
@@ -38,6 +37,9 @@ from ..semantics.readings import select
 from ..semantics.syntax import Program
 from ..simulators import by_name
 from ..simulators.actions import ACTIONS
+from ..simulators.protocol import Simulator
+from ..simulators.replays import replay_once
+from ..simulators.simulating import Failed
 from ..simulators.worlds import WORLDS
 from .constants import constants_of, facts_of
 

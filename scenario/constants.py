@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from ..formats.scenes import OWN_FIELDS, json_value, scene_of
 from ..inference.batch import Batch
-from ..inference.batch.features import supports_of
-from ..inference.batch.plan import only_rejects
-from ..inference.batch.suggested import Suggested
+from ..inference.batch.evaluate.features import supports_of
+from ..inference.batch.evaluate.plan import only_rejects
+from ..inference.batch.evaluate.suggested import Suggested
 from ..inference.rejection import DEFAULT_ATTEMPTS, sample
 from ..inference.statistics.columns import leaves
 from ..inference.statistics.facts import Facts
 from ..interpreter.choosers import Draws
-from ..interpreter.scenes import OWN_FIELDS, json_value, scene_of
 from ..semantics.kernel.config import Config, State
 from ..semantics.kernel.outcome import Done, Outcome
 from ..semantics.kernel.values import unwrap

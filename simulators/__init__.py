@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from ..interpreter.simulating import Simulator
 from ..semantics.kernel.errors import UsageError
+from .protocol import Simulator
 
 
 def _still(timestep: float | None) -> Simulator:

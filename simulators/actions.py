@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..interpreter.simulating import Body
+from ..formats.recordings import Body
 from ..semantics.kernel.kinds import kind_name
 from ..semantics.space.vectors import Vector
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from ..interpreter.simulating import Body, Pose
+from ..formats.recordings import Body, Pose
 
 
 class Still:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from scipy.special import betaincinv
 
+from ..formats.scenes import Scene
 from ..inference.enumeration import Enumeration
 from ..inference.rejection import DEFAULT_ATTEMPTS
 from ..inference.statistics import DEFAULT_ALPHA, DEFAULT_TV, Sampler, Verdict, compare
@@ -23,7 +24,6 @@ from ..inference.statistics.reading import scenes_in
 from ..inference.statistics.rounding import DEFAULT_TOLERANCE
 from ..inference.statistics.samples import AnyScene
 from ..inference.statistics.samples import Samples as Given
-from ..interpreter.scenes import Scene
 from ..scenario import Scenario
 from ..semantics.kernel.errors import RunsExhausted, UsageError
 from ..semantics.readings import select

@@ -12,12 +12,14 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
 
+from ..formats.recordings import Body, Pose
 from ..interpreter.choosers import from_stream
 from ..interpreter.running import drive
-from ..interpreter.simulating import Body, Pose, Simulator, body_of
 from ..scenario import loads
 from ..semantics.kernel.outcome import Done
 from ..semantics.space.vectors import Vector
+from ..simulators.protocol import Simulator
+from ..simulators.simulating import body_of
 
 STEPS = 3
 CLASS = "class {}:\n    width: 2\n    length: 4\n    drives: True\n"

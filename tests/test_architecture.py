@@ -13,23 +13,26 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-LAYERS = ["semantics", "interpreter", "inference", "simulators", "scenario", "conformance", "testing", "cli"]
+LAYERS = ["semantics", "interpreter", "formats", "simulators", "inference", "scenario", "conformance", "testing", "cli"]
 MAY_IMPORT = {
     "semantics": {"semantics"},
     "interpreter": {"semantics", "interpreter"},
-    "inference": {"semantics", "interpreter", "inference"},
-    "simulators": {"semantics", "interpreter", "simulators"},
-    "scenario": {"semantics", "interpreter", "inference", "simulators", "scenario"},
-    "conformance": {"semantics", "interpreter", "inference", "simulators", "scenario", "conformance", ""},
-    "testing": {"semantics", "interpreter", "inference", "scenario", "testing"},
+    "formats": {"semantics", "interpreter", "formats"},
+    "simulators": {"semantics", "interpreter", "formats", "simulators"},
+    "inference": {"semantics", "interpreter", "formats", "simulators", "inference"},
+    "scenario": {"semantics", "interpreter", "formats", "simulators", "inference", "scenario"},
+    "conformance": {"semantics", "interpreter", "formats", "simulators", "inference", "scenario", "conformance", ""},
+    "testing": {"semantics", "interpreter", "formats", "simulators", "inference", "scenario", "testing"},
     "cli": {*LAYERS, ""},
 }
+ROOMS = ["syntax", "space", "kernel", "readings", "python", "scenes", "dynamics", ""]
+"""Of `semantics`, the lowest first; "" are its tables: the step function, the catalogue of rules, programs."""
 ONLY_IN = {
-    "matplotlib": {"interpreter/pictures.py", "interpreter/movies.py", "cli/bench_picture.py"},
-    "PIL": {"interpreter/movies.py"}, "pyarrow": {"interpreter/tables.py"},
-    "distributed": {"inference/batch/jobs.py"}, "hypothesis": {"conformance/programs/strategies.py"},
+    "matplotlib": {"formats/pictures.py", "formats/movies.py", "cli/bench_picture.py"},
+    "PIL": {"formats/movies.py"}, "pyarrow": {"formats/tables.py"},
+    "distributed": {"inference/batch/jobs/blocks.py"}, "hypothesis": {"conformance/programs/strategies.py"},
     "pymunk": {"simulators/physics.py"},
-    "numba": {"inference/batch/compiled.py"}, "llvmlite": {"inference/batch/compiled.py"},
+    "numba": {"inference/batch/compile/kernels.py"}, "llvmlite": {"inference/batch/compile/kernels.py"},
 }
 
 
@@ -59,6 +62,110 @@ def test_imports_point_downwards_only():
             if layer not in MAY_IMPORT[parts[0]]:
                 wrong.append(f"{path.relative_to(ROOT)}:{node.lineno} imports {layer}")
     assert not wrong
+
+
+def named(path: Path) -> str:
+    """The dotted name of a module below the package."""
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+NAMES = {named(path): path for path in modules()}
+
+
+def targets(path: Path, node: ast.ImportFrom) -> set[str]:
+    """The modules of the package that a relative import names."""
+    package = path.relative_to(ROOT).parts[:-1]
+    base = ".".join([*package[: len(package) - node.level + 1], *([node.module] if node.module else [])])
+    found = {f"{base}.{alias.name}" if f"{base}.{alias.name}" in NAMES else base for alias in node.names}
+    return found & NAMES.keys()
+
+
+def for_types_only(tree: ast.Module) -> set[ast.AST]:
+    """Everything below `if TYPE_CHECKING`."""
+    blocks = [n for n in tree.body if isinstance(n, ast.If) and isinstance(n.test, ast.Name) and n.test.id == "TYPE_CHECKING"]
+    return {inner for block in blocks for inner in ast.walk(block)}
+
+
+PAIRS = {
+    ("semantics.space.regions.region", "semantics.space.regions.combined"): "a region's methods make combinations, which are regions",
+    ("cli.outputs", "cli.tables"): "the output on a terminal is one of the outputs, and slow to load",
+    ("cli.errors", "cli.reports"): "a report shows source lines as errors do, and is slow to load",
+}
+"""Two files that know each other, one of them late, and why."""
+
+
+def room(module: str) -> str:
+    """The room of a module of `semantics`."""
+    parts = module.split(".")
+    return parts[1] if len(parts) > 1 and parts[1] in ROOMS else ""
+
+
+def test_rooms_of_semantics_import_lower_ones_only():
+    """Imports for types alone included."""
+    wrong = []
+    for name, path in NAMES.items():
+        if name.startswith("semantics"):
+            for node in ast.walk(ast.parse(path.read_text())):
+                if isinstance(node, ast.ImportFrom) and node.level:
+                    wrong += [f"{name} imports {t}" for t in targets(path, node) if ROOMS.index(room(t)) > ROOMS.index(room(name))]
+    assert not wrong
+
+
+def test_modules_of_semantics_stand_in_a_room():
+    assert {p.stem for p in (ROOT / "semantics").glob("*.py")} == {"__init__", "step", "rules", "programs"}
+    assert {p.name for p in (ROOT / "semantics").iterdir() if (p / "__init__.py").exists()} == set(ROOMS) - {""}
+
+
+def test_no_circle_of_imports_spans_more_than_two_files():
+    """Those inside functions count, those for types do not, nor what a package's `__init__` gathers. Invented programs nest in all directions."""
+    graph: dict[str, set[str]] = {}
+    for name, path in NAMES.items():
+        if path.name == "__init__.py" or name.startswith("conformance.programs"):
+            continue
+        tree = ast.parse(path.read_text())
+        typed = for_types_only(tree)
+        nodes = [n for n in ast.walk(tree) if isinstance(n, ast.ImportFrom) and n.level and n not in typed]
+        graph[name] = {t for n in nodes for t in targets(path, n)}
+    large = [sorted(component) for component in components(graph) if len(component) > 2]
+    assert not large
+
+
+def components(graph: dict[str, set[str]]) -> list[set[str]]:
+    """The strongly connected components."""
+    reach: dict[str, set[str]] = {}
+    for start in graph:
+        seen: set[str] = set()
+        pending = [start]
+        while pending:
+            for target in graph.get(pending.pop(), set()) - seen:
+                seen.add(target)
+                pending.append(target)
+        reach[start] = seen
+    return [{b for b in reach[a] if a in reach.get(b, set())} for a in graph if a in reach[a]]
+
+
+def test_imports_inside_functions_are_of_what_is_slow_to_load():
+    """None hides a circle: what is imported late must not import, by whatever way, the module that imports it."""
+    graph: dict[str, set[str]] = {}
+    late: list[tuple[str, str]] = []
+    for name, path in NAMES.items():
+        tree = ast.parse(path.read_text())
+        typed = for_types_only(tree)
+        top = {n for n in tree.body if isinstance(n, ast.ImportFrom) and n.level}
+        graph[name] = {t for n in top for t in targets(path, n)}
+        every = [n for n in ast.walk(tree) if isinstance(n, ast.ImportFrom) and n.level and n not in typed and n not in top]
+        late += [(name, t) for n in every for t in targets(path, n)]
+    hidden = []
+    for name, target in late:
+        seen, pending = {target}, [target]
+        while pending:
+            for following in graph[pending.pop()] - seen:
+                seen.add(following)
+                pending.append(following)
+        if name in seen and (name, target) not in PAIRS:
+            hidden.append(f"{name} imports {target}")
+    assert not hidden, "\n".join(hidden)
 
 
 def test_imports_inside_the_package_are_relative():

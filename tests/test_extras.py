@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 import scenic_ref
+from scenic_ref.formats.tables import open_table
 from scenic_ref.inference import batch as package
-from scenic_ref.inference.batch import sampling
+from scenic_ref.inference.batch.evaluate import sampling
 from scenic_ref.interpreter.extras import EXTRAS, is_installed
-from scenic_ref.interpreter.tables import open_table
 from scenic_ref.semantics.kernel.errors import UsageError
 from scenic_ref.simulators import by_name
 
@@ -57,7 +57,7 @@ def test_a_numba_that_does_not_fit_is_told_and_not_used(afresh, monkeypatch, tmp
 
 
 def test_a_fault_of_ours_is_not_taken_for_a_missing_package(afresh, monkeypatch):
-    monkeypatch.setitem(sys.modules, "scenic_ref.inference.batch.compiled", None)
+    monkeypatch.setitem(sys.modules, "scenic_ref.inference.batch.compile.kernels", None)
     batch = scenic_ref.loads("ego = Object at (Range(0, 1), 0)").batch
     assert batch is not None
     with pytest.raises(ImportError):

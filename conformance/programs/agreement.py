@@ -18,12 +18,12 @@ from itertools import accumulate
 from multiprocessing import get_context
 from typing import Literal, NamedTuple
 
+from ...formats.scenes import Scene, scene_of
 from ...inference.enumeration import Enumeration, content_of
 from ...inference.statistics.laws import DEFAULT_ALPHA, Categorical, Continuous, evidence
 from ...interpreter.choosers import from_stream
 from ...interpreter.parser import parse
 from ...interpreter.running import Accepted, Chooser, run
-from ...interpreter.scenes import Scene, scene_of
 from ...interpreter.streams import Stream, fold, mix
 from ...scenario import Scenario
 from ...semantics.kernel.errors import AttemptsExhausted

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from ...formats.scenes import Scene, scene_of
 from ...interpreter.choosers import from_stream, from_trace
 from ...interpreter.running import Accepted, Chooser, run
-from ...interpreter.scenes import Scene, scene_of
 from ...scenario import Scenario
 from ...semantics.kernel.outcome import Draw, Outcome
 

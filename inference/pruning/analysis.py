@@ -15,7 +15,7 @@ from ...interpreter.running import DEFAULT_FUEL
 from ...semantics.kernel.config import Config, State
 from ...semantics.space.fields import PolygonalVectorField
 from ...semantics.space.regions import PolygonalRegion, Region
-from ..batch.graph import Event, Graph, RowCall
+from ..batch.trace.graph import Event, Graph, RowCall
 from . import applicability as apply
 from .facts import Located, Truth, contained, limits, located, shape_of, truths
 from .recording import DrawnPoint, Recorded, record

@@ -12,7 +12,7 @@ from typing import Protocol
 import numpy as np
 
 from ...semantics.space.fields import PolygonalVectorField
-from ..batch.graph import Graph, Node
+from ..batch.trace.graph import Graph, Node
 from .algorithms import Cell, prune_by_containment, prune_by_heading, prune_by_offset, prune_by_width
 from .facts import Contained, Located, Truth, limits, points_apart, truths
 from .forms import Aligned, Offset, Operand, Point, aligned, bounds_of_terms, field_looked_up, offset, terms

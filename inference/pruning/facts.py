@@ -14,8 +14,8 @@ from ...semantics.space.boundaries import widened
 from ...semantics.space.fields import PolygonalVectorField
 from ...semantics.space.regions import PolygonalRegion, RectangularRegion, Region, Workspace
 from ...semantics.space.regions.approximation import box_shape
-from ..batch.graph import Graph, Node, RowCall
-from ..batch.structures import symbols_in
+from ..batch.trace.graph import Graph, Node, RowCall
+from ..batch.trace.structures import symbols_in
 from .forms import Operand, Point, bounds, bounds_of_value, field_looked_up, point_of
 from .intervals import Interval
 from .shapes import Shape, polygons_of

@@ -12,8 +12,8 @@ import numpy as np
 
 from ...semantics.space.fields import PolygonalVectorField
 from ...semantics.space.vectors import Vector
-from ..batch.graph import Node, RowCall
-from ..batch.symbols import Choice, Traced
+from ..batch.trace.graph import Node, RowCall
+from ..batch.trace.symbols import Choice, Traced
 from .intervals import ALL, ZERO, Interval
 
 UNIT = Interval(-1.0, 1.0)

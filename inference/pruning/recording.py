@@ -8,9 +8,9 @@ from typing import NamedTuple
 from ...interpreter.choosers import AS_THEY_ARE, Draws
 from ...semantics.kernel.config import Config, State
 from ...semantics.space.regions import Region
-from ..batch.graph import Graph
-from ..batch.scenes import template_of
-from ..batch.tracing import trace
+from ..batch.trace.graph import Graph
+from ..batch.trace.running import trace
+from ..batch.trace.templates import template_of
 from .forms import Point, point_of
 
 Address = tuple[int, ...]

@@ -15,7 +15,7 @@ from operator import itemgetter
 
 import numpy as np
 
-from ...interpreter.scenes import OWN_FIELDS, Scene
+from ...formats.scenes import OWN_FIELDS, Scene
 from .betting import Array
 
 ABSENT = "(absent)"

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from difflib import get_close_matches
 from fnmatch import fnmatchcase
 
-from ...interpreter.scenes import OWN_FIELDS
+from ...formats.scenes import OWN_FIELDS
 from ...semantics.kernel.errors import UsageError
 from .betting import Array
 from .columns import OTHERWISE, Table, last_part

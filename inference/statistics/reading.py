@@ -19,7 +19,7 @@ from itertools import chain, islice
 from pathlib import Path
 from typing import Any
 
-from ...interpreter.scenes import OWN_FIELDS, SCHEMA
+from ...formats.scenes import OWN_FIELDS, SCHEMA
 from ...semantics.kernel.errors import UsageError
 from .columns import is_number
 from .names import SHORT, long_name

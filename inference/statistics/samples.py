@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...interpreter.scenes import Scene
+from ...formats.scenes import Scene
 from .betting import Array
 from .columns import Table, features_table
 from .facts import Facts

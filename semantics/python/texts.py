@@ -221,3 +221,15 @@ METHODS = {
     "ljust": ljust, "rjust": rjust, "center": center, "zfill": zfill,
 }
 """The methods of `str` that are ours."""
+
+
+ANYWHERE = re.compile(r" at 0x[0-9a-fA-F]+")
+"""An address, wherever it stands."""
+
+
+def stable_repr(value: object) -> str:
+    """`repr(value)`, but never with an address in memory, which would differ from run to run, nor with thousands of digits."""
+    try:
+        return ANYWHERE.sub("", repr(value))[:1000]
+    except ValueError:
+        return f"{type(value).__name__} with a number too long to write"

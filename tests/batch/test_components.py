@@ -7,11 +7,12 @@ import math
 import pytest
 import scenic_ref
 from scenic_ref.conformance.programs import ProgramSettings, random_programs
-from scenic_ref.inference.batch import Batch, NotLifted, sampling
-from scenic_ref.inference.batch.components import Component, components, obstacle, worthwhile
-from scenic_ref.inference.batch.graph import Site
-from scenic_ref.inference.batch.sampling import Drawing
-from scenic_ref.inference.batch.tracing import trace
+from scenic_ref.inference.batch import Batch, NotLifted
+from scenic_ref.inference.batch.evaluate import sampling
+from scenic_ref.inference.batch.evaluate.components import Component, components, obstacle, worthwhile
+from scenic_ref.inference.batch.evaluate.sampling import Drawing
+from scenic_ref.inference.batch.trace.graph import Site
+from scenic_ref.inference.batch.trace.running import trace
 from scenic_ref.inference.enumeration import content_of
 from scenic_ref.inference.statistics.laws import Categorical, evidence
 from scenic_ref.scenario import Scenario

@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scenic_ref
-from scenic_ref.inference.batch.jobs import Pace, block_of, in_order
-from scenic_ref.inference.batch.output import lines_of, table_of
-from scenic_ref.interpreter import tables
-from scenic_ref.interpreter.tables import COLUMNS, Columns, Groups, Texts, chosen, columns_of, in_first_order, joined, open_table
+from scenic_ref.formats import tables
+from scenic_ref.formats.tables import COLUMNS, Columns, Groups, Texts, chosen, columns_of, in_first_order, joined, open_table
+from scenic_ref.inference.batch.jobs.blocks import Pace, block_of, in_order
+from scenic_ref.inference.batch.jobs.lines import lines_of, table_of
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted
 
 SUFFIXES = [pytest.param(s, marks=pytest.mark.extra("parquet") if s == ".parquet" else ()) for s in tables.SUFFIXES]

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 import scenic_ref
 import shapely
-from scenic_ref.inference.batch.clipped import CurveTests
-from scenic_ref.inference.batch.columns import ACCEPTED, LEFT, evaluate
-from scenic_ref.inference.batch.graph import Node, Site, bounds_of, decided
-from scenic_ref.inference.batch.numbers import Numbers
-from scenic_ref.inference.batch.plan import plan, segments
-from scenic_ref.inference.batch.polygons import FieldTests, PolygonTests
-from scenic_ref.inference.batch.trace import Trace
-from scenic_ref.inference.batch.tracing import trace
+from scenic_ref.inference.batch.evaluate.clipped import CurveTests
+from scenic_ref.inference.batch.evaluate.columns import ACCEPTED, LEFT, evaluate
+from scenic_ref.inference.batch.evaluate.numbers import Numbers
+from scenic_ref.inference.batch.evaluate.plan import plan, segments
+from scenic_ref.inference.batch.evaluate.polygons import FieldTests, PolygonTests
+from scenic_ref.inference.batch.trace.graph import Node, Site, bounds_of, decided
+from scenic_ref.inference.batch.trace.recording import Trace
+from scenic_ref.inference.batch.trace.running import trace
 from scenic_ref.interpreter.choosers import PER_SCENE
 from scenic_ref.interpreter.streams import Stream
 from scenic_ref.semantics.kernel.budget import Budget

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import scenic_ref
 from PIL import Image
-from scenic_ref.interpreter.movies import MOST_FRAMES, frames_of, movie
+from scenic_ref.formats.movies import MOST_FRAMES, frames_of, movie
 from scenic_ref.semantics.kernel.errors import UsageError
 
 MOVING = """

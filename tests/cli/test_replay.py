@@ -7,8 +7,8 @@ import math
 
 import pytest
 import scenic_ref
-from scenic_ref.interpreter.recorded import recording_from
-from scenic_ref.interpreter.recordings import to_json
+from scenic_ref.formats.recorded import recording_from
+from scenic_ref.formats.recordings import to_json
 from scenic_ref.semantics.kernel.errors import SimulatorError, UsageError
 from scenic_ref.simulators.still import Still
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 import scenic_ref
-from scenic_ref.interpreter.simulating import Simulated
 from scenic_ref.semantics.kernel.errors import RunError
+from scenic_ref.simulators.simulating import Simulated
 
 from .worlds import LIMIT, actions, simulated
 

@@ -11,12 +11,12 @@ from fractions import Fraction
 import pytest
 import scenic_ref
 from scenic_ref.conformance.programs.dynamic import STEPS, dynamic_programs
+from scenic_ref.formats.recordings import to_json
 from scenic_ref.inference.histories import enumerate_simulations
 from scenic_ref.inference.simulation import sample_simulation
 from scenic_ref.inference.statistics.laws import DEFAULT_ALPHA, Categorical, evidence
-from scenic_ref.interpreter.recordings import to_json
-from scenic_ref.interpreter.simulating import Simulated
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted, RunsExhausted, UsageError
+from scenic_ref.simulators.simulating import Simulated
 from scenic_ref.simulators.still import Still
 
 COUNT = int(os.environ.get("SCENIC_REF_PROGRAMS", "60"))

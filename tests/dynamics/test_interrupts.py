@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from scenic_ref.interpreter.simulating import Failed
 from scenic_ref.semantics.kernel.errors import CheckError, FuelExhausted, RunError, UncaughtException
+from scenic_ref.simulators.simulating import Failed
 
 from .worlds import LIMIT, actions, behavior, simulated
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from scenic_ref.interpreter.simulating import Simulated
 from scenic_ref.semantics.kernel.errors import RunError
 from scenic_ref.semantics.readings import READINGS
+from scenic_ref.simulators.simulating import Simulated
 
 from .worlds import LIMIT, actions, simulated
 

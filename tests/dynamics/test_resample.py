@@ -6,8 +6,8 @@ from fractions import Fraction
 
 import pytest
 import scenic_ref
-from scenic_ref.interpreter.simulating import Simulated
 from scenic_ref.semantics.kernel.errors import RunError
+from scenic_ref.simulators.simulating import Simulated
 
 from .worlds import behavior, simulated
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import scenic_ref
 from scenic_ref.interpreter.choosers import from_stream
-from scenic_ref.interpreter.simulating import simulate_once
 from scenic_ref.semantics.kernel.outcome import Outcome
 from scenic_ref.semantics.rules import RULES
+from scenic_ref.simulators.simulating import simulate_once
 from scenic_ref.simulators.still import Still
 
 PROGRAMS = (

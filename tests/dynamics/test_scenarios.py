@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from scenic_ref.interpreter.simulating import Failed, Simulated
 from scenic_ref.semantics.kernel.errors import RunError, UsageError
+from scenic_ref.simulators.simulating import Failed, Simulated
 
 from .worlds import LIMIT, actions, simulated
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 import scenic_ref
-from scenic_ref.interpreter.simulating import Simulated
+from scenic_ref.simulators.simulating import Simulated
 
 LISTINGS = sorted((Path(__file__).parent.parent.parent / "examples" / "paper" / "dynamic").glob("*.scenic"))
 READINGS = {"pulling_ahead": {"interrupt-first-step": "later-steps"}}

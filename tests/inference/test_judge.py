@@ -150,7 +150,7 @@ def test_margins_and_depths_are_what_they_say():
 
 def test_depths_in_regions_have_the_sign_of_containment():
     """The boundary of each region, by points on both sides: the sign is that of `contains_point`, and no point is nearer to a boundary."""
-    from scenic_ref.inference.batch.boundaries import inside_by
+    from scenic_ref.inference.batch.evaluate.boundaries import inside_by
     from scenic_ref.semantics.space.regions import CircularRegion, PolygonalRegion, RectangularRegion, SectorRegion
     from scenic_ref.semantics.space.vectors import Vector
 

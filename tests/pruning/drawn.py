@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from scenic_ref.inference.batch.columns import evaluate
-from scenic_ref.inference.batch.graph import Node
-from scenic_ref.inference.batch.plan import plan
+from scenic_ref.inference.batch.evaluate.columns import evaluate
+from scenic_ref.inference.batch.evaluate.plan import plan
+from scenic_ref.inference.batch.trace.graph import Node
 from scenic_ref.inference.pruning.recording import Address, Recorded
 from scenic_ref.inference.pruning.report import Pruning
 from shapely import intersects_xy

@@ -10,9 +10,9 @@ import pytest
 import scenic_ref
 from hypothesis import given
 from hypothesis import strategies as st
-from scenic_ref.inference.batch.columns import evaluate
-from scenic_ref.inference.batch.graph import Event, Node
-from scenic_ref.inference.batch.plan import plan
+from scenic_ref.inference.batch.evaluate.columns import evaluate
+from scenic_ref.inference.batch.evaluate.plan import plan
+from scenic_ref.inference.batch.trace.graph import Event, Node
 from scenic_ref.inference.pruning.facts import limits, located, min_radius, truths
 from scenic_ref.inference.pruning.forms import Operand, Point, aligned, bounds, offset
 from scenic_ref.inference.pruning.intervals import ALL, TAU, Interval, angles_meet

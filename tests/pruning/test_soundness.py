@@ -10,14 +10,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scenic_ref
-from scenic_ref.inference.batch.sampling import Batch
+from scenic_ref.formats.scenes import Scene
+from scenic_ref.inference.batch.evaluate.sampling import Batch
 from scenic_ref.inference.pruning import Pruning, analysis, applicability, facts, prune, scene_facts
 from scenic_ref.inference.pruning.analysis import prune_recorded
 from scenic_ref.inference.pruning.recording import Recorded, record
 from scenic_ref.inference.rejection import sample
 from scenic_ref.interpreter.choosers import from_stream, from_trace
 from scenic_ref.interpreter.running import Accepted, run
-from scenic_ref.interpreter.scenes import Scene
 from scenic_ref.scenario import Scenario
 from scenic_ref.semantics.kernel.outcome import Draw
 from scenic_ref.semantics.space.distributions import PointIn

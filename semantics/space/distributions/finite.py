@@ -8,7 +8,6 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import accumulate
 
-from ...kernel.values import unwrap
 from ..regions.sampling import Numbers
 from ..symbols import pick, search
 from .distribution import BadParameters, Named, Support, exact
@@ -106,6 +105,5 @@ class Coin(Named):
 
 
 def _same(entry: object, value: object) -> bool:
-    """Whether the two are one value: identical, or equal in Python's sense; an entry may itself be random (a draw of this run)."""
-    entry, value = unwrap(entry)[0], unwrap(value)[0]
+    """Whether the two are one value: identical, or equal in Python's sense."""
     return entry is value or bool(entry == value)

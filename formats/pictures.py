@@ -1,0 +1,242 @@
+"""Scenes as pictures, seen from above. Like `movies`, it imports matplotlib only when a picture is drawn."""
+
+from __future__ import annotations
+
+import io
+import itertools
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import shapely
+from shapely.geometry.base import BaseGeometry
+
+from ..semantics.kernel.errors import UsageError
+from ..semantics.space.geometry import corners, direction
+from ..semantics.space.regions import Region, everywhere
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from .scenes import Scene, SceneObject
+
+FORMATS = ("png", "pdf", "svg")
+LAND, EDGE, EGO, INK = "#e4e4e1", "#c2c2bd", "#d1495b", "#222222"
+CLASSES = ("#30638e", "#4f8a5b", "#b8860b", "#7b5ea7", "#3f8f8f", "#8c564b")  # of the objects other than ego, by class
+MARGIN = 8.0  # metres around the objects, at most
+FARTHEST = 1e9  # metres from the origin that can still be told apart in a picture
+CROWD = 8  # with more objects than this, only those with a name are labelled, and colours are explained
+SIDE = 3.6  # inches of a small multiple
+ALONE = 6.5  # inches of a picture of one scene
+ARC_STEP = math.radians(2)
+CIRCLE_SIDES = 256
+
+Window = tuple[float, float, float, float]  # west, south, east, north
+
+
+def picture(scenes: Iterable[Scene], *, format: str = "png", roads: Region | None = None) -> bytes:
+    """The scenes side by side; `roads` is drawn below them in place of their workspaces. Raises `UsageError`."""
+    check_format(format)
+    return written(figure_of(list(scenes), roads), format)
+
+
+def check_format(format: str) -> None:
+    """Raise `UsageError` for a format that no picture has."""
+    if format not in FORMATS:
+        raise UsageError(f"pictures have the formats {', '.join(FORMATS)}, not {format!r}")
+
+
+def written(figure: Figure, format: str) -> bytes:
+    """The figure in a format, the same bytes every time."""
+    out = io.BytesIO()
+    metadata = {"png": {"Software": None}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}[format]
+    figure.savefig(out, format=format, dpi=150, metadata=metadata)
+    return out.getvalue()
+
+
+def save_picture(scenes: Iterable[Scene], path: str | Path, *, roads: Region | None = None) -> None:
+    """Write the picture of the scenes, in the format that the path ends in. Raises `UsageError`, `OSError`."""
+    Path(path).write_bytes(picture(scenes, format=Path(path).suffix[1:].lower(), roads=roads))
+
+
+def bar_chart(labels: Sequence[str], heights: Sequence[float], title: str, *, format: str = "png") -> bytes:
+    """Horizontal bars, one below the other, each with its label and its height in per cent. Raises `UsageError`."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+
+    check_format(format)
+    figure = Figure(figsize=(ALONE * 1.3, 1.0 + 0.27 * len(labels)), layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot()
+    places = range(len(labels))
+    axes.barh(places, heights, color=CLASSES[0], height=0.72)
+    for place, height in zip(places, heights, strict=True):
+        axes.text(height, place, f" {height:.3%}", va="center", fontsize=8, color=INK)
+    axes.set_yticks(list(places), labels, fontsize=8)
+    axes.invert_yaxis()
+    axes.set_xlim(0, max(heights, default=1.0) * 1.15)
+    axes.xaxis.set_visible(False)
+    axes.set_title(title, fontsize=10, color=INK)
+    for side in ("top", "right", "bottom"):
+        axes.spines[side].set_visible(False)
+    return written(figure, format)
+
+
+def figure_of(scenes: Sequence[Scene], roads: Region | None) -> Figure:
+    """The scenes as small multiples, one panel each."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from matplotlib.patches import Patch
+
+
+    columns = max(1, math.ceil(math.sqrt(len(scenes))))
+    rows = max(1, math.ceil(len(scenes) / columns))
+    side = ALONE if len(scenes) <= 1 else SIDE
+    figure = Figure(figsize=(columns * side, rows * (side + 0.3)), layout="constrained")
+    FigureCanvasAgg(figure)
+    colours = colours_of(scenes)
+    for number, scene in enumerate(scenes):
+        draw(figure.add_subplot(rows, columns, number + 1), scene, roads, colours, small=len(scenes) > 1)
+    if len(colours) > 1 and any(len(scene.objects) > CROWD for scene in scenes):
+        patches = [Patch(facecolor=colour, alpha=0.7, label=name) for name, colour in {"ego": EGO, **colours}.items()]
+        figure.legend(handles=patches, loc="outside lower center", ncols=min(len(patches), 4 * columns), frameon=False, fontsize=8)
+    return figure
+
+
+def colours_of(scenes: Sequence[Scene]) -> dict[str, str]:
+    """The colour of each class of objects other than ego, in order of appearance."""
+    names = dict.fromkeys(o.class_name for scene in scenes for o in scene.objects if o.id != scene.ego_id)
+    return dict(zip(names, itertools.cycle(CLASSES), strict=False))
+
+
+def draw(axes: Axes, scene: Scene, roads: Region | None, colours: Mapping[str, str], *, small: bool) -> None:
+    """One scene: its workspace, ego's view, the objects with their headings and names, and a scale."""
+    west, south, east, north = window = window_of(scene)
+    axes.set_aspect("equal")
+    axes.set_xlim(west, east)
+    axes.set_ylim(south, north)
+    size = 7 if small else 9
+    axes.set_title(f"seed {scene.seed}, scene {scene.index}", fontsize=size + 1, color=INK)
+    axes.tick_params(labelsize=size - 1, colors="#777777", length=2)
+    axes.locator_params(nbins=4)
+    axes.ticklabel_format(useOffset=False, style="plain")
+    axes.set_facecolor("#fbfbfa")
+    for spine in axes.spines.values():
+        spine.set_edgecolor("#bbbbbb")
+    draw_land(axes, scene.workspace if roads is None else roads, window)
+    draw_view(axes, scene.ego, window)
+    for o in scene.objects:
+        draw_object(axes, o, EGO if o.id == scene.ego_id else colours[o.class_name], east - west)
+    draw_names(axes, scene, size, east - west)
+    draw_scale(axes, window, size)
+
+
+def window_of(scene: Scene) -> Window:
+    """A square around all objects and a little of what surrounds them. Raises `UsageError` where no picture can be drawn."""
+    points = [c for o in scene.objects for c in corners(o.position, o.heading, o.width, o.length)]
+    if not all(abs(p.x) < FARTHEST and abs(p.y) < FARTHEST for p in points):
+        raise UsageError(f"scene {scene.index} cannot be drawn: it has coordinates of {FARTHEST:g} m or more")
+    west, east = min(p.x for p in points), max(p.x for p in points)
+    south, north = min(p.y for p in points), max(p.y for p in points)
+    extent = max(east - west, north - south)
+    half = 1e-6 + extent / 2 + min(MARGIN, extent * (2.0 if len(scene.objects) == 1 else 0.25)) if extent else MARGIN / 2
+    x, y = (west + east) / 2, (south + north) / 2
+    return x - half, y - half, x + half, y + half
+
+
+def draw_land(axes: Axes, region: object, window: Window) -> None:
+    """The part of a region inside the window; nothing if there is no region, or if it is the whole plane."""
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path as Outline
+
+    if not isinstance(region, Region) or region is everywhere or getattr(region, "region", None) is everywhere:
+        return
+    box = shapely.box(*window)
+    shape = shapely.intersection(region.approximate(CIRCLE_SIDES, box).cover, box)
+    for polygon in polygons_in(shape):
+        rings = [polygon.exterior, *polygon.interiors]
+        outline = Outline.make_compound_path(*(Outline(np.asarray(ring.coords)[:, :2], closed=True) for ring in rings))
+        axes.add_patch(PathPatch(outline, facecolor=LAND, edgecolor=EDGE, linewidth=0.8, zorder=0))
+
+
+def polygons_in(shape: BaseGeometry) -> list[shapely.Polygon]:
+    """The polygons that a shape consists of."""
+    return [part for part in shapely.get_parts(shape) if isinstance(part, shapely.Polygon) and not part.is_empty]
+
+
+def draw_view(axes: Axes, ego: SceneObject, window: Window) -> None:
+    """Ego's visible region, the sector of its view angle and view distance, unless it is all that one sees."""
+    from matplotlib.patches import Polygon
+
+    distance, angle = number(ego.properties.get("viewDistance")), number(ego.properties.get("viewAngle"))
+    if distance is None or angle is None:
+        return
+    x, y = ego.position
+    turns = np.linspace(-angle / 2, angle / 2, max(2, math.ceil(angle / ARC_STEP) + 1)) + ego.heading
+    arc = [(x - distance * math.sin(t), y + distance * math.cos(t)) for t in turns]
+    points = arc if angle >= math.tau - 1e-9 else [(x, y), *arc]
+    if distance == 0 or angle == 0 or shapely.Polygon(points).buffer(0).covers(shapely.box(*window)):
+        return
+    axes.add_patch(Polygon(points, closed=True, facecolor=EGO, alpha=0.10, linewidth=0, zorder=1))
+    axes.add_patch(Polygon(points, closed=True, fill=False, edgecolor=EGO, alpha=0.45, linewidth=0.7, zorder=1))
+
+
+def number(value: object) -> float | None:
+    """A property as a finite number of at least 0, None if it is something else."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+        return None
+    return float(value) if value >= 0 else None
+
+
+def draw_object(axes: Axes, o: SceneObject, colour: str, across: float) -> None:
+    """The box of an object, with a tick from its middle to its front; a point where the box has no size."""
+    from matplotlib.patches import Polygon
+
+    x, y = o.position
+    box = [(c.x, c.y) for c in corners(o.position, o.heading, o.width, o.length)]
+    axes.add_patch(Polygon(box, closed=True, facecolor=colour, alpha=0.55, linewidth=0, zorder=3))
+    axes.add_patch(Polygon(box, closed=True, fill=False, edgecolor=colour, linewidth=1.1, joinstyle="miter", zorder=4))
+    ahead = direction(o.heading)
+    reach = o.length / 2 if o.length > 0 else across / 30
+    axes.plot([x, x + ahead.x * reach], [y, y + ahead.y * reach], color=INK, linewidth=1.1, solid_capstyle="butt", zorder=5)
+    if max(o.width, o.length) < across / 60:
+        axes.plot([x], [y], marker="o", markersize=3, color=colour, zorder=5)
+
+
+def draw_names(axes: Axes, scene: Scene, size: int, across: float) -> None:
+    """The name of each object that has one, else its class unless there are many, just outside its box."""
+    from matplotlib.patheffects import withStroke
+
+    taken: list[tuple[float, float]] = []
+    crowded = len(scene.objects) > CROWD
+    for o in scene.objects:
+        if crowded and not o.name:
+            continue
+        text = o.name or o.class_name
+        x, y = o.position
+        half = max(abs(c.y - y) for c in corners(o.position, o.heading, o.width, o.length))
+        line = across / 22
+        spots = [(y - half - across / 80 - k * line, "top") for k in range(2)] + [(y + half + across / 80 + k * line, "bottom") for k in range(3)]
+        spot, side = next(((s, v) for s, v in spots if all(abs(s - b) > line * 0.9 or abs(x - a) > across / 6 for a, b in taken)), spots[0])
+        taken.append((x, spot))
+        label = axes.text(x, spot, text, ha="center", va=side, fontsize=size - 1, color=INK if o.name else "#666666", zorder=6, clip_on=True)
+        label.set_path_effects([withStroke(linewidth=2, foreground="white", alpha=0.85)])
+
+
+def draw_scale(axes: Axes, window: Window, size: int) -> None:
+    """A bar of a round number of metres in the lower left corner."""
+    west, south, east, north = window
+    metres = round_below((east - west) / 4)
+    x, y = west + (east - west) * 0.04, south + (north - south) * 0.045
+    axes.plot([x, x + metres], [y, y], color=INK, linewidth=2, solid_capstyle="butt", zorder=7)
+    axes.text(x + metres / 2, y + (north - south) * 0.012, f"{metres:g} m", ha="center", va="bottom", fontsize=size - 1, color=INK, zorder=7)
+
+
+def round_below(length: float) -> float:
+    """The largest of 1, 2, 5, 10, 20, ... that is not above `length`."""
+    power = 10.0 ** math.floor(math.log10(length))
+    return max(step * power for step in (1, 2, 5) if step * power <= length * (1 + 1e-9))

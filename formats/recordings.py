@@ -1,0 +1,89 @@
+"""Simulations that were run, as records and as JSON, one a line: the scene, and for each time step the objects, the actions and the events."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
+from types import MappingProxyType
+from typing import NamedTuple
+
+from .scenes import OWN_FIELDS, Scene, in_json, json_value
+
+SCHEMA = "scenic-ref/simulation/1"
+
+
+Pose = Mapping[str, object]
+"""Properties of an object that the simulator updates: `position` (a `Vector`, metres), `heading` (radians), `speed` (metres per second), ..."""
+
+
+class Body(NamedTuple):
+    """An object as a simulator sees it: its number in the scene, the name of its class, and its properties."""
+
+    id: int
+    class_name: str
+    properties: Mapping[str, object]
+
+
+class Moment(NamedTuple):
+    """A time step: the objects at its start, the actions taken in it, what happened, and which behavior each agent is in, on which line."""
+
+    step: int
+    objects: tuple[Pose, ...]
+    actions: Mapping[int, tuple[object, ...]]
+    events: tuple[str, ...]
+    doing: Mapping[int, str] = MappingProxyType({})
+
+
+class Simulated(NamedTuple):
+    """A simulation that was accepted: its scene, its time steps, how it ended ("terminated" or "time limit") and why; `timestep` is in seconds,
+    and `created` are the objects that scenarios made on the way, as they were then.
+    """
+
+    scene: Scene
+    moments: tuple[Moment, ...]
+    result: str
+    reason: str
+    timestep: float
+    created: tuple[Body, ...] = ()
+
+
+def to_json(run: Simulated, attempts: int) -> dict[str, object]:
+    """A simulation that took so many attempts, in the simulation format."""
+    return {
+        "schema": SCHEMA, "seed": run.scene.seed, "run": run.scene.index, "attempts": attempts, "timestep": run.timestep,
+        "scene": run.scene.to_json(), "created": [body_json(body) for body in run.created],
+        "steps": [moment_json(moment) for moment in run.moments], "result": run.result, "reason": run.reason,
+    }
+
+
+def to_line(run: Simulated, attempts: int) -> str:
+    """One line of a JSON Lines file. Raises `ValueError` for numbers that JSON does not have."""
+    return in_json(to_json(run, attempts))
+
+
+def body_json(body: Body) -> dict[str, object]:
+    """An object that was made while the scenario ran, as it was then."""
+    values = {name: json_value(value) for name, value in body.properties.items()}
+    own = {name: values.pop(name) for name in OWN_FIELDS}
+    return {"id": body.id, "class": body.class_name, **own, "properties": values}
+
+
+def moment_json(moment: Moment) -> dict[str, object]:
+    """A time step."""
+    return {
+        "step": moment.step,
+        "objects": [{"id": k, **{name: json_value(value) for name, value in pose.items()}} for k, pose in enumerate(moment.objects)],
+        "actions": actions_json(moment.actions), "events": list(moment.events), "doing": {str(id): text for id, text in sorted(moment.doing.items())},
+    }
+
+
+def actions_json(actions: Mapping[int, tuple[object, ...]]) -> dict[str, object]:
+    """The actions of each agent that takes some."""
+    return {str(id): [action_json(action) for action in taken] for id, taken in sorted(actions.items())}
+
+
+def action_json(action: object) -> object:
+    """An action with its arguments, or a plain value."""
+    if is_dataclass(action) and not isinstance(action, type):
+        return {"action": type(action).__name__, "args": [json_value(getattr(action, f.name)) for f in fields(action)]}
+    return json_value(action)

@@ -1,0 +1,1 @@
+"""The graph as a function that numba compiles."""

@@ -1,0 +1,259 @@
+"""What the fused evaluators call, compiled by numba: random numbers, and tests of points and boxes against polygons.
+
+The tests are those of `polygons`, one point at a time. `UNSURE` means that an edge is too near for rounding: the run is then left to the
+interpreter.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numba
+import numpy as np
+from llvmlite import ir
+from numba.extending import get_cython_function_address, intrinsic
+
+from ..evaluate.polygons import INSIDE, OUTSIDE, TIE, UNSURE, Grid
+
+_M0, _M1 = np.uint64(0xD2E7470EE14C6C93), np.uint64(0xCA5A826395121157)
+_W0, _W1 = np.uint64(0x9E3779B97F4A7C15), np.uint64(0xBB67AE8584CAA73B)
+_ZERO, _ELEVEN, _UNIT = np.uint64(0), np.uint64(11), 2.0**-53
+
+
+def compile_(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The function compiled: IEEE arithmetic as it stands, division as in NumPy, other threads run on."""
+    return numba.njit(nogil=True, error_model="numpy")(function)
+
+
+def from_libm(name: str, arguments: int) -> Callable[..., float]:
+    """A function of the C library, the one that Python's `math` calls."""
+    function = getattr(ctypes.CDLL(None), name)
+    function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double] * arguments
+    return function
+
+
+def from_scipy(name: str) -> Callable[..., float]:
+    """A function of one number of scipy.special, the one behind its ufunc."""
+    kind = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_double)
+    return kind(get_cython_function_address("scipy.special.cython_special", name))
+
+
+@intrinsic
+def _high(context: Any, a: Any, b: Any) -> Any:
+    """The high word of the 128-bit product of two 64-bit words."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        wide = ir.IntType(128)
+        left, right = (builder.zext(argument, wide) for argument in arguments)
+        return builder.trunc(builder.lshr(builder.mul(left, right), ir.Constant(wide, 64)), ir.IntType(64))
+
+    return numba.uint64(numba.uint64, numba.uint64), generate
+
+
+@compile_
+def philox(seed: np.uint64, code: np.uint64, scene: np.uint64, attempt: np.uint64, block: np.uint64) -> tuple[float, float, float, float]:
+    """The four numbers in [0, 1) of a block, as `interpreter.streams` defines them."""
+    k0, k1, c0, c1, c2, c3 = seed, code, scene, attempt, block, _ZERO
+    for _ in range(10):
+        high0, low0, high1, low1 = _high(_M0, c0), _M0 * c0, _high(_M1, c2), _M1 * c2  # pyright: ignore[reportCallIssue]: the first parameter is the compiler's
+        c0, c1, c2, c3 = high1 ^ c1 ^ k0, low1, high0 ^ c3 ^ k1, low0
+        k0, k1 = k0 + _W0, k1 + _W1
+    return (c0 >> _ELEVEN) * _UNIT, (c1 >> _ELEVEN) * _UNIT, (c2 >> _ELEVEN) * _UNIT, (c3 >> _ELEVEN) * _UNIT
+
+
+@compile_
+def bisect_right(cumulative: np.ndarray, value: float) -> int:
+    """How many of the increasing numbers are at most `value`."""
+    low, high = 0, len(cumulative)
+    while low < high:
+        middle = (low + high) // 2
+        if value < cumulative[middle]:
+            high = middle
+        else:
+            low = middle + 1
+    return low
+
+
+GridArrays = tuple[np.ndarray, np.ndarray, np.ndarray]
+
+
+def grid_arrays(grid: Grid) -> GridArrays:
+    """A grid for compiled code: (west, south, side, columns, rows), where the list of each square starts, and the lists one after the other."""
+    starts = np.concatenate([[0], np.cumsum(grid.counts)]).astype(np.int64)
+    packed = np.concatenate([grid.lists[i, :n] for i, n in enumerate(grid.counts)] or [np.zeros(0, dtype=np.int64)]).astype(np.int64)
+    return np.array([grid.west, grid.south, grid.side, grid.columns, grid.rows], dtype=float), starts, packed
+
+
+@compile_
+def square_of(frame: np.ndarray, x: float, y: float) -> int:
+    """The square in which a point lies; the last one, which is empty, for points beyond all."""
+    columns, rows = int(frame[3]), int(frame[4])
+    column, row = math.floor((x - frame[0]) / frame[2]), math.floor((y - frame[1]) / frame[2])
+    if not (0 <= column < columns and 0 <= row < rows):
+        return columns * rows
+    return int(row) * columns + int(column)
+
+
+@compile_
+def point_in(
+    x: float, y: float, scale: float, edges: np.ndarray, reference: np.ndarray, reference_inside: np.ndarray,
+    frame: np.ndarray, starts: np.ndarray, lists: np.ndarray,
+) -> int:  # fmt: skip
+    """Whether a point is in a polygon: see `PolygonTests.contains_point`."""
+    square = square_of(frame, x, y)
+    inside = reference_inside[square]
+    first, last = starts[square], starts[square + 1]
+    if first < last:
+        eps = TIE * scale
+        rx, ry = reference[square, 0], reference[square, 1]
+        ex, ey = x - rx, y - ry
+        way = eps * math.sqrt(ex * ex + ey * ey)
+        for k in range(first, last):
+            e = lists[k]
+            ax, ay, bx, by = edges[e, 0], edges[e, 1], edges[e, 2], edges[e, 3]
+            dx, dy = bx - ax, by - ay
+            point_side, reference_side = dx * (y - ay) - dy * (x - ax), dx * (ry - ay) - dy * (rx - ax)
+            start_side, end_side = ex * (ay - ry) - ey * (ax - rx), ex * (by - ry) - ey * (bx - rx)
+            length = eps * math.sqrt(dx * dx + dy * dy)
+            if min(abs(point_side), abs(reference_side)) <= length or min(abs(start_side), abs(end_side)) <= way:
+                return UNSURE
+            if (point_side > 0) != (reference_side > 0) and (start_side > 0) != (end_side > 0):
+                inside = not inside
+    return INSIDE if inside else OUTSIDE
+
+
+@compile_
+def box_in(
+    x: float, y: float, heading: float, width: float, length: float, scale: float, largest: float, edges: np.ndarray, reference: np.ndarray,
+    reference_inside: np.ndarray, frame: np.ndarray, starts: np.ndarray, lists: np.ndarray,
+    near_frame: np.ndarray, near_starts: np.ndarray, near_lists: np.ndarray, known: np.ndarray,
+) -> int:  # fmt: skip
+    """Whether a box is in a polygon: see `PolygonTests.contains_box`. The near lists hold the edges within `largest` metres of squares,
+    and `known` says where those without any are.
+    """
+    hw, hl = width / 2, length / 2
+    if not (hw > TIE * scale and hl > TIE * scale and hw * hw + hl * hl <= largest * largest):
+        return UNSURE
+    square = square_of(near_frame, x, y)
+    if known[square] != UNSURE:
+        return int(known[square])
+    found = point_in(x, y, scale, edges, reference, reference_inside, frame, starts, lists)
+    if found != INSIDE:
+        return found
+    first, last = near_starts[square], near_starts[square + 1]
+    if first < last:
+        c, s = math.cos(heading), math.sin(heading)
+        eps = 4 * TIE * scale
+        for k in range(first, last):
+            e = near_lists[k]
+            ax, ay, bx, by = edges[e, 0], edges[e, 1], edges[e, 2], edges[e, 3]
+            dx, dy, px, py = (bx - ax) / 2, (by - ay) / 2, (ax + bx) / 2 - x, (ay + by) / 2 - y
+            mx, my, hx, hy = px * c + py * s, py * c - px * s, dx * c + dy * s, dy * c - dx * s
+            gap = max(abs(mx) - hw - abs(hx), abs(my) - hl - abs(hy))
+            if gap > eps:
+                continue
+            half = math.sqrt(hx * hx + hy * hy)
+            gap = max(gap, (abs(mx * hy - my * hx) - hw * abs(hy) - hl * abs(hx)) / half)
+            if gap < -eps:
+                return OUTSIDE
+            if gap <= eps:
+                return UNSURE
+    return INSIDE
+
+
+@compile_
+def first_cell(
+    x: float, y: float, scale: float, edges: np.ndarray, number: np.ndarray, frame: np.ndarray, starts: np.ndarray, lists: np.ndarray,
+    known: np.ndarray,
+) -> int:  # fmt: skip
+    """The first cell of a field that holds a point: see `FieldTests.first`; -1 for none, -2 if an edge is too near."""
+    square = square_of(frame, x, y)
+    if known[square] != -2:
+        return int(known[square])
+    eps = TIE * scale
+    for k in range(starts[square], starts[square + 1]):
+        cell = lists[k]
+        inside = False
+        for j in range(number[cell]):
+            ax, ay, bx, by = edges[cell, j, 0], edges[cell, j, 1], edges[cell, j, 2], edges[cell, j, 3]
+            dx, dy = bx - ax, by - ay
+            side = dx * (y - ay) - dy * (x - ax)
+            if abs(side) <= eps * (abs(dx) + abs(dy)):
+                return -2
+            if (ay > y) != (by > y) and (side > 0) == (dy > 0):
+                inside = not inside
+        if inside:
+            return cell
+    return -1
+
+
+hypot = from_libm("hypot", 2)
+
+
+@compile_
+def part_inside(
+    ax: float, ay: float, bx: float, by: float, dx: float, dy: float, radius: float, angle: float,
+    lx: float, ly: float, rx: float, ry: float, mx: float, my: float,
+) -> tuple[float, float]:  # fmt: skip
+    """The parameters of the part of the segment from a to b in a sector about the origin: see `CurveTests.inside`."""
+    a, b, c = dx * dx + dy * dy, ax * dx + ay * dy, ax * ax + ay * ay - radius * radius
+    discriminant = b * b - a * c
+    if discriminant < 0:
+        return 2.0, -1.0
+    root = math.sqrt(discriminant)
+    low, high = max(0.0, (-b - root) / a), min(1.0, (-b + root) / a)
+    if angle < 2.0 * math.pi:
+        for side in range(3):
+            if side == 0:
+                start, end = rx * ay - ry * ax, rx * by - ry * bx
+            elif side == 1:
+                start, end = ax * ly - ay * lx, bx * ly - by * lx
+            else:
+                start, end = mx * ax + my * ay, mx * bx + my * by
+            if start < 0 and end < 0:
+                return 2.0, -1.0
+            if start < 0:
+                low = max(low, start / (start - end))
+            elif end < 0:
+                high = min(high, start / (start - end))
+    return low, high
+
+
+@compile_
+def clipped_point(
+    x: float, y: float, radius: float, heading: float, angle: float, uniform: float, start: np.ndarray, end: np.ndarray,
+    frame: np.ndarray, starts: np.ndarray, lists: np.ndarray,
+) -> tuple[bool, float, float]:  # fmt: skip
+    """A point of the part of a curve in a sector, and whether there is one: see `CurveTests.sample`."""
+    square = square_of(frame, x, y)
+    left, right = heading + angle / 2, heading - angle / 2
+    lx, ly, rx, ry = -math.sin(left), math.cos(left), -math.sin(right), math.cos(right)
+    mx, my = -math.sin(heading), math.cos(heading)
+    total, target, found = 0.0, math.inf, False
+    sx, sy, ex, ey, before, length = 0.0, 0.0, 0.0, 0.0, 0.0, 1.0
+    for turn in range(2):
+        if turn == 1:
+            target = uniform * total
+        total = 0.0
+        for k in range(starts[square], starts[square + 1]):
+            e = lists[k]
+            px, py, qx, qy = start[e, 0], start[e, 1], end[e, 0], end[e, 1]
+            dx, dy = qx - px, qy - py
+            low, high = part_inside(px - x, py - y, qx - x, qy - y, dx, dy, radius, angle, lx, ly, rx, ry, mx, my)
+            if low < high:
+                ax, ay, bx, by = px + dx * low, py + dy * low, px + dx * high, py + dy * high
+                piece = hypot(bx - ax, by - ay)
+                if piece > 0:
+                    found = True
+                    sx, sy, ex, ey, before = ax, ay, bx, by, total
+                    total += piece
+                    length = total - before
+                    if target < total:
+                        break
+        if not found:
+            break
+    share = min((target - before) / length, 1.0)
+    return found, sx + (ex - sx) * share, sy + (ey - sy) * share

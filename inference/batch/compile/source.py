@@ -1,0 +1,348 @@
+"""A compiled evaluator of one program: its graph written as a function of one run after the other, which ends at the first thing that fails.
+
+It gives the same bits as the columns, which evaluate the same graph. `NotFused` says what of a graph it cannot do. To import this needs numba.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from ....interpreter.choosers import PER_SCENE
+from ....interpreter.streams import site_code
+from ....semantics.kernel.budget import Budget
+from ....semantics.space.regions import PolygonalRegion
+from ....semantics.space.symbols import Elementary
+from ....semantics.space.vectors import Vector
+from ..evaluate.clipped import curve_tests, largest_radius
+from ..evaluate.components import Stage
+from ..evaluate.polygons import tests_of
+from ..evaluate.rows import constant_cells, field_of, has_columns, is_clipped
+from ..trace.graph import AsFloat, Event, Macro, Node, Part, RowCall, RowDraw, Search, Site, Table
+from ..trace.symbols import Traced
+from . import kernels as compiled
+
+PENDING, ACCEPTED, LEFT, EXHAUSTED = 0, 1, 2, 3
+"""What is known of a scene; LEFT: the interpreter must do the attempt that comes next (or, where there are parts, columns the whole scene);
+EXHAUSTED: a part of it has had all attempts.
+"""
+
+
+class NotFused(Exception):
+    """A graph holds something that has no compiled form; the text says what."""
+
+
+INFIX = {
+    np.add: "+", np.subtract: "-", np.multiply: "*", np.true_divide: "/", np.less: "<", np.less_equal: "<=", np.greater: ">", np.greater_equal: ">=",
+    np.equal: "==", np.not_equal: "!=", np.logical_and: "&", np.logical_or: "|", np.logical_xor: "!=",
+}
+PREFIX = {
+    np.negative: "-", np.positive: "+", np.logical_not: "not ", np.absolute: "abs", np.sqrt: "math.sqrt", np.sin: "math.sin", np.cos: "math.cos",
+}
+LIBRARY = {"hypot": 2, "atan2": 2, "exp": 1, "expm1": 1, "log": 1, "log1p": 1}
+SPECIAL = {"ndtri": "ndtri", "ndtri_exp": "ndtri_exp", "log_ndtr": "__pyx_fuse_1log_ndtr"}
+
+
+class Writer:
+    """The source of an evaluator, and what its names stand for."""
+
+    def __init__(self) -> None:
+        self.lines: list[str] = []
+        self.names: dict[str, object] = {"math": math, "np": np, "philox": compiled.philox, "bisect_right": compiled.bisect_right}
+        self.arrays: dict[str, np.ndarray] = {}
+        self.blocks: dict[tuple[object, ...], str] = {}
+        self.macros: dict[object, str] = {}
+        self.kept: dict[int, tuple[np.ndarray, str]] = {}  # by identity; the array is held, so that it stays the only one with it
+        self.made: dict[int, tuple[object, Sequence[np.ndarray]]] = {}
+        self.depth = 1
+        self.stage = 0
+        self.owners: dict[tuple[int, ...], int] = {}
+
+    def array(self, values: np.ndarray) -> str:
+        """The name of an array that is handed to the evaluator."""
+        if id(values) not in self.kept:
+            name = f"a{len(self.arrays)}"
+            self.kept[id(values)] = values, name
+            self.arrays[name] = np.ascontiguousarray(values)
+        return self.kept[id(values)][1]
+
+    def add(self, line: str, inner: int = 0) -> None:
+        """Write a line, in the block that is being written, or in one inside."""
+        self.lines.append("    " * (self.depth + inner) + line)
+
+    # Nodes
+
+    def write(self, node: Node) -> None:
+        """The computation of a node."""
+        function, name = node.function, f"v{node.number}"
+        operands = [self.operand(a) for a in node.arguments]
+        match function:
+            case Site():
+                self.site(name, function)
+            case Table(values=values):
+                self.add(f"{name} = {self.array(values)}[{operands[0]}]")
+            case Search(cumulative=cumulative):
+                self.add(f"{name} = bisect_right({self.array(cumulative)}, {operands[0]})")
+            case AsFloat():
+                self.add(f"{name} = np.float64({operands[0]})")
+            case Macro():
+                self.add(f"{name} = {self.macro(function)}({', '.join(operands)})")
+            case RowCall():
+                self.call(name, function)
+            case RowDraw():
+                self.draw(name, function)
+            case Part(name=part) if isinstance(node.arguments[0], Node) and isinstance(node.arguments[0].function, RowDraw):
+                self.add(f"{name} = {operands[0]}_{part}")
+            case _:
+                self.add(f"{name} = {self.expression(function, operands)}")
+
+    def operand(self, value: object) -> str:
+        """A node's variable, or a constant."""
+        if isinstance(value, Node):
+            return f"v{value.number}"
+        if isinstance(value, bool):
+            return repr(value)
+        number = float(value)  # type: ignore[arg-type]
+        return f"({number!r})" if math.isfinite(number) else f"({'-' if number < 0 else ''}np.{'inf' if math.isinf(number) else 'nan'})"
+
+    def expression(self, function: Any, operands: Sequence[str]) -> str:
+        """An operation on numbers and truth values."""
+        if function in INFIX:
+            return f"{operands[0]} {INFIX[function]} {operands[1]}"
+        if function in PREFIX:
+            return f"{PREFIX[function]}({operands[0]})"
+        if function is np.minimum or function is np.maximum:
+            return f"{operands[0]} if {operands[0]} {'<' if function is np.minimum else '>'}= {operands[1]} else {operands[1]}"
+        if function is np.where:
+            return f"{operands[1]} if {operands[0]} else {operands[2]}"
+        if function is int:
+            return f"np.int64({operands[0]})"
+        if function is np.mod:
+            return f"np.mod({operands[0]}, {operands[1]})"
+        name = getattr(function, "__name__", "")
+        if isinstance(function, Elementary) or function is np.hypot:
+            self.names.setdefault(name, compiled.from_libm(name, LIBRARY[name]))
+        elif name in SPECIAL:
+            self.names.setdefault(name, compiled.from_scipy(SPECIAL[name]))
+        else:
+            raise NotFused(f"the function {name}" if name else "a point drawn row by row")
+        return f"{name}({', '.join(operands)})"
+
+    def site(self, name: str, site: Site) -> None:
+        """A random number; the four of a block are made together."""
+        block, word = divmod(site.index, 4)
+        key = (site.address, block, site.per_scene)
+        if key not in self.blocks:
+            made = self.blocks[key] = f"u{len(self.blocks)}_"
+            attempt = f"np.uint64({PER_SCENE})" if site.per_scene else f"at{self.owners.get(site.address, 0)}"
+            targets = ", ".join(f"{made}{i}" for i in range(4))
+            self.add(f"{targets} = philox(seed, np.uint64({site_code(site.address)}), scene, {attempt}, np.uint64({block}))")
+        self.add(f"{name} = {self.blocks[key]}{word}")
+
+    def macro(self, macro: Macro) -> str:
+        """The name of a compiled macro: its function traced on symbols of its own."""
+        if macro not in self.macros:
+            self.macros[macro] = f"m{len(self.macros)}"
+            self.names[self.macros[macro]] = compiled_macro(macro)
+        return self.macros[macro]
+
+    def draw(self, name: str, draw: RowDraw) -> None:
+        """A point of a curve inside a sector."""
+        found = is_clipped(draw)
+        if found is None:
+            raise NotFused("a point drawn row by row")
+        tests = curve_tests(found.curve, largest_radius(found.radius))
+        self.site(f"{name}_u", Site(draw.address, 0, draw.per_scene))
+        self.names["clipped_point"] = compiled.clipped_point
+        values = [self.operand(v.node if isinstance(v, Traced) else v) for v in (found.x, found.y, found.radius, found.heading, found.angle)]
+        grid = self.kept_arrays(tests.grid, lambda: compiled.grid_arrays(tests.grid))
+        arrays = [self.array(a) for a in (tests.start, tests.end, *grid)]
+        self.add(f"{name}, {name}_x, {name}_y = clipped_point({', '.join([*values, f'{name}_u', *arrays])})")
+
+    # Tests on polygons
+
+    def call(self, name: str, call: RowCall) -> None:
+        """A test on a polygon or the value of a field."""
+        rule = has_columns(call)
+        if rule is None:
+            raise NotFused(call.text)
+        subject, *rest = call.structure
+        parts = [v for part in rest for v in (part if isinstance(part, Vector) else (part,))]
+        values = [self.operand(v.node if isinstance(v, Traced) else v) for v in parts]
+        if isinstance(subject, PolygonalRegion):
+            self.region(name, call, subject, values)
+        elif constant_cells(subject):
+            self.field(name, subject, values)
+        else:
+            raise NotFused(call.text)
+
+    def region(self, name: str, call: RowCall, region: PolygonalRegion, values: list[str]) -> None:
+        """Whether a point or box lies in a polygonal region."""
+        tests = tests_of(region)
+        shared = [self.array(a) for a in self.kept_arrays(tests, lambda: (tests.edges, tests.reference, tests.reference_inside))]
+        grid = [self.array(a) for a in self.kept_arrays(tests.grid, lambda: compiled.grid_arrays(tests.grid))]
+        scale = repr(float(tests.scale))
+        if len(values) == 2:
+            self.names["point_in"] = compiled.point_in
+            self.add(f"q = point_in({', '.join([*values, scale, *shared, *grid])})")
+        else:
+            self.names["box_in"] = compiled.box_in
+            largest = self.largest_box(call)
+            near, known = tests.grid_for(largest)
+            lists = [self.array(a) for a in (*self.kept_arrays(near, lambda: compiled.grid_arrays(near)), known)]
+            self.add(f"q = box_in({', '.join([*values, scale, repr(largest), *shared, *grid, *lists])})")
+        self.add("if q == 2:")
+        self.leave()
+        self.add(f"{name} = q == 1")
+
+    def kept_arrays(self, owner: object, make: Callable[[], Sequence[np.ndarray]]) -> Sequence[np.ndarray]:
+        """The arrays of a test, made once."""
+        if id(owner) not in self.made:
+            self.made[id(owner)] = owner, make()
+        return self.made[id(owner)][1]
+
+    def largest_box(self, call: RowCall) -> float:
+        """How far from its centre a corner of the box can be, in metres: from the bounds of its sizes, or 16 m."""
+        bounds = [v.node.bounds if isinstance(v, Traced) else (0.0, float(v)) for v in call.structure[-2:]]  # type: ignore[arg-type]
+        sizes = [22.0 if b is None else b[1] for b in bounds]
+        return min(math.hypot(*sizes) / 2, 100.0) + 1e-6
+
+    def field(self, name: str, field: Any, values: list[str]) -> None:
+        """The heading of a field with constant cells."""
+        tests, headings = field_of(field)
+        self.names["first_cell"] = compiled.first_cell
+        grid = [self.array(a) for a in self.kept_arrays(tests.grid, lambda: compiled.grid_arrays(tests.grid))]
+        arrays = [self.array(a) for a in (tests.edges, tests.number)]
+        self.add(f"q = first_cell({', '.join([*values, repr(float(tests.scale)), *arrays, *grid, self.array(tests.known)])})")
+        self.add("if q == -2:")
+        self.leave()
+        self.add(f"{name} = {self.array(headings)}[q]")
+
+    def leave(self) -> None:
+        """Others must do this run."""
+        self.add(f"fate[i] = {LEFT}; out = True", 1)
+        self.add("break", 1)
+
+    # Events
+
+    def event(self, event: Event, number: int) -> None:
+        """What becomes of the run."""
+        name = f"v{event.node.number}"
+        if event.kind == "call":
+            if event.node.kind == "bool":
+                return
+            fails = f"not {name}" if isinstance(event.node.function, RowDraw) else f"math.isnan({name})"
+        else:
+            fails = f"{name} != {event.expected}"
+        if event.condition is not None:
+            fails = f"v{event.condition.number} and ({fails})"
+        self.add(f"if {fails}:")
+        if event.kind == "guard":
+            self.leave()
+            return
+        self.add(f"counts[{number}] += 1", 1)
+        self.add("continue", 1)
+
+    # Stages
+
+    def attempts(self, stage: Stage, events: list[Event], found: Callable[[], None]) -> None:
+        """A loop over the attempts at a stage, its parts in loops of their own; `found` writes what is done with the first that is accepted."""
+        number, over = stage.number, "" if stage.number else " or runs >= budget"
+        self.add("while True:")
+        self.depth += 1
+        self.add(f"if c{number} >= most{over}:")
+        if number:
+            self.add(f"fate[i] = {EXHAUSTED}; out = True", 1)
+        self.add("break", 1)
+        self.add(f"at{number} = np.uint64(c{number})")
+        self.add(f"c{number} += 1")
+        self.add("runs += 1")
+        self.owners |= dict.fromkeys(stage.own, number)
+        for part in stage.parts:
+            self.attempts(part, events, lambda: None)
+            self.add("if out:")
+            self.add("break", 1)
+        for step in stage.steps:
+            for node in step.nodes:
+                self.write(node)
+            if step.event is not None:
+                self.event(step.event, len(events))
+                events.append(step.event)
+        found()
+        self.add("break")
+        self.depth -= 1
+
+
+def fuse(stage: Stage) -> tuple[Callable[..., tuple[int, int]], tuple[np.ndarray, ...], list[Event]]:
+    """The evaluator of a plan, the arrays that it is called with, and the events that it counts.
+
+    evaluator(seed, start, first, live, most, budget, fate, floats, ints, counts, *arrays) -> (runs, scenes looked at)
+    """
+    writer = Writer()
+    events: list[Event] = []
+
+    def results() -> None:
+        places = {"floats": 0, "ints": 0}
+        for node in stage.outputs:
+            if node.kind == "object":
+                raise NotFused("a property that is computed row by row")
+            where = "floats" if node.kind == "float" else "ints"
+            writer.add(f"{where}[{places[where]}, i] = v{node.number}")
+            places[where] += 1
+        writer.add(f"fate[i] = {ACCEPTED}")
+
+    numbers = range(len(stage.all))
+    writer.depth = 2
+    writer.add("if runs >= budget:")
+    writer.add("return runs, j", 1)
+    writer.add("i = live[j]")
+    writer.add("scene = np.uint64(start + i)")
+    writer.add("out = False")
+    for number in numbers:
+        writer.add(f"c{number} = first[{number}, i]")
+    writer.attempts(stage, events, results)
+    writer.add(f"took = 1 if fate[i] == {ACCEPTED} or fate[i] == {LEFT} else 0")
+    for number in numbers:
+        writer.add(f"first[{number}, i] = c{number} - took")
+    head = [
+        f"def evaluator(seed, start, first, live, most, budget, fate, floats, ints, counts, {', '.join(writer.arrays)}):",
+        "    runs = 0",
+        "    for j in range(len(live)):",
+    ]
+    source = "\n".join([*head, *writer.lines, "    return runs, len(live)"])
+    space: dict[str, Any] = dict(writer.names)
+    exec(source, space)  # our own text
+    return compiled.compile_(space["evaluator"]), tuple(writer.arrays.values()), events  # type: ignore[return-value]
+
+
+def compiled_macro(macro: Macro) -> Callable[..., object]:
+    """A macro's function, compiled: traced on symbols for its arguments, and written as code."""
+    from ..trace.recording import Trace
+
+    trace = Trace(lambda site: 0.37 + 0.01 * site.index, Budget())
+    symbols = [trace.site((), i, False) for i in range(sum(macro.shape))]
+    for symbol in symbols:
+        symbol.node.bounds = None
+    unwrapped = Macro(macro.function.__wrapped__, macro.shape)  # type: ignore[attr-defined]
+    result = unwrapped.call(symbols)
+    if trace.graph.events:
+        raise NotFused(macro.function.__name__)
+    writer = Writer()
+    arguments = [f"v{s.node.number}" for s in symbols]
+    for node in trace.graph.nodes:
+        if not isinstance(node.function, Site):
+            function, name = node.function, f"v{node.number}"
+            operands = [writer.operand(a) for a in node.arguments]
+            value = f"np.float64({operands[0]})" if isinstance(function, AsFloat) else writer.expression(function, operands)
+            writer.add(f"{name} = {value}")
+    returned = writer.operand(result.node if isinstance(result, Traced) else result)
+    source = "\n".join([f"def function({', '.join(arguments)}):", *writer.lines, f"    return {returned}"])
+    space: dict[str, Any] = dict(writer.names)
+    exec(source, space)  # our own text
+    return compiled.compile_(space["function"])
+
+
+__all__ = ["ACCEPTED", "EXHAUSTED", "LEFT", "PENDING", "NotFused", "fuse"]

@@ -1,0 +1,1 @@
+"""The graph evaluated on columns: many scenes at a time."""

@@ -1,0 +1,208 @@
+"""The evaluation of a graph on NumPy columns: one element for each run; runs that are rejected are left out at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ....interpreter.choosers import PER_SCENE
+from ....interpreter.streams import Stream
+from ....semantics.space.fields import OutsideField
+from ....semantics.space.regions import EmptyRegion
+from ....semantics.space.symbols import Elementary, NotLifted
+from ..trace.graph import AsFloat, Graph, Macro, Node, Part, RowCall, RowDraw, Search, Site, Table
+from ..trace.structures import in_row, symbols_in
+from .clipped import Clipped, curve_tests, largest_radius
+from .numbers import Numbers
+from .plan import Step, cone, roots_of
+from .proposed import Proposed, proposed_in, proposed_points
+from .rows import Columns, Failed, has_columns, is_clipped, values_of
+
+ACCEPTED, LEFT = -1, -2
+"""What became of a run: one that is left must be done by the interpreter; one that is rejected has the number of the step that did it."""
+
+
+class Evaluated(NamedTuple):
+    """What became of each row, and the columns of those that were accepted (in order)."""
+
+    fate: np.ndarray
+    columns: Columns
+
+
+def evaluate(steps: Sequence[Step], seed: int, scenes: np.ndarray, attempts: np.ndarray, known: Columns = MappingProxyType({})) -> Evaluated:
+    """Evaluate the runs of attempt `attempts[k]` at scene `scenes[k]` of `seed`; the columns `known` are there already."""
+    fate = np.full(len(scenes), ACCEPTED, dtype=np.int32)
+    rows = np.arange(len(scenes))
+    numbers = Numbers(seed, scenes, attempts)
+    columns = dict(known)
+    failed: dict[int, Failed] = {}
+    for number, step in enumerate(steps):
+        for node in step.nodes:
+            columns[node.number] = column(node, columns, numbers, failed)
+        event = step.event
+        if event is None:
+            break
+        count = len(rows)
+        applies = True if event.condition is None else columns[event.condition.number]
+        lost = np.zeros(count, dtype=bool)
+        if event.kind == "call":
+            found = failed.get(event.node.number)
+            if event.node.number in known:
+                found = without_value(columns[event.node.number])
+            if found is not None:
+                left = found.left & applies
+                lost = (found.rejected & applies) | left
+                fate[rows[left]] = LEFT
+        else:
+            lost = (columns[event.node.number] != event.expected) & applies
+            if event.kind == "guard":
+                fate[rows[lost]] = LEFT
+        for node in step.forget:
+            columns.pop(node.number, None)
+        if lost.any():
+            fate[rows[lost & (fate[rows] == ACCEPTED)]] = number
+            kept = ~lost
+            rows = rows[kept]
+            numbers.keep(kept)
+            columns = {name: values[kept] for name, values in columns.items()}
+            failed = {name: Failed(f.rejected[kept], f.left[kept]) for name, f in failed.items()}
+    return Evaluated(fate, columns)
+
+
+def without_value(column: np.ndarray) -> Failed | None:
+    """The rows of a node that was computed elsewhere in which it has no value, which rejects them; truth values are always there."""
+    if column.dtype.kind != "f":
+        return None
+    missing = np.isnan(column if column.ndim == 1 else column[:, 0])
+    return Failed(missing, np.zeros(len(missing), dtype=bool))
+
+
+def rejection_rates(graph: Graph, runs: int, seed: int = 0) -> dict[int, float]:
+    """How often each event would reject a run, were it the only one: found out with `runs` runs."""
+    scenes = np.arange(runs, dtype=np.uint64)
+    numbers, columns, failed = Numbers(seed, scenes, np.zeros_like(scenes)), dict[int, np.ndarray](), dict[int, Failed]()
+    rates: dict[int, float] = {}
+    done: set[int] = set()
+    for place, event in enumerate(graph.events):
+        for node in cone(roots_of(event), done):
+            columns[node.number] = column(node, columns, numbers, failed)
+            done.add(node.number)
+        if event.kind == "call":
+            rejected = failed[event.node.number].rejected if event.node.number in failed else np.zeros(runs, dtype=bool)
+        else:
+            rejected = columns[event.node.number] != event.expected
+        rates[place] = float((rejected if event.condition is None else rejected & columns[event.condition.number]).mean())
+    return rates
+
+
+def column(node: Node, columns: Columns, numbers: Numbers, failed: dict[int, Failed]) -> np.ndarray:
+    """The column of a node, those of its arguments being known."""
+    function = node.function
+    operands: list[Any] = [columns[a.number] if isinstance(a, Node) else a for a in node.arguments]
+    match function:
+        case Site():
+            return numbers.column(function)
+        case np.ufunc():
+            with np.errstate(all="ignore"):
+                return function(*operands)
+        case Macro():
+            with np.errstate(all="ignore"):
+                return np.broadcast_to(np.asarray(function.call(operands)), len(numbers.scenes))
+        case Elementary():
+            return function(*operands)
+        case Table(values=values):
+            return values[operands[0]]
+        case Search(cumulative=cumulative):
+            return np.searchsorted(cumulative, operands[0], side="right")
+        case AsFloat():
+            return operands[0].astype(float)  # type: ignore[union-attr]
+        case Part(name=name):
+            return part_of(operands[0], name)  # type: ignore[arg-type]
+        case RowCall():
+            fast = has_columns(function)
+            if fast is not None:
+                return fast(node, function, columns, failed, len(numbers.scenes))
+            return rows_of(node, lambda resolve, row: _called(function, resolve), columns, failed, len(numbers.scenes))
+        case RowDraw():
+            found = is_clipped(function)
+            if found is not None:
+                return _clipped(node, function, found, columns, numbers, failed)
+            proposed = proposed_in(function.distribution)
+            if proposed is not None:
+                return _proposed(node, function, proposed, columns, numbers, failed)
+            return rows_of(node, lambda resolve, row: _drawn(function, resolve, numbers, row), columns, failed, len(numbers.scenes))
+        case _ if function is int:
+            return operands[0].astype(np.int64)  # type: ignore[union-attr]
+        case _ if function is np.where:
+            return np.where(*operands)  # type: ignore[arg-type]
+        case _:
+            raise AssertionError(function)
+
+
+def part_of(objects: np.ndarray, name: str) -> np.ndarray:
+    """The coordinates of points: rows of an array (rows, 2), or vectors."""
+    if objects.ndim == 2:
+        return objects[:, int(name == "y")]
+    return np.fromiter((getattr(v, name) for v in objects), dtype=float, count=len(objects))
+
+
+def _clipped(node: Node, draw: RowDraw, found: Clipped, columns: Columns, numbers: Numbers, failed: dict[int, Failed]) -> np.ndarray:
+    count = len(numbers.scenes)
+    values = values_of((found.x, found.y, found.radius, found.heading), columns, count)
+    tests = curve_tests(found.curve, largest_radius(found.radius))
+    points = tests.sample(*values, found.angle, numbers.column(Site(draw.address, 0, draw.per_scene)))  # type: ignore[call-arg]
+    empty = np.isnan(points[:, 0])
+    if empty.any():
+        failed[node.number] = Failed(empty, np.zeros(count, dtype=bool))
+    return points
+
+
+def _proposed(node: Node, draw: RowDraw, found: Proposed, columns: Columns, numbers: Numbers, failed: dict[int, Failed]) -> np.ndarray:
+    """The points that are found soon, and the others one by one."""
+    points = proposed_points(found, columns, numbers, draw)
+    rest = np.flatnonzero(np.isnan(points[:, 0]))
+    if len(rest):
+        drawn = rows_of(node, lambda resolve, row: _drawn(draw, resolve, numbers, row), columns, failed, len(points), rest)
+        points[rest] = [(v.x, v.y) for v in drawn[rest]]
+    return points
+
+
+def _called(call: RowCall, resolve: Callable[[Node], object]) -> object:
+    call.budget.renew()
+    result = call.function(*in_row(call.structure, resolve), **in_row(call.keywords, resolve))  # type: ignore[misc]
+    result = float(result) if call.converts and type(result) is not bool else result  # type: ignore[arg-type]
+    if type(result) is not call.result or symbols_in(result):
+        raise NotLifted("another type than in the traced run")
+    return result
+
+
+def _drawn(draw: RowDraw, resolve: Callable[[Node], object], numbers: Numbers, row: int) -> object:
+    attempt = PER_SCENE if draw.per_scene else int(numbers.attempts[row])
+    stream = Stream(numbers.seed, int(numbers.scenes[row]), attempt)
+    return in_row(draw.distribution, resolve).sample(stream.at(draw.address))  # type: ignore[attr-defined]
+
+
+def rows_of(
+    node: Node, function: Callable[[Callable[[Node], object], int], object], columns: Columns, failed: dict[int, Failed], count: int,
+    rows: Iterable[int] | None = None,
+) -> np.ndarray:  # fmt: skip
+    """A column made by calling a Python function for one row after the other, or for some rows."""
+    result: Any = np.empty(count, dtype={"float": float, "bool": bool}.get(node.kind, object))
+    rejected, left = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)
+    for row in range(count) if rows is None else rows:
+        try:
+            result[row] = function(lambda child, row=row: _item(columns[child.number][row]), row)
+        except (OutsideField, EmptyRegion):
+            rejected[row], result[row] = True, node.example
+        except (NotLifted, Exception):  # whatever it is, the interpreter will say it where it belongs
+            left[row], result[row] = True, node.example
+    if rejected.any() or left.any():
+        failed[node.number] = Failed(rejected, left)
+    return result
+
+
+def _item(value: object) -> object:
+    return value.item() if isinstance(value, np.generic) else value

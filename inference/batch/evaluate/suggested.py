@@ -1,0 +1,203 @@
+"""Features that a program suggests by its text: margins of its requirements, and distances to the boundaries that its positions were drawn within.
+
+A fault that moves few scenes moves those near such a limit. Each feature is a function of the features of a scene alone, so that it is the
+same for the scenes of any sampler; what depends on draws that a scene does not show is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from ....interpreter.choosers import Draws
+from ....semantics.space.distributions import PointIn
+from ....semantics.space.geometry import corners, distance_to_box
+from ....semantics.space.regions import Region, everywhere
+from ....semantics.space.vectors import Vector
+from ...statistics.columns import Table
+from ...statistics.facts import Support
+from ...statistics.relations import MOST_RELATED, box_of, pose_of
+from ..trace.graph import Event, Graph, Node, RowDraw, Site
+from ..trace.symbols import Choice, Opaque, Traced
+from ..trace.templates import Template
+from .boundaries import inside_by, is_known, numbers_in, reach_of, sectors_in, within_arc
+from .columns import column
+from .features import nodes_by_feature
+from .numbers import Numbers
+from .plan import cone
+
+MOST_SUGGESTED = 40
+SLOW = (Site, RowDraw)
+Values = Callable[[Table], "np.ndarray | None"]
+
+
+class Suggestion(NamedTuple):
+    """A feature: its values in a table, None where this lacks what it needs; and its support, if that is known."""
+
+    name: str
+    values: Values
+    support: Support | None = None
+
+
+class Suggested:
+    """The features that a program suggests, by its graph and its scenes' template; `pruned` are smaller regions for its points."""
+
+    def __init__(self, graph: Graph, template: Template, pruned: Draws, *, sure: bool) -> None:
+        self.template = template
+        self.nodes = nodes_by_feature(template)
+        found = [*self.of_regions(graph, pruned, sure=sure), *self.of_requirements(graph.events), *self.of_workspace(), *self.of_views()]
+        self.all = list({s.name: s for s in found}.values())[:MOST_SUGGESTED]
+
+    @property
+    def supports(self) -> dict[str, Support]:
+        """The known supports by name."""
+        return {s.name: s.support for s in self.all if s.support is not None}
+
+    def __call__(self, table: Table) -> Mapping[str, np.ndarray]:
+        """The features that follow from those of a table."""
+        with np.errstate(all="ignore"):
+            found = {s.name: s.values(table) for s in self.all}
+        return {name: values for name, values in found.items() if values is not None}
+
+    # Requirements
+
+    def of_requirements(self, events: Sequence[Event]) -> Iterator[Suggestion]:
+        """By how much each comparison that is required holds."""
+        number = 0
+        for event in events:
+            if event.kind == "require" and event.condition is None and event.requirement is not None:
+                for smaller, larger in comparisons(event.node, event.expected):
+                    parts = [part for part in (smaller, larger) if isinstance(part, Node)]
+                    if self.follows(parts):
+                        number += 1
+                        name = f"margin({number}, {event.requirement.text})"
+                        yield Suggestion(name, partial(self.margin, smaller, larger))
+
+    def follows(self, nodes: Sequence[Node]) -> bool:
+        """Whether nodes can be computed from the features of a scene."""
+        known = {node.number for node in self.nodes.values()}
+        return all(not isinstance(node.function, SLOW) for node in cone(list(nodes), known))
+
+    def margin(self, smaller: object, larger: object, table: Table) -> np.ndarray | None:
+        """The difference of two numbers of the graph."""
+        found = self.evaluated([n for n in (smaller, larger) if isinstance(n, Node)], table)
+        if found is None:
+            return None
+        low, high = (found[n.number] if isinstance(n, Node) else n for n in (smaller, larger))
+        return np.broadcast_to(np.asarray(high, dtype=float) - np.asarray(low, dtype=float), table.n).copy()  # type: ignore[arg-type]
+
+    def evaluated(self, nodes: Sequence[Node], table: Table) -> dict[int, np.ndarray] | None:
+        """The columns of nodes, None if the table lacks a feature that they follow from."""
+        known = {node.number: table.arrays[name] for name, node in self.nodes.items() if is_numeric(table, name)}
+        needed = cone(list(nodes), set(known))
+        if any(isinstance(node.function, SLOW) for node in needed):
+            return None
+        zeros = np.zeros(table.n, dtype=np.uint64)
+        numbers, failed = Numbers(0, zeros, zeros), {}
+        for node in needed:
+            known[node.number] = column(node, known, numbers, failed)
+        return known
+
+    # Regions
+
+    def of_regions(self, graph: Graph, pruned: Draws, *, sure: bool) -> Iterator[Suggestion]:
+        """How far inside the region that it was drawn from each position is; `sure`: that it is inside is known of all scenes."""
+        for address, (region, drawn) in graph.points.items():
+            for i, o in enumerate(self.template.objects):
+                place = o.properties["position"]
+                if not (isinstance(place, Vector) and isinstance(drawn, Vector)):
+                    continue
+                same = all(is_same(p, d) for p, d in zip(place, drawn, strict=True))
+                if not (same or all(is_moved(p, d) for p, d in zip(place, drawn, strict=True))):
+                    continue
+                yield from self.inside(f"boundaryDistance({i}, its region)", i, region, exact=same and sure)
+                smaller = pruned.get(address) if not same else None
+                if isinstance(smaller, PointIn):
+                    yield from self.inside(f"boundaryDistance({i}, its pruned region)", i, smaller.region, exact=False)
+
+    def inside(self, name: str, i: int, region: Region, *, exact: bool) -> Iterator[Suggestion]:
+        """How far inside a region the position of object `i` is."""
+        parts = numbers_in(region)
+        if is_known(region) and self.follows([v.node for v in parts if isinstance(v, Traced)]):
+            reach = reach_of(region) if exact and not parts else None
+            yield Suggestion(name, partial(self.depth, i, region, inside_by), None if reach is None else Support(low=0.0, scale=2.0 * reach))
+            for sector in sectors_in(region):
+                yield Suggestion(name.replace(")", ", from its arc)"), partial(self.depth, i, sector, within_arc))
+
+    def depth(self, i: int, region: Region, how_far: Callable[..., np.ndarray], table: Table) -> np.ndarray | None:
+        """The values of `inside`: how far, by a function of the region, the position and the columns of its numbers."""
+        pose = pose_of(table.arrays, i)
+        found = self.evaluated([v.node for v in numbers_in(region) if isinstance(v, Traced)], table)
+        return None if pose is None or found is None else how_far(region, pose[0], pose[1], lambda node: found[node.number])
+
+    def of_workspace(self) -> Iterator[Suggestion]:
+        """How far inside the workspace the worst corner of each object is."""
+        region = self.template.workspace
+        if region is not everywhere and is_known(region) and not numbers_in(region):
+            for i in range(min(len(self.template.objects), MOST_RELATED)):
+                yield Suggestion(f"boundaryDistance({i}, workspace)", partial(self.corner_depth, i, region))
+
+    def corner_depth(self, i: int, region: Region, table: Table) -> np.ndarray | None:
+        """The least depth of the corners of object `i`."""
+        pose = pose_of(table.arrays, i)
+        if pose is None or len(pose) < 5:
+            return None
+        return np.min([inside_by(region, p.x, p.y, no_column) for p in corners(*box_of(pose))], axis=0)  # type: ignore[arg-type]
+
+    # Views
+
+    def of_views(self) -> Iterator[Suggestion]:
+        """How much nearer than ego can see the box of each object is."""
+        for i, o in enumerate(self.template.objects[:MOST_RELATED]):
+            if i != self.template.ego_id and o.properties.get("requireVisible") is not False:
+                yield Suggestion(f"viewMargin({i})", partial(self.view_margin, i))
+
+    def view_margin(self, i: int, table: Table) -> np.ndarray | None:
+        """View distance less distance from ego to the box."""
+        ego, pose = pose_of(table.arrays, self.template.ego_id), pose_of(table.arrays, i)
+        reach = table.arrays.get(f"objects[{self.template.ego_id}].properties.viewDistance")
+        if ego is None or pose is None or len(pose) < 5 or reach is None or reach.dtype != np.float64:
+            return None
+        return reach - np.asarray(distance_to_box(*box_of(pose), Vector(ego[0], ego[1])))  # type: ignore[arg-type]
+
+
+def no_column(node: Node) -> np.ndarray:
+    """For regions without symbols."""
+    raise AssertionError(node)
+
+
+def is_numeric(table: Table, name: str) -> bool:
+    """Whether a table has that feature, as numbers."""
+    return name in table.arrays and table.arrays[name].dtype == np.float64
+
+
+def comparisons(node: Node, expected: bool) -> Iterator[tuple[object, object]]:
+    """The comparisons a < b that must all hold, or fail to be wrong, for a condition to be as expected: pairs of a and b."""
+    function = node.function
+    if function in (np.less, np.less_equal, np.greater, np.greater_equal):
+        a, b = node.arguments
+        yield (a, b) if (function in (np.less, np.less_equal)) == expected else (b, a)
+    elif function is np.logical_not:
+        yield from (pair for part in node.arguments if isinstance(part, Node) for pair in comparisons(part, not expected))
+    elif function in (np.logical_and, np.logical_or) and (function is np.logical_and) == expected:
+        yield from (pair for part in node.arguments if isinstance(part, Node) for pair in comparisons(part, expected))
+
+
+def is_same(position: object, drawn: object) -> bool:
+    """Whether a coordinate is the one that was drawn."""
+    return is_plain(position) and is_plain(drawn) and position.node is drawn.node  # type: ignore[attr-defined]
+
+
+def is_moved(position: object, drawn: object) -> bool:
+    """Whether a coordinate is the sum of the one that was drawn and something else, such as noise."""
+    if not (is_plain(position) and is_plain(drawn)):
+        return False
+    return position.node.function is np.add and drawn.node in position.node.arguments  # type: ignore[attr-defined]
+
+
+def is_plain(value: object) -> bool:
+    """Whether a value is a number of the graph."""
+    return isinstance(value, Traced) and not isinstance(value, (Choice, Opaque))

@@ -1,0 +1,1 @@
+"""Blocks of scenes for processes and clusters, and their lines and tables."""

@@ -1,0 +1,1 @@
+"""One run of a program on symbols, kept as a graph of operations."""

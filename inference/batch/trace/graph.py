@@ -1,0 +1,203 @@
+"""The graph of a program: what is computed from the numbers of its draw sites, and which conditions a run must meet, in order.
+
+A node is a function of other nodes and of constants; `kind` says what its column holds: floats, truth values, whole numbers that
+choose among values, or anything at all ("object"). An event is a node that decides what becomes of a run.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from ....semantics.kernel.budget import Budget
+from ....semantics.kernel.outcome import Requirement
+from ....semantics.space.regions import Region
+from ....semantics.space.symbols import arc_tangent
+from ....semantics.space.vectors import Vector
+
+Kind = Literal["float", "bool", "int", "object"]
+Bounds = tuple[float, float]
+
+
+@dataclass(eq=False, slots=True)
+class Node:
+    """`function(*arguments)`; `example` is its value in the run that was traced, `bounds` hold in all (None if not known, or if NaN may be)."""
+
+    number: int
+    function: object
+    arguments: tuple[object, ...]
+    kind: Kind
+    example: object
+    bounds: Bounds | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Site:
+    """The `index`-th number of a draw site in [0, 1); `per_scene` if it is the same in all attempts at a scene."""
+
+    address: tuple[int, ...]
+    index: int
+    per_scene: bool
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Table:
+    """The element of a constant array at the position that is the argument."""
+
+    values: np.ndarray
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Search:
+    """How many of some increasing numbers are at most the argument."""
+
+    cumulative: np.ndarray
+
+
+class AsFloat:
+    """Truth values or whole numbers as floats."""
+
+
+@dataclass(frozen=True, slots=True)
+class Macro:
+    """A function of numbers and vectors that works on columns; `shape` says how many of the arguments each of its own takes."""
+
+    function: Callable[..., object]
+    shape: tuple[int, ...]
+
+    def call(self, values: Sequence[object]) -> object:
+        """The function of these numbers, the ones of a vector following each other."""
+        rest = iter(values)
+        return self.function(*(next(rest) if n == 1 else Vector(next(rest), next(rest)) for n in self.shape))  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class RowCall:
+    """A Python function, called for one row after the other; `structure` holds its arguments, with symbols inside.
+
+    `result` is the type that every row must give; else, or if an exception is raised, the row is left to the interpreter. With
+    `converts`, numbers are made floats first. Functions of the program that it calls pay from `budget`, which is that of one row.
+    """
+
+    function: Callable[..., object]
+    structure: tuple[object, ...]
+    keywords: dict[str, object]
+    result: type
+    converts: bool
+    text: str
+    budget: Budget
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class RowDraw:
+    """A draw whose map takes no fixed number of uniform numbers: done row by row from the stream of its site."""
+
+    distribution: object
+    address: tuple[int, ...]
+    per_scene: bool
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Part:
+    """An attribute of the object that is the argument."""
+
+    name: str
+
+
+class Event(NamedTuple):
+    """What decides a run, in the order of the program.
+
+    "require": the run is rejected unless `node` is `expected`. "guard": the trace speaks for the run only if `node` is `expected`.
+    "call": a row-by-row node, whose failures are the run's. None of them counts where `condition`, a coin's node, is False.
+    """
+
+    kind: Literal["require", "guard", "call"]
+    node: Node
+    expected: bool = True
+    requirement: Requirement | None = None
+    condition: Node | None = None
+
+
+@dataclass
+class Graph:
+    """Nodes in the order in which they were made, events, and the points that are drawn: by address, the region and the point."""
+
+    nodes: list[Node] = field(default_factory=list)
+    events: list[Event] = field(default_factory=list)
+    points: dict[tuple[int, ...], tuple[Region, object]] = field(default_factory=dict)
+
+
+def bounds_of(function: object, arguments: tuple[object, ...]) -> Bounds | None:
+    """Bounds of a result, from those of the arguments; sound in floating point, since the operations are monotone there too."""
+    known = [a.bounds if isinstance(a, Node) else _constant_bounds(a) for a in arguments]
+    if any(b is None for b in known):
+        return None
+    rule = _RULES.get(function)  # type: ignore[call-overload]
+    if rule is None:
+        return None
+    with np.errstate(all="ignore"):
+        low, high = rule(*known)
+    return (float(low), float(high)) if math.isfinite(low) and math.isfinite(high) else None
+
+
+def _constant_bounds(value: object) -> Bounds | None:
+    if isinstance(value, (bool, int, float, np.floating)) and math.isfinite(value):
+        return float(value), float(value)
+    return None
+
+
+def _times(a: Bounds, b: Bounds) -> Bounds:
+    products = [x * y for x in a for y in b]
+    return min(products), max(products)
+
+
+def _divided(a: Bounds, b: Bounds) -> Bounds:
+    if b[0] <= 0 <= b[1]:
+        return -math.inf, math.inf
+    quotients = [x / y for x in a for y in b]
+    return min(quotients), max(quotients)
+
+
+def _absolute(a: Bounds) -> Bounds:
+    return (0.0 if a[0] <= 0 <= a[1] else min(abs(a[0]), abs(a[1])), max(abs(a[0]), abs(a[1])))
+
+
+_RULES: dict[object, Callable[..., Bounds]] = {
+    np.add: lambda a, b: (a[0] + b[0], a[1] + b[1]),
+    np.subtract: lambda a, b: (a[0] - b[1], a[1] - b[0]),
+    np.multiply: _times,
+    np.true_divide: _divided,
+    np.negative: lambda a: (-a[1], -a[0]),
+    np.positive: lambda a: a,
+    np.absolute: _absolute,
+    np.sqrt: lambda a: (math.sqrt(a[0]), math.sqrt(a[1])) if a[0] >= 0 else (-math.inf, math.inf),
+    np.sin: lambda a: (-1.0, 1.0),
+    np.cos: lambda a: (-1.0, 1.0),
+    arc_tangent: lambda a, b: (-math.pi, math.pi),
+    np.hypot: lambda a, b: (0.0, 2 * max(map(abs, (*a, *b)))),
+    np.maximum: lambda a, b: (max(a[0], b[0]), max(a[1], b[1])),
+    np.minimum: lambda a, b: (min(a[0], b[0]), min(a[1], b[1])),
+    np.where: lambda condition, a, b: (min(a[0], b[0]), max(a[1], b[1])),
+}
+
+
+def decided(function: object, arguments: tuple[object, ...]) -> bool | None:
+    """The result of a comparison that is the same for all values within the bounds of the arguments, or None."""
+    if function not in (np.less, np.less_equal, np.greater, np.greater_equal, np.equal, np.not_equal):
+        return None
+    left, right = (a.bounds if isinstance(a, Node) else _constant_bounds(a) for a in arguments)
+    infinite = arguments[1] == math.inf if not isinstance(arguments[1], Node) else False
+    if left is None or (right is None and not infinite):
+        return None
+    low, high = (math.inf, math.inf) if right is None else right
+    below, above = left[1] < low, left[0] > high
+    not_above, not_below = left[1] <= low, left[0] >= high
+    true, false = {
+        np.less: (below, not_below), np.less_equal: (not_above, above), np.greater: (above, not_above), np.greater_equal: (not_below, below),
+        np.equal: (False, below or above), np.not_equal: (below or above, False),
+    }[function]  # type: ignore[index]
+    return True if true else False if false else None

@@ -1,0 +1,376 @@
+"""The making of a graph: every operation on symbols becomes a node; equal ones become one, and what is constant is computed at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ....semantics.kernel.budget import Budget
+from ....semantics.kernel.errors import ScenicError
+from ....semantics.kernel.host import DoorStuck, HostException
+from ....semantics.kernel.outcome import Requirement
+from ....semantics.kernel.values import Bound, Native
+from ....semantics.space.fields import OutsideField, PolygonalVectorField, VectorField
+from ....semantics.space.regions import EmptyRegion
+from ....semantics.space.symbols import Elementary, NotLifted, is_macro, position_in
+from ....semantics.space.vectors import Vector
+from ....semantics.syntax.nodes import NOWHERE
+from .graph import AsFloat, Event, Graph, Kind, Macro, Node, Part, RowCall, Search, Site, Table, bounds_of, decided
+from .structures import in_row, symbols_in
+from .symbols import OPERATORS, Choice, Opaque, Scalar, Traced
+
+AS_FLOAT = AsFloat()
+LARGEST_PRODUCT = 256
+"""Operations on two choices among few values are done once for every pair of values."""
+TRUTH = frozenset({
+    np.equal, np.not_equal, np.less, np.less_equal, np.greater, np.greater_equal, np.logical_and, np.logical_or, np.logical_xor, np.logical_not,
+})  # fmt: skip
+PLAIN = (bool, int, float, str, type(None))
+
+
+class Retry(Exception):
+    """The run that is traced got stuck where no value goes on: another run must be traced."""
+
+
+class Trace:
+    """The graph of one run on symbols, while it is made; `conditions` are the nodes that say which runs come to what is being evaluated."""
+
+    def __init__(self, number_at: Callable[[Site], float], budget: Budget) -> None:
+        self.graph = Graph()
+        self.budget = budget
+        self.number_at = number_at
+        self.known: dict[object, Node] = {}
+        self.conditions: list[Node] = []
+        self.counted: set[tuple[int, Node | None]] = set()
+        self.place: Callable[[str], Requirement] = lambda text: Requirement("", NOWHERE, text)
+        self.open = True
+
+    # Nodes
+
+    def node(self, function: object, arguments: tuple[object, ...], kind: Kind, example: object, key: object = None) -> Node:
+        """The node of `function(*arguments)`: a known one if there is one."""
+        if not self.open:
+            raise NotLifted("a random value outlived its run")
+        key = (function, *(a if isinstance(a, Node) else (type(a), a) for a in arguments)) if key is None else key
+        found = self.known.get(key)
+        if found is None:
+            found = Node(len(self.graph.nodes), function, arguments, kind, example, bounds_of(function, arguments))
+            self.graph.nodes.append(found)
+            self.known[key] = found
+        return found
+
+    def site(self, address: tuple[int, ...], index: int, per_scene: bool) -> Scalar:
+        """The `index`-th number of a draw site."""
+        site = Site(address, index, per_scene)
+        node = self.node(site, (), "float", self.number_at(site))
+        node.bounds = (0.0, 1.0 - 2.0**-53)
+        return Scalar(self, node, node.example)
+
+    def table(self, index: Node, values: np.ndarray) -> Scalar:
+        """The element of a constant array."""
+        kind: Kind = "bool" if values.dtype == bool else "float"
+        example = values[index.example].item()  # type: ignore[index]
+        node = self.node(Table(values), (index,), kind, example, ("table", values.tobytes(), values.dtype.str, index))
+        if kind == "float" and np.isfinite(values).all():
+            node.bounds = (float(values.min()), float(values.max()))
+        return Scalar(self, node, example)
+
+    # Operations
+
+    def apply_ufunc(self, function: np.ufunc, arguments: Sequence[object]) -> Any:
+        """A function of NumPy or SciPy, or an operator, on numbers and truth values."""
+        operands = [self.operand(a) for a in arguments]
+        if not any(isinstance(a, Node) for a in operands):
+            result = function(*operands)
+            return result.item() if isinstance(result, np.generic) else result
+        constant = decided(function, tuple(operands))
+        if constant is not None:
+            return constant
+        if function in (np.logical_and, np.logical_or) and not all(isinstance(a, Node) for a in operands):
+            fixed = operands[0] if not isinstance(operands[0], Node) else operands[1]
+            if isinstance(fixed, bool):
+                return fixed if fixed is (function is np.logical_or) else next(a for a in arguments if isinstance(a, Traced))
+        with np.errstate(all="ignore"):
+            example = function(*(a.example if isinstance(a, Node) else a for a in operands))
+        truth = function in TRUTH
+        node = self.node(function, tuple(operands), "bool" if truth else "float", bool(example) if truth else float(example))
+        return Scalar(self, node, node.example)
+
+    def operand(self, value: object) -> object:
+        """The node of a symbol, as a number or truth value; a constant as it is."""
+        if isinstance(value, Scalar):
+            return value.node
+        if isinstance(value, Traced):
+            return self.operand(value.number())
+        if isinstance(value, bool):
+            return value
+        if isinstance(value, int):
+            if abs(value) > 2**53:
+                raise NotLifted("a whole number is too large for a float")
+            return float(value)
+        if isinstance(value, (float, np.floating)):
+            return float(value)
+        raise NotLifted(f"an operation on a number and a {type(value).__name__}")
+
+    def operate(self, operation: Callable[..., object], arguments: tuple[object, ...]) -> Any:
+        """An operator of Python; choices among few values are gone through, so that types stay as in Python."""
+        choices = [a for a in arguments if isinstance(a, Choice)]
+        if choices and not any(isinstance(a, Traced) and not isinstance(a, Choice) for a in arguments):
+            mapped = self.over_choices(operation, arguments)
+            if mapped is not NotImplemented:
+                return mapped
+        if any(isinstance(a, (tuple, list, Vector)) for a in arguments):
+            return NotImplemented
+        return self.apply_ufunc(OPERATORS[operation], arguments)
+
+    def over_choices(self, operation: Callable[..., object], arguments: Sequence[object]) -> Any:
+        """`operation` for every combination of values of the choices among the arguments, or NotImplemented if these are too many."""
+        choices: dict[int, Choice] = {a.node.number: a for a in arguments if isinstance(a, Choice)}
+        total = 1
+        for choice in choices.values():
+            total *= len(choice.values)
+        if len(choices) > 1 and total > LARGEST_PRODUCT:
+            return NotImplemented
+        results: list[object] = []
+        index: Any = None
+        for combination in range(total):
+            rest, at = combination, {}
+            for number, choice in choices.items():
+                rest, at[number] = divmod(rest, len(choice.values))
+            results.append(operation(*(a.values[at[a.node.number]] if isinstance(a, Choice) else a for a in arguments)))
+        stride: float = 1.0
+        for choice in choices.values():
+            part = self.apply_ufunc(np.multiply, (self.as_float_node(choice.node), stride))
+            index = part if index is None else self.apply_ufunc(np.add, (index, part))
+            stride *= len(choice.values)
+        return self.merge(next(iter(choices.values())).node if len(choices) == 1 else self.whole(index), results)
+
+    def whole(self, index: Scalar) -> Node:
+        """A float that is a whole number as a position."""
+        return self.node(int, (index.node,), "int", int(index.example))  # type: ignore[arg-type]
+
+    def as_float_node(self, node: Node) -> Scalar:
+        """A whole number or truth value as a float."""
+        made = self.node(AS_FLOAT, (node,), "float", float(node.example))  # type: ignore[arg-type]
+        return Scalar(self, made, made.example)
+
+    def as_float(self, symbol: Traced) -> Any:
+        """A symbol whose values are numbers, as floats (truth values stay such)."""
+        if isinstance(symbol, Scalar):
+            return symbol
+        assert isinstance(symbol, Choice)
+        plain = [v for v in symbol.values if not symbols_in(v)]
+        if not all(isinstance(v, (bool, int, float, Traced)) for v in symbol.values):
+            raise NotLifted("a choice among things that are no numbers is used as a number")
+        if len(plain) == len(symbol.values):
+            if any(isinstance(v, int) and abs(v) > 2**53 for v in plain):
+                raise NotLifted("a whole number is too large for a float")
+            kind = bool if all(isinstance(v, bool) for v in plain) else float
+            return self.table(symbol.node, np.array(plain, dtype=kind))
+        result = symbol.values[-1]
+        for position in range(len(symbol.values) - 2, -1, -1):
+            here = self.apply_ufunc(np.equal, (self.as_float_node(symbol.node), float(position)))
+            result = self.where(here, symbol.values[position], result)
+        return result
+
+    def where(self, condition: Any, then: Any, otherwise: Any) -> Any:
+        """`then` where the condition holds, else `otherwise`."""
+        if not isinstance(condition, Traced):
+            return then if condition else otherwise
+        operands = tuple(self.operand(a) for a in (condition, then, otherwise))
+        example = operands[1] if condition.example else operands[2]
+        example = example.example if isinstance(example, Node) else example
+        truth = all(isinstance(a, bool) or (isinstance(a, Node) and a.kind == "bool") for a in operands[1:])
+        node = self.node(np.where, operands, "bool" if truth else "float", example)
+        return Scalar(self, node, example)
+
+    # Choices
+
+    def pick(self, position: Scalar, values: Sequence[object]) -> Any:
+        """`values[int(position)]`."""
+        index = position.node if position.node.kind == "int" else self.whole(position)
+        return self.merge(index, values)
+
+    def merge(self, index: Node, results: Sequence[Any]) -> Any:
+        """The result that the index chooses."""
+        from ....semantics.kernel.values import unwrap
+
+        results = [unwrap(r)[0] for r in results]
+        first = results[0]
+        if all(r is first or (type(r) is type(first) and isinstance(r, PLAIN) and r == first and str(r) == str(first)) for r in results[1:]):
+            return first
+        if all(isinstance(r, Vector) for r in results):
+            return Vector(self.numbers(index, [r.x for r in results]), self.numbers(index, [r.y for r in results]))
+        return Choice(self, index, results)
+
+    def numbers(self, index: Node, results: Sequence[Any]) -> Any:
+        """The number that the index chooses."""
+        merged = self.merge(index, results)
+        return merged.number() if isinstance(merged, Traced) else merged
+
+    # What is not made of operators
+
+    def apply(self, function: Callable[..., object], arguments: tuple[object, ...], result: type | None) -> Any:
+        """A function of symbols: the ones that have columns of their own, and any other row by row."""
+        if function is np.where:
+            return self.where(*arguments)
+        if isinstance(function, Elementary):
+            return self.elementary(function, arguments)
+        if is_macro(function):
+            return self.macro(function, arguments)
+        if function is position_in:
+            cumulative, value = arguments
+            array = np.array(cumulative, dtype=float)
+            operand = self.operand(value)
+            assert isinstance(operand, Node)
+            example = int(np.searchsorted(array, operand.example, side="right"))  # type: ignore[arg-type]
+            node = self.node(Search(array), (operand,), "int", example, ("search", array.tobytes(), operand))
+            return Scalar(self, node, example)
+        return self.call(function, tuple(map(self.as_numbers, arguments)), {}, result)
+
+    def elementary(self, function: Elementary, arguments: tuple[object, ...]) -> Any:
+        """A function of the C library."""
+        operands = tuple(self.operand(a) for a in arguments)
+        example = function.safely(*(a.example if isinstance(a, Node) else a for a in operands))  # type: ignore[misc]
+        return Scalar(self, self.node(function, operands, "float", example), example)
+
+    def macro(self, function: Callable[..., object], arguments: tuple[object, ...]) -> Any:
+        """A function of numbers and vectors, as one node."""
+        shape = tuple(2 if isinstance(a, Vector) else 1 for a in arguments)
+        parts = [part for a in arguments for part in (a if isinstance(a, Vector) else (a,))]
+        operands = tuple(self.operand(part) for part in parts)
+        made = Macro(function, shape)
+        example = bool(made.call([a.example if isinstance(a, Node) else a for a in operands]))
+        return Scalar(self, self.node(made, operands, "bool", example), example)
+
+    def as_numbers(self, value: object) -> object:
+        """A choice among numbers as a number, in vectors as well."""
+        if isinstance(value, Vector):
+            return Vector(self.as_numbers(value.x), self.as_numbers(value.y))  # type: ignore[arg-type]
+        return value.number() if isinstance(value, Choice) and all(isinstance(v, (bool, int, float, Scalar)) for v in value.values) else value
+
+    def call(
+        self, function: Callable[..., object], arguments: tuple[object, ...], keywords: Mapping[str, object], result: type | None = None
+    ) -> Any:
+        """`function(*arguments, **keywords)`, row by row."""
+        example_of = lambda node: node.example  # noqa: E731
+        try:
+            example = function(*in_row(arguments, example_of), **in_row(dict(keywords), example_of))  # type: ignore[misc]
+        except (OutsideField, EmptyRegion) as stuck:
+            raise Retry(str(stuck)) from None
+        except (ScenicError, HostException, DoorStuck, Exception) as problem:
+            raise NotLifted(f"{name_of(function)}: {problem}") from None
+        if symbols_in(example):
+            raise NotLifted("a function gives a random value that it has hidden")
+        if result is float and type(example) is not bool:
+            example = float(example)  # type: ignore[arg-type]
+        text = name_of(function)
+        call = RowCall(function, arguments, dict(keywords), type(example), result is float, text, self.budget)
+        kind: Kind = "float" if type(example) is float else "bool" if type(example) is bool else "object"
+        key = self.key_of(function, arguments, keywords)
+        before = len(self.graph.nodes)
+        node = self.node(call, (), kind, example, key)
+        if node.number == before:
+            node.bounds = bounds_of_field(*arguments) if kind == "float" else None
+        if not self.counted & {(node.number, None), *((node.number, condition) for condition in self.conditions)}:
+            self.counted.add((node.number, self.condition))
+            self.graph.events.append(Event("call", node, condition=self.condition, requirement=self.place(premise_of(arguments, text))))
+        if isinstance(example, Vector):
+            return self.vector(node, example)
+        return Opaque(self, node, example) if kind == "object" else Scalar(self, node, example)
+
+    def key_of(self, function: object, arguments: tuple[object, ...], keywords: Mapping[str, object]) -> object:
+        """What two calls share if they are one: the function and arguments that are nodes, numbers or the same object."""
+
+        def part(value: object) -> object:
+            if isinstance(value, Traced):
+                return value.node if not isinstance(value, Choice) else (value.node, id(value.values))
+            if isinstance(value, Vector):
+                return part(value.x), part(value.y)
+            return (type(value), value) if isinstance(value, PLAIN) else id(value)
+
+        return ("call", function if not keywords else object(), *map(part, arguments))
+
+    def vector(self, node: Node, example: Vector) -> Vector:
+        """The vector that a node's object is."""
+        return Vector(self.part(node, "x", example.x), self.part(node, "y", example.y))  # type: ignore[arg-type]
+
+    def part(self, node: Node, name: str, example: float) -> Scalar:
+        """A number that is an attribute of a node's object."""
+        return Scalar(self, self.node(Part(name), (node,), "float", float(example)), float(example))
+
+    # Events
+
+    def guard(self, symbol: Traced) -> bool:
+        """The truth of a symbol in the traced run; other runs, where it differs, are not what the graph describes."""
+        truth = self.truth(symbol)
+        if isinstance(truth, Traced):
+            self.graph.events.append(Event("guard", truth.node, bool(truth.example), condition=self.condition))
+            return bool(truth.example)
+        return truth
+
+    def truth(self, value: object) -> Any:
+        """The truth of a value: a symbol for truth values, if it is not the same in all runs."""
+        if isinstance(value, Opaque):
+            return self.call(bool, (value,), {}, bool)
+        if isinstance(value, Choice):
+            chosen = self.merge(value.node, [self.truth(v) for v in value.values])
+            return chosen.number() if isinstance(chosen, Traced) else chosen
+        if isinstance(value, Scalar) and value.node.kind != "bool":
+            return self.apply_ufunc(np.not_equal, (value, 0.0))
+        return value if isinstance(value, Scalar) else bool(value)
+
+    def require(self, requirement: Requirement, symbol: Traced) -> bool:
+        """The truth of a symbol decides a requirement: runs in which it is False are rejected. Its truth in the traced run."""
+        truth = self.truth(symbol)
+        if isinstance(truth, Traced):
+            self.graph.events.append(Event("require", truth.node, True, requirement, self.condition))
+            return bool(truth.example)
+        return truth
+
+    # What is evaluated in some runs only
+
+    def begin(self, condition: Node, expected: bool) -> None:
+        """What comes is evaluated only in the runs in which the truth of `condition` is as expected; and those around it hold as well."""
+        here: Any = Scalar(self, condition, condition.example)
+        here = here if expected else ~here
+        outer = Scalar(self, self.condition, self.condition.example) if self.condition is not None else True
+        both: Any = self.apply_ufunc(np.logical_and, (outer, here))
+        if not isinstance(both, Traced):
+            raise Retry("an operand is never reduced")
+        self.conditions.append(both.node)
+
+    @property
+    def condition(self) -> Node | None:
+        """In which runs the machine comes to where it is: where this node is True, if there is one."""
+        return self.conditions[-1] if self.conditions else None
+
+    @property
+    def imagined(self) -> bool:
+        """Whether the traced run would not come to where the machine is."""
+        return self.condition is not None and not self.condition.example
+
+
+def name_of(function: object) -> str:
+    """A function as reports call it."""
+    owner = getattr(function, "__self__", function)
+    return owner.name if isinstance(owner, (Native, Bound)) else getattr(function, "__qualname__", repr(function))
+
+
+def premise_of(arguments: tuple[object, ...], text: str) -> str:
+    """What a call supposes, in words: that a field has a value, or a region a point."""
+    fields = [a for a in arguments if isinstance(a, VectorField)]
+    return OutsideField(fields[0], Vector(0.0, 0.0)).premise if fields else text
+
+
+def bounds_of_field(subject: object = None, *rest: object) -> tuple[float, float] | None:
+    """The least and greatest heading of a field with constant cells."""
+    if not (isinstance(subject, PolygonalVectorField) and subject.cells and all(isinstance(h, (int, float)) for _, h in subject.cells)):
+        return None
+    headings = [float(h) for _, h in subject.cells] + ([] if subject.defaultHeading is None else [subject.defaultHeading])  # type: ignore[arg-type]
+    return min(headings), max(headings)
+
+
+__all__ = ["Retry", "Trace"]

@@ -1,0 +1,157 @@
+"""The symbols that answer draws when a program is traced: numbers and truth values, choices among values, and anything else."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ....semantics.space.symbols import NotLifted, Symbol
+
+if TYPE_CHECKING:
+    from ....semantics.kernel.outcome import Requirement
+    from .graph import Node
+    from .recording import Trace
+
+OPERATORS: dict[Callable[..., object], np.ufunc] = {
+    operator.add: np.add, operator.sub: np.subtract, operator.mul: np.multiply, operator.truediv: np.true_divide, operator.mod: np.mod,
+    operator.neg: np.negative, operator.pos: np.positive, operator.abs: np.absolute, operator.eq: np.equal, operator.ne: np.not_equal,
+    operator.lt: np.less, operator.le: np.less_equal, operator.gt: np.greater, operator.ge: np.greater_equal,
+    operator.and_: np.logical_and, operator.or_: np.logical_or, operator.xor: np.logical_xor, operator.invert: np.logical_not,
+}
+"""Python's operators as they act on floats and truth values."""
+
+
+def _binary(operation: Callable[..., object], *, swapped: bool = False) -> Callable[[Any, object], object]:
+    def method(self: Any, other: object) -> object:
+        pair = (other, self) if swapped else (self, other)
+        return self.trace.operate(operation, pair)
+
+    return method
+
+
+def _unary(operation: Callable[..., object]) -> Callable[[Any], object]:
+    return lambda self: self.trace.operate(operation, (self,))
+
+
+class Traced(Symbol):
+    """A symbol of a trace; `example` is its value in the run that was traced."""
+
+    __slots__ = ("example", "node", "trace")
+
+    def __init__(self, trace: Trace, node: Node, example: object) -> None:
+        self.trace = trace
+        self.node = node
+        self.example = example
+
+    def apply(self, function: Callable[..., object], arguments: tuple[object, ...], result: type | None = None) -> Any:
+        return self.trace.apply(function, arguments, result)
+
+    def __array_ufunc__(self, function: np.ufunc, method: str, *arguments: object, **options: object) -> object:
+        if method != "__call__" or options:
+            raise NotLifted(f"{function.__name__}.{method} of random values")
+        return self.trace.apply_ufunc(function, arguments)
+
+    def __bool__(self) -> bool:
+        return self.trace.guard(self)
+
+    def truth(self) -> Any:
+        return self.trace.truth(self)
+
+    def met(self, requirement: Requirement) -> bool:
+        return self.trace.require(requirement, self)
+
+    def _say_nothing(self, *ignored: object) -> str:
+        raise NotLifted("the text of a random value is needed")
+
+    def __getattr__(self, name: str) -> object:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        raise NotLifted(f"the attribute {name} of a random value")
+
+    __hash__ = Symbol.__hash__
+    __str__ = __repr__ = __format__ = _say_nothing
+    __add__, __radd__ = _binary(operator.add), _binary(operator.add, swapped=True)
+    __sub__, __rsub__ = _binary(operator.sub), _binary(operator.sub, swapped=True)
+    __mul__, __rmul__ = _binary(operator.mul), _binary(operator.mul, swapped=True)
+    __truediv__, __rtruediv__ = _binary(operator.truediv), _binary(operator.truediv, swapped=True)
+    __mod__, __rmod__ = _binary(operator.mod), _binary(operator.mod, swapped=True)
+    __and__, __rand__ = _binary(operator.and_), _binary(operator.and_, swapped=True)
+    __or__, __ror__ = _binary(operator.or_), _binary(operator.or_, swapped=True)
+    __xor__, __rxor__ = _binary(operator.xor), _binary(operator.xor, swapped=True)
+    __lt__, __le__, __gt__, __ge__ = (_binary(o) for o in (operator.lt, operator.le, operator.gt, operator.ge))
+    __eq__, __ne__ = _binary(operator.eq), _binary(operator.ne)  # type: ignore[assignment]
+    __neg__, __pos__, __abs__, __invert__ = (_unary(o) for o in (operator.neg, operator.pos, operator.abs, operator.invert))
+
+
+class Scalar(Traced):
+    """A float or a truth value."""
+
+    __slots__ = ()
+
+    def always(self, predicate: Callable[[object], bool]) -> bool:
+        return predicate(self.example)
+
+    def each(self, function: Callable[[Any], object]) -> Any:
+        raise NotLifted("a function of the values of a random number")
+
+    def number(self) -> Any:
+        return self.trace.as_float(self)
+
+    def pick(self, values: Sequence[object]) -> Any:
+        return self.trace.pick(self, values)
+
+
+class Choice(Traced):
+    """One of some values, which may hold symbols themselves; the node says which."""
+
+    __slots__ = ("values",)
+
+    def __init__(self, trace: Trace, node: Node, values: Sequence[object]) -> None:
+        self.values = tuple(values)
+        chosen = self.values[node.example]  # type: ignore[index]
+        super().__init__(trace, node, chosen.example if isinstance(chosen, Traced) else chosen)
+
+    def always(self, predicate: Callable[[object], bool]) -> bool:
+        answers = {predicate(v) for v in self.values}
+        if len(answers) != 1:
+            raise NotLifted("values of different types are chosen among")
+        return answers.pop()
+
+    def each(self, function: Callable[[Any], object]) -> Any:
+        return self.trace.merge(self.node, [function(v) for v in self.values])
+
+    def number(self) -> Any:
+        return self.trace.as_float(self)
+
+    def pick(self, values: Sequence[object]) -> Any:
+        return self.each(lambda position: values[int(position)])
+
+    def __iter__(self) -> Iterator[object]:
+        lengths = {len(v) if isinstance(v, (tuple, list)) else -1 for v in self.values}
+        if len(lengths) != 1 or -1 in lengths:
+            raise NotLifted("values with different numbers of elements are chosen among")
+        return iter([self.each(operator.itemgetter(i)) for i in range(lengths.pop())])
+
+    def __getitem__(self, index: object) -> object:
+        return self.each(operator.itemgetter(index))
+
+
+class Opaque(Traced):
+    """Anything, computed row by row; every row's value is of the example's type."""
+
+    __slots__ = ()
+
+    def always(self, predicate: Callable[[object], bool]) -> bool:
+        return predicate(self.example)
+
+    def each(self, function: Callable[[Any], object]) -> Any:
+        return self.trace.call(function, (self,), {})
+
+    def number(self) -> Any:
+        return self.trace.call(float, (self,), {})
+
+    def pick(self, values: Sequence[object]) -> Any:
+        raise NotLifted("a random position is computed row by row")

@@ -1,0 +1,112 @@
+"""What a simulator is: its methods, and how they are called, so that whatever it gets wrong is an error that says so."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from typing import Protocol, TypeVar
+
+from ..formats.recordings import Body, Pose
+from ..semantics.kernel.classes import SCALAR_PROPERTIES, VECTOR_PROPERTIES
+from ..semantics.kernel.errors import ScenicError, SimulatorError, UsageError
+from ..semantics.kernel.kinds import is_scalar
+from ..semantics.space.vectors import Vector
+from ..semantics.syntax.nodes import NOWHERE, Span
+
+Given = TypeVar("Given")
+
+
+class Simulator(Protocol):
+    """What moves the objects; one is used for one simulation after the other.
+
+    `timestep` is in seconds; `properties` are the names of those that `read` gives. Whatever it raises ends the simulation with an error.
+    """
+
+    timestep: float
+    properties: frozenset[str]
+
+    def create(self, bodies: Sequence[Body]) -> None:
+        """Begin a simulation with these objects, or add further ones to it: `bodies` are the new ones, in the order of their numbers."""
+
+    def check(self, body: Body, action: object) -> str | None:
+        """Why this object cannot take this action, None if it can."""
+
+    def step(self, actions: Mapping[int, Sequence[object]]) -> Sequence[str]:
+        """Let the objects take their actions, by number, and let one time step pass. What happened, such as a collision, in words."""
+        ...
+
+    def read(self, id: int) -> Pose:
+        """The properties of an object now."""
+        ...
+
+    def destroy(self) -> None:
+        """The simulation is over."""
+
+
+METHODS = ("create", "check", "step", "read", "destroy")
+
+
+def check_usable(simulator: Simulator) -> None:
+    """Whether this is a simulator, and not something else. Raises `UsageError`."""
+    if isinstance(simulator, type) or not all(callable(getattr(simulator, name, None)) for name in METHODS):
+        found = f"the class {simulator.__name__}" if isinstance(simulator, type) else f"a {type(simulator).__name__}"
+        raise UsageError(f"a simulator has the methods {', '.join(METHODS)}, and this is {found}", hint="give an instance of its class")
+    timestep = getattr(simulator, "timestep", None)
+    if not isinstance(timestep, (int, float)) or isinstance(timestep, bool) or not 0 < timestep < math.inf:
+        raise UsageError(f"the timestep of a simulator is a positive number of seconds, not {timestep!r}")
+    properties = getattr(simulator, "properties", None)
+    if not (isinstance(properties, (set, frozenset)) and all(isinstance(name, str) for name in properties)):
+        raise UsageError("the properties of a simulator are a set of names")
+
+
+@contextmanager
+def in_use(simulator: Simulator) -> Iterator[None]:
+    """A simulation, after which the simulator is told that it is over, however it ended. Raises `SimulatorError`."""
+    try:
+        yield
+    except BaseException:
+        with suppress(Exception):  # that it failed before is what counts
+            simulator.destroy()
+        raise
+    guarded(simulator.destroy)
+
+
+def step_of(simulator: Simulator, actions: Mapping[int, tuple[object, ...]]) -> Sequence[str]:
+    """One time step in the simulator: what happened, in words. Raises `SimulatorError`."""
+    events = guarded(simulator.step, dict(actions))
+    if isinstance(events, str) or not isinstance(events, Sequence) or not all(isinstance(event, str) for event in events):
+        raise SimulatorError(f"step() gives what happened as a sequence of texts, and not {events!r}", NOWHERE)
+    return events
+
+
+def read_pose(simulator: Simulator, id: int, who: str, span: Span = NOWHERE) -> Pose:
+    """What the simulator says of an object now. Raises `SimulatorError` for other properties than it declares, and values that are none."""
+    pose = guarded(simulator.read, id)
+    if not isinstance(pose, Mapping) or pose.keys() != simulator.properties:
+        said = ", ".join(sorted(map(str, pose))) if isinstance(pose, Mapping) else repr(pose)
+        declared = ", ".join(sorted(simulator.properties)) or "nothing"
+        raise SimulatorError(f"the simulator says {said or 'nothing'} of {who}, and declares {declared}", span)
+    for name, value in pose.items():
+        if not could_be(name, value):
+            raise SimulatorError(f"the simulator says that the {name} of {who} is {value!r}", span)
+    return pose
+
+
+def could_be(name: str, value: object) -> bool:
+    """Whether this is a value of the property: finite numbers, in a vector or alone, where the language wants one of these."""
+    if type(value) is float:
+        return math.isfinite(value) and name not in VECTOR_PROPERTIES
+    if type(value) is Vector:
+        return math.isfinite(value.x) and math.isfinite(value.y) and name not in SCALAR_PROPERTIES
+    return name not in VECTOR_PROPERTIES and (is_scalar(value) or name not in SCALAR_PROPERTIES)
+
+
+def guarded(operation: Callable[..., Given], *arguments: object) -> Given:
+    """What the simulator answers; whatever it raises is a `SimulatorError`."""
+    try:
+        return operation(*arguments)
+    except ScenicError:
+        raise
+    except Exception as problem:
+        raise SimulatorError(f"the simulator failed: {type(problem).__name__}: {problem}", NOWHERE) from problem

@@ -1,0 +1,174 @@
+"""The loop of a simulation: the policy chooses actions, a simulator executes them for one time step, and its objects are read back.
+
+A simulator is anything with the methods of `Simulator`. A run that fails a requirement is rejected whole, scene and policy (reading
+`rejected-simulation`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import NamedTuple
+
+from ..formats.recordings import Body, Moment, Pose, Simulated
+from ..formats.scenes import Scene, scene_of
+from ..interpreter.running import DEFAULT_FUEL, Chooser, Witness, drive
+from ..semantics.dynamics.invocations import doing
+from ..semantics.dynamics.policy import after_one_step, begin, policy
+from ..semantics.kernel.config import Config, State
+from ..semantics.kernel.errors import RunError, SimulatorError
+from ..semantics.kernel.outcome import Act, Done, Finish, Next, Outcome, Requirement, Stuck
+from ..semantics.kernel.simulation import line_of, satisfied, simulation_of
+from ..semantics.kernel.values import Instance, plain
+from ..semantics.syntax.nodes import NOWHERE, Span
+from .protocol import Simulator, check_usable, guarded, in_use, read_pose, step_of
+
+
+class Failed(NamedTuple):
+    """A simulation that was rejected: the requirement, and the time step in which it failed (None: while the scene was generated)."""
+
+    requirement: Requirement
+    step: int | None
+
+    @property
+    def place(self) -> str:
+        """When it failed, in words."""
+        return "in the scene" if self.step is None else f"in time step {self.step}"
+
+
+def simulate_once(
+    config: Config, choose: Chooser, simulator: Simulator, steps: int, *, seed: int = 0, index: int = 0, attempt: int = 0,
+    fuel: int = DEFAULT_FUEL, witness: Witness | None = None,
+) -> Simulated | Failed:  # fmt: skip
+    """One run: a scene, then at most `steps` time steps. Raises the program's error, `SimulatorError` for the simulator's, and `UsageError`."""
+    check_usable(simulator)
+    generated, _ = drive(config, choose, fuel=fuel, witness=witness)
+    if isinstance(generated, Stuck):
+        return Failed(generated.requirement, None)
+    assert isinstance(generated, Done)
+    scene = scene_of(generated.state, seed, index, attempt + 1, simulated=True)
+    with in_use(simulator):
+        return simulated(scene, generated.state, choose, simulator, steps, fuel, witness)
+
+
+def simulated(
+    scene: Scene, generated: State, choose: Chooser, simulator: Simulator, steps: int, fuel: int, witness: Witness | None
+) -> Simulated | Failed:
+    """The time steps of a scene: in the last one, after `steps` of them, the time limit ends the scenario if nothing else does."""
+    state = begin(generated, simulator.timestep, simulator.properties)
+    moments: list[Moment] = []
+    told: list[str] = []
+    witness = listening(told, witness, file_of(state))
+    held: set[int] = set()
+    first = len(state.scene)
+    made = new_bodies(state, 0)
+    guarded(simulator.create, made)
+    limit = "1 time step has passed" if steps == 1 else f"{steps:,} time steps have passed"
+    for number in range(steps + 1):
+        told.clear()
+        outcome, _ = drive(policy(state, limit if number == steps else ""), choose, fuel=fuel, witness=witness)
+        if isinstance(outcome, Stuck):
+            return Failed(outcome.requirement, number)
+        now = satisfied(outcome.state)  # type: ignore[union-attr]
+        told += [f"`require eventually` on line {line} is satisfied" for line in sorted(now - held)]
+        held |= now
+        if isinstance(outcome, Finish):
+            made += new_bodies(outcome.state, len(made))
+            moments.append(Moment(number, poses(outcome.state, simulator), {}, tuple(told)))
+            result = "terminated" if simulation_of(outcome.state).flag else "time limit"
+            return Simulated(scene, tuple(moments), result, outcome.reason, simulator.timestep, tuple(made[first:]))
+        assert isinstance(outcome, Act)
+        state = outcome.state
+        made += create_new(simulator, state, len(made))
+        ids = {instance.number: k for k, instance in enumerate(state.scene)}
+        actions = {ids[n]: taken for n, taken in outcome.actions.items()}
+        check_actions(simulator, state, actions)
+        before = poses(state, simulator)
+        events = step_of(simulator, actions)
+        agents = simulation_of(state).agents
+        doings = {ids[n]: text for n, agent in agents.items() if (text := doing(agent))}
+        moments.append(Moment(number, before, actions, (*told, *events), doings))
+        state = after_one_step(read_back(simulator, state))
+    raise AssertionError("the policy ends at the time limit")
+
+
+def file_of(state: State) -> str:
+    """The file of the program, or of the scenario that it begins with."""
+    return state.scene[0].span.file if state.scene or state.initial is None else state.initial.definition.span.file
+
+
+TOLD = {
+    "D-Interrupt": "interrupt", "D-Abort": "abort", "D-Setup": "a scenario begins", "D-Scenario-End": "a scenario ends",
+    "D-TerminateWhen": "a termination condition is true", "D-Terminate": "terminate", "D-Override": "override",
+}  # fmt: skip
+"""Rules that are events of a time step."""
+
+
+def listening(told: list[str], witness: Witness | None, file: str) -> Witness:
+    """A witness that writes down what happens in a time step, and tells another one; `file` is that of the program."""
+
+    def look(outcome: Outcome, drawn: object) -> None:
+        if type(outcome) is Next and outcome.rule in TOLD:
+            place = line_of(outcome.node.span, file) if outcome.node is not None else ""
+            told.append(TOLD[outcome.rule] + (f" ({place})" if place else ""))
+        if witness is not None:
+            witness(outcome, drawn)
+
+    return look
+
+
+# Between the machine and the simulator
+
+
+def create_new(simulator: Simulator, state: State, known: int) -> list[Body]:
+    """Tell the simulator of the objects from number `known` on, which are given."""
+    new = new_bodies(state, known)
+    if new:
+        guarded(simulator.create, new)
+    return new
+
+
+def new_bodies(state: State, known: int) -> list[Body]:
+    """The objects from number `known` on."""
+    return [body_of(k, state) for k in range(known, len(state.scene))]
+
+
+def body_of(id: int, state: State) -> Body:
+    """An object for the simulator."""
+    instance = state.scene[id]
+    return Body(id, instance.class_.name, {name: plain(value) for name, value in state.objects[instance.number].items()})
+
+
+def poses(state: State, simulator: Simulator) -> tuple[Pose, ...]:
+    """The properties of all objects that the simulator updates, as far as they have them."""
+    return tuple(
+        {name: state.objects[i.number][name] for name in sorted(simulator.properties) if name in state.objects[i.number]} for i in state.scene
+    )
+
+
+def check_actions(simulator: Simulator, state: State, actions: Mapping[int, tuple[object, ...]]) -> None:
+    """Each action is checked against the agent that takes it. Raises `RunError`."""
+    for id, taken in actions.items():
+        instance = state.scene[id]
+        body = Body(id, instance.class_.name, MappingProxyType(state.objects[instance.number]))
+        for action in taken:
+            reason = guarded(simulator.check, body, action)
+            if not (reason is None or isinstance(reason, str)):
+                raise SimulatorError(f"check() gives None or a reason, and not {reason!r}", NOWHERE)
+            if reason is not None:
+                raise RunError(f"{instance!r} cannot take the action {action!r}: {reason}", taken_at(instance, state), rule="D-Take")
+
+
+def taken_at(instance: Instance, state: State) -> Span:
+    """Where an object has taken its actions of this time step."""
+    process = simulation_of(state).agents[instance.number].process
+    return process.span if process is not None and process.span.line else instance.span
+
+
+def read_back(simulator: Simulator, state: State) -> State:
+    """The state with what the simulator says of the objects. Raises `SimulatorError` for numbers that are none."""
+    objects = dict(state.objects)
+    for id, instance in enumerate(state.scene):
+        pose = read_pose(simulator, id, repr(instance), instance.span)
+        objects[instance.number] = {**objects[instance.number], **pose}
+    return state.with_objects(objects)
