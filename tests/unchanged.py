@@ -1,9 +1,9 @@
 """Whether this tree gives the same bytes as another revision: scenes, simulations, traces and exact distributions.
 
-    python tests/unchanged.py REVISION [--scenes N]
+    python tests/unchanged.py REVISION [--scenes N] [--jobs K]
 
-Every example and every vector of REVISION is drawn by both trees, by the interpreter and by the batch backend, with three seeds; the gallery,
-also as Parquet and through `enumerate`; programs over time also as recordings of each simulator; the rules of one run of each as a trace. The
+Every example and every vector of REVISION is drawn by both trees, by the interpreter and by the batch backend, with two seeds; the gallery also
+pruned; all of them enumerated, as far as that goes; programs over time also as recordings of each simulator; the rules of one run as a trace. The
 two trees run in processes of their own. Words for people may differ: of an error, its class and place are compared.
 """
 
@@ -19,7 +19,8 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
-from functools import partial
+from functools import cache, partial
+from multiprocessing import Pool
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -36,10 +37,11 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("revision")
     parser.add_argument("--scenes", type=int, default=5, help="scenes of each program and seed by the interpreter, ten times as many by batch")
+    parser.add_argument("--jobs", type=int, default=max(1, (os.cpu_count() or 2) // 2), help="processes for each tree")
     parser.add_argument("--of", type=Path, help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.of is not None:
-        json.dump(digests(options.of, options.scenes), sys.stdout)
+        json.dump(digests(options.of, options.scenes, options.jobs), sys.stdout)
         return 0
     with tempfile.TemporaryDirectory() as folder:
         old = Path(folder) / "tree"
@@ -59,33 +61,40 @@ def started(tree: Path, programs: Path, options: argparse.Namespace, place: Path
     """A process that imports the package from `tree` and prints the digests of what the programs of `programs` give."""
     place.mkdir()
     (place / "scenic_ref").symlink_to(tree)
-    command = [sys.executable, str(Path(__file__).resolve()), options.revision, "--of", str(programs), "--scenes", str(options.scenes)]
+    numbers = ["--scenes", str(options.scenes), "--jobs", str(options.jobs)]
+    command = [sys.executable, str(Path(__file__).resolve()), options.revision, "--of", str(programs), *numbers]
     return subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env={**os.environ, "PYTHONPATH": str(place)}, cwd=place)
 
 
-def digests(programs: Path, scenes: int) -> dict[str, str]:
+def digests(programs: Path, scenes: int, jobs: int) -> dict[str, str]:
     """What each program gives, by program and kind of output."""
-    return {**dict(of_examples(programs / "examples", scenes)), **dict(of_vectors(programs / "conformance" / "vectors", scenes))}
+    names = [*sorted(map(str, (programs / "examples").rglob("*.scenic"))), *vectors(programs)]
+    with Pool(jobs) as pool:
+        return {key: digest for found in pool.imap_unordered(partial(of_program, programs, scenes), names) for key, digest in found}
 
 
-def of_examples(folder: Path, scenes: int) -> Iterator[tuple[str, str]]:
-    """The examples through the command line, as a user runs them."""
-    for path in sorted(folder.rglob("*.scenic")):
-        text = path.read_text()
-        dialect = ("--dialect", "pldi19") if "pldi19" in path.parts else ()
-        name = str(path.relative_to(folder))
-        for seed in SEEDS:
-            common = (str(path), *dialect, "--seed", str(seed))
-            yield f"{name} interpreter {seed}", command("run", *common, "-n", str(scenes), "--backend", "interpreter")
-            yield f"{name} batch {seed}", command("run", *common, "-n", str(10 * scenes), "--backend", "batch")
-            if "behavior" in text or "dynamic" in path.parts:
-                for simulator in ("kinematic", "pymunk", "still"):
-                    simulating = command("simulate", *common, "-n", "2", "--simulator", simulator, "--steps", str(STEPS))
-                    yield f"{name} {simulator} {seed}", simulating
-        if path.parent.name == "gallery":
-            yield f"{name} pruned", command("run", str(path), *dialect, "-n", str(3 * scenes), "--prune")
-        yield f"{name} trace", command("trace", str(path), *dialect)
-        yield f"{name} enumerated", command("run", str(path), *dialect, "--backend", "enumerate", "--max-runs", "200")
+def of_program(programs: Path, scenes: int, name: str) -> list[tuple[str, str]]:
+    """What an example, by its path, or a vector, by its name, gives."""
+    known = vectors(programs)
+    return list(of_vector(known[name], scenes) if name in known else of_example(Path(name), programs / "examples", scenes))
+
+
+def of_example(path: Path, folder: Path, scenes: int) -> Iterator[tuple[str, str]]:
+    """An example through the command line, as a user runs it."""
+    text = path.read_text()
+    dialect = ("--dialect", "pldi19") if "pldi19" in path.parts else ()
+    name = str(path.relative_to(folder))
+    for seed in SEEDS:
+        common = (str(path), *dialect, "--seed", str(seed))
+        yield f"{name} interpreter {seed}", command("run", *common, "-n", str(scenes), "--backend", "interpreter")
+        yield f"{name} batch {seed}", command("run", *common, "-n", str(10 * scenes), "--backend", "batch")
+        if "behavior" in text or "dynamic" in path.parts:
+            for simulator in ("kinematic", "pymunk", "still"):
+                yield f"{name} {simulator} {seed}", command("simulate", *common, "-n", "2", "--simulator", simulator, "--steps", str(STEPS))
+    if path.parent.name == "gallery":
+        yield f"{name} pruned", command("run", str(path), *dialect, "-n", str(3 * scenes), "--prune")
+    yield f"{name} trace", command("trace", str(path), *dialect)
+    yield f"{name} enumerated", command("run", str(path), *dialect, "--backend", "enumerate", "--max-runs", "200")
 
 
 def command(*words: str) -> str:
@@ -106,35 +115,29 @@ def command(*words: str) -> str:
     return f"exit {code}, {len(content)} bytes, {hashlib.sha256(content).hexdigest()[:16]}"
 
 
-def of_vectors(folder: Path, scenes: int) -> Iterator[tuple[str, str]]:
-    """The vectors: scenes of both backends, simulations, the exact distribution and the rules of the first run, or the error."""
+@cache
+def vectors(programs: Path) -> dict[str, Vector]:
+    """The vectors of a tree, by name."""
     from scenic_ref.conformance.loading import read_all, texts
 
-    for vector in read_all(sorted(texts(folder, ""))):
-        for kind, draw in of_vector(vector, scenes):
-            yield f"{vector.name} {kind}", outcome(draw)
+    return {v.name: v for v in read_all(sorted(texts(programs / "conformance" / "vectors", "")))}  # type: ignore[arg-type]
 
 
-def of_vector(vector: Vector, scenes: int) -> Iterator[tuple[str, Callable[[], object]]]:
-    """What a vector's program gives, by kind."""
+def of_vector(vector: Vector, scenes: int) -> Iterator[tuple[str, str]]:
+    """Scenes of both backends, simulations, the exact distribution and the rules of the first run, or the error."""
     from scenic_ref.conformance.ourselves import Ourselves, loaded, traced
 
     ours, batch = Ourselves(), Ourselves.by_batch()
     task = vector.task(next(iter(vector.texts)))
     for seed in SEEDS:
-        yield f"scenes {seed}", partial(ours_of, ours.scenes, task, scenes, seed=seed, attempts=50)
-        yield f"batch {seed}", partial(ours_of, batch.scenes, task, 10 * scenes, seed=seed, attempts=50)
+        yield f"{vector.name} scenes {seed}", outcome(lambda s=seed: list(ours.scenes(task, scenes, seed=s, attempts=50)))
+        yield f"{vector.name} batch {seed}", outcome(lambda s=seed: list(batch.scenes(task, 10 * scenes, seed=s, attempts=50)))
         if vector.steps is not None:
-            yield f"simulations {seed}", partial(ours_of, ours.simulations, task, min(vector.steps, STEPS), 2, seed=seed, attempts=20)
-    yield "exact", partial(ours.enumerated, task)
+            yield f"{vector.name} simulations {seed}", outcome(lambda s=seed: list(ours.simulations(task, STEPS, 2, seed=s, attempts=20)))
+    yield f"{vector.name} exact", outcome(lambda: ours.enumerated(task))
     scenario = loaded(task)
     if scenario is not None:
-        yield "trace", lambda: [(e.kind, e.rule) for e in traced(scenario, 0, 0).events]
-
-
-def ours_of(draw: Callable[..., Iterator[object]], *arguments: object, **options: object) -> list[object]:
-    """All that `draw` gives."""
-    return list(draw(*arguments, **options))
+        yield f"{vector.name} trace", outcome(lambda: [(e.kind, e.rule) for e in traced(scenario, 0, 0).events])
 
 
 def outcome(draw: Callable[[], object]) -> str:
