@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from .options import DebugOption
+
+if TYPE_CHECKING:
+    from ..benchmarks.course import Request
+    from ..benchmarks.figures import Figures
 
 
 def bench(
@@ -40,8 +47,9 @@ def bench(
     Each program and implementation has a process of its own; they take turns on one core, and scenes are counted per second of the
     processor. Ratios are to the first --against, else to the interpreter. Ctrl-C shows what is measured so far.
     """
+    from ..benchmarks.course import Request, measure
     from ..semantics.errors import UsageError
-    from .bench_running import Request, measure
+    from .session import tell
 
     context.obj.seed = seed
     if not programs and not growth:
@@ -50,4 +58,36 @@ def bench(
         raise UsageError("--plot draws the figures of programs: give some")
     if not 0 < seconds < float("inf"):
         raise UsageError("--seconds must be a positive number")
-    measure(Request(tuple(programs or ()), seconds, repeat, tuple(against or ()), released, prune, growth, seed, output, plot))
+    check_outputs(programs or (), output, plot)
+    request = Request(tuple(programs or ()), seconds, repeat, tuple(against or ()), released, prune, growth, seed)
+    measure(request, tell, lambda figures: finish(figures, request, output, plot))
+
+
+def check_outputs(programs: Sequence[str], output: str | None, plot: str | None) -> None:
+    """Raise `UsageError` unless the files can be written."""
+    from .files import PICTURES, check_ending, check_place
+
+    for place in (output, plot):
+        if place is not None:
+            check_place(place, {f"the program {Path(p).stem}": p for p in programs})
+    if output is not None:
+        check_ending("--json", output, "figures", (".json",))
+    if plot is not None:
+        check_ending("--plot", plot, "pictures", PICTURES)
+
+
+def finish(figures: Figures, request: Request, output: str | None, plot: str | None) -> None:
+    """The tables on standard output, the files."""
+    from ..benchmarks.terminal import show
+    from .files import write
+    from .session import tell
+
+    if figures.interrupted:
+        tell("interrupted: these figures are what was measured so far")
+    show(figures)
+    if output is not None:
+        write(output, json.dumps(figures.json(request.json()), indent=1) + "\n")
+    if plot is not None and any(cell.rate is not None for cell in figures.cells):
+        from ..benchmarks.bars import bars
+
+        write(plot, bars(figures, format=Path(plot).suffix[1:].lower()))

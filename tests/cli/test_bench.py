@@ -7,12 +7,13 @@ import sys
 from pathlib import Path
 
 import pytest
-from scenic_ref.cli import bench_running
-from scenic_ref.cli.bench_child import Sampler, Task, prepare
-from scenic_ref.cli.bench_figures import Cell, Figures, fitted
-from scenic_ref.cli.bench_growth import many_objects, many_polygons
-from scenic_ref.cli.bench_picture import bars
-from scenic_ref.cli.bench_processes import Ours, Process
+from scenic_ref.benchmarks import course
+from scenic_ref.benchmarks.bars import bars
+from scenic_ref.benchmarks.contenders import Ours
+from scenic_ref.benchmarks.figures import Cell, Figures, fitted
+from scenic_ref.benchmarks.growth import many_objects, many_polygons
+from scenic_ref.benchmarks.own_sampler import Sampler, Task, prepare
+from scenic_ref.benchmarks.processes import Process
 
 from .conftest import Ask
 
@@ -48,7 +49,7 @@ def fake(tmp_path: Path) -> Path:
 @pytest.fixture
 def two_backends(monkeypatch: pytest.MonkeyPatch) -> None:
     """Measure only what needs no compiling."""
-    monkeypatch.setattr(bench_running, "ours", lambda numba, prune: iter([Ours("interpreter"), Ours("numpy")]))
+    monkeypatch.setattr(course, "ours", lambda numba, prune: iter([Ours("interpreter"), Ours("numpy")]))
 
 
 def cells_of(path: Path) -> dict[tuple[str, str], dict]:

@@ -1,7 +1,7 @@
 """Draws scenes with this package, in a process of its own: one program by one backend, for as long as is asked for.
 
 The process prints {"prepare": seconds, ...} once the program is ready, or {"skipped": why}; then it answers each line of standard input, a number of
-seconds, by {"scenes": ..., "attempts": ..., "seconds": ..., "peak": bytes}, as `bench_sample` does for a released implementation.
+seconds, by {"scenes": ..., "attempts": ..., "seconds": ..., "peak": bytes}, as `released_sampler` does for a released implementation.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from ..inference.batch import Batch
 from ..inference.batch.jobs import GROWTH, LARGEST, QUICK
 from ..scenario import Scenario, load
 from ..semantics.errors import ScenicError
-from .bench_sample import peak
+from .released_sampler import peak
 
 SMALLEST = 256
 

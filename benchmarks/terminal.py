@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from .bench_figures import Cell, Figures, fitted
-from .bench_growth import WHAT
+from .figures import Cell, Figures, fitted
+from .growth import WHAT
 
 if TYPE_CHECKING:
     from rich.table import Table

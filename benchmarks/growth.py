@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 
-from .bench_processes import Ours, Program
+from .contenders import Ours, Program
 
 OBJECTS = (2, 5, 10, 20, 50)
 POLYGONS = (50, 500, 5_000, 50_000)
