@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 def bench(
     context: typer.Context,
-    programs: Annotated[list[str] | None, typer.Argument(metavar="[PROGRAM]...", help="The Scenic programs.", show_default=False)] = None,
+    programs: Annotated[list[str] | None, typer.Argument(metavar="PROGRAM", help="The Scenic programs.", show_default=False)] = None,
     seconds: Annotated[float, typer.Option("--seconds", metavar="S", help="Seconds of the processor for each measurement.")] = 1.0,
     repeat: Annotated[int, typer.Option("--repeat", metavar="R", min=1, help="Measure each so many times, taking turns.")] = 3,
     against: Annotated[

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def readings(
-    name: Annotated[str | None, typer.Argument(metavar="[ID]", help="The reading to explain.")] = None,
+    name: Annotated[str | None, typer.Argument(metavar="ID", help="The reading to explain.")] = None,
     profile: ProfileOption = "paper",
     reading: ReadingOption = None,
     as_json: Annotated[bool, typer.Option("--json", help="As JSON.")] = False,

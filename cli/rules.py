@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def rules(
-    prefix: Annotated[str, typer.Argument(metavar="[PREFIX]", help="Only the rules whose id begins so; a whole id shows that rule.")] = "",
+    prefix: Annotated[str, typer.Argument(metavar="PREFIX", help="Only the rules whose id begins so; a whole id shows that rule.")] = "",
     as_json: Annotated[bool, typer.Option("--json", help="As JSON.")] = False,
     debug: DebugOption = False,
 ) -> None:

@@ -94,7 +94,7 @@ def told_apart(against: float, against_rival: float, what: str) -> None:
     if against >= THRESHOLD:
         raise Disagreement(f"the samples of {what} contradict the law: e-value 10^{against:.1f}, and 10^{THRESHOLD:g} is enough")
     if against_rival < THRESHOLD:
-        raise Disagreement(f"the samples of {what} could not tell the rival: e-value 10^{against_rival:.1f}, and 10^{THRESHOLD:g} is needed")
+        raise Disagreement(f"the samples of {what} do not contradict the rival: e-value 10^{against_rival:.1f}, and 10^{THRESHOLD:g} is needed")
 
 
 def enumerated(implementation: Implementation, task: Task) -> Enumerated | None:

@@ -140,7 +140,7 @@ CASES: dict[str, tuple[NoSimulator, str, str, str]] = {
     "the right frequencies": (Plays(LOW, HIGH, HIGH, HIGH), TWO, "passed", ""),
     "other frequencies": (Plays(LOW, HIGH), TWO, "failed", "the samples of simulations contradict the law"),
     "always the same history": (Plays(HIGH), TWO, "failed", "contradict the law"),
-    "frequencies in between": (Plays(*[LOW] * 3, *[HIGH] * 5), TWO, "failed", "could not tell the rival"),
+    "frequencies in between": (Plays(*[LOW] * 3, *[HIGH] * 5), TWO, "failed", "do not contradict the rival"),
     "no history": (Plays(LOW, RIGHT), TWO, "failed", "a simulation is none of the histories: its actions are [{'0': [1]}, {}, {'0': [2, 'b']}]"),
     "the right law": (Enumerates(law("1/4", "3/4")), TWO, "passed", ""),
     "another law": (Enumerates(law("1/2", "1/2")), TWO, "failed", "histories[0] has probability 1/2, not 1/4"),
