@@ -94,7 +94,7 @@ def released(text: str) -> Released:
     if name != KNOWN:
         raise UsageError(f"--against knows how to measure {KNOWN} only, not {name}")
     if not Path(python).is_file() or not os.access(python, os.X_OK):
-        raise UsageError(f"--against {name}=={version}: {python} is no program that could be run", hint="give the path of its environment's python")
+        raise UsageError(f"--against {name}=={version}: {python} is not a program that can be run", hint="give the path of its environment's python")
     found = Released(f"{name}=={version}", python)
     there = version_of(found, name)
     if there != version:
@@ -112,7 +112,7 @@ def version_of(contender: Released, name: str) -> str:
             done = subprocess.run(command, capture_output=True, text=True, timeout=60, env=contender.environment(), check=False)
         return str(json.loads(done.stdout)["version"])
     except (OSError, ValueError, KeyError, TypeError, subprocess.TimeoutExpired):
-        what = f"--against {contender.name}: {contender.python} does not tell its version of {name}"
+        what = f"--against {contender.name}: {contender.python} does not report its version of {name}"
         raise UsageError(what, hint="is it installed there?") from None
 
 

@@ -88,7 +88,7 @@ def programs_of(request: Request) -> list[Program]:
             raise UsageError(f"two programs are called {name}")
         found.append(Program(name, str(Path(path).resolve()), translation(path, request.released)))
     if found and request.released is not None and not any(p.released for p in found):
-        raise UsageError(f"--released: {request.released} holds none of the programs", hint=f"as {found[0].name}.scenic, for example")
+        raise UsageError(f"--released: {request.released} holds none of the programs", hint=f"it should hold {found[0].name}.scenic, for example")
     return found
 
 
@@ -106,7 +106,7 @@ def take_turns(program: Program, rivals: Sequence[Contender], request: Request, 
             cell = Cell(program.name, rival.name)
             cells.append(cell)
             if not isinstance(rival, Ours) and program.released is None:
-                cell.skipped = f"there is no {program.name}.scenic for it"
+                cell.skipped = f"there is no {program.name}.scenic for this implementation"
                 continue
             process = stack.enter_context(Process(rival, program, request.seed))
             cell.ready = process.ready

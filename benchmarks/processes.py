@@ -43,7 +43,7 @@ class Process:
         self.running.wait()
 
     def sample(self, seconds: float) -> dict[str, Any]:
-        """What it draws in about so many seconds of the processor."""
+        """What it draws in about `seconds` seconds of the processor."""
         assert self.running.stdin is not None
         with contextlib.suppress(BrokenPipeError):
             print(seconds, file=self.running.stdin, flush=True)

@@ -55,5 +55,5 @@ if __name__ == "__main__":
         print(json.dumps({"version": importlib.metadata.version(sys.argv[2])}))
     else:
         answers = os.fdopen(os.dup(1), "w")
-        os.dup2(2, 1)  # what the program prints is no answer
+        os.dup2(2, 1)  # what the program prints is not an answer
         main(sys.argv[1], sys.argv[2], int(sys.argv[3]), answers)

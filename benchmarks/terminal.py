@@ -117,7 +117,7 @@ def load_line(figures: Figures) -> str:
 
 
 def short(value: float | None, digits: int = 4) -> str:
-    """A number with so many significant digits, and commas."""
+    """A number with `digits` significant digits, and commas."""
     if value is None:
         return "-"
     return f"{value:,.0f}" if abs(value) >= 10 ** (digits - 1) else f"{value:.{digits}g}"

@@ -16,9 +16,9 @@ INTERRUPTED = 130
 def interruption(arguments: list[str], finished: str = "") -> str:
     """What is said after Ctrl-C: what was `finished`, and which files there are."""
     if arguments[:1] == ["run"] and "enumerate" not in arguments:
-        return "interrupted; a file of JSON Lines holds whole lines, and `run --resume` goes on with it; nothing else was written"
+        return "interrupted; a file of JSON Lines holds whole lines, and `run --resume` continues it; nothing else was written"
     if arguments[:1] == ["simulate"]:
-        return f"interrupted; {finished or 'no simulation was over'}"
+        return f"interrupted; {finished or 'no simulation was finished'}"
     return "interrupted" if arguments[:1] == ["bench"] else "interrupted; nothing was written"
 
 

@@ -20,22 +20,23 @@ def bench(
     context: typer.Context,
     programs: Annotated[list[str] | None, typer.Argument(metavar="PROGRAM", help="The Scenic programs.", show_default=False)] = None,
     seconds: Annotated[float, typer.Option("--seconds", metavar="S", help="Seconds of the processor for each measurement.")] = 1.0,
-    repeat: Annotated[int, typer.Option("--repeat", metavar="R", min=1, help="Measure each so many times, taking turns.")] = 3,
+    repeat: Annotated[int, typer.Option("--repeat", metavar="R", min=1, help="How many times each is measured, in turns.")] = 3,
     against: Annotated[
         list[str] | None,
         typer.Option(
             "--against", metavar="NAME==VERSION=PYTHON", show_default=False,
-            help="Measure a released implementation as well, in the environment of this python: scenic==3.1.1=/path/to/bin/python.",
+            help="Also measure a released implementation, in the environment of this Python: scenic==3.1.1=/path/to/bin/python.",
         ),
     ] = None,
     released: Annotated[
         str | None,
         typer.Option(
             "--released", metavar="DIR", show_default=False,
-            help="Where the released implementations find the programs, under the same names in their syntax; else they get the programs themselves.",
+            help="A folder with the programs in the syntax of the released implementations, under the same names; "
+            "by default they get the programs themselves.",
         ),
     ] = None,
-    prune: Annotated[bool, typer.Option("--prune", help="Measure the batch backend with pruning as well.")] = False,
+    prune: Annotated[bool, typer.Option("--prune", help="Also measure the batch backend with pruning.")] = False,
     growth: Annotated[bool, typer.Option("--growth", help="Measure how cost grows with the number of objects and of polygons.")] = False,
     seed: Annotated[int, typer.Option("--seed", metavar="S", help="The seed of the scenes.")] = 0,
     output: Annotated[str | None, typer.Option("--json", metavar="PATH", help="Write all figures as JSON.")] = None,
@@ -55,7 +56,7 @@ def bench(
     if not programs and not growth:
         raise UsageError("there is nothing to measure", hint="give programs, or --growth")
     if plot is not None and not programs:
-        raise UsageError("--plot draws the figures of programs: give some")
+        raise UsageError("--plot draws the figures of programs, so it needs some")
     if not 0 < seconds < float("inf"):
         raise UsageError("--seconds must be a positive number")
     check_outputs(programs or (), output, plot)

@@ -45,7 +45,10 @@ def check(
         float, typer.Option("--detect-tv", metavar="E", help="The difference, in total variation of a feature, that must not be missed.")
     ] = 0.01,
     tolerance: Annotated[
-        float, typer.Option("--tolerance", metavar="T", help="Numbers that differ by T or less, relative to the larger of them and 1, are the same.")
+        float,
+        typer.Option(
+            "--tolerance", metavar="T", help="Numbers are equal if they differ by at most T, relative to the larger of 1 and the program's number."
+        ),
     ] = 5e-6,
     ignore: Annotated[
         list[str] | None, typer.Option("--ignore", metavar="FEATURE", help="Do not compare a feature: objects[1].width, 1.speed, class, ...")
@@ -54,7 +57,7 @@ def check(
         list[str] | None, typer.Option("--map", metavar="A=B", help="A feature or class that the samples call A and the program B.")
     ] = None,
     reference: Annotated[
-        str | None, typer.Option("--reference", metavar="PATH", help="Scenes of the program, drawn earlier; else they are drawn now.")
+        str | None, typer.Option("--reference", metavar="PATH", help="Scenes of the program that were drawn earlier; by default they are drawn now.")
     ] = None,
     report: Annotated[str | None, typer.Option("--report", metavar="PATH", help="Write the comparison as a page, .html.")] = None,
     junit: Annotated[str | None, typer.Option("--junit", metavar="PATH", help="Write the verdict as JUnit XML.")] = None,
@@ -89,7 +92,7 @@ def check(
         options = ("alpha", "detect_tv", "tolerance", "ignore", "mapped", "reference", "report", "junit", "seed", "workers")
         given = [f"--{name.replace('_', '-').replace('mapped', 'map')}" for name in options if is_given(context, name)]
         if given:
-            raise UsageError(f"{given[0]} belongs to --samples", hint="scenic-ref check FILE --samples PATH")
+            raise UsageError(f"{given[0]} needs --samples", hint="scenic-ref check FILE --samples PATH")
         source.load().rehearse()
         print("ok")
         return

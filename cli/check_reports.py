@@ -42,7 +42,7 @@ def write_page(path: str, verdict: Verdict, source: Source, samples: str) -> Non
             title=escape(f"{source.file}: {verdict.kind}"), about=escape(about), kind=verdict.kind,
             lines="".join(f"<p>{escape(line)}</p>" for line in verdict.lines()),
             expected="the exact law" if verdict.exact else "scenes of the program",
-            skipped=escape(f"Not compared, since only one side has it: {', '.join(verdict.skipped)}." if verdict.skipped else ""),
+            skipped=escape(f"Not compared, since only one side has them: {', '.join(verdict.skipped)}." if verdict.skipped else ""),
             features="\n".join(_drawn(feature) for feature in verdict.features[:MOST_DRAWN]), rows=rows,
         ),
     )

@@ -77,7 +77,7 @@ def nearest(name: str, known: Iterable[str]) -> str:
 
 
 def check_dialect(dialect: str | None) -> None:
-    """Raises `UsageError` for a name that is no dialect."""
+    """Raises `UsageError` for an unknown dialect."""
     from ..interpreter.dialects import choose
 
     choose("", dialect)

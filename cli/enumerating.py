@@ -79,7 +79,7 @@ class Life:
             self.status.stop()
 
     def sign(self, runs: int, covered: Fraction) -> None:
-        """So many runs were made, which cover part of the probability."""
+        """How many runs were made, and which part of the probability they cover."""
         if self.status is not None and runs % EVERY == 0:
             self.status.update(f"{runs:,} runs, {float(covered):.1%} of the probability")
 

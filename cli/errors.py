@@ -32,7 +32,7 @@ def report(error: Exception, session: Session) -> int:
         session.hang_up()
         error = UsageError(f"standard output cannot be written: {error.strerror}")
     if isinstance(error, MemoryError):
-        error = RunError("this needs more memory than there is", hint="--limit-memory gives it more, where the machine has more")
+        error = RunError("this needs more memory than there is", hint="--limit-memory allows more, if the machine has it")
     if isinstance(error, ScenicError) and not isinstance(error, InternalError):
         print(render(error, session.texts, colours=coloured(sys.stderr)), file=sys.stderr, flush=True)
         return error.exit_code
@@ -51,7 +51,7 @@ def internal(error: Exception, session: Session) -> str:
     ]
     if isinstance(error, InternalError) and error.hint:
         lines.append(f"  hint: {error.hint}")
-    return "\n".join(lines if session.debug else [*lines, "  hint: --debug shows the traceback, which belongs into the report"])
+    return "\n".join(lines if session.debug else [*lines, "  hint: --debug shows the traceback; please add it to the report"])
 
 
 def render(error: ScenicError, texts: Mapping[str, str], *, colours: bool = False) -> str:

@@ -36,15 +36,15 @@ ModelOption = Annotated[str | None, typer.Option("--model", metavar="M", help="T
 ParamOption = Annotated[
     list[str] | None, typer.Option("-p", "--param", metavar="NAME=VALUE", help="A global parameter; wins over the program's.")
 ]
-AttemptsOption = Annotated[int, typer.Option("--max-attempts", metavar="M", min=1, help="Give up on a scene after so many attempts.")]
+AttemptsOption = Annotated[int, typer.Option("--max-attempts", metavar="M", min=1, help="Give up on a scene after M attempts.")]
 FuelOption = Annotated[int, typer.Option("--fuel", metavar="F", min=1, help="The most steps that one attempt may take.")]
 LimitMemoryOption = Annotated[
-    str, typer.Option("--limit-memory", metavar="SIZE", help="The memory that a program without --trust may take, such as 512M or 4G; none: all.")
+    str, typer.Option("--limit-memory", metavar="SIZE", help="The memory for a program without --trust, such as 512M or 4G; none: no limit.")
 ]
 LimitSecondsOption = Annotated[
     str,
     typer.Option(
-        "--limit-seconds", metavar="S", help="The processor time of one attempt, or one time step, of a program without --trust; none: no limit."
+        "--limit-seconds", metavar="S", help="The processor time for one attempt, or one time step, of a program without --trust; none: no limit."
     ),
 ]
 DEFAULT_MEMORY, DEFAULT_SECONDS = "4G", "60"

@@ -28,9 +28,9 @@ if TYPE_CHECKING:
 
 BINARY = getattr(os, "O_BINARY", 0)
 AT_ONCE = 1 << 16
-"""So many bytes of whole lines are written at a time: as much as a pipe holds."""
+"""Bytes of whole lines that are written at a time: as much as a pipe holds."""
 KNOWN = 32
-"""Of so many scenes that are there already are the attempts kept, for a picture of them."""
+"""For how many scenes of a resumed file the attempts are kept, for a picture of them."""
 
 
 class Earlier(NamedTuple):
@@ -258,6 +258,6 @@ def open_output(path: str | None, *, resume: bool) -> Output:
         return Pipe()
     if path.lower().endswith(SUFFIXES):
         if resume:
-            raise UsageError("a table cannot be resumed, since it is there only when it is complete", hint="write JSON Lines: -o PATH.jsonl")
+            raise UsageError("a table cannot be resumed, since it appears only when it is complete", hint="write JSON Lines: -o PATH.jsonl")
         return TableOutput(path)
     return LinesFile(path, resume=resume)

@@ -84,7 +84,7 @@ def why_interpreted(drawing: Drawing, request: Request) -> str | None:
     if drawing.scenario.impossible is not None:
         raise drawing.scenario.impossible
     reason = drawing.scenario.not_lifted
-    return None if reason is None else f"since the program cannot be drawn from many at a time: {reason}"
+    return None if reason is None else f"since the batch backend cannot draw from this program: {reason}"
 
 
 def backend_line(interpreted: str | None, tally: Tally) -> str:
@@ -105,11 +105,11 @@ def pruning_lines(drawing: Drawing) -> list[str]:
             reasons.setdefault((finding.objects, finding.reason), []).append(finding.technique)
     off = [f"{objects}: {', '.join(techniques)} off: {reason}" for (objects, reason), techniques in reasons.items()]
     changed = pruning.pruned or drawing.scenario.in_parts
-    head = "pruning was on: other scenes than without it, from the same distribution" if changed else "pruning found nothing to prune"
+    head = "pruning was on: other scenes than without it, with the same distribution" if changed else "pruning found nothing to prune"
     parts = batch.parts if batch is not None else []
     shown = [*first_lines([*on, *off], MOST_FINDINGS), *first_lines(parts, MOST_PARTS)]
     if drawing.scenario.in_parts:
-        shown.append("the attempts of a scene are those at the part with most; stuck attempts are counted for each part")
+        shown.append("the attempts of a scene are the most of any part; stuck attempts are counted for each part")
     return [head, *(f"  {line}" for line in shown)]
 
 
@@ -179,9 +179,9 @@ def accepted(scenes: Iterator[Drawn | Failed], progress: Progress) -> Iterator[D
 def check_paths(source: Source, request: Request) -> None:
     """Find wrong paths before the work begins. Raises `UsageError`."""
     if request.resume and (request.output is None or request.output == "-"):
-        raise UsageError("--resume needs the file to go on with: -o PATH")
+        raise UsageError("--resume needs a file to continue: -o PATH")
     if request.resume and request.start:
-        raise UsageError("--resume goes on with all scenes, so it cannot be combined with --scene")
+        raise UsageError("--resume continues with all scenes, so it cannot be combined with --scene")
     for path in (request.output, request.plot):
         if path is None or path == "-":
             continue

@@ -44,7 +44,7 @@ def answers(reading: Reading, selected: str) -> str:
 
 
 def unknown(name: str, known: tuple[str, ...]) -> Exception:
-    """The error for an id that is none."""
+    """The error for an unknown id."""
     from difflib import get_close_matches
 
     from ..semantics.errors import UsageError

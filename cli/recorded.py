@@ -15,7 +15,7 @@ from ..simulators import by_name
 
 
 def recordings_in(path: str) -> Iterator[tuple[int, Recording]]:
-    """The simulations of a file, each with its line number. Raises `UsageError` with the line that is none."""
+    """The simulations of a file, each with its line number. Raises `UsageError` with the line that is not one."""
     try:
         with open(path, "rb") as file:
             for number, line in enumerate(file, 1):
@@ -30,7 +30,7 @@ def recordings_in(path: str) -> Iterator[tuple[int, Recording]]:
 def check_recordings(path: str) -> int:
     """How many simulations are in a file: all are looked at before anything is written. Raises `UsageError`."""
     if Path(path).exists() and not Path(path).is_file():
-        raise UsageError(f"{path} cannot be replayed: it is no ordinary file")
+        raise UsageError(f"{path} cannot be replayed: it is not an ordinary file")
     count = sum(1 for _ in recordings_in(path))
     if not count:
         raise UsageError(f"{path} holds no simulations")

@@ -13,7 +13,7 @@ from .files import write
 from .progress import Progress
 
 MOST = 50
-"""So many simulations are on a page."""
+"""The most simulations on a page."""
 
 
 def write_page(path: str, title: str, runs: Sequence[SampledRun]) -> None:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def rules(
-    prefix: Annotated[str, typer.Argument(metavar="PREFIX", help="Only the rules whose id begins so; a whole id shows that rule.")] = "",
+    prefix: Annotated[str, typer.Argument(metavar="PREFIX", help="Only the rules whose id begins with PREFIX; a whole id explains that rule.")] = "",
     as_json: Annotated[bool, typer.Option("--json", help="As JSON.")] = False,
     debug: DebugOption = False,
 ) -> None:
@@ -36,7 +36,7 @@ def rules(
 
 
 def unknown(name: str, known: tuple[str, ...]) -> Exception:
-    """The error for an id that is none."""
+    """The error for an unknown id."""
     from difflib import get_close_matches
 
     from ..semantics.errors import UsageError

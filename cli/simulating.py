@@ -129,8 +129,8 @@ def shown_only(request: Request) -> bool:
 
 
 def told_so_far(count: int, output: Output | None) -> str:
-    """What is said of so many simulations when the rest is interrupted."""
-    return f"{count:,} {'simulation was' if count == 1 else 'simulations were'} over" + ("" if output is None else ", written as whole lines")
+    """What is said of the simulations that are finished when the rest is interrupted."""
+    return f"{count:,} {'simulation was' if count == 1 else 'simulations were'} finished" + ("" if output is None else ", written as whole lines")
 
 
 def simulations(scenario: Scenario, request: Request, tally: Tally, progress: Progress) -> Iterator[SampledRun]:

@@ -65,7 +65,7 @@ class Implementation(Protocol):
         ...
 
     def scenes(self, task: Task, count: int, *, seed: int, attempts: int) -> Iterator[SceneRecord]:
-        """`count` independent scenes. Raises `Refused` for a program in error, `NeverAccepted` after so many `attempts` at one scene."""
+        """`count` independent scenes. Raises `Refused` for a program in error, `NeverAccepted` after `attempts` attempts at one scene."""
         ...
 
 

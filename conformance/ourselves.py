@@ -146,7 +146,7 @@ def traced(scenario: Scenario, seed: int, index: int) -> Trace:
 
 @contextmanager
 def told() -> Iterator[None]:
-    """Our errors in the words of the protocol; what is no error of the program goes through."""
+    """Our errors in the words of the protocol; any other error goes through."""
     try:
         yield
     except ProgramError as error:

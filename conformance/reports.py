@@ -63,7 +63,7 @@ def rules_missing(results: Iterable[Result]) -> tuple[str, ...]:
 
 
 def all_passed(results: Iterable[Result]) -> bool:
-    """Whether nothing failed and nothing errored; what is skipped is no failure."""
+    """Whether nothing failed and nothing errored; what is skipped is not a failure."""
     counts = total(results)
     return not (counts["failed"] or counts["errored"])
 

@@ -31,7 +31,7 @@ def judge(implementation: Implementation, vector: Vector, dialect: str | None = 
 
 
 def verdict_of(implementation: Implementation, vector: Vector, task: Task) -> Verdict:
-    """The matcher's verdict, then that of the rules; a crash is no verdict about the language."""
+    """The matcher's verdict, then that of the rules; a crash says nothing about the language."""
     try:
         verdict = vector.matcher.match(implementation, task)
         return verdict if verdict.status != "passed" else rules_verdict(implementation, vector, task, verdict)

@@ -52,7 +52,7 @@ class Probabilities:
         return all(isinstance(p, Fraction) for p in self.probabilities)
 
     def numbers(self, values: Sequence[object]) -> list[int]:
-        """Which outcome each value is. Raises `Disagreement` for one that is none."""
+        """Which outcome each value is. Raises `Disagreement` for a value that is none of them."""
         found: list[int] = []
         for value in values:
             same = [number for number, outcome in enumerate(self.outcomes) if close(value, outcome, SAME)]
@@ -145,7 +145,7 @@ class Distribution:
 def number(value: object, of: Path) -> float:
     """A finite number. Raises `Disagreement` for anything else."""
     if not is_number(value) or not math.isfinite(value):
-        raise Disagreement(f"{of} is {value!r}, which is no finite number")
+        raise Disagreement(f"{of} is {value!r}, which is not a finite number")
     return float(value)
 
 
@@ -161,7 +161,7 @@ def read_distribution(fields: Fields) -> Distribution:
 
 @dataclass(frozen=True, slots=True)
 class Support:
-    """Where a quantity always lies, and sets that it must reach in so many samples."""
+    """Where a quantity always lies, and sets that it must reach in `samples` samples."""
 
     of: Path
     within: Shape

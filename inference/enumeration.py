@@ -121,7 +121,7 @@ def enumerate_runs(
             raise RunsExhausted(
                 f"the program has more than {max_runs:,} runs: those made cover {float(covered):.3g} of the probability",
                 runs=max_runs, covered=covered,
-                hint="--max-runs allows more; each value of each draw multiplies their number",
+                hint="--max-runs allows more; each draw multiplies their number by that of its values",
             )
         runner = Runner(prefix, discretize)
         leaf = runner.run(start(), fuel)

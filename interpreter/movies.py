@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from PIL.Image import Image
 
 RATE = 25
-"""At most so many frames per second of the simulation."""
+"""The most frames per second of the simulation."""
 MOST_FRAMES = 1000
 """A longer simulation is shown with fewer frames per second."""
 HOLD, LONGEST = 100, 65_535

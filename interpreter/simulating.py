@@ -191,10 +191,10 @@ def check_usable(simulator: Simulator) -> None:
         raise UsageError(f"a simulator has the methods {', '.join(METHODS)}, and this is {found}", hint="give an instance of its class")
     timestep = getattr(simulator, "timestep", None)
     if not isinstance(timestep, (int, float)) or isinstance(timestep, bool) or not 0 < timestep < math.inf:
-        raise UsageError(f"the timestep of a simulator is a positive number of seconds, not {timestep!r}")
+        raise UsageError(f"the timestep of a simulator must be a positive number of seconds, not {timestep!r}")
     properties = getattr(simulator, "properties", None)
     if not (isinstance(properties, (set, frozenset)) and all(isinstance(name, str) for name in properties)):
-        raise UsageError("the properties of a simulator are a set of names")
+        raise UsageError("the properties of a simulator must be a set of names")
 
 
 METHODS = ("create", "check", "step", "read", "destroy")
@@ -216,7 +216,7 @@ def step_of(simulator: Simulator, actions: Mapping[int, tuple[object, ...]]) -> 
     """One time step in the simulator: what happened, in words. Raises `SimulatorError`."""
     events = guarded(simulator.step, dict(actions))
     if isinstance(events, str) or not isinstance(events, Sequence) or not all(isinstance(event, str) for event in events):
-        raise SimulatorError(f"step() gives what happened as a sequence of texts, and not {events!r}", NOWHERE)
+        raise SimulatorError(f"step() must return what happened as a sequence of texts, not {events!r}", NOWHERE)
     return events
 
 
@@ -254,7 +254,7 @@ def check_actions(simulator: Simulator, state: State, actions: Mapping[int, tupl
         for action in taken:
             reason = guarded(simulator.check, body, action)
             if not (reason is None or isinstance(reason, str)):
-                raise SimulatorError(f"check() gives None or a reason, and not {reason!r}", NOWHERE)
+                raise SimulatorError(f"check() must return None or a reason, not {reason!r}", NOWHERE)
             if reason is not None:
                 raise RunError(f"{instance!r} cannot take the action {action!r}: {reason}", taken_at(instance, state), rule="D-Take")
 
@@ -266,7 +266,7 @@ def taken_at(instance: Instance, state: State) -> Span:
 
 
 def read_back(simulator: Simulator, state: State) -> State:
-    """The state with what the simulator says of the objects. Raises `SimulatorError` for numbers that are none."""
+    """The state with what the simulator says of the objects. Raises `SimulatorError` for values that a property cannot have."""
     objects = dict(state.objects)
     for id, instance in enumerate(state.scene):
         pose = read_pose(simulator, id, repr(instance), instance.span)
@@ -275,15 +275,15 @@ def read_back(simulator: Simulator, state: State) -> State:
 
 
 def read_pose(simulator: Simulator, id: int, who: str, span: Span = NOWHERE) -> Pose:
-    """What the simulator says of an object now. Raises `SimulatorError` for other properties than it declares, and values that are none."""
+    """What the simulator says of an object now. Raises `SimulatorError` for other properties than it declares, and values that they cannot have."""
     pose = guarded(simulator.read, id)
     if not isinstance(pose, Mapping) or pose.keys() != simulator.properties:
         said = ", ".join(sorted(map(str, pose))) if isinstance(pose, Mapping) else repr(pose)
         declared = ", ".join(sorted(simulator.properties)) or "nothing"
-        raise SimulatorError(f"the simulator says {said or 'nothing'} of {who}, and declares {declared}", span)
+        raise SimulatorError(f"the simulator gives {said or 'nothing'} for {who}, but declares {declared}", span)
     for name, value in pose.items():
         if not could_be(name, value):
-            raise SimulatorError(f"the simulator says that the {name} of {who} is {value!r}", span)
+            raise SimulatorError(f"the simulator gives {value!r} as the {name} of {who}", span)
     return pose
 
 

@@ -1,4 +1,4 @@
-"""What a user reads when the text is no program: the place, what was expected, and one repair."""
+"""What a user reads when the text is not a program: the place, what was expected, and one repair."""
 
 from __future__ import annotations
 

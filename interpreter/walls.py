@@ -53,7 +53,7 @@ class Wall:
             resource.setrlimit(resource.RLIMIT_AS, self.before)
 
     def hear(self, event: str, arguments: tuple[object, ...]) -> None:
-        """What Python tells of itself: refuse what a program that runs has no business with. Raises `PermissionError`."""
+        """Hear what Python reports of itself, and refuse what a running program must not do. Raises `PermissionError`."""
         if not self.running or not self.guarded or event in ORDINARY:
             return
         if event == "open":
@@ -64,13 +64,13 @@ class Wall:
             raise refused(event)
 
     def check_open(self, path: object, mode: object, flags: object) -> None:
-        """Refuse to open a file for writing, or one that is no part of Python or of this package (which import modules when they need them)."""
+        """Refuse to open a file for writing, or one that is not part of Python or of this package (which import modules when they need them)."""
         if (isinstance(mode, str) and set(mode) & set("wax+")) or (isinstance(flags, int) and flags & WRITING):
             raise refused(f"writing {path}")
         self.check_place(path)
 
     def check_place(self, path: object) -> None:
-        """Refuse what is no part of Python or of this package."""
+        """Refuse what is not part of Python or of this package."""
         if isinstance(path, (str, bytes)) and not str(Path(path.decode() if isinstance(path, bytes) else path).resolve()).startswith(self.readable):
             raise refused(f"reading {path!r}")
 
@@ -85,7 +85,7 @@ REFUSED = (
     "msvcrt.", "ftplib.", "http.", "urllib.", "smtplib.", "poplib.", "imaplib.", "fcntl.", "pathlib.", "glob.", "signal.", "syslog.", "resource.",
     "code.__new__", "function.__new__", "sys.addaudithook", "sys.settrace", "sys.setprofile", "cpython.run_", "pickle.find_class", "builtins.input",
 )  # fmt: skip
-"""How the events begin that a program which runs has no part in."""
+"""The beginnings of events that a running program must not cause."""
 WRITING = 0x1 | 0x2 | 0x40 | 0x100 | 0x200 | 0x400
 """O_WRONLY, O_RDWR, and the flags by which files are made, cut off or added to, of all systems."""
 
@@ -113,7 +113,7 @@ def within() -> Iterator[None]:
     try:
         yield
     except MemoryError:
-        raise RunError("the program needs more memory than it may have", hint="--limit-memory gives it more") from None
+        raise RunError("the program needs more memory than it may have", hint="--limit-memory allows more") from None
     finally:
         if timed:
             signal.setitimer(signal.ITIMER_PROF, 0)
@@ -124,12 +124,12 @@ def out_of_time(number: int, frame: FrameType | None) -> None:
     """The processor time of a run is over. Raises `FuelExhausted`."""
     if WALL.running:
         raise FuelExhausted(
-            f"one run of the program took {WALL.limits.seconds:g} seconds of processor time without ending", hint="--limit-seconds gives it more"
+            f"one run of the program took {WALL.limits.seconds:g} seconds of processor time without ending", hint="--limit-seconds allows more"
         )
 
 
 def limit_memory(more: int | None) -> tuple[int, int] | None:
-    """Let this process take so many bytes more than it has, and give the limits from before; it keeps a stricter limit that it was given."""
+    """Limit how many more bytes this process may take, and give the limits from before; a stricter limit that it was given stays."""
     if resource is None or more is None:
         return None
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)

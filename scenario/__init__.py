@@ -130,7 +130,7 @@ class Scenario:
         return Sampled(scene_of(ended.state, seed, index, attempts + 1, pruned=True), block.stuck, ended.steps)
 
     def last_run(self, seed: int, index: int, attempts: int, block: Block | None = None, *, witness: Witness | None = None) -> Run:
-        """The last attempt at a scene that is known to need so many, alone; `block` is a drawing of it by the batch backend, if there is one."""
+        """Only the last attempt at a scene that is known to need `attempts`; `block` is a drawing of it by the batch backend, if there is one."""
         attempt: int | Callable[[tuple[int, ...]], int] = attempts - 1
         if self.in_parts:
             batch = self.batch
@@ -252,11 +252,11 @@ class Scenario:
         """Scenes `start` to `start + n - 1` of `seed`, one after the other: the same ones whatever the backend.
 
         "batch" draws many at a time if the program can be made a graph (else `not_lifted` says why); "auto" does so for
-        more than a few scenes, and finds out at once that none is possible, where bounds show it (`AttemptsExhausted`).
+        more than a few scenes, and says at once that none is possible, if bounds show it (`AttemptsExhausted`).
         Raises `UsageError` for other backends.
         """
         if backend not in ("auto", "interpreter", "batch"):
-            raise UsageError(f"there is no backend {backend}", hint="there are auto, interpreter and batch")
+            raise UsageError(f"there is no backend {backend}", hint="the backends are auto, interpreter and batch")
         if backend == "batch" or (backend == "auto" and n >= FEW):
             if self.impossible is not None:
                 raise self.impossible
@@ -279,7 +279,7 @@ class Scenario:
 
 
 def check_whole(*named: tuple[str, object, int | None]) -> None:
-    """Arguments by name, each with its least value. Raises `UsageError` for what is no whole number, or too small."""
+    """Arguments by name, each with its least value. Raises `UsageError` for what is not a whole number, or too small."""
     for what, number, least in named:
         if type(number) is not int or (least is not None and number < least):
             raise UsageError(f"{what} is a whole number{'' if least is None else f' of at least {least}'}, not {number!r}")

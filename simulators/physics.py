@@ -49,7 +49,7 @@ class Moving:
         self.walking: tuple[float, float] | None = None
 
     def speed(self) -> float:
-        """The speed along the heading, in metres per second; for what is no vehicle, of the velocity."""
+        """The speed along the heading, in metres per second; of the velocity for what is not a vehicle."""
         if not self.vehicle:
             return math.hypot(*self.body.velocity)
         x, y = self.body.velocity
@@ -64,7 +64,7 @@ class Physics:
     def __init__(self, timestep: float = 0.1) -> None:
         self.timestep = checked_timestep(timestep)
         if timestep > LONGEST:
-            raise ValueError(f"a time step of pymunk is at most {LONGEST:g} seconds, not {timestep:g}")
+            raise ValueError(f"a time step of pymunk must be at most {LONGEST:g} seconds, not {timestep:g}")
         try:
             import pymunk
         except ImportError as problem:

@@ -35,7 +35,7 @@ class BrokenContract(AssertionError):
 
 
 class Nothing:
-    """A value that is no action anywhere but in the world `still`."""
+    """A value that is not an action, except in the world `still`."""
 
 
 def check_simulator(make: Callable[[], Simulator], action: object = None, *, class_name: str = "Car") -> None:

@@ -28,7 +28,7 @@ Given = TypeVar("Given")
 
 SMALLEST, LARGEST = 16, 1 << 14
 MOST_OBJECTS = 1 << 16
-"""A job has at most so many objects in all its scenes: their text is what takes memory."""
+"""The most objects in all scenes of a job: their text is what takes memory."""
 FIRST, GROWTH = 512, 4
 QUICK, SLOW = 1.0, 4.0
 """Jobs that take fewer seconds of a processor are followed by larger ones, those that take more by smaller ones."""
@@ -52,7 +52,7 @@ class Pace:
             start = end
 
     def took(self, scenes: int, seconds: float) -> None:
-        """A job of so many scenes took so long; one smaller than those that are made now says nothing."""
+        """Learn how long a job took; one smaller than those that are made now says nothing."""
         if seconds < QUICK and scenes >= self.size:
             self.size = min(GROWTH * self.size, self.largest)
         elif seconds > SLOW and scenes <= self.size:
@@ -108,7 +108,7 @@ class Workers(NamedTuple):
 
 @contextmanager
 def processes(count: int) -> Iterator[Workers]:
-    """So many processes of this machine; they end with this one, however that ends."""
+    """Processes of this machine; they end with this one, however it ends."""
     pool = ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"), initializer=end_with_parent)
     before = set(multiprocessing.active_children())
     finished = False

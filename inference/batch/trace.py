@@ -163,7 +163,7 @@ class Trace:
         assert isinstance(symbol, Choice)
         plain = [v for v in symbol.values if not symbols_in(v)]
         if not all(isinstance(v, (bool, int, float, Traced)) for v in symbol.values):
-            raise NotLifted("a choice among things that are no numbers is used as a number")
+            raise NotLifted("a choice among values that are not numbers is used as a number")
         if len(plain) == len(symbol.values):
             if any(isinstance(v, int) and abs(v) > 2**53 for v in plain):
                 raise NotLifted("a whole number is too large for a float")

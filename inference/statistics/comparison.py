@@ -34,10 +34,10 @@ from .verdict import BURNED_SHARE, FIRST_BLOCK, Kind, Verdict
 
 DEFAULT_TV = 0.01
 GROWTH = 1.25
-"""After so many times as many scenes one looks again."""
+"""The factor by which the number of scenes grows from one look to the next."""
 LEAST_TOLERANCE = 1e-12
 MOST_AT_ONCE = 1 << 13
-"""So many scenes of each side are counted at a time."""
+"""Scenes of each side that are counted at a time."""
 
 
 class Sampler(Protocol):
@@ -89,7 +89,7 @@ def compare(
 
 
 def check_settings(alpha: float, detect_tv: float, budget: int | None, tolerance: float = DEFAULT_TOLERANCE) -> None:
-    """Raise `UsageError` for levels that are none."""
+    """Raise `UsageError` for levels, sizes and tolerances that are out of range."""
     if not 0 < alpha < 1:
         raise UsageError(f"alpha is a probability between 0 and 1, not {alpha:g}")
     if not 0 < detect_tv < 1:

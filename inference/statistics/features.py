@@ -161,7 +161,7 @@ def one_sided(a: Table, b: Table, constants: Mapping[str, object]) -> list[str]:
 
 
 def pooled(one: Column, other: Column) -> Column:
-    """The values of both; the numbers alone, if only one of them has numbers: what is no number then has a cell of its own."""
+    """The values of both; the numbers alone, if only one of them has numbers: what is not a number then has a cell of its own."""
     if one.is_number != other.is_number:
         return one if one.is_number else other
     return Column(one.name, np.concatenate([one.values, other.values]))

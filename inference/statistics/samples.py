@@ -19,7 +19,7 @@ from .rounding import DEFAULT_TOLERANCE
 from .shuffled import Shuffled
 
 CHUNK = 512
-"""So many scenes are looked at together."""
+"""Scenes that are read together."""
 
 AnyScene = Scene | Mapping[str, object]
 """A scene, or the JSON object of one."""

@@ -96,7 +96,7 @@ class Verdict:
                 ]
             case _:
                 if self.detectable >= 1:
-                    return [f"inconclusive: so few scenes show no difference at all; for {self.detect_tv:.4g} {self._enough}"]
+                    return [f"inconclusive: so few scenes cannot show any difference; for {self.detect_tv:.4g} {self._enough}"]
                 return [
                     f"inconclusive: no evidence of a difference in {sides}{burned}, but these would have shown differences of "
                     f"{self.detectable:.2%} or more only; for {self.detect_tv:.4g} {self._enough}"
@@ -124,5 +124,5 @@ class Verdict:
             ]
         if self.skipped:
             more = f" and {len(self.skipped) - MOST_NAMED:,} more" if len(self.skipped) > MOST_NAMED else ""
-            found += [f"not compared, since only one side has it: {', '.join(self.skipped[:MOST_NAMED])}{more}"]
+            found += [f"not compared, since only one side has them: {', '.join(self.skipped[:MOST_NAMED])}{more}"]
         return found

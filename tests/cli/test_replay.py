@@ -133,7 +133,7 @@ def nested(run):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (put("schema", "scenic-ref/scene/1"), "it is no simulation of the format scenic-ref/simulation/1"),
+        (put("schema", "scenic-ref/scene/1"), "it is not a simulation of the format scenic-ref/simulation/1"),
         (drop("scene"), "the simulation has no field scene that is an object"),
         (drop("steps"), "the simulation has no field steps that is a list"),
         (put("steps", []), "it has no time steps"),
@@ -141,11 +141,11 @@ def nested(run):
         (put("timestep", 10**400), "no field timestep that is a number"),
         (put("seed", 1), "its scene is not that of seed 1, number 1"),
         (put("scene", "attempts", 0), "the scene has no field attempts that is a whole number of at least 1"),
-        (put("steps", 3, "step", 10**30), "time step 3 is not there, or not in its place"),
-        (put("steps", 3, 5), "time step 3 is not there, or not in its place"),
+        (put("steps", 3, "step", 10**30), "time step 3 is missing, or not in its place"),
+        (put("steps", 3, 5), "time step 3 is missing, or not in its place"),
         (put("steps", 1, "actions", "7", []), "time step 1 speaks of object 7, but there are 2 objects in it"),
         (put("steps", 1, "actions", "9" * 5000, []), "time step 1 speaks of object 999"),
-        (put("steps", 1, "objects", 0, "id", 4), "object 0 of time step 1 is not there, or not in its place"),
+        (put("steps", 1, "objects", 0, "id", 4), "object 0 of time step 1 is missing, or not in its place"),
         (put("steps", 1, "objects", 0, "position", [1, None]), "no field position that is a list of two numbers"),
         (put("steps", -1, "objects", []), "has 0 objects, where there are 3"),
         (put("created", []), "time step 2 has 3 objects, where there are 2"),

@@ -141,7 +141,7 @@ CASES: dict[str, tuple[NoSimulator, str, str, str]] = {
     "other frequencies": (Plays(LOW, HIGH), TWO, "failed", "the samples of simulations contradict the law"),
     "always the same history": (Plays(HIGH), TWO, "failed", "contradict the law"),
     "frequencies in between": (Plays(*[LOW] * 3, *[HIGH] * 5), TWO, "failed", "do not contradict the rival"),
-    "no history": (Plays(LOW, RIGHT), TWO, "failed", "a simulation is none of the histories: its actions are [{'0': [1]}, {}, {'0': [2, 'b']}]"),
+    "no history": (Plays(LOW, RIGHT), TWO, "failed", "a simulation is not one of the histories: its actions are [{'0': [1]}, {}, {'0': [2, 'b']}]"),
     "the right law": (Enumerates(law("1/4", "3/4")), TWO, "passed", ""),
     "another law": (Enumerates(law("1/2", "1/2")), TWO, "failed", "histories[0] has probability 1/2, not 1/4"),
     "another acceptance": (Enumerates(law("1/4", "3/4", "1")), TWO, "failed", "a run is accepted with probability 1, not 1/2"),
