@@ -1,4 +1,4 @@
-"""The commands and the options that belong to none of them."""
+"""The application: its commands, and the options before the command."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ app.command("bench")(bench)
 
 
 def show_version(wanted: bool) -> None:
-    """The version, and no command."""
+    """Show the version and exit."""
     if wanted:
         print(f"scenic-ref {__version__}")
         raise typer.Exit

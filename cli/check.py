@@ -1,4 +1,4 @@
-"""`scenic-ref check`: whether a program is one, and whether samples have its distribution."""
+"""`scenic-ref check`: whether a program is well-formed, and whether samples have its distribution."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def check(
     trust: TrustOption = False,
     debug: DebugOption = False,
 ) -> None:
-    """Parse a program, check it, and run it through once; prints "ok" or the error.
+    """Parse a program, check it, and run it once; print "ok" or the error.
 
     With --samples: were these scenes drawn from the program's distribution? Exit codes: 0 equivalent, 1 different, 2 wrong
     usage, 5 inconclusive (too few samples for --detect-tv).

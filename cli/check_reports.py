@@ -71,7 +71,7 @@ def _drawn(feature: Feature) -> str:
 
 
 def _bar(left: float, step: float, label: str, x: float, y: float, highest: float) -> str:
-    """The two bars of a cell, with its label if there is room; the exact numbers show when one points at them."""
+    """The two bars of a cell, with its label if there is room; pointing at them shows the exact numbers."""
     width = step * 0.38
     tip = f"<title>{escape(label)}: {x:.3%} of the samples, {y:.3%} expected</title>"
     rects = "".join(

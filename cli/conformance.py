@@ -1,4 +1,4 @@
-"""`scenic-ref conformance`: the vectors, run on ourselves."""
+"""`scenic-ref conformance`: the vectors, run on scenic-ref itself."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def conformance(
 ) -> None:
     """Run the conformance vectors: programs with what the paper says about their scenes.
 
-    Shows a table by chapter of the paper, and what did not pass with its reason. The exit code is 0 if nothing failed or errored.
+    Show a table by chapter of the paper, and each vector that did not pass, with the reason. The exit code is 0 if nothing failed or errored.
     """
     from ..conformance import Ourselves, load_vectors
     from ..conformance.reports import all_passed
@@ -77,7 +77,7 @@ def nearest(name: str, known: Iterable[str]) -> str:
 
 
 def check_dialect(dialect: str | None) -> None:
-    """Raises `UsageError` for an unknown dialect."""
+    """Raise `UsageError` for an unknown dialect."""
     from ..interpreter.dialects import choose
 
     choose("", dialect)

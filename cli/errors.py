@@ -25,7 +25,7 @@ NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 
 
 def report(error: Exception, session: Session) -> int:
-    """Tell what went wrong on standard error; gives the exit code."""
+    """Report an error on standard error; gives the exit code."""
     if session.debug:
         tell("".join(traceback.format_exception(error)).rstrip())
     if isinstance(error, OSError) and error.errno in NO_ROOM:
@@ -41,7 +41,7 @@ def report(error: Exception, session: Session) -> int:
 
 
 def internal(error: Exception, session: Session) -> str:
-    """The message of a fault that is ours."""
+    """The message of an internal error."""
     what = error.message if isinstance(error, InternalError) else f"{type(error).__name__}: {error}".rstrip(": ")
     about = [f"the program {session.program}"] if session.program else []
     about += [f"the seed {session.seed}"] if session.seed is not None else []

@@ -53,7 +53,7 @@ TrustOption = Annotated[bool, typer.Option("--trust", help="Let the program impo
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """A program text and all that decides what its scenes are, but for the seed; can be sent to another process."""
+    """A program text and everything but the seed that decides its scenes; can be sent to another process."""
 
     file: str
     text: str
@@ -105,7 +105,7 @@ def limits_of(memory: str, seconds: str) -> Limits:
 
 
 def pairs(given: list[str] | None, option: str, form: str) -> tuple[tuple[str, str], ...]:
-    """`NAME=VALUE` arguments as pairs, the last of a name winning. Raises `UsageError`."""
+    """`NAME=VALUE` arguments as pairs; the last one of a name counts. Raises `UsageError`."""
     from ..semantics.errors import UsageError
 
     found: dict[str, str] = {}

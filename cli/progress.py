@@ -1,4 +1,4 @@
-"""How far a run is, on a terminal: scenes, rate, attempts per scene, acceptance, time left."""
+"""The progress of a run, on a terminal: scenes, rate, attempts per scene, acceptance, time left."""
 
 from __future__ import annotations
 

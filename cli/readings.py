@@ -21,7 +21,7 @@ def readings(
     as_json: Annotated[bool, typer.Option("--json", help="As JSON.")] = False,
     debug: DebugOption = False,
 ) -> None:
-    """List the places where the paper leaves a choice, with the alternatives; the one that is followed is marked *, the only one is in brackets."""
+    """List the places where the paper leaves a choice, with the alternatives: * marks the selected one; one in parentheses has no alternative."""
     from ..semantics.readings import READINGS, select
     from .columns import columns
 

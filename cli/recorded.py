@@ -1,4 +1,4 @@
-"""What `scenic-ref simulate --replay` does: recorded simulations are played again, and compared with what was recorded."""
+"""What `scenic-ref simulate --replay` does: it plays recorded simulations again, and compares the results with the recording."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def recordings_in(path: str) -> Iterator[tuple[int, Recording]]:
 
 
 def check_recordings(path: str) -> int:
-    """How many simulations are in a file: all are looked at before anything is written. Raises `UsageError`."""
+    """How many simulations are in a file; all are checked before anything is written. Raises `UsageError`."""
     if Path(path).exists() and not Path(path).is_file():
         raise UsageError(f"{path} cannot be replayed: it is not an ordinary file")
     count = sum(1 for _ in recordings_in(path))
@@ -43,7 +43,7 @@ def at_line(problem: UsageError, path: str, number: int) -> UsageError:
 
 
 class Replays:
-    """The simulations of a file in a simulator; what differs is remembered."""
+    """Replays the simulations of a file in a simulator, and remembers what differs."""
 
     def __init__(self, path: str, scenario: Scenario, simulator: str, timestep: float | None) -> None:
         self.path, self.scenario, self.simulator, self.timestep = path, scenario, simulator, timestep

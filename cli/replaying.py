@@ -1,4 +1,4 @@
-"""A page that plays simulations again, one file with nothing else needed; and a moving picture of one."""
+"""A self-contained page that plays simulations again, and an animation of one."""
 
 from __future__ import annotations
 

@@ -83,8 +83,8 @@ def simulate(
 ) -> None:
     """Run simulations of a program: a scene, then time steps in which the agents act.
 
-    A run that violates a requirement is discarded, scene and all, and another is begun. On a terminal the end of each simulation is shown;
-    into a pipe, or with -o, one simulation is written per line as JSON, as soon as it is over. --fuel limits each time step.
+    A run that violates a requirement is discarded with its scene, and another one begins. On a terminal the end of each simulation is shown;
+    into a pipe, or with -o, one simulation is written per line as JSON, as soon as it is finished. --fuel limits each time step.
 
     With --replay the scenes are generated again, and must be those of RUNS; the report says how far the states differ from the recorded ones.
     """

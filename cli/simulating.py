@@ -1,4 +1,4 @@
-"""What `scenic-ref simulate` does once its options are understood."""
+"""What `scenic-ref simulate` does with its options."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Request(NamedTuple):
 
 @dataclass
 class Tally:
-    """What is remembered of the simulations while they run: how many there were, and those that a page or a picture shows."""
+    """What is kept of the simulations: how many there were, and those that a page or an animation shows."""
 
     count: int = 0
     attempts: int = 0
@@ -62,7 +62,7 @@ class Tally:
 
 
 def produce_simulations(source: Source, request: Request, session: Session) -> None:
-    """Run or replay the simulations, write or show them, say how it went.
+    """Run or replay the simulations, write or show them, report on them.
 
     Raises the errors of the program and simulator, `AttemptsExhausted`, `UsageError`.
     """
@@ -96,7 +96,7 @@ def produce_simulations(source: Source, request: Request, session: Session) -> N
 
 
 def show(source: Source, request: Request, tally: Tally, replays: Replays | None, seconds: float, session: Session) -> None:
-    """Make a page and a picture of the simulations that are over, and say how it went."""
+    """Make a page and an animation of the finished simulations, and report on all."""
     for line in replays.lines(seconds) if replays is not None else summary(request, tally, seconds, session):
         tell(line)
     if not tally.kept:

@@ -67,7 +67,7 @@ class Traced(NamedTuple):
 
 
 def traced(source: Source, asked: Asked) -> Traced:
-    """Run the attempt that is asked for once more, keeping every rule that fires. Raises `AttemptsExhausted`, `UsageError`."""
+    """Run the requested attempt once more, and keep every rule that fires. Raises `AttemptsExhausted`, `UsageError`."""
     scenario = drawing_of(source).scenario
 
     def draw(count: Callable[[int], None]) -> int:

@@ -26,7 +26,7 @@ TRACED_RUNS = 60
 
 NO_LINE = 0
 REJECTING = frozenset({"D-Eventually", "D-Guard"})
-"""Rules that do nothing but reject a simulation: they fire where others are stuck."""
+"""Rules that only reject a simulation: they fire where others are stuck."""
 
 
 class Ourselves:

@@ -50,7 +50,7 @@ def read_rejection(fields: Fields) -> Rejection:
 
 @dataclass(frozen=True, slots=True)
 class Error:
-    """The program is refused in one of some phases; line, class and rule count only where the implementation tells them.
+    """The program is refused in one of some phases; line, class and rule are compared only if the implementation reports them.
 
     With `steps`, the error occurs in a simulation of at most this number of time steps.
     """

@@ -1,4 +1,4 @@
-"""What came of a run over many vectors: counts by chapter, the rules that fired, and a JSON report."""
+"""The results of a run over many vectors: counts by chapter, the rules that fired, and a JSON report."""
 
 from __future__ import annotations
 

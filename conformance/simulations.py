@@ -76,7 +76,7 @@ def same_actions(found: Actions, expected: Actions) -> bool:
 class Simulations:
     """The exact distribution of simulations of at most `steps` time steps, and perhaps the probability that a run is accepted.
 
-    An implementation that enumerates must give the very fractions; any other is sampled, and its samples must contradict `rival`.
+    An implementation that enumerates must give exactly these fractions; any other is sampled, and its samples must contradict `rival`.
     """
 
     steps: int
@@ -138,7 +138,7 @@ class Simulations:
             raise Disagreement(f"a run is accepted with probability {exact.acceptance}, not {self.acceptance}")
 
     def check_samples(self, simulations: list[SimulationRecord]) -> None:
-        """Frequencies that do not contradict the probabilities and do contradict the rival's. Raises `Disagreement`."""
+        """Frequencies must not contradict the probabilities, and must contradict the rival's. Raises `Disagreement`."""
         numbers = [self.number(simulation) for simulation in simulations]
         if len(self.histories) > 1:
             told_apart(evidence(numbers, law_of(self.probabilities)), evidence(numbers, law_of(self.rival)), "simulations")

@@ -24,7 +24,7 @@ SAME = 1e-9
 class Probabilities:
     """The exact distribution of a quantity with finitely many values, and perhaps the probability that a run is accepted.
 
-    An implementation that enumerates must give the very fractions; any other is sampled, and its samples must contradict `rival`.
+    An implementation that enumerates must give exactly these fractions; any other is sampled, and its samples must contradict `rival`.
     """
 
     of: Path
@@ -74,7 +74,7 @@ class Probabilities:
             raise Disagreement(f"a run is accepted with probability {exact.acceptance}, not {self.acceptance}")
 
     def check_samples(self, values: Sequence[object]) -> None:
-        """Frequencies that do not contradict the probabilities and do contradict the rival's. Raises `Disagreement`."""
+        """Frequencies must not contradict the probabilities, and must contradict the rival's. Raises `Disagreement`."""
         numbers = self.numbers(values)
         told_apart(evidence(numbers, law_of(self.probabilities)), evidence(numbers, law_of(self.rival)), f"{self.of}")
 

@@ -61,7 +61,7 @@ def recording_from(line: bytes) -> Recording:
 
 
 def refuse_number(text: str) -> NoReturn:
-    """Python's JSON knows NaN and Infinity; ours does not."""
+    """Refuse NaN and Infinity, which Python's JSON reads."""
     raise ValueError(f"{text} is not a number")
 
 

@@ -20,7 +20,7 @@ from .scenes import Scene, json_value, scene_of
 from .simulating import Body, Moment, Pose, Simulated, Simulator, check_usable, create_new, guarded, in_use, read_pose, step_of
 
 TOLERANCE = 1e-9
-"""By so much may numbers differ: metres, radians, ..., and relative to numbers above 1."""
+"""How much numbers may differ: metres, radians, ..., and relative to numbers above 1."""
 ActionClasses = Mapping[str, Callable[..., object]]
 
 

@@ -152,7 +152,7 @@ def scene_of(
 
 
 def check_written(state: State) -> None:
-    """What changed after it was given to the scene can be written still."""
+    """Check that what changed after it was given to the scene can still be written."""
     for name, value in state.params.items():
         check_nesting(f"the parameter {name}", value)
     for instance in state.scene:

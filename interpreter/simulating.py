@@ -1,6 +1,6 @@
 """The loop of a simulation: the policy chooses actions, a simulator executes them for one time step, and its objects are read back.
 
-A simulator is anything with the methods of `Simulator`. A run that fails a requirement is rejected whole, scene and policy (reading
+A simulator is anything with the methods of `Simulator`. A run that fails a requirement is rejected as a whole (reading
 `rejected-simulation`).
 """
 
@@ -62,7 +62,7 @@ class Simulator(Protocol):
         ...
 
     def destroy(self) -> None:
-        """The simulation is over."""
+        """The simulation has ended."""
 
 
 class Moment(NamedTuple):
@@ -169,7 +169,7 @@ TOLD = {
 
 
 def listening(told: list[str], witness: Witness | None, file: str) -> Witness:
-    """A witness that writes down what happens in a time step, and tells another one; `file` is that of the program."""
+    """A witness that notes what happens in a time step, and passes it on to another; `file` is that of the program."""
 
     def look(outcome: Outcome, drawn: object) -> None:
         if type(outcome) is Next and outcome.rule in TOLD:
@@ -188,7 +188,7 @@ def check_usable(simulator: Simulator) -> None:
     """Whether this is a simulator, and not something else. Raises `UsageError`."""
     if isinstance(simulator, type) or not all(callable(getattr(simulator, name, None)) for name in METHODS):
         found = f"the class {simulator.__name__}" if isinstance(simulator, type) else f"a {type(simulator).__name__}"
-        raise UsageError(f"a simulator has the methods {', '.join(METHODS)}, and this is {found}", hint="give an instance of its class")
+        raise UsageError(f"a simulator must have the methods {', '.join(METHODS)}, but this is {found}", hint="give an instance of its class")
     timestep = getattr(simulator, "timestep", None)
     if not isinstance(timestep, (int, float)) or isinstance(timestep, bool) or not 0 < timestep < math.inf:
         raise UsageError(f"the timestep of a simulator must be a positive number of seconds, not {timestep!r}")
@@ -202,7 +202,7 @@ METHODS = ("create", "check", "step", "read", "destroy")
 
 @contextmanager
 def in_use(simulator: Simulator) -> Iterator[None]:
-    """A simulation, after which the simulator is told that it is over, however it ended. Raises `SimulatorError`."""
+    """A simulation, after which `destroy` is called, however it ended. Raises `SimulatorError`."""
     try:
         yield
     except BaseException:
@@ -221,7 +221,7 @@ def step_of(simulator: Simulator, actions: Mapping[int, tuple[object, ...]]) -> 
 
 
 def create_new(simulator: Simulator, state: State, known: int) -> list[Body]:
-    """Tell the simulator of the objects from number `known` on, which are given."""
+    """Give the simulator the objects from number `known` on, and return them."""
     new = new_bodies(state, known)
     if new:
         guarded(simulator.create, new)

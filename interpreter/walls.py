@@ -1,6 +1,6 @@
-"""The second wall around a program that nobody vouched for: limits of the process, and a guard on what the process does while the program runs.
+"""The second wall around an untrusted program: limits of the process, and a guard on what the process does while the program runs.
 
-The first wall, `semantics.allowed`, lets a program meet nothing that could do harm; this one is there for the hole that nobody found.
+The first wall, `semantics.allowed`, lets a program meet nothing that could do harm; this one is for a hole in the first.
 `resource` and timers of processor time exist on POSIX systems only; the guard exists everywhere. `docs/security.md` says what is promised.
 """
 
@@ -23,7 +23,7 @@ except ImportError:  # a system without limits on processes
     resource = None
 
 class Wall:
-    """What is in force in this process, and whether a program is running: there is one, since limits belong to processes."""
+    """What is in force in this process, and whether a program is running; there is one wall, since limits belong to processes."""
 
     def __init__(self) -> None:
         self.limits = Limits(None, None)
@@ -91,13 +91,13 @@ WRITING = 0x1 | 0x2 | 0x40 | 0x100 | 0x200 | 0x400
 
 
 def refused(what: str) -> PermissionError:
-    """The error for something that a program must not do; that it could try at all is a fault of ours."""
+    """The error for something that a program must not do; it is our fault that it could try."""
     return PermissionError(f"a program that runs without --trust was kept from {what}; please report the program")
 
 
 WALL = Wall()
 AGAIN = 1.0
-"""Seconds after which a run that is out of time is told so again, should library code have swallowed it."""
+"""Seconds after which a run that is out of time is interrupted again, in case library code caught the first exception."""
 
 
 @contextmanager

@@ -43,7 +43,7 @@ from .constants import constants_of, facts_of
 
 Backend = Literal["auto", "interpreter", "batch"]
 FEW = 10
-"""So few scenes are not worth a graph: it takes as long to make as some scenes."""
+"""For fewer scenes than this a graph is not worth its time."""
 
 
 class Scenario:
@@ -88,7 +88,7 @@ class Scenario:
         return initial(with_old_imports(self.program, self.settings.library), self.settings)  # type: ignore[arg-type]
 
     def rehearse(self) -> None:
-        """Run the program through, once, to find a branch on a random value. Raises the program's error."""
+        """Run the program once, to find a branch on a random value. Raises the program's error."""
         if not self._rehearsed:
             rehearse(self.start(), from_stream(0, 0, 0), fuel=self.fuel)
             self._rehearsed = True
@@ -157,7 +157,7 @@ class Scenario:
         max_attempts: int = DEFAULT_ATTEMPTS, on_attempt: Callable[[int], None] | None = None,
         on_failed: Callable[[Failed], None] | None = None, witnessed: Callable[[int], Witness | None] | None = None,
     ) -> SampledRun:  # fmt: skip
-        """Simulation number `index` of `seed`, of at most `steps` time steps; rejected runs are discarded whole (reading `rejected-simulation`).
+        """Simulation number `index` of `seed`, of at most `steps` time steps; rejected runs are discarded as a whole (reading `rejected-simulation`).
 
         `simulator` is one of `simulators.SIMULATORS` by name (`timestep`, in seconds, is then that of the simulation), or a simulator itself.
         """
@@ -204,7 +204,7 @@ class Scenario:
             return Pruning((), tuple(Finding("all objects", technique, None, None, str(reason)) for technique in TECHNIQUES))
 
     def pruned(self) -> Scenario:
-        """The same scenario with pruning and factorised rejection: scenes from the same distribution with less work, a seed giving other ones."""
+        """The same scenario with pruning and factorised rejection: other scenes for each seed, from the same distribution, with less work."""
         found = copy(self)
         found.__dict__.pop("_lifted", None)
         found.draws, found.factorised = self.pruning.draws, True

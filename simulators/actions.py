@@ -1,4 +1,4 @@
-"""The actions of the paper's examples: what an agent can do in a time step, whatever simulator carries it out.
+"""The actions of the paper's examples: what an agent can do in a time step, whatever simulator executes it.
 
 Throttle, brake and steering stay as they are set until they are set again. Which agents can take which is said by `Action.reason_against`.
 """

@@ -109,7 +109,7 @@ class Physics:
         return reason_against(body, action)
 
     def step(self, actions: Mapping[int, Sequence[object]]) -> Sequence[str]:
-        """The actions, then as many internal steps as are needed that nothing passes through anything; collisions that begin are told."""
+        """The actions, then as many internal steps as are needed that nothing passes through anything; collisions that begin are reported."""
         for id, taken in actions.items():
             for action in taken:
                 self.take(self.moving[id], action)
@@ -168,7 +168,7 @@ class Physics:
         self.smallest = math.inf
 
     def meet(self, arbiter: Any, space: Any, data: Any) -> None:
-        """Two objects touch."""
+        """Note that two objects touch."""
         one, other = (self.ids[shape] for shape in arbiter.shapes)
         self.met.append((min(one, other), max(one, other)))
 

@@ -127,7 +127,7 @@ def enumerated(scenario: Scenario) -> Enumeration | None:
 
 
 def verdict_on_none(scenario: Scenario, alpha: float, detect_tv: float, seed: int, replay: str) -> Verdict:
-    """The verdict on samples that hold no scene: one that tries as often as `run` does would have found one, unless scenes are very rare.
+    """The verdict on samples that hold no scene: a sampler that tries as often as `run` does would have found one, unless scenes are very rare.
 
     Raises `AttemptsExhausted` if the program gives none either.
     """

@@ -75,7 +75,7 @@ def block_of(batch: Batch, seed: int, start: int, stop: int, max_attempts: int =
 
 
 def in_order(pool: Executor, work: Callable[[Asked], Given], jobs: Iterable[Asked], most: int) -> Generator[Given]:
-    """The results of the jobs, in order; at most `most` of them are under way. Raises `InternalError` if a worker dies, and what `work` raises."""
+    """The results of the jobs, in order; at most `most` of them run at a time. Raises `InternalError` if a worker dies, and what `work` raises."""
     waiting: deque[Future[Given]] = deque()
     try:
         for job in jobs:
@@ -93,7 +93,7 @@ def in_order(pool: Executor, work: Callable[[Asked], Given], jobs: Iterable[Aske
 
 
 class Workers(NamedTuple):
-    """Who does jobs, and how many at a time."""
+    """What does jobs, and how many at a time."""
 
     pool: Executor
     count: int

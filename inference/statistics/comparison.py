@@ -101,7 +101,7 @@ def check_settings(alpha: float, detect_tv: float, budget: int | None, tolerance
 
 
 class Terms(NamedTuple):
-    """What a comparison is asked for."""
+    """The settings of a comparison."""
 
     alpha: float
     detect_tv: float
@@ -270,7 +270,7 @@ class Collected:
         learn(self.cuts, a)
 
     def look(self) -> None:
-        """Look at the evidence."""
+        """Update the evidence."""
         if self.tests:
             wealth = combined(np.array([test.look() for test in self.tests]))
             self.evidence = max(self.evidence, wealth / math.log(10.0))
@@ -314,6 +314,6 @@ def compare_invariance(
 ) -> Verdict:
     """Whether a kernel leaves the distribution of `exact` as it is: exact draws, `steps` steps on each, against fresh exact draws.
 
-    The draws are independent, so that neither burn-in nor an effective sample size has a say. It does not show that a chain mixes.
+    The draws are independent, so that neither burn-in nor an effective sample size matters. It does not show that a chain mixes.
     """
     return compare(Moved(exact, kernel, steps), exact, alpha=alpha, detect_tv=detect_tv, budget=budget, seeds=seeds)

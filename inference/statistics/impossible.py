@@ -1,4 +1,4 @@
-"""Values that cannot be: one is enough to tell two distributions apart, however rare it is."""
+"""Impossible values: one is enough to tell two distributions apart, however rare it is."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def sample_number(number: int) -> str:
 
 
 class Findings:
-    """What samples hold that cannot be: one line per feature, for the first scene in which it was seen."""
+    """The impossible values in samples: one line per feature, for the first scene in which one was seen."""
 
     def __init__(self, facts: Facts, tolerance: float, place: Place = sample_number) -> None:
         self.facts = facts

@@ -1,4 +1,4 @@
-"""How samples were rounded: both sides of a comparison are rounded alike, so that a format with few digits makes no difference."""
+"""How samples were rounded: both sides of a comparison are rounded in the same way, so that a format with few digits makes no difference."""
 
 from __future__ import annotations
 
