@@ -120,7 +120,7 @@ def check_places(source: Source, request: Request) -> None:
         check_ending("--html", request.html, "pages", (".html", ".htm"))
     if request.gif is not None:
         check_place(request.gif, {**read, "the output": request.output, "the page": request.html})
-        check_ending("--gif", request.gif, "moving pictures", (".gif",))
+        check_ending("--gif", request.gif, "animations", (".gif",))
 
 
 def shown_only(request: Request) -> bool:

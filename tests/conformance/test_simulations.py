@@ -116,10 +116,10 @@ CASES: dict[str, tuple[NoSimulator, str, str, str]] = {
     "another agent": (Plays(record({"1": [1]}, {}, {"0": [2, "b"]})), ONE, "failed", "in time step 0 the actions are {'1': [1]}, not {'0': [1]}"),
     "an action where there is none": (Plays(record({"0": [1]}, {"0": [1]}, {"0": [2, "b"]})), ONE, "failed", "in time step 1"),
     "true for 1": (Plays(record({"0": [True]}, {}, {"0": [2, "b"]})), ONE, "failed", "in time step 0"),
-    "a time step too few": (Plays(record({"0": [1]}, {})), ONE, "failed", "2 time steps pass, and it ends by 'terminated', not 3 and"),
+    "a time step too few": (Plays(record({"0": [1]}, {})), ONE, "failed", "2 time steps pass, and it ends with 'terminated', not 3 and"),
     "a time step too many": (Plays(record({"0": [1]}, {}, {"0": [2, "b"]}, {})), ONE, "failed", "4 time steps pass"),
     "another end": (
-        Plays(record({"0": [1]}, {}, {"0": [2, "b"]}, result="time limit")), ONE, "failed", "ends by 'time limit', not 3 and 'terminated'",
+        Plays(record({"0": [1]}, {}, {"0": [2, "b"]}, result="time limit")), ONE, "failed", "ends with 'time limit', not 3 and 'terminated'",
     ),
     "actions after the end": (
         Plays({"result": "terminated", "steps": [*RIGHT["steps"][:3], {"actions": {"0": [1]}, "objects": []}]}),  # type: ignore[index]
