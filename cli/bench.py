@@ -43,10 +43,11 @@ def bench(
     plot: Annotated[str | None, typer.Option("--plot", metavar="PATH", help="Draw scenes per second as bars, as .png, .pdf or .svg.")] = None,
     debug: DebugOption = False,
 ) -> None:
-    """Measure how fast scenes are drawn: by the interpreter, by the batch backend on columns and compiled, and by released implementations.
+    """Measure how fast scenes are drawn.
 
-    Each program and implementation has a process of its own; they take turns on one core, and scenes are counted per second of the
-    processor. Ratios are to the first --against, else to the interpreter. Ctrl-C shows what is measured so far.
+    The interpreter, the batch backend on columns and compiled, and released implementations draw each program in a process of their own.
+    They take turns on one core, and scenes are counted per second of the processor. Ratios are to the first --against, else to the
+    interpreter. Ctrl-C shows what is measured so far.
     """
     from ..benchmarks.course import Request, measure
     from ..semantics.errors import UsageError

@@ -74,10 +74,12 @@ def check(
     trust: TrustOption = False,
     debug: DebugOption = False,
 ) -> None:
-    """Parse a program, check it, and run it once; print "ok" or the error.
+    """Check a program, or compare samples with it.
 
-    With --samples: were these scenes drawn from the program's distribution? Exit codes: 0 equivalent, 1 different, 2 wrong
-    usage, 5 inconclusive (too few samples for --detect-tv).
+    The program is parsed, checked and run once; the answer is "ok" or the error.
+
+    With --samples: were these scenes drawn from the program's distribution? Exit codes: 0 equivalent, 1 different, 2 wrong usage, 5
+    inconclusive (too few samples for --detect-tv).
     """
     from ..semantics.errors import UsageError
     from .session import escaped

@@ -31,9 +31,10 @@ def conformance(
     seed: Annotated[int, typer.Option("--seed", metavar="S", help="The seed of the statistical vectors; a nightly run takes a fresh one.")] = 20,
     debug: DebugOption = False,
 ) -> None:
-    """Run the conformance vectors: programs with what the paper says about their scenes.
+    """Run the conformance vectors.
 
-    Show a table by chapter of the paper, and each vector that did not pass, with the reason. The exit code is 0 if nothing failed or errored.
+    A vector is a program with what the paper says about its scenes or simulations. A table by chapter of the paper counts the results;
+    each vector that did not pass is listed with the reason. The exit code is 0 if nothing failed or errored.
     """
     from ..conformance import Ourselves, load_vectors
     from ..conformance.reports import all_passed

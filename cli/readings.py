@@ -21,7 +21,10 @@ def readings(
     as_json: Annotated[bool, typer.Option("--json", help="As JSON.")] = False,
     debug: DebugOption = False,
 ) -> None:
-    """List the places where the paper leaves a choice, with the alternatives: * marks the selected one; one in parentheses has no alternative."""
+    """List the places where the paper leaves a choice.
+
+    Of the alternatives, * marks the selected one; one in parentheses is the only one.
+    """
     from ..semantics.readings import READINGS, select
     from .columns import columns
 

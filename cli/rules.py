@@ -19,7 +19,10 @@ def rules(
     as_json: Annotated[bool, typer.Option("--json", help="As JSON.")] = False,
     debug: DebugOption = False,
 ) -> None:
-    """List the rules of the paper: id, the paper's name, place in the paper, function."""
+    """List the rules of the paper.
+
+    Each has its id, the paper's name, its function, and its place in the paper.
+    """
     from ..semantics.rules import CATALOGUE, RULES
     from .columns import columns
 

@@ -81,12 +81,14 @@ def simulate(
     trust: TrustOption = False,
     debug: DebugOption = False,
 ) -> None:
-    """Run simulations of a program: a scene, then time steps in which the agents act.
+    """Run simulations of a program.
 
-    A run that violates a requirement is discarded with its scene, and another one begins. On a terminal the end of each simulation is shown;
-    into a pipe, or with -o, one simulation is written per line as JSON, as soon as it is finished. --fuel limits each time step.
+    A simulation is a scene, then time steps in which the agents act. A run that violates a requirement is discarded with its scene, and
+    another one begins. On a terminal the end of each simulation is shown; into a pipe, or with -o, one simulation is written per line as
+    JSON, as soon as it is finished. --fuel limits each time step.
 
-    With --replay the scenes are generated again, and must be those of RUNS; the report says how far the states differ from the recorded ones.
+    With --replay the scenes are generated again, and must be those of RUNS; the report says how far the states differ from the recorded
+    ones.
     """
     from ..semantics.errors import UsageError
     from .simulating import Request, produce_simulations

@@ -61,7 +61,9 @@ def trace(
     trust: TrustOption = False,
     debug: DebugOption = False,
 ) -> None:
-    """Show every rule that fires in a run: its name, its probability, what it changes, and where it stands.
+    """Show every rule that fires in a run.
+
+    Each has its name, its probability, what it changes, and its place in the source.
 
     With --steps, a run is a simulation: its scene, then time steps. `--scene K` is then the one that `simulate --run K` gives.
     """
