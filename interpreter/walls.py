@@ -34,7 +34,7 @@ class Wall:
         self.before: tuple[int, int] | None = None
 
     def build(self, limits: Limits) -> None:
-        """Put the limits into force, and the guard, until `open`. Nothing where that is done already, or in a thread (of a cluster's worker)."""
+        """Put the limits and the guard into force, until `open`; does nothing if that is done, or in a thread (of a cluster's worker)."""
         if self.guarded or threading.current_thread() is not threading.main_thread():
             return
         self.limits, self.guarded = limits, True

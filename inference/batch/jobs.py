@@ -127,7 +127,7 @@ def processes(count: int) -> Iterator[Workers]:
 
 
 def without_cancelled(before: Callable[[threading.ExceptHookArgs], object]) -> Callable[[threading.ExceptHookArgs], object]:
-    """What is told of exceptions in threads, but for that of a pool's thread that finds its jobs cancelled already when its processes are ended."""
+    """Report exceptions in threads, except that of a pool's thread whose jobs are already cancelled when its processes are ended."""
 
     def told(problem: threading.ExceptHookArgs) -> object:
         return None if problem.exc_type is InvalidStateError else before(problem)
@@ -136,7 +136,7 @@ def without_cancelled(before: Callable[[threading.ExceptHookArgs], object]) -> C
 
 
 def give_up_reading(results: object) -> None:
-    """Let a pool's thread not wait for the rest of a result whose process was ended while it sent it: there is no one else to write it."""
+    """Keep a pool's thread from waiting for the rest of a result whose process was ended while it sent it: nobody else will write it."""
     writer = getattr(results, "_writer", None)
     if isinstance(writer, connection.Connection):
         writer.close()
@@ -171,7 +171,7 @@ def cluster(address: str, count: int | None = None) -> Iterator[Workers]:
 
 
 def end_with_parent() -> None:
-    """Let this process end when the one that started it does, however that ends."""
+    """Make this process end when the one that started it ends, however it does."""
     parent = multiprocessing.parent_process()
 
     def watch() -> None:
@@ -184,7 +184,7 @@ def end_with_parent() -> None:
 
 @contextmanager
 def uninterrupted() -> Iterator[None]:
-    """Ctrl-C inside has its effect afterwards, where the system can do that."""
+    """Delay Ctrl-C until afterwards, where the system can do that."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
