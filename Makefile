@@ -68,7 +68,7 @@ docs: $(VENV)/.docs
 
 ## Scenes per second of each gallery program, by every backend; make bench AGAINST=scenic==3.1.1=/path/to/bin/python measures a released one as well
 bench: $(VENV)/.test
-	$(BIN)/python benchmarks/batch.py $(if $(AGAINST),--against $(AGAINST)) --prune
+	$(BIN)/scenic-ref bench examples/gallery/*.scenic --released benchmarks/released $(if $(AGAINST),--against $(AGAINST)) --prune
 
 clean:
 	rm -rf $(VENV) $(PLAIN) .venv-3.12 .venv-3.13 .venv-scenic-3 .venv-scenic-2.1 demo site build dist *.egg-info

@@ -2,25 +2,21 @@
 
     python benchmarks/interpreter.py [-n SCENES] [-o RESULT.json]
 
-One core, the interpreter alone, CPU seconds. Absolute figures depend on the machine; they are recorded for comparison with other
-backends measured in the same run.
+The interpreter alone, on one core, in seconds of the processor. Absolute figures depend on the machine: compare those of one run.
 """
 
 from __future__ import annotations
 
 import argparse
-import json
-import platform
 import time
 from pathlib import Path
 
 import scenic_ref
-
-EXAMPLES = Path(__file__).parent.parent / "examples" / "gallery"
+from scenic_ref.benchmarks.results import gallery, print_head, print_row, save
 
 
 def measure(path: Path, n: int) -> dict[str, object]:
-    """CPU seconds, attempts and steps for `n` scenes of a program; loading and the rehearsal run are not counted."""
+    """Seconds of the processor, attempts and steps for `n` scenes of a program; loading and the rehearsal run are not counted."""
     scenario = scenic_ref.load(path)
     scenario.sampled(seed=0, index=n)
     begun = time.process_time()
@@ -43,15 +39,12 @@ def main() -> None:
     parser.add_argument("-o", type=Path, help="write the figures as JSON")
     options = parser.parse_args()
     rows = []
-    print(f"{'program':28}{'seconds':>9}{'att/scene':>11}{'att/s':>9}{'steps/s':>10}{'scenes/s':>10}")
-    for path in sorted(EXAMPLES.glob("*.scenic")):
-        row = measure(path, options.n)
-        rows.append(row)
-        speeds = f"{row['attempts per second']:9}{row['steps per second']:10}{row['scenes per second']:10}"
-        print(f"{row['program']:28}{row['seconds']:9}{row['attempts per scene']:11.2f}{speeds}")
-    if options.o is not None:
-        machine = {"python": platform.python_version(), "processor": platform.machine(), "version": scenic_ref.__version__}
-        options.o.write_text(json.dumps({"machine": machine, "rows": rows}, indent=1) + "\n")
+    for path in gallery():
+        rows.append(measure(path, options.n))
+        if len(rows) == 1:
+            print_head(list(rows[0]))
+        print_row(list(rows[-1].values()))
+    save(options.o, rows)
 
 
 if __name__ == "__main__":

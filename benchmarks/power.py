@@ -57,7 +57,7 @@ BUDGET = 1_000_000
 
 
 def power(only: str = "", *, suggested: bool = True) -> dict[str, list[dict[str, object]]]:
-    """Scenes of each side until each fault (or those whose name begins with `only`) is found, thrice; `suggested`: with the program's features."""
+    """Scenes of each side until each fault (or those whose name begins with `only`) is found, three times; `suggested`: with those of the program."""
     found: dict[str, list[dict[str, object]]] = {}
     for name, (right, wrong, readings) in PAIRS.items():
         if not name.startswith(only):

@@ -9,14 +9,14 @@ analysis itself takes.
 from __future__ import annotations
 
 import argparse
-import json
 import time
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import scenic_ref
-from narrow import NARROW
+from scenic_ref.benchmarks.narrow import NARROW
+from scenic_ref.benchmarks.results import gallery, print_head, print_row, save
 from scenic_ref.inference.batch.evaluate.sampling import Batch
 from scenic_ref.inference.pruning import PAPER, TECHNIQUES, Pruning
 from scenic_ref.inference.pruning.analysis import prune_recorded
@@ -24,7 +24,6 @@ from scenic_ref.inference.pruning.recording import record
 from scenic_ref.scenario import Scenario
 from scenic_ref.semantics.kernel.config import Config
 
-EXAMPLES = Path(__file__).parent.parent / "examples" / "gallery"
 CHOICES = {**{technique: (technique,) for technique in TECHNIQUES}, "the paper's": PAPER, "all": TECHNIQUES}
 FUEL = 5_000_000
 
@@ -63,15 +62,14 @@ def main() -> None:
     parser.add_argument("-o", type=Path, help="write the figures as JSON")
     options = parser.parse_args()
     columns = ["program", "without", *CHOICES, "seconds"]
-    print(" | ".join(columns), " | ".join("---" for _ in columns), sep="\n")
+    print_head(columns)
     rows = []
-    programs = {path.stem: scenic_ref.load(path) for path in sorted(EXAMPLES.glob("*.scenic"))}
+    programs = {path.stem: scenic_ref.load(path) for path in gallery()}
     programs |= {name: scenic_ref.loads(text) for name, text in NARROW.items()}
     for name, scenario in programs.items():
         rows.append(measure(name, scenario, options.slow if name == "mars_bottleneck" else options.n))
-        print(" | ".join(shown(rows[-1][column]) for column in columns), flush=True)
-    if options.o is not None:
-        options.o.write_text(json.dumps({"version": scenic_ref.__version__, "rows": rows}, indent=1) + "\n")
+        print_row([shown(rows[-1][column]) for column in columns])
+    save(options.o, rows)
 
 
 if __name__ == "__main__":

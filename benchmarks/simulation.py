@@ -8,12 +8,12 @@ The policy is what remains when the simulator's own calls are taken away. Median
 from __future__ import annotations
 
 import argparse
-import json
 import statistics
 import time
 from pathlib import Path
 
 import scenic_ref
+from scenic_ref.benchmarks.results import print_head, print_row, save
 from scenic_ref.simulators import SIMULATORS, by_name
 from scenic_ref.simulators.simulating import Simulator
 
@@ -93,11 +93,10 @@ def main() -> None:
     parser.add_argument("-o", type=Path, help="write the figures as JSON")
     options = parser.parse_args()
     rows = [measure(s, n, b, options.steps, options.repeat) for s in SIMULATORS for b in BEHAVIORS for n in (2, 10, 50)]
-    print(" | ".join(rows[0]), " | ".join("---" for _ in rows[0]), sep="\n")
+    print_head(list(rows[0]))
     for row in rows:
-        print(" | ".join(str(v) for v in row.values()))
-    if options.o is not None:
-        options.o.write_text(json.dumps({"version": scenic_ref.__version__, "steps": options.steps, "rows": rows}, indent=1) + "\n")
+        print_row(list(row.values()))
+    save(options.o, rows, steps=options.steps)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,6 @@
-"""The command line, `scenic-ref`.
+"""The command line, `scenic-ref`; `app.EXIT_CODES` says what its exit codes mean.
 
-Exit codes: 0 ok, 1 program error, 2 wrong usage, 3 attempts exhausted, 4 internal error, 130 interrupted. Everything
-but `main` is imported when it is first needed, so that `scenic-ref --help` answers at once.
+Everything but `main` is imported when it is first needed, so that `scenic-ref --help` answers at once.
 """
 
 from __future__ import annotations
@@ -14,11 +13,11 @@ INTERRUPTED = 130
 
 
 def interruption(arguments: list[str], finished: str = "") -> str:
-    """What is said after Ctrl-C: what was `finished`, and which files there are."""
+    """The message after Ctrl-C: what was `finished`, and which files there are."""
     if arguments[:1] == ["run"] and "enumerate" not in arguments:
-        return "interrupted; a file of JSON Lines holds whole lines, and `run --resume` goes on with it; nothing else was written"
+        return "interrupted; a file of JSON Lines holds whole lines, and `run --resume` continues it; nothing else was written"
     if arguments[:1] == ["simulate"]:
-        return f"interrupted; {finished or 'no simulation was over'}"
+        return f"interrupted; {finished or 'no simulation was finished'}"
     return "interrupted" if arguments[:1] == ["bench"] else "interrupted; nothing was written"
 
 
@@ -36,14 +35,14 @@ def main() -> None:
 
 
 def open_wall() -> None:
-    """Lift the limits of the program that was run, for whoever asks for the next one in this process."""
+    """Lift the limits of the program that was run, before the next one in this process."""
     walls = sys.modules.get(f"{__package__}.interpreter.walls".replace(".cli.", "."))
     if walls is not None:
         walls.WALL.open()
 
 
 def answer(arguments: list[str]) -> int:
-    """The exit code of a command line; what it has to say goes to standard output and standard error."""
+    """The exit code of a command line; its messages go to standard output and standard error."""
     from .session import Session
 
     session = Session()

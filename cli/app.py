@@ -1,4 +1,4 @@
-"""The commands and the options that belong to none of them."""
+"""The application: its commands, and the options before the command."""
 
 from __future__ import annotations
 
@@ -17,6 +17,17 @@ from .run import run
 from .simulate import simulate
 from .trace import trace
 
+EXIT_CODES = {
+    0: "ok",
+    1: "program error, samples that differ, or a vector that failed",
+    2: "wrong usage",
+    3: "attempts exhausted",
+    4: "internal error",
+    5: "inconclusive comparison",
+    130: "interrupted",
+}
+"""What the exit codes of all commands mean."""
+
 app = typer.Typer(
     name="scenic-ref", add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -34,16 +45,13 @@ app.command("bench")(bench)
 
 
 def show_version(wanted: bool) -> None:
-    """The version, and no command."""
+    """Show the version and exit."""
     if wanted:
         print(f"scenic-ref {__version__}")
         raise typer.Exit
 
 
-@app.callback(
-    epilog="Exit codes: 0 ok, 1 program error (or samples that differ), 2 wrong usage, 3 attempts exhausted, 4 internal error, "
-    "5 inconclusive, 130 interrupted.",
-)
+@app.callback(epilog=f"Exit codes: {'; '.join(f'{code} {meaning}' for code, meaning in EXIT_CODES.items())}.")
 def scenic_ref(
     version: Annotated[bool, typer.Option("--version", callback=show_version, is_eager=True, help="Show the version.")] = False,
     debug: DebugOption = False,

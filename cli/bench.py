@@ -2,52 +2,94 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from .options import DebugOption
 
+if TYPE_CHECKING:
+    from ..benchmarks.course import Request
+    from ..benchmarks.figures import Figures
+
 
 def bench(
     context: typer.Context,
-    programs: Annotated[list[str] | None, typer.Argument(metavar="[PROGRAM]...", help="The Scenic programs.", show_default=False)] = None,
+    programs: Annotated[list[str] | None, typer.Argument(metavar="PROGRAM", help="The Scenic programs.", show_default=False)] = None,
     seconds: Annotated[float, typer.Option("--seconds", metavar="S", help="Seconds of the processor for each measurement.")] = 1.0,
-    repeat: Annotated[int, typer.Option("--repeat", metavar="R", min=1, help="Measure each so many times, taking turns.")] = 3,
+    repeat: Annotated[int, typer.Option("--repeat", metavar="R", min=1, help="How many times each is measured, in turns.")] = 3,
     against: Annotated[
         list[str] | None,
         typer.Option(
             "--against", metavar="NAME==VERSION=PYTHON", show_default=False,
-            help="Measure a released implementation as well, in the environment of this python: scenic==3.1.1=/path/to/bin/python.",
+            help="Also measure a released implementation, in the environment of this Python: scenic==3.1.1=/path/to/bin/python.",
         ),
     ] = None,
     released: Annotated[
         str | None,
         typer.Option(
             "--released", metavar="DIR", show_default=False,
-            help="Where the released implementations find the programs, under the same names in their syntax; else they get the programs themselves.",
+            help="A folder with the programs in the syntax of the released implementations, under the same names; "
+            "by default they get the programs themselves.",
         ),
     ] = None,
-    prune: Annotated[bool, typer.Option("--prune", help="Measure the batch backend with pruning as well.")] = False,
+    prune: Annotated[bool, typer.Option("--prune", help="Also measure the batch backend with pruning.")] = False,
     growth: Annotated[bool, typer.Option("--growth", help="Measure how cost grows with the number of objects and of polygons.")] = False,
     seed: Annotated[int, typer.Option("--seed", metavar="S", help="The seed of the scenes.")] = 0,
     output: Annotated[str | None, typer.Option("--json", metavar="PATH", help="Write all figures as JSON.")] = None,
     plot: Annotated[str | None, typer.Option("--plot", metavar="PATH", help="Draw scenes per second as bars, as .png, .pdf or .svg.")] = None,
     debug: DebugOption = False,
 ) -> None:
-    """Measure how fast scenes are drawn: by the interpreter, by the batch backend on columns and compiled, and by released implementations.
+    """Measure how fast scenes are drawn.
 
-    Each program and implementation has a process of its own; they take turns on one core, and scenes are counted per second of the
-    processor. Ratios are to the first --against, else to the interpreter. Ctrl-C shows what is measured so far.
+    The interpreter, the batch backend on columns and compiled, and released implementations draw each program in a process of their own.
+    They take turns on one core, and scenes are counted per second of the processor. Ratios are to the first --against, else to the
+    interpreter. Ctrl-C shows what is measured so far.
     """
+    from ..benchmarks.course import Request, measure
     from ..semantics.kernel.errors import UsageError
-    from .bench_running import Request, measure
+    from .session import tell
 
     context.obj.seed = seed
     if not programs and not growth:
         raise UsageError("there is nothing to measure", hint="give programs, or --growth")
     if plot is not None and not programs:
-        raise UsageError("--plot draws the figures of programs: give some")
+        raise UsageError("--plot draws the figures of programs, so it needs some")
     if not 0 < seconds < float("inf"):
         raise UsageError("--seconds must be a positive number")
-    measure(Request(tuple(programs or ()), seconds, repeat, tuple(against or ()), released, prune, growth, seed, output, plot))
+    check_outputs(programs or (), output, plot)
+    request = Request(tuple(programs or ()), seconds, repeat, tuple(against or ()), released, prune, growth, seed)
+    measure(request, tell, lambda figures: finish(figures, request, output, plot))
+
+
+def check_outputs(programs: Sequence[str], output: str | None, plot: str | None) -> None:
+    """Raise `UsageError` unless the files can be written."""
+    from .files import PICTURES, check_ending, check_place
+
+    for place in (output, plot):
+        if place is not None:
+            check_place(place, {f"the program {Path(p).stem}": p for p in programs})
+    if output is not None:
+        check_ending("--json", output, "figures", (".json",))
+    if plot is not None:
+        check_ending("--plot", plot, "pictures", PICTURES)
+
+
+def finish(figures: Figures, request: Request, output: str | None, plot: str | None) -> None:
+    """The tables on standard output, the files."""
+    from ..benchmarks.terminal import show
+    from .files import write
+    from .session import tell
+
+    if figures.interrupted:
+        tell("interrupted: these figures are what was measured so far")
+    show(figures)
+    if output is not None:
+        write(output, json.dumps(figures.json(request.json()), indent=1) + "\n")
+    if plot is not None and any(cell.rate is not None for cell in figures.cells):
+        from ..benchmarks.bars import bars
+
+        write(plot, bars(figures, format=Path(plot).suffix[1:].lower()))

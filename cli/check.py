@@ -1,4 +1,4 @@
-"""`scenic-ref check`: whether a program is one, and whether samples have its distribution."""
+"""`scenic-ref check`: whether a program is well-formed, and whether samples have its distribution."""
 
 from __future__ import annotations
 
@@ -45,7 +45,10 @@ def check(
         float, typer.Option("--detect-tv", metavar="E", help="The difference, in total variation of a feature, that must not be missed.")
     ] = 0.01,
     tolerance: Annotated[
-        float, typer.Option("--tolerance", metavar="T", help="Numbers that differ by T or less, relative to the larger of them and 1, are the same.")
+        float,
+        typer.Option(
+            "--tolerance", metavar="T", help="Numbers are equal if they differ by at most T, relative to the larger of 1 and the program's number."
+        ),
     ] = 5e-6,
     ignore: Annotated[
         list[str] | None, typer.Option("--ignore", metavar="FEATURE", help="Do not compare a feature: objects[1].width, 1.speed, class, ...")
@@ -54,7 +57,7 @@ def check(
         list[str] | None, typer.Option("--map", metavar="A=B", help="A feature or class that the samples call A and the program B.")
     ] = None,
     reference: Annotated[
-        str | None, typer.Option("--reference", metavar="PATH", help="Scenes of the program, drawn earlier; else they are drawn now.")
+        str | None, typer.Option("--reference", metavar="PATH", help="Scenes of the program that were drawn earlier; by default they are drawn now.")
     ] = None,
     report: Annotated[str | None, typer.Option("--report", metavar="PATH", help="Write the comparison as a page, .html.")] = None,
     junit: Annotated[str | None, typer.Option("--junit", metavar="PATH", help="Write the verdict as JUnit XML.")] = None,
@@ -71,10 +74,12 @@ def check(
     trust: TrustOption = False,
     debug: DebugOption = False,
 ) -> None:
-    """Parse a program, check it, and run it through once; prints "ok" or the error.
+    """Check a program, or compare samples with it.
 
-    With --samples: were these scenes drawn from the program's distribution? Exit codes: 0 equivalent, 1 different, 2 wrong
-    usage, 5 inconclusive (too few samples for --detect-tv).
+    The program is parsed, checked and run once; the answer is "ok" or the error.
+
+    With --samples: were these scenes drawn from the program's distribution? Exit codes: 0 equivalent, 1 different, 2 wrong usage, 5
+    inconclusive (too few samples for --detect-tv).
     """
     from ..semantics.kernel.errors import UsageError
     from .session import escaped
@@ -89,7 +94,7 @@ def check(
         options = ("alpha", "detect_tv", "tolerance", "ignore", "mapped", "reference", "report", "junit", "seed", "workers")
         given = [f"--{name.replace('_', '-').replace('mapped', 'map')}" for name in options if is_given(context, name)]
         if given:
-            raise UsageError(f"{given[0]} belongs to --samples", hint="scenic-ref check FILE --samples PATH")
+            raise UsageError(f"{given[0]} needs --samples", hint="scenic-ref check FILE --samples PATH")
         source.load().rehearse()
         print("ok")
         return

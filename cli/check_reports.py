@@ -42,7 +42,7 @@ def write_page(path: str, verdict: Verdict, source: Source, samples: str) -> Non
             title=escape(f"{source.file}: {verdict.kind}"), about=escape(about), kind=verdict.kind,
             lines="".join(f"<p>{escape(line)}</p>" for line in verdict.lines()),
             expected="the exact law" if verdict.exact else "scenes of the program",
-            skipped=escape(f"Not compared, since only one side has it: {', '.join(verdict.skipped)}." if verdict.skipped else ""),
+            skipped=escape(f"Not compared, since only one side has them: {', '.join(verdict.skipped)}." if verdict.skipped else ""),
             features="\n".join(_drawn(feature) for feature in verdict.features[:MOST_DRAWN]), rows=rows,
         ),
     )
@@ -71,7 +71,7 @@ def _drawn(feature: Feature) -> str:
 
 
 def _bar(left: float, step: float, label: str, x: float, y: float, highest: float) -> str:
-    """The two bars of a cell, with its label if there is room; the exact numbers show when one points at them."""
+    """The two bars of a cell, with its label if there is room; pointing at them shows the exact numbers."""
     width = step * 0.38
     tip = f"<title>{escape(label)}: {x:.3%} of the samples, {y:.3%} expected</title>"
     rects = "".join(

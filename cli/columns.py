@@ -1,4 +1,4 @@
-"""Plain tables: aligned columns, the last one wrapped on a terminal to its width, and nowhere else."""
+"""Plain tables: aligned columns; on a terminal the last one is wrapped to its width."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`scenic-ref conformance`: the vectors, run on ourselves."""
+"""`scenic-ref conformance`: the vectors, run on scenic-ref itself."""
 
 from __future__ import annotations
 
@@ -31,9 +31,10 @@ def conformance(
     seed: Annotated[int, typer.Option("--seed", metavar="S", help="The seed of the statistical vectors; a nightly run takes a fresh one.")] = 20,
     debug: DebugOption = False,
 ) -> None:
-    """Run the conformance vectors: programs with what the paper says about their scenes.
+    """Run the conformance vectors.
 
-    Shows a table by chapter of the paper, and what did not pass with its reason. The exit code is 0 if nothing failed or errored.
+    A vector is a program with what the paper says about its scenes or simulations. A table by chapter of the paper counts the results;
+    each vector that did not pass is listed with the reason. The exit code is 0 if nothing failed or errored.
     """
     from ..conformance import Ourselves, load_vectors
     from ..conformance.reports import all_passed
@@ -77,7 +78,7 @@ def nearest(name: str, known: Iterable[str]) -> str:
 
 
 def check_dialect(dialect: str | None) -> None:
-    """Raises `UsageError` for a name that is no dialect."""
+    """Raise `UsageError` for an unknown dialect."""
     from ..interpreter.dialects import choose
 
     choose("", dialect)

@@ -119,7 +119,7 @@ class Drawing:
         return Drawn(index, attempts, found.scene.to_line(), found.stuck, tuple(printed), soft)
 
     def again(self, seed: int, index: int, attempts: int) -> Scene | None:
-        """The scene that is known to need so many attempts, by the last of them alone; None if that attempt gets stuck."""
+        """The scene that is known to need `attempts` attempts, by the last of them alone; None if that attempt gets stuck."""
         if self.scenario.in_parts:
             with suppress(AttemptsExhausted):
                 return self.scenario.sample(seed, index, max_attempts=attempts)
@@ -128,7 +128,7 @@ class Drawing:
         return scene_of(result.state, seed, index, attempts, pruned=bool(self.scenario.draws)) if isinstance(result, Accepted) else None
 
     def softness(self, seed: int, index: int, attempts: int, block: Block | None = None) -> tuple[Softness, ...]:
-        """How often each soft requirement held in the last of so many attempts, which is run once more, so that looking disturbs nothing.
+        """How often each soft requirement held in the last attempt at a scene, which is run once more, so that looking disturbs nothing.
 
         `block` is a drawing that has the scene, if there is one.
         """

@@ -61,7 +61,7 @@ def produce_enumeration(source: Source, request: Request, session: Session) -> N
 
 
 class Life:
-    """Signs of life on a terminal while runs are made."""
+    """A progress bar on a terminal while runs are made."""
 
     def __init__(self) -> None:
         self.status: Status | None = None
@@ -79,7 +79,7 @@ class Life:
             self.status.stop()
 
     def sign(self, runs: int, covered: Fraction) -> None:
-        """So many runs were made, which cover part of the probability."""
+        """How many runs were made, and which part of the probability they cover."""
         if self.status is not None and runs % EVERY == 0:
             self.status.update(f"{runs:,} runs, {float(covered):.1%} of the probability")
 
@@ -109,7 +109,7 @@ def varying(found: Enumeration) -> list[Column]:
 
 
 def short(name: str) -> str:
-    """A feature's name, as short as it can be told."""
+    """A short name of a feature."""
     name = name.replace(".properties.", ".").removeprefix("params.").replace(".position[0]", ".x").replace(".position[1]", ".y")
     return name.replace("objects[", "").replace("].", ".", 1) if name.startswith("objects[") else name
 
@@ -162,5 +162,5 @@ def plot(found: Enumeration, path: str, name: str) -> None:
 
 
 def clipped(labels: Sequence[str]) -> list[str]:
-    """Labels that leave room for their bars."""
+    """Labels, shortened to leave room for their bars."""
     return [label if len(label) <= 60 else f"{label[:59]}…" for label in labels]

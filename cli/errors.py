@@ -25,14 +25,14 @@ NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 
 
 def report(error: Exception, session: Session) -> int:
-    """Tell what went wrong on standard error; gives the exit code."""
+    """Report an error on standard error; gives the exit code."""
     if session.debug:
         tell("".join(traceback.format_exception(error)).rstrip())
     if isinstance(error, OSError) and error.errno in NO_ROOM:
         session.hang_up()
         error = UsageError(f"standard output cannot be written: {error.strerror}")
     if isinstance(error, MemoryError):
-        error = RunError("this needs more memory than there is", hint="--limit-memory gives it more, where the machine has more")
+        error = RunError("this needs more memory than there is", hint="--limit-memory allows more, if the machine has it")
     if isinstance(error, ScenicError) and not isinstance(error, InternalError):
         print(render(error, session.texts, colours=coloured(sys.stderr)), file=sys.stderr, flush=True)
         return error.exit_code
@@ -41,7 +41,7 @@ def report(error: Exception, session: Session) -> int:
 
 
 def internal(error: Exception, session: Session) -> str:
-    """The message of a fault that is ours."""
+    """The message of an internal error."""
     what = error.message if isinstance(error, InternalError) else f"{type(error).__name__}: {error}".rstrip(": ")
     about = [f"the program {session.program}"] if session.program else []
     about += [f"the seed {session.seed}"] if session.seed is not None else []
@@ -51,7 +51,7 @@ def internal(error: Exception, session: Session) -> str:
     ]
     if isinstance(error, InternalError) and error.hint:
         lines.append(f"  hint: {error.hint}")
-    return "\n".join(lines if session.debug else [*lines, "  hint: --debug shows the traceback, which belongs into the report"])
+    return "\n".join(lines if session.debug else [*lines, "  hint: --debug shows the traceback; please add it to the report"])
 
 
 def render(error: ScenicError, texts: Mapping[str, str], *, colours: bool = False) -> str:

@@ -1,4 +1,4 @@
-"""Files that a command writes: wrong paths are found before the work begins, and a file is there whole or not at all."""
+"""Files that a command writes: wrong paths are found before the work begins, and a file is written completely or not at all."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def check_place(path: str, read: Mapping[str, str | None]) -> None:
 
 
 def check_ending(option: str, path: str, what: str, endings: Sequence[str]) -> None:
-    """Raise `UsageError` unless the ending of `path` is one that is written; devices and standard output (-) need none, but for a picture."""
+    """Raise `UsageError` unless the ending of `path` is known; devices and standard output (-) need none, except for a picture."""
     is_stream = path == "-" or (Path(path).exists() and not Path(path).is_file())
     if Path(path).suffix.lower() in endings or (is_stream and endings != PICTURES):
         return

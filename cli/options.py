@@ -36,15 +36,15 @@ ModelOption = Annotated[str | None, typer.Option("--model", metavar="M", help="T
 ParamOption = Annotated[
     list[str] | None, typer.Option("-p", "--param", metavar="NAME=VALUE", help="A global parameter; wins over the program's.")
 ]
-AttemptsOption = Annotated[int, typer.Option("--max-attempts", metavar="M", min=1, help="Give up on a scene after so many attempts.")]
+AttemptsOption = Annotated[int, typer.Option("--max-attempts", metavar="M", min=1, help="Give up on a scene after M attempts.")]
 FuelOption = Annotated[int, typer.Option("--fuel", metavar="F", min=1, help="The most steps that one attempt may take.")]
 LimitMemoryOption = Annotated[
-    str, typer.Option("--limit-memory", metavar="SIZE", help="The memory that a program without --trust may take, such as 512M or 4G; none: all.")
+    str, typer.Option("--limit-memory", metavar="SIZE", help="The memory for a program without --trust, such as 512M or 4G; none: no limit.")
 ]
 LimitSecondsOption = Annotated[
     str,
     typer.Option(
-        "--limit-seconds", metavar="S", help="The processor time of one attempt, or one time step, of a program without --trust; none: no limit."
+        "--limit-seconds", metavar="S", help="The processor time for one attempt, or one time step, of a program without --trust; none: no limit."
     ),
 ]
 DEFAULT_MEMORY, DEFAULT_SECONDS = "4G", "60"
@@ -53,7 +53,7 @@ TrustOption = Annotated[bool, typer.Option("--trust", help="Let the program impo
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """A program text and all that decides what its scenes are, but for the seed; can be sent to another process."""
+    """A program text and everything but the seed that decides its scenes; can be sent to another process."""
 
     file: str
     text: str
@@ -105,7 +105,7 @@ def limits_of(memory: str, seconds: str) -> Limits:
 
 
 def pairs(given: list[str] | None, option: str, form: str) -> tuple[tuple[str, str], ...]:
-    """`NAME=VALUE` arguments as pairs, the last of a name winning. Raises `UsageError`."""
+    """`NAME=VALUE` arguments as pairs; the last one of a name counts. Raises `UsageError`."""
     from ..semantics.kernel.errors import UsageError
 
     found: dict[str, str] = {}

@@ -28,9 +28,9 @@ if TYPE_CHECKING:
 
 BINARY = getattr(os, "O_BINARY", 0)
 AT_ONCE = 1 << 16
-"""So many bytes of whole lines are written at a time: as much as a pipe holds."""
+"""Bytes of whole lines that are written at a time: as much as a pipe holds."""
 KNOWN = 32
-"""Of so many scenes that are there already are the attempts kept, for a picture of them."""
+"""For how many scenes of a resumed file the attempts are kept, for a picture of them."""
 
 
 class Earlier(NamedTuple):
@@ -54,7 +54,7 @@ class Output(ABC):
 
     @property
     def form(self) -> Form:
-        """In which form many scenes at a time are wanted."""
+        """The form in which many scenes at a time are taken."""
         return "lines"
 
     def __enter__(self) -> Output:
@@ -64,7 +64,7 @@ class Output(ABC):
         self.close()
 
     def earlier(self, seed: int) -> Resumed:
-        """The scenes of `seed` that are there already. Raises `UsageError` for anything else that is there."""
+        """The scenes of `seed` that the file holds already. Raises `UsageError` for anything else in it."""
         raise UsageError("only a file of JSON Lines can be resumed")
 
     @abstractmethod
@@ -83,7 +83,7 @@ class Output(ABC):
 
 
 class LinesFile(Output):
-    """A file of JSON Lines, written in place: every line is there as soon as its scene is drawn, and always whole."""
+    """A file of JSON Lines, written in place: every line is written as soon as its scene is drawn, and always whole."""
 
     def __init__(self, path: str, *, resume: bool) -> None:
         self.path = path
@@ -186,7 +186,7 @@ class Pipe(Output):
 
 
 class TableOutput(Output):
-    """A Parquet or npz file, which is there only when it is complete."""
+    """A Parquet or npz file, which appears only when it is complete."""
 
     def __init__(self, path: str) -> None:
         from ..formats.tables import open_table
@@ -233,7 +233,7 @@ def locked(file: int) -> bool:
 
 
 def in_pieces(lines: bytes) -> Iterator[memoryview]:
-    """Lines with their ends, some whole ones at a time."""
+    """Lines with their ends, some at a time."""
     start = 0
     while start < len(lines):
         end = lines.rfind(b"\n", start, start + AT_ONCE) + 1 or lines.find(b"\n", start) + 1 or len(lines)
@@ -258,6 +258,6 @@ def open_output(path: str | None, *, resume: bool) -> Output:
         return Pipe()
     if path.lower().endswith(SUFFIXES):
         if resume:
-            raise UsageError("a table cannot be resumed, since it is there only when it is complete", hint="write JSON Lines: -o PATH.jsonl")
+            raise UsageError("a table cannot be resumed, since it appears only when it is complete", hint="write JSON Lines: -o PATH.jsonl")
         return TableOutput(path)
     return LinesFile(path, resume=resume)

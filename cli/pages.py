@@ -1,4 +1,4 @@
-"""A page that plays simulations again, one file with nothing else needed; and a moving picture of one."""
+"""A self-contained page that plays simulations again, and an animation of one."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .files import write
 from .progress import Progress
 
 MOST = 50
-"""So many simulations are on a page."""
+"""The most simulations on a page."""
 
 
 def write_page(path: str, title: str, runs: Sequence[SampledRun]) -> None:

@@ -23,9 +23,9 @@ from .workers import Failed, Job, failed
 
 Form = Literal["lines", "table", "features"]
 MOST_LOOKED_AT = 500
-"""Of so many scenes is it found out, with the interpreter, how often a soft requirement held."""
+"""For how many scenes the interpreter counts how often each soft requirement held."""
 SMALL_PARTS = 4
-"""At first each process gets so many jobs, if there are few scenes."""
+"""The first jobs of each process, if there are few scenes."""
 
 
 class Portion(NamedTuple):

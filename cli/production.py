@@ -1,4 +1,4 @@
-"""What `scenic-ref run` does once its options are understood."""
+"""What `scenic-ref run` does with its options."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ MOST_FINDINGS, MOST_PARTS = 16, 16
 
 
 class Request(NamedTuple):
-    """Which scenes to draw, by whom, and what to do with them."""
+    """Which scenes to draw, with what, and what to do with them."""
 
     start: int
     stop: int
@@ -41,7 +41,7 @@ class Request(NamedTuple):
 
 
 def produce(source: Source, request: Request, session: Session) -> None:
-    """Draw the scenes, write them, show how it went. Raises the program's errors, `AttemptsExhausted` and `UsageError`."""
+    """Draw the scenes, write them, report on them. Raises the program's errors, `AttemptsExhausted` and `UsageError`."""
     check_paths(source, request)
     drawing = drawing_of(source)
     rehearse(drawing)
@@ -84,11 +84,11 @@ def why_interpreted(drawing: Drawing, request: Request) -> str | None:
     if drawing.scenario.impossible is not None:
         raise drawing.scenario.impossible
     reason = drawing.scenario.not_lifted
-    return None if reason is None else f"since the program cannot be drawn from many at a time: {reason}"
+    return None if reason is None else f"since the batch backend cannot draw from this program: {reason}"
 
 
 def backend_line(interpreted: str | None, tally: Tally) -> str:
-    """Who drew the scenes, and why not the batch backend."""
+    """Which backend drew the scenes, and why not the batch backend."""
     if interpreted is not None:
         return f"drawn by the interpreter, {interpreted}"
     runs = "1 run was" if tally.left == 1 else f"{tally.left:,} runs were"
@@ -96,7 +96,7 @@ def backend_line(interpreted: str | None, tally: Tally) -> str:
 
 
 def pruning_lines(drawing: Drawing) -> list[str]:
-    """That pruning was on, for each object what it did or which assumption fails, and what was drawn apart."""
+    """The report on pruning: for each object what it did or which assumption fails, and what was drawn apart."""
     pruning, batch = drawing.scenario.pruning, drawing.scenario.batch
     on = [str(f) for f in pruning.findings if f.after is not None]
     reasons: dict[tuple[str, str], list[str]] = {}
@@ -105,11 +105,11 @@ def pruning_lines(drawing: Drawing) -> list[str]:
             reasons.setdefault((finding.objects, finding.reason), []).append(finding.technique)
     off = [f"{objects}: {', '.join(techniques)} off: {reason}" for (objects, reason), techniques in reasons.items()]
     changed = pruning.pruned or drawing.scenario.in_parts
-    head = "pruning was on: other scenes than without it, from the same distribution" if changed else "pruning found nothing to prune"
+    head = "pruning was on: other scenes than without it, with the same distribution" if changed else "pruning found nothing to prune"
     parts = batch.parts if batch is not None else []
     shown = [*first_lines([*on, *off], MOST_FINDINGS), *first_lines(parts, MOST_PARTS)]
     if drawing.scenario.in_parts:
-        shown.append("the attempts of a scene are those at the part with most; stuck attempts are counted for each part")
+        shown.append("the attempts of a scene are the most of any part; stuck attempts are counted for each part")
     return [head, *(f"  {line}" for line in shown)]
 
 
@@ -167,7 +167,7 @@ def rehearse(drawing: Drawing) -> None:
 
 
 def accepted(scenes: Iterator[Drawn | Failed], progress: Progress) -> Iterator[Drawn]:
-    """The scenes, what each printed being told. Raises the error that ends them."""
+    """The scenes; what each printed goes to standard error. Raises the error that ends them."""
     for drawn in scenes:
         for text in drawn.printed:
             progress.say(text)
@@ -179,9 +179,9 @@ def accepted(scenes: Iterator[Drawn | Failed], progress: Progress) -> Iterator[D
 def check_paths(source: Source, request: Request) -> None:
     """Find wrong paths before the work begins. Raises `UsageError`."""
     if request.resume and (request.output is None or request.output == "-"):
-        raise UsageError("--resume needs the file to go on with: -o PATH")
+        raise UsageError("--resume needs a file to continue: -o PATH")
     if request.resume and request.start:
-        raise UsageError("--resume goes on with all scenes, so it cannot be combined with --scene")
+        raise UsageError("--resume continues with all scenes, so it cannot be combined with --scene")
     for path in (request.output, request.plot):
         if path is None or path == "-":
             continue
@@ -193,7 +193,7 @@ def check_paths(source: Source, request: Request) -> None:
 
 
 def check_earlier(drawing: Drawing, request: Request, earlier: Resumed) -> None:
-    """The last scene that is there must be the one that this program gives. Raises `UsageError`."""
+    """Check that the last scene of a resumed file is the one that this program gives. Raises `UsageError`."""
     last = earlier.last
     if last is None:
         return

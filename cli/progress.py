@@ -1,4 +1,4 @@
-"""How far a run is, on a terminal: scenes, rate, attempts per scene, acceptance, time left."""
+"""The progress of a run, on a terminal: scenes, rate, attempts per scene, acceptance, time left."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ INTERVAL = 0.1
 
 
 class Progress:
-    """The progress bar of a run of `total` scenes, of which `done` are there; silent if standard error is no terminal."""
+    """The progress bar of a run of `total` scenes, of which `done` are there; silent if standard error is not a terminal."""
 
     def __init__(self, total: int, done: int = 0, *, what: str = "scenes") -> None:
         self.total = total
@@ -46,12 +46,12 @@ class Progress:
             self.bar.stop()
 
     def stuck(self, attempts: int) -> None:
-        """So many attempts at the current scene got stuck."""
+        """How many attempts at the current scene got stuck."""
         self.pending = attempts
         self.show()
 
     def drawn(self, attempts: int, scenes: int = 1) -> None:
-        """More scenes were drawn, in so many attempts."""
+        """More scenes were drawn; in how many attempts."""
         self.scenes += scenes
         self.attempts += attempts
         self.pending = 0

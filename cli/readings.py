@@ -15,13 +15,16 @@ if TYPE_CHECKING:
 
 
 def readings(
-    name: Annotated[str | None, typer.Argument(metavar="[ID]", help="The reading to explain.")] = None,
+    name: Annotated[str | None, typer.Argument(metavar="ID", help="The reading to explain.")] = None,
     profile: ProfileOption = "paper",
     reading: ReadingOption = None,
     as_json: Annotated[bool, typer.Option("--json", help="As JSON.")] = False,
     debug: DebugOption = False,
 ) -> None:
-    """List the places where the paper leaves a choice, with the alternatives; the one that is followed is marked *, the only one is in brackets."""
+    """List the places where the paper leaves a choice.
+
+    Of the alternatives, * marks the selected one; one in parentheses is the only one.
+    """
     from ..semantics.readings import READINGS, select
     from .columns import columns
 
@@ -44,7 +47,7 @@ def answers(reading: Reading, selected: str) -> str:
 
 
 def unknown(name: str, known: tuple[str, ...]) -> Exception:
-    """The error for an id that is none."""
+    """The error for an unknown id."""
     from difflib import get_close_matches
 
     from ..semantics.kernel.errors import UsageError

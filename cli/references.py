@@ -18,7 +18,7 @@ from .progress import Progress
 from .workers import Failed, Job, draw_here, draw_in_processes
 
 ONE_BY_ONE = 256
-"""So many scenes that are drawn one by one become columns together."""
+"""How many scenes that are drawn one by one become columns together."""
 
 
 class References:

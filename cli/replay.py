@@ -1,4 +1,4 @@
-"""What `scenic-ref simulate --replay` does: recorded simulations are played again, and compared with what was recorded."""
+"""What `scenic-ref simulate --replay` does: it plays recorded simulations again, and compares the results with the recording."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ..simulators.replays import Difference, difference_of
 
 
 def recordings_in(path: str) -> Iterator[tuple[int, Recording]]:
-    """The simulations of a file, each with its line number. Raises `UsageError` with the line that is none."""
+    """The simulations of a file, each with its line number. Raises `UsageError` with the line that is not one."""
     try:
         with open(path, "rb") as file:
             for number, line in enumerate(file, 1):
@@ -28,9 +28,9 @@ def recordings_in(path: str) -> Iterator[tuple[int, Recording]]:
 
 
 def check_recordings(path: str) -> int:
-    """How many simulations are in a file: all are looked at before anything is written. Raises `UsageError`."""
+    """How many simulations are in a file; all are checked before anything is written. Raises `UsageError`."""
     if Path(path).exists() and not Path(path).is_file():
-        raise UsageError(f"{path} cannot be replayed: it is no ordinary file")
+        raise UsageError(f"{path} cannot be replayed: it is not an ordinary file")
     count = sum(1 for _ in recordings_in(path))
     if not count:
         raise UsageError(f"{path} holds no simulations")
@@ -43,7 +43,7 @@ def at_line(problem: UsageError, path: str, number: int) -> UsageError:
 
 
 class Replays:
-    """The simulations of a file in a simulator; what differs is remembered."""
+    """Replays the simulations of a file in a simulator, and remembers what differs."""
 
     def __init__(self, path: str, scenario: Scenario, simulator: str, timestep: float | None) -> None:
         self.path, self.scenario, self.simulator, self.timestep = path, scenario, simulator, timestep

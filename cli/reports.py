@@ -1,4 +1,4 @@
-"""What is said after a run: attempts per scene, the requirements that rejected most, soft requirements that held too seldom."""
+"""The report after a run: attempts per scene, the requirements that rejected most, soft requirements that held too rarely."""
 
 from __future__ import annotations
 

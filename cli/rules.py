@@ -15,11 +15,14 @@ if TYPE_CHECKING:
 
 
 def rules(
-    prefix: Annotated[str, typer.Argument(metavar="[PREFIX]", help="Only the rules whose id begins so; a whole id shows that rule.")] = "",
+    prefix: Annotated[str, typer.Argument(metavar="PREFIX", help="Only the rules whose id begins with PREFIX; a whole id explains that rule.")] = "",
     as_json: Annotated[bool, typer.Option("--json", help="As JSON.")] = False,
     debug: DebugOption = False,
 ) -> None:
-    """List the rules of the paper: id, the paper's name, place in the paper, function."""
+    """List the rules of the paper.
+
+    Each has its id, the paper's name, its function, and its place in the paper.
+    """
     from ..semantics.rules import CATALOGUE, RULES
     from .columns import columns
 
@@ -36,7 +39,7 @@ def rules(
 
 
 def unknown(name: str, known: tuple[str, ...]) -> Exception:
-    """The error for an id that is none."""
+    """The error for an unknown id."""
     from difflib import get_close_matches
 
     from ..semantics.kernel.errors import UsageError

@@ -49,12 +49,12 @@ def run(
     max_attempts: AttemptsOption = DEFAULT_ATTEMPTS,
     fuel: FuelOption = DEFAULT_FUEL,
     workers: Annotated[int, typer.Option("--workers", metavar="K", min=1, help="Use K processes; the scenes stay the same.")] = 1,
-    resume: Annotated[bool, typer.Option("--resume", help="Go on where an interrupted run to the same PATH stopped.")] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Continue an interrupted run to the same PATH.")] = False,
     backend: Annotated[
         str | None,
         typer.Option(
             "--backend", metavar="B", show_default=False,
-            help="batch: draw many scenes at a time (the default for 10 or more); interpreter: draw them one by one, the same ones; "
+            help="batch: draw many scenes at a time (the default for 10 or more); interpreter: draw the same scenes one by one; "
             "enumerate: all outcomes with their exact probabilities.",
         ),
     ] = None,
@@ -67,9 +67,12 @@ def run(
     ] = None,
     prune: Annotated[
         bool,
-        typer.Option("--prune", help="Draw from smaller regions, and parts apart, where that is safe: other scenes, from the same distribution."),
+        typer.Option(
+            "--prune",
+            help="Draw from smaller regions, and independent parts separately, where that is safe: other scenes, from the same distribution.",
+        ),
     ] = False,
-    max_runs: Annotated[int, typer.Option("--max-runs", metavar="M", min=1, help="enumerate: give up after so many runs.")] = 20_000,
+    max_runs: Annotated[int, typer.Option("--max-runs", metavar="M", min=1, help="enumerate: give up after M runs.")] = 20_000,
     discretize: Annotated[
         int | None,
         typer.Option("--discretize", metavar="N", min=1, help="enumerate: replace each continuous draw by N values, an approximation."),
@@ -91,13 +94,13 @@ def run(
     session = context.obj
     session.seed = seed
     if backend not in (None, *BACKENDS):
-        raise UsageError(f"there is no backend {backend}", hint="there are batch, interpreter and enumerate")
+        raise UsageError(f"there is no backend {backend}", hint="the backends are batch, interpreter and enumerate")
     if backend == "enumerate" and (count != 1 or scene is not None or resume or workers != 1 or cluster is not None):
-        raise UsageError("an enumeration gives all outcomes at once: -n, --scene, --resume, --workers and --cluster do not belong to it")
+        raise UsageError("an enumeration gives all outcomes at once: -n, --scene, --resume, --workers and --cluster cannot be given with it")
     if backend == "enumerate" and prune:
-        raise UsageError("an enumeration draws nothing: --prune does not belong to it")
+        raise UsageError("an enumeration draws nothing: --prune cannot be given with it")
     if backend != "enumerate" and discretize is not None:
-        raise UsageError("--discretize belongs to --backend enumerate")
+        raise UsageError("--discretize needs --backend enumerate")
     if scene is not None and count != 1:
         raise UsageError("--scene draws a single scene, so -n cannot be given as well")
     source = read_source(

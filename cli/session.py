@@ -8,7 +8,7 @@ import sys
 from dataclasses import dataclass, field
 
 CONTROL = re.compile("[\\x00-\\x08\\x0b-\\x1f\\x7f-\\x9f\\u061c\\u200e\\u200f\\u2028-\\u202e\\u2066-\\u2069]")
-"""Control characters but for tabs and ends of lines, and those that turn the direction of writing."""
+"""Control characters except tabs and ends of lines, and those that change the direction of writing."""
 
 
 @dataclass
@@ -25,7 +25,7 @@ class Session:
     finished: str = ""
 
     def hang_up(self) -> None:
-        """Nobody reads standard output any more: what is still to be written to it is dropped, quietly."""
+        """Nobody reads standard output any more: drop what is still to be written to it."""
         nothing = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nothing, sys.stdout.fileno())
 

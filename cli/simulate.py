@@ -41,13 +41,16 @@ def simulate(
             "--simulator", metavar="NAME", help="still (nothing moves, any value is an action), kinematic (no forces) or pymunk (collisions)."
         ),
     ] = "still",
-    steps: Annotated[int, typer.Option("--steps", metavar="N", min=0, help="The time limit: so many time steps.")] = 100,
+    steps: Annotated[int, typer.Option("--steps", metavar="N", min=0, help="The time limit, in time steps.")] = 100,
     timestep: Annotated[
-        float | None, typer.Option("--dt", metavar="S", help="The time step in seconds.", show_default="1 for still, 0.1 for others; that of RUNS")
+        float | None,
+        typer.Option(
+            "--dt", metavar="S", help="The time step in seconds.", show_default="1 for still, 0.1 for others; with --replay, that of RUNS"
+        ),
     ] = None,
     count: Annotated[int, typer.Option("-n", metavar="N", min=1, help="How many simulations.")] = 1,
     seed: SeedOption = 0,
-    run: Annotated[int | None, typer.Option("--run", metavar="K", min=0, help="Simulation K of the seed alone.")] = None,
+    run: Annotated[int | None, typer.Option("--run", metavar="K", min=0, help="Run only simulation K of the seed.")] = None,
     scenario: Annotated[
         str | None, typer.Option("--scenario", metavar="NAME", help="The modular scenario to begin with.", show_default="Main, if there is one")
     ] = None,
@@ -58,7 +61,7 @@ def simulate(
         str | None, typer.Option("--html", metavar="PATH", help="Also write a page that plays the simulations again (at most 50).")
     ] = None,
     gif: Annotated[
-        str | None, typer.Option("--gif", metavar="PATH", help="Also write a moving picture of the (first) simulation, in real time.")
+        str | None, typer.Option("--gif", metavar="PATH", help="Also write an animation of the (first) simulation, in real time.")
     ] = None,
     replay: Annotated[
         str | None,
@@ -78,12 +81,14 @@ def simulate(
     trust: TrustOption = False,
     debug: DebugOption = False,
 ) -> None:
-    """Run simulations of a program: a scene, then time steps in which the agents act.
+    """Run simulations of a program.
 
-    A run that violates a requirement is discarded, scene and all, and another is begun. On a terminal the end of each simulation is shown;
-    into a pipe, or with -o, one simulation is written per line as JSON, as soon as it is over. --fuel limits each time step.
+    A simulation is a scene, then time steps in which the agents act. A run that violates a requirement is discarded with its scene, and
+    another one begins. On a terminal the end of each simulation is shown; into a pipe, or with -o, one simulation is written per line as
+    JSON, as soon as it is finished. --fuel limits each time step.
 
-    With --replay the scenes are generated again, and must be those of RUNS; the report says how far the states differ from the recorded ones.
+    With --replay the scenes are generated again, and must be those of RUNS; the report says how far the states differ from the recorded
+    ones.
     """
     from ..semantics.kernel.errors import UsageError
     from .simulating import Request, produce_simulations
@@ -94,7 +99,7 @@ def simulate(
         sources = {name: context.get_parameter_source(parameter) for parameter, name in DECIDED.items()}
         given = [name for name, source in sources.items() if source is not None and source.name != "DEFAULT"]
         if given:
-            raise UsageError(f"what is replayed is decided by the recording: {', '.join(given)} cannot be given with --replay")
+            raise UsageError(f"the recording decides what is replayed: {', '.join(given)} cannot be given with --replay")
         session.seed = None
     if run is not None and count != 1:
         raise UsageError("--run asks for a single simulation, so -n cannot be given as well")

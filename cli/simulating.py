@@ -1,4 +1,4 @@
-"""What `scenic-ref simulate` does once its options are understood."""
+"""What `scenic-ref simulate` does with its options."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Request(NamedTuple):
 
 @dataclass
 class Tally:
-    """What is remembered of the simulations while they run: how many there were, and those that a page or a picture shows."""
+    """What is kept of the simulations: how many there were, and those that a page or an animation shows."""
 
     count: int = 0
     attempts: int = 0
@@ -62,7 +62,7 @@ class Tally:
 
 
 def produce_simulations(source: Source, request: Request, session: Session) -> None:
-    """Run or replay the simulations, write or show them, say how it went.
+    """Run or replay the simulations, write or show them, report on them.
 
     Raises the errors of the program and simulator, `AttemptsExhausted`, `UsageError`.
     """
@@ -96,7 +96,7 @@ def produce_simulations(source: Source, request: Request, session: Session) -> N
 
 
 def show(source: Source, request: Request, tally: Tally, replays: Replays | None, seconds: float, session: Session) -> None:
-    """Make a page and a picture of the simulations that are over, and say how it went."""
+    """Make a page and an animation of the finished simulations, and report on all."""
     for line in replays.lines(seconds) if replays is not None else summary(request, tally, seconds, session):
         tell(line)
     if not tally.kept:
@@ -120,7 +120,7 @@ def check_places(source: Source, request: Request) -> None:
         check_ending("--html", request.html, "pages", (".html", ".htm"))
     if request.gif is not None:
         check_place(request.gif, {**read, "the output": request.output, "the page": request.html})
-        check_ending("--gif", request.gif, "moving pictures", (".gif",))
+        check_ending("--gif", request.gif, "animations", (".gif",))
 
 
 def shown_only(request: Request) -> bool:
@@ -129,8 +129,8 @@ def shown_only(request: Request) -> bool:
 
 
 def told_so_far(count: int, output: Output | None) -> str:
-    """What is said of so many simulations when the rest is interrupted."""
-    return f"{count:,} {'simulation was' if count == 1 else 'simulations were'} over" + ("" if output is None else ", written as whole lines")
+    """What is said of the simulations that are finished when the rest is interrupted."""
+    return f"{count:,} {'simulation was' if count == 1 else 'simulations were'} finished" + ("" if output is None else ", written as whole lines")
 
 
 def simulations(scenario: Scenario, request: Request, tally: Tally, progress: Progress) -> Iterator[SampledRun]:

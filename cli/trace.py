@@ -37,7 +37,7 @@ def trace(
     attempt: Annotated[
         int | None, typer.Option("--attempt", metavar="A", min=1, help="Trace attempt A, counting from 1, rather than the accepted one.")
     ] = None,
-    everything: Annotated[bool, typer.Option("--all", help="Also the rules inherited from Python, and default values.")] = False,
+    everything: Annotated[bool, typer.Option("--all", help="Also show the rules inherited from Python, and those for default values.")] = False,
     html: Annotated[str | None, typer.Option("--html", metavar="PATH", help="Write a page to step through the run instead.")] = None,
     steps: Annotated[
         int | None, typer.Option("--steps", metavar="N", min=0, help="Go on after the scene: the policy's rules in at most N time steps.")
@@ -61,7 +61,9 @@ def trace(
     trust: TrustOption = False,
     debug: DebugOption = False,
 ) -> None:
-    """Show every rule that fires in a run: its name, its probability, what it changes, and where it stands.
+    """Show every rule that fires in a run.
+
+    Each has its name, its probability, what it changes, and its place in the source.
 
     With --steps, a run is a simulation: its scene, then time steps. `--scene K` is then the one that `simulate --run K` gives.
     """
@@ -82,7 +84,7 @@ def trace(
     asked = Asked(seed, scene, attempt, max_attempts)
     if steps is None:
         if simulator != "still" or timestep is not None:
-            raise UsageError("--simulator and --dt are about simulations", hint="give the number of time steps as well: --steps N")
+            raise UsageError("--simulator and --dt are for simulations only", hint="give the number of time steps as well: --steps N")
         found = traced(source, asked)
     else:
         found = traced_simulation(source, asked, by_name(simulator, timestep), steps)

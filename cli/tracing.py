@@ -62,14 +62,14 @@ class Traced(NamedTuple):
         if isinstance(self.simulated, Simulated):
             return f"accepted: {self.simulated.result}: {self.simulated.reason}; {product}"
         if isinstance(self.simulated, Failed):
-            return f"discarded, scene and all: this fails {self.simulated.place}: {self.simulated.requirement.text}; up to there {product}"
+            return f"discarded, with its scene: this fails {self.simulated.place}: {self.simulated.requirement.text}; up to there {product}"
         if self.trace.accepted:
             return f"accepted: the scene (π, O); {product}"
         return f"stuck: the run is discarded; up to there {product}"
 
 
 def traced(source: Source, asked: Asked) -> Traced:
-    """Run the attempt that is asked for once more, keeping every rule that fires. Raises `AttemptsExhausted`, `UsageError`."""
+    """Run the requested attempt once more, and keep every rule that fires. Raises `AttemptsExhausted`, `UsageError`."""
     scenario = drawing_of(source).scenario
 
     def draw(count: Callable[[int], None]) -> int:
@@ -87,7 +87,7 @@ def traced(source: Source, asked: Asked) -> Traced:
 
 
 def traced_simulation(source: Source, asked: Asked, simulator: Simulator, steps: int) -> Traced:
-    """As `traced`, for a simulation of at most so many time steps."""
+    """As `traced`, for a simulation of at most `steps` time steps."""
     scenario = drawing_of(source).scenario
 
     def draw(count: Callable[[int], None]) -> int:
@@ -149,7 +149,7 @@ def write_text(found: Traced, texts: Mapping[str, str], *, everything: bool) -> 
     hidden = len(found.trace.events) - sum(1 for _ in shown_events(found.trace, everything=everything))
     print(escaped(f"\n{found.ending}"))
     if hidden:
-        print(f"{hidden:,} rules of Python and for default values are not shown: --all shows them")
+        print(f"{hidden:,} rules inherited from Python or for default values are hidden; --all shows them")
     sys.stdout.flush()
 
 

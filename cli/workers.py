@@ -1,4 +1,4 @@
-"""Several processes that draw scenes: the results come in the order of the scenes, whatever the number of processes."""
+"""Several processes that draw scenes: results come in the order of the scenes, whatever the number of processes."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ class Task:
 
 
 class Refused(Exception):
-    """The program is an error: `phase` is parse, check, resolve or run; what the implementation does not tell is None."""
+    """The program is an error: `phase` is parse, check, resolve or run; what the implementation does not report is None."""
 
     def __init__(self, phase: str, message: str, *, class_name: str | None = None, rule: str | None = None, line: int | None = None) -> None:
         super().__init__(message)
@@ -40,7 +40,7 @@ class Refused(Exception):
 
 
 class NeverAccepted(Exception):
-    """No run was accepted; `requirements` are the kinds of those that failed, None if the implementation does not tell."""
+    """No run was accepted; `requirements` are the kinds of those that failed, None if the implementation does not report them."""
 
     def __init__(self, requirements: frozenset[str] | None = None) -> None:
         super().__init__("no run was accepted")
@@ -65,13 +65,13 @@ class Implementation(Protocol):
         ...
 
     def scenes(self, task: Task, count: int, *, seed: int, attempts: int) -> Iterator[SceneRecord]:
-        """`count` independent scenes. Raises `Refused` for a program in error, `NeverAccepted` after so many `attempts` at one scene."""
+        """`count` independent scenes. Raises `Refused` for a program in error, `NeverAccepted` after `attempts` attempts at one scene."""
         ...
 
 
 @runtime_checkable
 class Tracing(Protocol):
-    """An implementation that tells which rules fire."""
+    """An implementation that reports which rules fire."""
 
     def fired(self, task: Task, wanted: frozenset[str], *, seed: int) -> frozenset[str]:
         """The ids of the rules that fired in a few runs, until all `wanted` ones were seen and one run was accepted."""
@@ -115,7 +115,7 @@ class EnumeratingSimulations(Protocol):
 
 @runtime_checkable
 class TracingSimulations(Protocol):
-    """An implementation that tells which rules fire in simulations, those of the scene included."""
+    """An implementation that reports which rules fire in simulations, including those of the scene."""
 
     def fired_in_simulations(self, task: Task, steps: int, wanted: frozenset[str], *, seed: int) -> frozenset[str]:
         """The ids of the rules that fired in a few simulations, until all `wanted` ones were seen and one was accepted."""

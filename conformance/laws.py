@@ -36,7 +36,7 @@ def contradiction(values: Sequence[float], law: Law) -> float:
     """How strongly the values contradict the law: the logarithm to base 10 of the largest e-value that they reached.
 
     With the mean of the squares there are two bets, with half of the stake on each: half of the larger is at most what they reach together.
-    (The larger itself would be no e-value.)
+    (The larger one alone would not be an e-value.)
     """
     if isinstance(law, Continuous):
         return evidence(values, law)

@@ -17,7 +17,7 @@ class Disagreement(Exception):
 
 
 def draw(implementation: Implementation, task: Task, count: int) -> list[SceneRecord]:
-    """So many scenes. Raises `Disagreement` if the implementation does not give them."""
+    """`count` scenes. Raises `Disagreement` if the implementation does not give them."""
     try:
         scenes = list(implementation.scenes(task, count, seed=task.seed, attempts=ATTEMPTS))
     except Refused as refused:
@@ -31,7 +31,7 @@ def draw(implementation: Implementation, task: Task, count: int) -> list[SceneRe
 
 def requirements(never: NeverAccepted) -> str:
     """The requirements that failed, in words."""
-    return "the requirements are not told" if never.requirements is None else "these failed: " + ", ".join(sorted(never.requirements))
+    return "the requirements are not reported" if never.requirements is None else "these failed: " + ", ".join(sorted(never.requirements))
 
 
 def read(scenes: Sequence[SceneRecord], path: Path) -> list[object]:

@@ -26,7 +26,7 @@ TRACED_RUNS = 60
 
 NO_LINE = 0
 REJECTING = frozenset({"D-Eventually", "D-Guard"})
-"""Rules that do nothing but reject a simulation: they fire where others are stuck."""
+"""Rules that only reject a simulation: they fire where others are stuck."""
 
 
 class Ourselves:
@@ -146,7 +146,7 @@ def traced(scenario: Scenario, seed: int, index: int) -> Trace:
 
 @contextmanager
 def told() -> Iterator[None]:
-    """Our errors in the words of the protocol; what is no error of the program goes through."""
+    """Our errors in the words of the protocol; any other error goes through."""
     try:
         yield
     except ProgramError as error:

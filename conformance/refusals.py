@@ -28,7 +28,7 @@ class Rejection:
     requirement: str
 
     def match(self, implementation: Implementation, task: Task) -> Verdict:
-        """No scene in so many attempts; an implementation that tells why must name that requirement and no other."""
+        """No scene in `attempts` attempts; an implementation that reports why must name that requirement and no other."""
         try:
             scenes = list(implementation.scenes(task, 1, seed=task.seed, attempts=self.attempts))
         except Refused as refused:
@@ -50,9 +50,9 @@ def read_rejection(fields: Fields) -> Rejection:
 
 @dataclass(frozen=True, slots=True)
 class Error:
-    """The program is refused in one of some phases; line, class and rule count only where the implementation tells them.
+    """The program is refused in one of some phases; line, class and rule are compared only if the implementation reports them.
 
-    With `steps`, the error is one of a simulation of at most so many time steps.
+    With `steps`, the error occurs in a simulation of at most this number of time steps.
     """
 
     phases: tuple[str, ...]

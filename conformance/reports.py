@@ -1,4 +1,4 @@
-"""What came of a run over many vectors: counts by chapter, the rules that fired, and a JSON report."""
+"""The results of a run over many vectors: counts by chapter, the rules that fired, and a JSON report."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def rules_missing(results: Iterable[Result]) -> tuple[str, ...]:
 
 
 def all_passed(results: Iterable[Result]) -> bool:
-    """Whether nothing failed and nothing errored; what is skipped is no failure."""
+    """Whether nothing failed and nothing errored; what is skipped is not a failure."""
     counts = total(results)
     return not (counts["failed"] or counts["errored"])
 

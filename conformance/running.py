@@ -31,7 +31,7 @@ def judge(implementation: Implementation, vector: Vector, dialect: str | None = 
 
 
 def verdict_of(implementation: Implementation, vector: Vector, task: Task) -> Verdict:
-    """The matcher's verdict, then that of the rules; a crash is no verdict about the language."""
+    """The matcher's verdict, then that of the rules; a crash says nothing about the language."""
     try:
         verdict = vector.matcher.match(implementation, task)
         return verdict if verdict.status != "passed" else rules_verdict(implementation, vector, task, verdict)
@@ -40,7 +40,7 @@ def verdict_of(implementation: Implementation, vector: Vector, task: Task) -> Ve
 
 
 def rules_verdict(implementation: Implementation, vector: Vector, task: Task, passed: Verdict) -> Verdict:
-    """Whether the rules fire that must, and none that must not, where the implementation tells."""
+    """Whether the rules fire that must, and none that must not, if the implementation reports them."""
     if not (vector.fires or vector.avoids):
         return passed
     try:
@@ -56,7 +56,7 @@ def rules_verdict(implementation: Implementation, vector: Vector, task: Task, pa
 
 
 def fired_in(implementation: Implementation, vector: Vector, task: Task) -> frozenset[str] | None:
-    """The rules that fire in what the vector is about, scenes or simulations; None if the implementation does not tell."""
+    """The rules that fire in what the vector is about, scenes or simulations; None if the implementation does not report them."""
     if vector.steps is not None:
         traces = isinstance(implementation, TracingSimulations)
         return implementation.fired_in_simulations(task, vector.steps, vector.fires, seed=task.seed) if traces else None

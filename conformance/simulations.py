@@ -47,7 +47,7 @@ class History:
         for number, (taken, expected) in enumerate(zip(passing, self.actions)):
             if not same_actions(taken, expected):
                 return f"in time step {number} the actions are {dict(taken)}, not {dict(expected)}"
-        ended = f"{len(passing)} time steps pass, and it ends by {found.get('result')!r}"
+        ended = f"{len(passing)} time steps pass, and it ends with {found.get('result')!r}"
         if len(passing) != len(self.actions) or found.get("result") != self.result or last:
             return f"{ended}, not {len(self.actions)} and {self.result!r}" if not last else "there are actions after the last time step"
         counts = [len(objects) if isinstance(objects := child(step, "objects"), list) else 0 for step in steps]
@@ -76,7 +76,7 @@ def same_actions(found: Actions, expected: Actions) -> bool:
 class Simulations:
     """The exact distribution of simulations of at most `steps` time steps, and perhaps the probability that a run is accepted.
 
-    An implementation that enumerates must give the very fractions; any other is sampled, and its samples must contradict `rival`.
+    An implementation that enumerates must give exactly these fractions; any other is sampled, and its samples must contradict `rival`.
     """
 
     steps: int
@@ -116,7 +116,7 @@ class Simulations:
         return found
 
     def number(self, simulation: SimulationRecord) -> int:
-        """Which history a simulation is. Raises `Disagreement` if it is none."""
+        """Which history a simulation is. Raises `Disagreement` if it is none of them."""
         differences = [history.difference(simulation) for history in self.histories]
         if None in differences:
             return differences.index(None)
@@ -124,7 +124,7 @@ class Simulations:
             raise Disagreement(str(differences[0]))
         steps = simulation.get("steps")
         course = [dict(taken_in(step)) for step in steps[:-1]] if isinstance(steps, list) else steps
-        raise Disagreement(f"a simulation is none of the histories: its actions are {course}, and it ends by {simulation.get('result')!r}")
+        raise Disagreement(f"a simulation is not one of the histories: its actions are {course}, and it ends with {simulation.get('result')!r}")
 
     def check_enumeration(self, exact: Enumerated) -> None:
         """The fractions themselves. Raises `Disagreement`."""
@@ -138,7 +138,7 @@ class Simulations:
             raise Disagreement(f"a run is accepted with probability {exact.acceptance}, not {self.acceptance}")
 
     def check_samples(self, simulations: list[SimulationRecord]) -> None:
-        """Frequencies that do not contradict the probabilities and do contradict the rival's. Raises `Disagreement`."""
+        """Frequencies must not contradict the probabilities, and must contradict the rival's. Raises `Disagreement`."""
         numbers = [self.number(simulation) for simulation in simulations]
         if len(self.histories) > 1:
             told_apart(evidence(numbers, law_of(self.probabilities)), evidence(numbers, law_of(self.rival)), "simulations")
@@ -153,7 +153,7 @@ class Rejected:
     attempts: int
 
     def match(self, implementation: Implementation, task: Task) -> Verdict:
-        """No simulation in so many attempts; an implementation that tells why must name these requirements and no other."""
+        """No simulation in `attempts` attempts; an implementation that reports why must name these requirements and no other."""
         if not isinstance(implementation, Simulating):
             return skipped(f"{implementation.name} does not simulate")
         wanted = ", ".join(sorted(self.kinds))
@@ -217,7 +217,7 @@ def read_history(fields: Fields, steps: int) -> History:
         raise fields.wrong(f"result must be {TERMINATED!r} or {TIME_LIMIT!r}, not {result!r}")
     if len(listed) != steps if result == TIME_LIMIT else len(listed) > steps:
         needed = f"those of {steps} time steps" if result == TIME_LIMIT else f"those of at most {steps} time steps"
-        raise fields.wrong(f"a simulation that ends by {result!r} has {needed}, and these are {len(listed)}")
+        raise fields.wrong(f"a simulation that ends with {result!r} has {needed}, and these are {len(listed)}")
     actions = tuple(dict(read_actions(fields, entry)) for entry in listed)
     counts = fields.any("objects", None)
     if counts is None:

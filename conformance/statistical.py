@@ -24,7 +24,7 @@ SAME = 1e-9
 class Probabilities:
     """The exact distribution of a quantity with finitely many values, and perhaps the probability that a run is accepted.
 
-    An implementation that enumerates must give the very fractions; any other is sampled, and its samples must contradict `rival`.
+    An implementation that enumerates must give exactly these fractions; any other is sampled, and its samples must contradict `rival`.
     """
 
     of: Path
@@ -52,7 +52,7 @@ class Probabilities:
         return all(isinstance(p, Fraction) for p in self.probabilities)
 
     def numbers(self, values: Sequence[object]) -> list[int]:
-        """Which outcome each value is. Raises `Disagreement` for one that is none."""
+        """Which outcome each value is. Raises `Disagreement` for a value that is none of them."""
         found: list[int] = []
         for value in values:
             same = [number for number, outcome in enumerate(self.outcomes) if close(value, outcome, SAME)]
@@ -74,7 +74,7 @@ class Probabilities:
             raise Disagreement(f"a run is accepted with probability {exact.acceptance}, not {self.acceptance}")
 
     def check_samples(self, values: Sequence[object]) -> None:
-        """Frequencies that do not contradict the probabilities and do contradict the rival's. Raises `Disagreement`."""
+        """Frequencies must not contradict the probabilities, and must contradict the rival's. Raises `Disagreement`."""
         numbers = self.numbers(values)
         told_apart(evidence(numbers, law_of(self.probabilities)), evidence(numbers, law_of(self.rival)), f"{self.of}")
 
@@ -94,7 +94,7 @@ def told_apart(against: float, against_rival: float, what: str) -> None:
     if against >= THRESHOLD:
         raise Disagreement(f"the samples of {what} contradict the law: e-value 10^{against:.1f}, and 10^{THRESHOLD:g} is enough")
     if against_rival < THRESHOLD:
-        raise Disagreement(f"the samples of {what} could not tell the rival: e-value 10^{against_rival:.1f}, and 10^{THRESHOLD:g} is needed")
+        raise Disagreement(f"the samples of {what} do not contradict the rival: e-value 10^{against_rival:.1f}, and 10^{THRESHOLD:g} is needed")
 
 
 def enumerated(implementation: Implementation, task: Task) -> Enumerated | None:
@@ -145,7 +145,7 @@ class Distribution:
 def number(value: object, of: Path) -> float:
     """A finite number. Raises `Disagreement` for anything else."""
     if not is_number(value) or not math.isfinite(value):
-        raise Disagreement(f"{of} is {value!r}, which is no finite number")
+        raise Disagreement(f"{of} is {value!r}, which is not a finite number")
     return float(value)
 
 
@@ -161,7 +161,7 @@ def read_distribution(fields: Fields) -> Distribution:
 
 @dataclass(frozen=True, slots=True)
 class Support:
-    """Where a quantity always lies, and sets that it must reach in so many samples."""
+    """Where a quantity always lies, and sets that it must reach in `samples` samples."""
 
     of: Path
     within: Shape

@@ -22,7 +22,7 @@ class Matcher(Protocol):
 class Vector:
     """One vector, with the chapter and the file it stands in.
 
-    `fires` must fire and `avoids` must not, where the implementation tells which rules fire. `texts` maps each dialect in which
+    `fires` must fire and `avoids` must not, where the implementation reports which rules fire. `texts` maps each dialect in which
     the program is given to its text. `steps` is the number of time steps that simulations may have, None where the vector is about scenes.
     """
 

@@ -11,7 +11,7 @@ STATUSES: tuple[Status, ...] = ("passed", "failed", "skipped", "errored")
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """What came of a vector; `reason` says why it did not pass.
+    """The result of a vector; `reason` says why it did not pass.
 
     failed: the implementation disagrees with the vector. skipped: the vector does not apply to it. errored: the implementation or
     the harness crashed, so that nothing is known.

@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
+import re
+import textwrap
+from collections.abc import Iterator
 from pathlib import Path
 
+import click
+import typer
+from scenic_ref.cli.app import EXIT_CODES, app
 from scenic_ref.conformance import load_vectors
 from scenic_ref.conformance.reports import shows
 from scenic_ref.semantics.kernel import allowed
-from scenic_ref.semantics.readings import PROFILES, READINGS, always_decided
+from scenic_ref.semantics.readings import PROFILES, READINGS, Reading, always_decided
 from scenic_ref.semantics.rules import CATALOGUE
 
 HERE = Path(__file__).parent / "reference"
-COMMANDS = ("run", "simulate", "trace", "rules", "readings", "check", "conformance", "bench")
+WIDTH = 100
+"""The longest line, but for tables and code."""
+MARK, JOIN = re.compile(r"\s+(?=([-+*>#]+|\d+[.)])(\s|$))"), "\0"
+"""The space before what would be a mark of Markdown at the beginning of a line, and what stands for it while lines are broken."""
 MOST_NAMED = 3
 
 
@@ -22,13 +29,27 @@ def cell(text: str) -> str:
     return text.replace("|", "\\|").replace("\n", " ").replace("<", "&lt;")
 
 
+def paragraph(text: str, lead: str = "", more: str = "") -> str:
+    """A paragraph in lines that are not too long; the first begins with `lead`, the others with `more`. No line begins like an entry of a list."""
+    joined = MARK.sub(JOIN, text)
+    filled = textwrap.fill(joined, WIDTH, initial_indent=lead, subsequent_indent=more, break_long_words=False, break_on_hyphens=False)
+    return filled.replace(JOIN, " ")
+
+
+def item(text: str) -> str:
+    """One entry of a list."""
+    return paragraph(text, "- ", "  ")
+
+
 def rules_page() -> str:
-    """Every rule with its function and its test."""
+    """Every rule with its function and its vectors."""
+    about = (
+        "Every inference rule, equation and algorithm of the paper, under the paper's own name; then what is inherited from Python. The last "
+        "column names [vectors](../vectors.md) that show the rule: it fires or refuses the program, and the result was worked out by hand. "
+        "`scenic-ref conformance --vector NAME` runs one."
+    )
     lines = [
-        "# Rules, functions, tests", "",
-        "Every inference rule, equation and algorithm of the paper, under the paper's own name; then what is "
-        "inherited from Python. The last column names [vectors](../vectors.md) that fire the rule (or in which it refuses the program) and compare "
-        "what comes out with what was worked out by hand; `scenic-ref conformance --vector NAME` runs one.", "",
+        "# Rules, functions, tests", "", paragraph(about), "",
         "| rule | the paper's name or left-hand side | place in the paper | function | vectors |", "| --- | --- | --- | --- | --- |",
     ]
     named_by: dict[str, list[str]] = {}
@@ -49,67 +70,82 @@ def readings_page() -> str:
     decided = ", ".join(f"`{name}`" for name in always_decided())
     lines = [
         "# Readings", "",
-        f"Where the paper contradicts itself or is silent: {len(READINGS)} places, of which {notes} are notes, with one answer that stands under "
-        "every profile, and the others have alternatives. `--reading ID=ALTERNATIVE` selects one, `--profile` all.", "",
-        "- `paper` (default) sets an equation aside only where a definition, a table or a drawn figure of the same paper contradicts it.",
-        "- `formal` takes the formal rules to the letter in each place that has an alternative that does. These conflicts have none, and are decided "
-        f"alike under every profile: {decided}.",
-        "- `prose` lets the prose win; `scenic-2.1` and `scenic-3` do what the released implementations do.", "",
+        paragraph(
+            f"The paper contradicts itself or is silent in {len(READINGS)} places. Of these, {notes} are notes: they have one answer, under every "
+            "profile. The others have alternatives: `--reading ID=ALTERNATIVE` selects one, `--profile` one of each."
+        ), "",
+        item("`paper` (default) sets an equation aside only where a definition, a table or a drawn figure of the same paper contradicts it."),
+        item(
+            "`formal` takes the formal rules to the letter wherever an alternative does. These conflicts have no such alternative, and are "
+            f"decided alike under every profile: {decided}."
+        ),
+        item("`prose` lets the prose win; `scenic-2.1` and `scenic-3` do what the released implementations do."), "",
     ]
     for reading in READINGS.values():
-        lines += [f"## `{reading.id}`", "", reading.question, ""]
-        first = "" if reading.is_note else " (default)"
-        lines += [f"- **`{name}`**{first if name == reading.default else ''}: {meaning}" for name, meaning in reading.alternatives.items()]
-        deviating = {p: reading.under(p) for p in PROFILES if reading.under(p) != reading.default}
-        if deviating:
-            lines += ["", "Other profiles: " + ", ".join(f"`{p}`: `{a}`" for p, a in deviating.items()) + "."]
-        if reading.consequence:
-            lines += ["", reading.consequence]
-        if reading.places:
-            lines += ["", "In the paper: " + "; ".join(reading.places) + "."]
-        if reading.probe is not None:
-            lines += ["", "```scenic", reading.probe.program.strip(), "```", ""]
-            lines += [f"- `{name}`: {shown}" for name, shown in reading.probe.shows.items()]
-        lines.append("")
+        lines += [*reading_lines(reading), ""]
     return "\n".join(lines)
+
+
+def reading_lines(reading: Reading) -> Iterator[str]:
+    """One reading."""
+    yield from (f"## `{reading.id}`", "", paragraph(reading.question), "")
+    for name, meaning in reading.alternatives.items():
+        default = " (default)" if name == reading.default and not reading.is_note else ""
+        yield item(f"**`{name}`**{default}: {meaning}")
+    deviating = {p: reading.under(p) for p in PROFILES if reading.under(p) != reading.default}
+    if deviating:
+        yield from ("", paragraph("Other profiles: " + ", ".join(f"`{p}`: `{a}`" for p, a in deviating.items()) + "."))
+    if reading.consequence:
+        yield from ("", paragraph(reading.consequence))
+    if reading.places:
+        yield from ("", paragraph("In the paper: " + "; ".join(reading.places) + "."))
+    if reading.probe is not None:
+        yield from ("", "```scenic", reading.probe.program.strip(), "```", "")
+        yield from (item(f"`{name}`: {shown}") for name, shown in reading.probe.shows.items())
 
 
 def allowed_page() -> str:
     """The table of what programs without `--trust` may ask of values."""
-    lines = [
-        "# What a program may ask for", "",
-        "The values that a program meets without `--trust`, and the attributes and methods that it may ask each for; those of the types from which a "
-        "type is derived are its own as well. See [running programs of others](../security.md).", "",
-        "| type | attributes and methods |", "| --- | --- |",
-    ]
+    about = (
+        "A program without `--trust` meets values of these types, and may ask each for these attributes and methods. A type also has those of the "
+        "types from which it is derived. See [running programs of others](../security.md)."
+    )
+    lines = ["# What a program may ask for", "", paragraph(about), "", "| type | attributes and methods |", "| --- | --- |"]
     lines += [f"| `{type_.__name__}` | {' '.join(f'`{name}`' for name in sorted(known)) or '-'} |" for type_, known in allowed.ATTRIBUTES.items()]
     for title, known in (
         ("Builtins of Python", allowed.BUILTINS), ("Names that a class may define", allowed.OVERRIDES),
         ("Classes that a class may be derived from", {base.__name__ for base in allowed.BASES}),
     ):
-        lines += ["", f"## {title}", "", " ".join(f"`{name}`" for name in sorted(known))]
+        lines += ["", f"## {title}", "", paragraph(" ".join(f"`{name}`" for name in sorted(known)))]
     return "\n".join(lines) + "\n"
 
 
-def commands_page() -> str:
-    """What `--help` says, for every command."""
+def commands_page(application: typer.Typer = app) -> str:
+    """What `--help` says of every command that the application has, then the exit codes."""
+    command = typer.main.get_command(application)
     lines = ["# Command line", ""]
-    for command in ("", *COMMANDS):
-        arguments = [sys.executable, "-m", "scenic_ref", *([command] if command else []), "--help"]
-        shown = subprocess.run(
-            arguments, check=True, capture_output=True, text=True, env={"PATH": "", "COLUMNS": "110", "NO_COLOR": "1", "TERM": "dumb"}
-        ).stdout
-        lines += [f"## `scenic-ref {command}`".rstrip(" `") + "`", "", "```text", shown.rstrip(), "```", ""]
-    return "\n".join(lines)
+    for name, text in helps(command, "scenic-ref"):
+        lines += [f"## `{name}`", "", "```text", text, "```", ""]
+    lines += ["## Exit codes", "", "| code | meaning |", "| --- | --- |", *(f"| {code} | {cell(text)} |" for code, text in EXIT_CODES.items())]
+    return "\n".join(lines) + "\n"
+
+
+def helps(command: click.Command, name: str) -> Iterator[tuple[str, str]]:
+    """The name and the `--help` text of a command, then those of its commands."""
+    context = command.make_context(name, [], resilient_parsing=True, terminal_width=WIDTH, max_content_width=WIDTH)
+    yield name, command.get_help(context)
+    for inner, found in getattr(command, "commands", {}).items():
+        yield from helps(found, f"{name} {inner}")
+
+
+PAGES = {"rules.md": rules_page, "readings.md": readings_page, "commands.md": commands_page, "allowed.md": allowed_page}
 
 
 def main() -> None:
     """Write all pages."""
     HERE.mkdir(exist_ok=True)
-    (HERE / "rules.md").write_text(rules_page())
-    (HERE / "readings.md").write_text(readings_page())
-    (HERE / "commands.md").write_text(commands_page())
-    (HERE / "allowed.md").write_text(allowed_page())
+    for name, page in PAGES.items():
+        (HERE / name).write_text(page(), encoding="utf-8")
 
 
 if __name__ == "__main__":

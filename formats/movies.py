@@ -1,4 +1,4 @@
-"""Simulations as moving pictures (GIF), seen from above, in real time."""
+"""Simulations as animations (GIF), seen from above, in real time."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from PIL.Image import Image
 
 RATE = 25
-"""At most so many frames per second of the simulation."""
+"""The most frames per second of the simulation."""
 MOST_FRAMES = 1000
 """A longer simulation is shown with fewer frames per second."""
 HOLD, LONGEST = 100, 65_535
@@ -72,7 +72,7 @@ def frames_of(simulation: Simulated) -> list[Frame]:
 
 
 def movie(simulation: Simulated, title: str, on_frame: Callable[[], None] = lambda: None) -> bytes:
-    """The moving picture, the same bytes every time. Raises `UsageError` where nothing can be drawn."""
+    """The animation, the same bytes every time. Raises `UsageError` where nothing can be drawn."""
     courses = courses_of(simulation)
     window = window_around(courses)
     canvas, axes = stage(window, title, simulation)

@@ -14,7 +14,7 @@ from .scenes import OWN_FIELDS
 
 Kind = TypeVar("Kind")
 DEEPEST = 100
-"""So many lists and mappings can be inside each other in an action or a property."""
+"""How deep lists and mappings can be nested in an action or a property."""
 
 
 class RecordedAction(NamedTuple):
@@ -60,8 +60,8 @@ def recording_from(line: bytes) -> Recording:
 
 
 def refuse_number(text: str) -> NoReturn:
-    """Python's JSON knows NaN and Infinity; ours does not."""
-    raise ValueError(f"{text} is no number")
+    """Refuse NaN and Infinity, which Python's JSON reads."""
+    raise ValueError(f"{text} is not a number")
 
 
 def finite(text: str) -> float:
@@ -73,7 +73,7 @@ def finite(text: str) -> float:
 def recording_of(value: object) -> Recording:
     """The simulation of a JSON value. Raises `UsageError`."""
     if not isinstance(value, Mapping) or value.get("schema") != SCHEMA:
-        raise UsageError(f"it is no simulation of the format {SCHEMA}", hint="`scenic-ref simulate -o PATH` writes them")
+        raise UsageError(f"it is not a simulation of the format {SCHEMA}", hint="`scenic-ref simulate -o PATH` writes them")
     scene = has(value, "scene", Mapping, "the simulation")
     seed, run = whole(value, "seed", "the simulation"), whole(value, "run", "the simulation", 0)
     attempts, scene_attempts = (whole(one, "attempts", what, 1) for one, what in ((value, "the simulation"), (scene, "the scene")))
@@ -81,7 +81,7 @@ def recording_of(value: object) -> Recording:
         raise UsageError(f"its scene is not that of seed {seed}, number {run}")
     timestep = real(value, "timestep", "the simulation")
     if timestep <= 0:
-        raise UsageError(f"the time step is a positive number of seconds, not {timestep}")
+        raise UsageError(f"the time step must be a positive number of seconds, not {timestep}")
     known = len(has(scene, "objects", list, "the scene"))
     created = tuple(body_of(one, known + k) for k, one in enumerate(has(value, "created", list, "the simulation")))
     steps = steps_of(has(value, "steps", list, "the simulation"), known, known + len(created))
@@ -113,29 +113,29 @@ def step_of(value: object, number: int) -> RecordedStep:
     """A time step. Raises `UsageError`."""
     what = f"time step {number}"
     if not isinstance(value, Mapping) or whole(value, "step", what) != number:
-        raise UsageError(f"{what} is not there, or not in its place")
+        raise UsageError(f"{what} is missing, or not in its place")
     objects = has(value, "objects", list, what)
     for id, one in enumerate(objects):
         if not isinstance(one, Mapping) or one.get("id") != id:
-            raise UsageError(f"object {id} of {what} is not there, or not in its place")
+            raise UsageError(f"object {id} of {what} is missing, or not in its place")
         if "position" in one:
             vector(one, "position", f"object {id} of {what}")
     taken: dict[int, tuple[object, ...]] = {}
     for key, actions in has(value, "actions", Mapping, what).items():
         id = number_of(key, len(objects), what)
         if not isinstance(actions, list):
-            raise UsageError(f"the actions of object {id} in {what} are no list")
+            raise UsageError(f"the actions of object {id} in {what} are not a list")
         taken[id] = tuple(action_of(action, f"an action of object {id} in {what}") for action in actions)
     doing = value.get("doing", {})
     if not isinstance(doing, Mapping) or not all(isinstance(text, str) for text in doing.values()):
-        raise UsageError(f"what the agents do in {what} is no text")
+        raise UsageError(f"what the agents do in {what} is not text")
     return RecordedStep(tuple(objects), taken, {number_of(key, len(objects), what): text for key, text in doing.items()})
 
 
 def number_of(key: str, count: int, what: str) -> int:
     """The object that a key names. Raises `UsageError`."""
     if not (len(key) <= 9 and key.isascii() and key.isdigit() and str(int(key)) == key and int(key) < count):
-        raise UsageError(f"{what} speaks of object {key[:40]}, but there are {count} objects in it")
+        raise UsageError(f"{what} refers to object {key[:40]}, but there are {count} objects in it")
     return int(key)
 
 
@@ -150,7 +150,7 @@ def body_of(value: object, id: int) -> Body:
     """An object that was created on the way. Raises `UsageError`."""
     what = f"the created object {id}"
     if not isinstance(value, Mapping) or value.get("id") != id:
-        raise UsageError(f"{what} is not there, or not in its place")
+        raise UsageError(f"{what} is missing, or not in its place")
     if "properties" not in value:
         raise UsageError(f"{what} has no properties: an earlier version recorded it", hint="record the simulation again")
     others = {name: value_of(one, what) for name, one in has(value, "properties", Mapping, what).items() if name not in OWN_FIELDS}

@@ -48,7 +48,7 @@ class Simulated(NamedTuple):
 
 
 def to_json(run: Simulated, attempts: int) -> dict[str, object]:
-    """A simulation that took so many attempts, in the simulation format."""
+    """A simulation, and how many attempts it took, in the simulation format."""
     return {
         "schema": SCHEMA, "seed": run.scene.seed, "run": run.scene.index, "attempts": attempts, "timestep": run.timestep,
         "scene": run.scene.to_json(), "created": [body_json(body) for body in run.created],

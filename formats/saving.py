@@ -1,7 +1,7 @@
-"""Saving a run between two time steps, to go on from there later or more than once.
+"""Saving a run between two time steps, to resume it later or more than once.
 
-The state is a value, but for variables and containers, which are updated in place as in Python: a state that was gone on from is no longer what
-it was. What is saved stays.
+The state is a value, but for variables and containers, which are updated in place as in Python: a state from which a run went on is no longer
+what it was. A saved state stays.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def save(state: State) -> bytes:
 
 
 def resume(saved: bytes) -> State:
-    """The state that was saved; nothing that is done with it changes `saved`. Only for what `save` gave: pickled data can run any code."""
+    """The state that was saved; `saved` can be used again. Only for what `save` gave: pickled data can run any code."""
     state = pickle.loads(saved)
     assert isinstance(state, State)
     return state

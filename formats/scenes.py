@@ -26,7 +26,7 @@ OWN_FIELDS = ("position", "heading", "width", "length")
 
 
 SURROGATE = re.compile("[\ud800-\udfff]")
-"""Half of a pair of UTF-16, which is no character and has no place in UTF-8."""
+"""Half of a pair of UTF-16, which is not a character and cannot be written in UTF-8."""
 
 
 def in_json(value: object, *, allow_nan: bool = False, indent: int | None = None) -> str:
@@ -144,7 +144,7 @@ def scene_of(
 
 
 def check_written(state: State) -> None:
-    """What changed after it was given to the scene can be written still."""
+    """Check that what changed after it was given to the scene can still be written."""
     for name, value in state.params.items():
         check_nesting(f"the parameter {name}", value)
     for instance in state.scene:

@@ -22,9 +22,9 @@ from ..semantics.kernel.errors import UsageError
 from .scenes import in_json
 
 ROWS_AT_ONCE = 1 << 16
-"""A group of rows ends with the first scene that brings it to so many."""
+"""Rows at which a group ends, with the first scene that reaches them."""
 SCENES_AT_ONCE = 1000
-"""So many single scenes are kept before they become columns."""
+"""How many single scenes are kept before they become columns."""
 COLUMNS = {
     "seed": "string", "scene": "int64", "attempts": "int64", "weight": "float64", "object": "int64", "ego": "bool", "name": "string",
     "class": "string", "x": "float64", "y": "float64", "heading": "float64", "width": "float64", "length": "float64",

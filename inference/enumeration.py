@@ -1,6 +1,6 @@
-"""Enumeration: the exact distribution of a program whose draws are finite (DESIGN, section 1).
+"""Enumeration: the exact distribution of a program whose draws have finitely many values (DESIGN, section 1).
 
-Every draw is answered with each of its values in turn, and a run weighs the product of the values' exact probabilities.
+Every draw is answered with each of its values in turn, and the weight of a run is the product of the values' exact probabilities.
 Runs that get stuck are dropped, and the rest is divided by what remains: the distribution of the paper's rejection sampling,
 as Fractions. Configurations are never forked: each run begins anew, with the choices of the one before as its prefix.
 """
@@ -35,7 +35,7 @@ class Outcome(NamedTuple):
 
 
 class Coins(NamedTuple):
-    """What is thrown once per scene came up in one way: how likely that is, and how likely a run is then accepted."""
+    """One result of the coins that are thrown once per scene: how likely it is, and how likely a run is then accepted."""
 
     probability: Fraction
     acceptance: Fraction
@@ -121,7 +121,7 @@ def enumerate_runs(
             raise RunsExhausted(
                 f"the program has more than {max_runs:,} runs: those made cover {float(covered):.3g} of the probability",
                 runs=max_runs, covered=covered,
-                hint="--max-runs allows more; each value of each draw multiplies their number",
+                hint="--max-runs allows more; each draw multiplies their number by that of its values",
             )
         runner = Runner(prefix, discretize)
         leaf = runner.run(start(), fuel)

@@ -73,5 +73,5 @@ def exhausted(message: str, attempts: int, stuck: Counter[Requirement]) -> Attem
     worst, _ = stuck.most_common(1)[0]
     error = AttemptsExhausted(message, worst.span, attempts=attempts, stuck=tuple(stuck.most_common()))
     if worst.kind == "collision":
-        error.hint = "boxes that only touch intersect as well (reading touching); leave a gap, or give one of them allowCollisions True"
+        error.hint = "boxes that only touch also intersect (reading touching); leave a gap, or give one of them allowCollisions True"
     return error

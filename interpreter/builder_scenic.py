@@ -166,7 +166,7 @@ class ScenicBuilder(BuilderBase):
     def require_class(self, node: Expression, *, followed: bool = False) -> None:
         """Raises ParseError unless `node` can name a class."""
         if not is_dotted_name(node):
-            message = "specifiers must follow the name of a class" if not followed else "a specifier stands behind an expression"
+            message = "specifiers must follow the name of a class" if not followed else "a specifier follows an expression"
             raise ParseError(message, node.span, hint="begin with a class, as in `Car at X, facing H`")
 
     # -- Specifiers

@@ -101,7 +101,7 @@ def _misplaced(statement: Statement, place: Place) -> Iterator[CheckError]:
     """Faults of where `statement` stands."""
     word, homes = HOMES.get(type(statement), ("", ()))
     if homes and place.home not in homes:
-        hint = f"`{word}` belongs into {' or '.join(homes)}"
+        hint = f"`{word}` belongs in {' or '.join(homes)}"
         yield CheckError(f"`{word}` cannot stand in {place.home}", statement.span, hint=hint)
         return
     match statement:
@@ -112,7 +112,7 @@ def _misplaced(statement: Statement, place: Place) -> Iterator[CheckError]:
             word = type(statement).__name__.lower()
             yield CheckError(f"`{word}` stands outside of any loop", statement.span)
         case s.Try() if statement.interrupts and place.home not in DYNAMIC:
-            hint = f"it belongs into {' or '.join(DYNAMIC)}"
+            hint = f"it belongs in {' or '.join(DYNAMIC)}"
             yield CheckError(f"`interrupt when` cannot stand in {place.home}", statement.interrupts[0].span, hint=hint)
         case s.Nonlocal() if not place.in_function:
             yield CheckError(f"`nonlocal` cannot stand in {place.home}", statement.span, hint="there is no function around it")
@@ -142,7 +142,7 @@ def _malformed(statement: Statement) -> Iterator[CheckError]:
 
 
 def _probability_faults(statement: s.SoftRequire) -> Iterator[CheckError]:
-    """A literal probability that is none."""
+    """A literal probability outside [0, 1]."""
     node, sign = statement.probability, 1
     while isinstance(node, UnaryOperation) and node.operator in ("-", "+"):
         sign = -sign if node.operator == "-" else sign

@@ -28,7 +28,7 @@ def replaced(draw: Draw, draws: Draws) -> Draw:
 
 
 def from_stream(seed: int, scene: int, attempt: int | Callable[[tuple[int, ...]], int], draws: Draws = AS_THEY_ARE) -> Chooser:
-    """Answers with the numbers of (seed, scene, attempt, address): the scene does not depend on anything else but `draws`.
+    """Answers with the numbers of (seed, scene, attempt, address): the scene depends on nothing else but `draws`.
 
     Where rejection is factorised (see `inference.batch.evaluate.components`), `attempt` says which it is for each address.
     """

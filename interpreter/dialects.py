@@ -49,7 +49,7 @@ DEFAULT = "paper"
 def choose(text: str, asked: str | None) -> Dialect:
     """The dialect asked for, else the one the first line names in a comment `# dialect: NAME`, else the paper's.
 
-    Raises UsageError for a name that is no dialect.
+    Raises UsageError for an unknown dialect.
     """
     mark = MARK.match(text)
     name = asked if asked is not None else mark.group(1) if mark else DEFAULT

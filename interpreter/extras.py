@@ -1,4 +1,4 @@
-"""The optional packages: by which extra each is installed, whether it is there, and what is said where it is not.
+"""The optional packages: the extra that installs each, whether it is installed, and the error if it is not.
 
 Each is imported in one place, lazily, by whoever needs it; all else works without.
 """

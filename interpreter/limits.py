@@ -1,4 +1,4 @@
-"""How much a program that nobody vouched for may take of the machine, as the command line says it."""
+"""The memory and time that an untrusted program may take, as the command line gives them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ LEAST_MEMORY = 16 << 20
 
 
 class Limits(NamedTuple):
-    """How much more memory the process may take, in bytes, and the processor time of one run, in seconds; None: as much as there is."""
+    """How much more memory the process may take, in bytes, and the processor time of one run, in seconds; None: no limit."""
 
     memory: int | None
     seconds: float | None

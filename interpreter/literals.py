@@ -39,7 +39,7 @@ def number(text: str) -> int | float:
 
 
 def name(text: str) -> str:
-    """The normal form of an identifier. Raises LiteralFault if it is none."""
+    """The normal form of an identifier. Raises LiteralFault if it is not one."""
     normal = text if text.isascii() else unicodedata.normalize("NFKC", text)
     if not normal.isidentifier():
         raise LiteralFault(f"{text!r} is not a name")

@@ -64,7 +64,7 @@ HARMLESS: Mapping[str, Mapping[str, object]] = {**MODULES, "random": {"Random": 
 
 
 class Asked(NamedTuple):
-    """A module as a statement names it, in a module of `package`; not `needed` where `from m import n` names m.n, which may be no module."""
+    """A module as a statement names it, in a module of `package`; not `needed` where `from m import n` names m.n, which need not be a module."""
 
     name: str
     level: int
@@ -125,7 +125,7 @@ def imported_names(program: Program, package: str) -> Iterator[Asked]:
 
 
 def absent(name: str, worlds: Mapping[str, World]) -> ModuleNotFoundError:
-    """That there is no such module, and the nearest name that there is."""
+    """The error that there is no such module, with the nearest name that there is."""
     error = ModuleNotFoundError(f"there is no module {name}")
     near = get_close_matches(name, [*worlds, *HARMLESS], n=1)
     if near:
@@ -197,11 +197,11 @@ def leads_away(path: Path, folder: Path) -> bool:
 
 
 def linked_program(name: str, path: Path, dialect: str | None) -> Program | Exception:
-    """A module elsewhere; if it is no program, nothing of what stands there is told but its name."""
+    """A module elsewhere; if it is not a program, the message tells nothing of its content."""
     try:
         return read_program(path, dialect)
     except (ScenicError, OSError):
-        return ImportRefused(f"{name} is a link to a file outside the program's folder, and that is no Scenic program")
+        return ImportRefused(f"{name} is a link to a file outside the program's folder that is not a Scenic program")
 
 
 def path_of(key: str, directory: Path) -> Path:

@@ -31,7 +31,7 @@ INTERPOLATION_LIMIT = 4
 def parse(text: str, file: str = "<string>", dialect: str | None = None) -> Program:
     """The program that `text` is, written in `dialect` (or in the one that its first line names, or in the paper's).
 
-    Every node's span names `file`. Raises ParseError if the text is no program, UsageError for an unknown dialect.
+    Every node's span names `file`. Raises ParseError if the text is not a program, UsageError for an unknown dialect.
     """
     chosen = dialects.choose(text, dialect)
     origin = Origin(file)

@@ -1,4 +1,4 @@
-"""Literals as source text; f-strings need care, since an interpolation has neither backslashes nor the outer quotes."""
+"""Literals as source text; f-strings are special, since an interpolation has neither backslashes nor the outer quotes."""
 
 
 

@@ -62,8 +62,8 @@ class Repair:
 
 # (pattern, message, hint): the pattern is looked for in the line, and must touch the place where parsing stopped.
 TABLE: tuple[tuple[str, str, str], ...] = (
-    (r"^\s*terminate\s+(?:after|simulation)\b.*", "this form of `terminate` is of later versions of Scenic", "write `terminate when ...`"),
-    (r"^\s*record\b.*", "`record` is of later versions of Scenic", "`scenic-ref simulate -o` writes what happens"),
+    (r"^\s*terminate\s+(?:after|simulation)\b.*", "this form of `terminate` belongs to later versions of Scenic", "write `terminate when ...`"),
+    (r"^\s*record\b.*", "`record` belongs to later versions of Scenic", "`scenic-ref simulate -o` writes what happens"),
     (r"\byield\b", "`yield` is not part of the language", "return a list, or write a behavior"),
     (r"^\s*with\b.*", "Python's `with` statement is not part of the language", "use try and finally"),
     (r"\b(?:async|await)\b", "`async` and `await` are not part of the language", "write a behavior"),
@@ -71,16 +71,16 @@ TABLE: tuple[tuple[str, str, str], ...] = (
     (r":=", "assignment expressions (`:=`) are not part of the language", "assign in a statement of its own"),
     (r"\belse\s+if\b", "`else if` is spelt `elif`", "write `elif`"),
     (r"^\s*(?:elsif|elseif)\b.*", "`elsif` is spelt `elif`", "write `elif`"),
-    (r"&&", "`&&` is no operator", "write `and`"),
-    (r"\|\|", "`||` is no operator", "write `or`"),
-    (r"!(?!=)", "`!` is no operator", "write `not`"),
+    (r"&&", "`&&` is not an operator", "write `and`"),
+    (r"\|\|", "`||` is not an operator", "write `or`"),
+    (r"!(?!=)", "`!` is not an operator", "write `not`"),
     (r"(?:\+\+|--)\s*(?:;|#.*)?$", "there is no increment operator", "write `+= 1` or `-= 1`"),
     (r"\bfacing\s+towards\b.*", "`facing towards` is spelt `facing toward`", "write `facing toward`"),
     (r"\bfacing\s+away\b(?!\s+from\b).*", "`facing away` needs `from`", "write `facing away from ...`"),
     (r"\boffset\s*(?!by\b|along\b)(?=[\s(]).", "`offset` needs `by` or `along`", "write `offset by ...`"),
     (r"\b(?:distance|angle)\s+between\b.*", "there is no `between`", "write `from ... to ...`"),
     (r"^\s*require\s+(\d*\.?\d+)\s+\S*", "the probability of a soft requirement stands in brackets", r"write `require[\1] ...`"),
-    (r"^\s*mutate\b.*,\s*by\b.*", "no comma stands before `by`", "remove the comma"),
+    (r"^\s*mutate\b.*,\s*by\b.*", "there is no comma before `by`", "remove the comma"),
     (r"^\s*param\s+\w+\s*:", "a parameter is set with `=`", "write `param name = value`"),
     (r"\bwith\s+(\w+)\s*[=:]", "`with` takes the property and its value without `=`", r"write `with \1 ...`"),
     (CONDITION_START + r"[^=]*[^=!<>]=(?!=)", "`=` assigns", "write `==` to compare"),
@@ -98,11 +98,11 @@ TABLE: tuple[tuple[str, str, str], ...] = (
     (
         r"^\s*(?!(?:else|try|finally|setup|compose)\b)[\w.]+\s*:",
         "annotations are not part of the language",
-        "`name: value` lines belong into classes",
+        "`name: value` lines belong in classes",
     ),
     (r"[“”‘’«»]", "these quotation marks are not those of the language", "write \" or '"),
     (r"[\u00a0\u2000-\u200b\u3000\ufeff]", "this white space is not that of the language", "write an ordinary space"),
-    (r"[−–—]", "this dash is no minus sign", "write -"),
+    (r"[−–—]", "this dash is not a minus sign", "write -"),
     (r"\\\s+$", "white space follows the backslash that continues the line", "remove the white space"),
     (r"[?$`]", "this character has no meaning here", "remove it"),
 )
@@ -140,13 +140,13 @@ def _unknown_specifier(place: Situation) -> Repair | None:
         return Repair(f"a comma is missing before `{place.word}`", "separate specifiers with commas")
     earlier = re.search(r",\s*([^\W\d]\w*)\s+$", place.before)
     if earlier and _nearest(earlier.group(1)) and not re.match(SPECIFIER_START, earlier.group(1)):
-        return Repair(f"`{earlier.group(1)}` is no specifier", f"did you mean `{_nearest(earlier.group(1))}`?")
+        return Repair(f"`{earlier.group(1)}` is not a specifier", f"did you mean `{_nearest(earlier.group(1))}`?")
     if not re.match(r"[^\W\d]\w*$", place.word) or not re.search(r"[\w)\]]\s*$|,\s*$", place.before):
         return None
     if re.match(BLOCK_START, place.line) and place.line.lstrip().split()[0] not in ("if", "elif", "while", "for"):
         return Repair("the head of this definition is malformed", "write `name(parameters):`")
     near = _nearest(place.word)
-    return Repair(f"`{place.word}` is no specifier or operator", f"did you mean `{near}`?") if near else None
+    return Repair(f"`{place.word}` is not a specifier or operator", f"did you mean `{near}`?") if near else None
 
 
 def _nearest(word: str) -> str | None:

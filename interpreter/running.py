@@ -71,7 +71,7 @@ def drive(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL, witness:
                 witness(outcome, None)
             return outcome, steps  # type: ignore[return-value]
     raise FuelExhausted(
-        f"the program took {fuel:,} steps without ending: is this an endless loop?", place(config), hint="raise --fuel if it really is that long"
+        f"the program took {fuel:,} steps without ending: is this an endless loop?", place(config), hint="raise --fuel if it really takes that long"
     )
 
 

@@ -1,4 +1,4 @@
-"""What a user reads when the text is no program: the place, what was expected, and one repair."""
+"""What a user reads when the text is not a program: the place, what was expected, and one repair."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ HUMAN: dict[str, tuple[str, ...]] = {
 
 
 def explain(fault: UnexpectedInput, source: str, origin: Origin) -> ParseError:
-    """The error that tells of Lark's `fault` in `source`, which stands at `origin`."""
+    """The error for Lark's `fault` in `source`, which stands at `origin`."""
     line, column = place_of(fault, source)
     lines = source.split("\n")
     text = lines[line - 1] if line <= len(lines) else ""
@@ -71,7 +71,7 @@ def explain(fault: UnexpectedInput, source: str, origin: Origin) -> ParseError:
 
 
 def unexpected(word: str, kind: str, expected: tuple[str, ...]) -> str:
-    """The message where no known mistake was made."""
+    """The message for a mistake that is not a known one."""
     what = f"unexpected `{word}`" if word else "the text ends too early" if kind == "$END" else "the line ends too early"
     return what + (f"; expected {' or '.join(expected[-3:] if len(expected) > 3 else expected)}" if expected else "")
 

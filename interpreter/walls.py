@@ -1,6 +1,6 @@
-"""The second wall around a program that nobody vouched for: limits of the process, and a guard on what the process does while the program runs.
+"""The second wall around an untrusted program: limits of the process, and a guard on what the process does while the program runs.
 
-The first wall, `semantics.kernel.allowed`, lets a program meet nothing that could do harm; this one is there for the hole that nobody found.
+The first wall, `semantics.kernel.allowed`, lets a program meet nothing that could do harm; this one is for a hole in the first.
 `resource` and timers of processor time exist on POSIX systems only; the guard exists everywhere. `docs/security.md` says what is promised.
 """
 
@@ -23,7 +23,7 @@ except ImportError:  # a system without limits on processes
     resource = None
 
 class Wall:
-    """What is in force in this process, and whether a program is running: there is one, since limits belong to processes."""
+    """What is in force in this process, and whether a program is running; there is one wall, since limits belong to processes."""
 
     def __init__(self) -> None:
         self.limits = Limits(None, None)
@@ -34,7 +34,7 @@ class Wall:
         self.before: tuple[int, int] | None = None
 
     def build(self, limits: Limits) -> None:
-        """Put the limits into force, and the guard, until `open`. Nothing where that is done already, or in a thread (of a cluster's worker)."""
+        """Put the limits and the guard into force, until `open`; does nothing if that is done, or in a thread (of a cluster's worker)."""
         if self.guarded or threading.current_thread() is not threading.main_thread():
             return
         self.limits, self.guarded = limits, True
@@ -53,7 +53,7 @@ class Wall:
             resource.setrlimit(resource.RLIMIT_AS, self.before)
 
     def hear(self, event: str, arguments: tuple[object, ...]) -> None:
-        """What Python tells of itself: refuse what a program that runs has no business with. Raises `PermissionError`."""
+        """Hear what Python reports of itself, and refuse what a running program must not do. Raises `PermissionError`."""
         if not self.running or not self.guarded or event in ORDINARY:
             return
         if event == "open":
@@ -64,13 +64,13 @@ class Wall:
             raise refused(event)
 
     def check_open(self, path: object, mode: object, flags: object) -> None:
-        """Refuse to open a file for writing, or one that is no part of Python or of this package (which import modules when they need them)."""
+        """Refuse to open a file for writing, or one that is not part of Python or of this package (which import modules when they need them)."""
         if (isinstance(mode, str) and set(mode) & set("wax+")) or (isinstance(flags, int) and flags & WRITING):
             raise refused(f"writing {path}")
         self.check_place(path)
 
     def check_place(self, path: object) -> None:
-        """Refuse what is no part of Python or of this package."""
+        """Refuse what is not part of Python or of this package."""
         if isinstance(path, (str, bytes)) and not str(Path(path.decode() if isinstance(path, bytes) else path).resolve()).startswith(self.readable):
             raise refused(f"reading {path!r}")
 
@@ -85,19 +85,19 @@ REFUSED = (
     "msvcrt.", "ftplib.", "http.", "urllib.", "smtplib.", "poplib.", "imaplib.", "fcntl.", "pathlib.", "glob.", "signal.", "syslog.", "resource.",
     "code.__new__", "function.__new__", "sys.addaudithook", "sys.settrace", "sys.setprofile", "cpython.run_", "pickle.find_class", "builtins.input",
 )  # fmt: skip
-"""How the events begin that a program which runs has no part in."""
+"""The beginnings of events that a running program must not cause."""
 WRITING = 0x1 | 0x2 | 0x40 | 0x100 | 0x200 | 0x400
 """O_WRONLY, O_RDWR, and the flags by which files are made, cut off or added to, of all systems."""
 
 
 def refused(what: str) -> PermissionError:
-    """The error for something that a program must not do; that it could try at all is a fault of ours."""
+    """The error for something that a program must not do; it is our fault that it could try."""
     return PermissionError(f"a program that runs without --trust was kept from {what}; please report the program")
 
 
 WALL = Wall()
 AGAIN = 1.0
-"""Seconds after which a run that is out of time is told so again, should library code have swallowed it."""
+"""Seconds after which a run that is out of time is interrupted again, in case library code caught the first exception."""
 
 
 @contextmanager
@@ -113,7 +113,7 @@ def within() -> Iterator[None]:
     try:
         yield
     except MemoryError:
-        raise RunError("the program needs more memory than it may have", hint="--limit-memory gives it more") from None
+        raise RunError("the program needs more memory than it may have", hint="--limit-memory allows more") from None
     finally:
         if timed:
             signal.setitimer(signal.ITIMER_PROF, 0)
@@ -124,12 +124,12 @@ def out_of_time(number: int, frame: FrameType | None) -> None:
     """The processor time of a run is over. Raises `FuelExhausted`."""
     if WALL.running:
         raise FuelExhausted(
-            f"one run of the program took {WALL.limits.seconds:g} seconds of processor time without ending", hint="--limit-seconds gives it more"
+            f"one run of the program took {WALL.limits.seconds:g} seconds of processor time without ending", hint="--limit-seconds allows more"
         )
 
 
 def limit_memory(more: int | None) -> tuple[int, int] | None:
-    """Let this process take so many bytes more than it has, and give the limits from before; it keeps a stricter limit that it was given."""
+    """Limit how many more bytes this process may take, and give the limits from before; a stricter limit that it was given stays."""
     if resource is None or more is None:
         return None
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)

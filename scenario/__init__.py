@@ -45,7 +45,7 @@ from .constants import constants_of, facts_of
 
 Backend = Literal["auto", "interpreter", "batch"]
 FEW = 10
-"""So few scenes are not worth a graph: it takes as long to make as some scenes."""
+"""For fewer scenes than this a graph is not worth its time."""
 
 
 class Scenario:
@@ -90,7 +90,7 @@ class Scenario:
         return initial(with_old_imports(self.program, self.settings.library), self.settings)  # type: ignore[arg-type]
 
     def rehearse(self) -> None:
-        """Run the program through, once, to find a branch on a random value. Raises the program's error."""
+        """Run the program once, to find a branch on a random value. Raises the program's error."""
         if not self._rehearsed:
             rehearse(self.start(), from_stream(0, 0, 0), fuel=self.fuel)
             self._rehearsed = True
@@ -132,7 +132,7 @@ class Scenario:
         return Sampled(scene_of(ended.state, seed, index, attempts + 1, pruned=True), block.stuck, ended.steps)
 
     def last_run(self, seed: int, index: int, attempts: int, block: Block | None = None, *, witness: Witness | None = None) -> Run:
-        """The last attempt at a scene that is known to need so many, alone; `block` is a drawing of it by the batch backend, if there is one."""
+        """Only the last attempt at a scene that is known to need `attempts`; `block` is a drawing of it by the batch backend, if there is one."""
         attempt: int | Callable[[tuple[int, ...]], int] = attempts - 1
         if self.in_parts:
             batch = self.batch
@@ -159,7 +159,7 @@ class Scenario:
         max_attempts: int = DEFAULT_ATTEMPTS, on_attempt: Callable[[int], None] | None = None,
         on_failed: Callable[[Failed], None] | None = None, witnessed: Callable[[int], Witness | None] | None = None,
     ) -> SampledRun:  # fmt: skip
-        """Simulation number `index` of `seed`, of at most `steps` time steps; rejected runs are discarded whole (reading `rejected-simulation`).
+        """Simulation number `index` of `seed`, of at most `steps` time steps; rejected runs are discarded as a whole (reading `rejected-simulation`).
 
         `simulator` is one of `simulators.SIMULATORS` by name (`timestep`, in seconds, is then that of the simulation), or a simulator itself.
         """
@@ -206,7 +206,7 @@ class Scenario:
             return Pruning((), tuple(Finding("all objects", technique, None, None, str(reason)) for technique in TECHNIQUES))
 
     def pruned(self) -> Scenario:
-        """The same scenario with pruning and factorised rejection: scenes from the same distribution with less work, a seed giving other ones."""
+        """The same scenario with pruning and factorised rejection: other scenes for each seed, from the same distribution, with less work."""
         found = copy(self)
         found.__dict__.pop("_lifted", None)
         found.draws, found.factorised = self.pruning.draws, True
@@ -254,11 +254,11 @@ class Scenario:
         """Scenes `start` to `start + n - 1` of `seed`, one after the other: the same ones whatever the backend.
 
         "batch" draws many at a time if the program can be made a graph (else `not_lifted` says why); "auto" does so for
-        more than a few scenes, and finds out at once that none is possible, where bounds show it (`AttemptsExhausted`).
+        more than a few scenes, and says at once that none is possible, if bounds show it (`AttemptsExhausted`).
         Raises `UsageError` for other backends.
         """
         if backend not in ("auto", "interpreter", "batch"):
-            raise UsageError(f"there is no backend {backend}", hint="there are auto, interpreter and batch")
+            raise UsageError(f"there is no backend {backend}", hint="the backends are auto, interpreter and batch")
         if backend == "batch" or (backend == "auto" and n >= FEW):
             if self.impossible is not None:
                 raise self.impossible
@@ -281,7 +281,7 @@ class Scenario:
 
 
 def check_whole(*named: tuple[str, object, int | None]) -> None:
-    """Arguments by name, each with its least value. Raises `UsageError` for what is no whole number, or too small."""
+    """Arguments by name, each with its least value. Raises `UsageError` for what is not a whole number, or too small."""
     for what, number, least in named:
         if type(number) is not int or (least is not None and number < least):
             raise UsageError(f"{what} is a whole number{'' if least is None else f' of at least {least}'}, not {number!r}")

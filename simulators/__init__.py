@@ -33,7 +33,7 @@ SIMULATORS: Mapping[str, Callable[[float | None], Simulator]] = {"still": _still
 def by_name(name: str, timestep: float | None = None) -> Simulator:
     """A simulator. Raises `UsageError` if there is none of that name, or for a time step that is none."""
     if name not in SIMULATORS:
-        raise UsageError(f"there is no simulator {name}", hint=f"there are {', '.join(SIMULATORS)}")
+        raise UsageError(f"there is no simulator {name}", hint=f"the simulators are {', '.join(SIMULATORS)}")
     try:
         return SIMULATORS[name](timestep)
     except ValueError as problem:

@@ -1,4 +1,4 @@
-"""The actions of the paper's examples: what an agent can do in a time step, whatever simulator carries it out.
+"""The actions of the paper's examples: what an agent can do in a time step, whatever simulator executes it.
 
 Throttle, brake and steering stay as they are set until they are set again. Which agents can take which is said by `Action.reason_against`.
 """
@@ -22,8 +22,8 @@ def is_number(value: object) -> bool:
 def in_range(value: object, low: float, high: float, what: str) -> str | None:
     """Why a value is no number from `low` to `high`, None if it is."""
     if not is_number(value):
-        return f"the {what} is a number, not {kind_name(value)}"
-    return None if low <= value <= high else f"the {what} is between {low:g} and {high:g}, not {value}"  # type: ignore[operator]
+        return f"the {what} must be a number, not {kind_name(value)}"
+    return None if low <= value <= high else f"the {what} must be between {low:g} and {high:g}, not {value}"  # type: ignore[operator]
 
 
 VEHICLES = "drives"
@@ -143,7 +143,7 @@ class SetSpeedAction(Action):
 
     def __post_init__(self) -> None:
         """Check the number."""
-        refuse(None if is_number(self.speed) else f"the speed is a number, not {kind_name(self.speed)}")
+        refuse(None if is_number(self.speed) else f"the speed must be a number, not {kind_name(self.speed)}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,7 +163,7 @@ class SetWalkingDirectionAction(WalkingAction):
 
     def __post_init__(self) -> None:
         """Check the number."""
-        refuse(None if is_number(self.heading) else f"the heading is a number, not {kind_name(self.heading)}")
+        refuse(None if is_number(self.heading) else f"the heading must be a number, not {kind_name(self.heading)}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,7 +181,7 @@ def vector(value: object, what: str) -> Vector:
     """A vector, or a pair of numbers as one. Raises `ValueError`."""
     parts = (value.x, value.y) if isinstance(value, Vector) else value
     if not (isinstance(parts, tuple) and len(parts) == 2 and all(map(is_number, parts))):
-        raise ValueError(f"the {what} is a vector, not {kind_name(value)}")
+        raise ValueError(f"the {what} must be a vector, not {kind_name(value)}")
     return Vector(float(parts[0]), float(parts[1]))
 
 

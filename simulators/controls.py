@@ -74,5 +74,5 @@ def reason_against(body: Body, action: object) -> str | None:
 def checked_timestep(timestep: float) -> float:
     """A time step in seconds. Raises `ValueError`."""
     if not (timestep > 0 and math.isfinite(timestep)):
-        raise ValueError(f"the time step is a positive number of seconds, not {timestep}")
+        raise ValueError(f"the time step must be a positive number of seconds, not {timestep}")
     return timestep

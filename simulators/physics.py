@@ -49,7 +49,7 @@ class Moving:
         self.walking: tuple[float, float] | None = None
 
     def speed(self) -> float:
-        """The speed along the heading, in metres per second; for what is no vehicle, of the velocity."""
+        """The speed along the heading, in metres per second; of the velocity for what is not a vehicle."""
         if not self.vehicle:
             return math.hypot(*self.body.velocity)
         x, y = self.body.velocity
@@ -64,7 +64,7 @@ class Physics:
     def __init__(self, timestep: float = 0.1) -> None:
         self.timestep = checked_timestep(timestep)
         if timestep > LONGEST:
-            raise ValueError(f"a time step of pymunk is at most {LONGEST:g} seconds, not {timestep:g}")
+            raise ValueError(f"a time step of pymunk must be at most {LONGEST:g} seconds, not {timestep:g}")
         try:
             import pymunk
         except ImportError as problem:
@@ -109,7 +109,7 @@ class Physics:
         return reason_against(body, action)
 
     def step(self, actions: Mapping[int, Sequence[object]]) -> Sequence[str]:
-        """The actions, then as many internal steps as are needed that nothing passes through anything; collisions that begin are told."""
+        """The actions, then as many internal steps as are needed that nothing passes through anything; collisions that begin are reported."""
         for id, taken in actions.items():
             for action in taken:
                 self.take(self.moving[id], action)
@@ -168,7 +168,7 @@ class Physics:
         self.smallest = math.inf
 
     def meet(self, arbiter: Any, space: Any, data: Any) -> None:
-        """Two objects touch."""
+        """Note that two objects touch."""
         one, other = (self.ids[shape] for shape in arbiter.shapes)
         self.met.append((min(one, other), max(one, other)))
 

@@ -41,7 +41,7 @@ class Simulator(Protocol):
         ...
 
     def destroy(self) -> None:
-        """The simulation is over."""
+        """The simulation has ended."""
 
 
 METHODS = ("create", "check", "step", "read", "destroy")
@@ -51,18 +51,18 @@ def check_usable(simulator: Simulator) -> None:
     """Whether this is a simulator, and not something else. Raises `UsageError`."""
     if isinstance(simulator, type) or not all(callable(getattr(simulator, name, None)) for name in METHODS):
         found = f"the class {simulator.__name__}" if isinstance(simulator, type) else f"a {type(simulator).__name__}"
-        raise UsageError(f"a simulator has the methods {', '.join(METHODS)}, and this is {found}", hint="give an instance of its class")
+        raise UsageError(f"a simulator must have the methods {', '.join(METHODS)}, but this is {found}", hint="give an instance of its class")
     timestep = getattr(simulator, "timestep", None)
     if not isinstance(timestep, (int, float)) or isinstance(timestep, bool) or not 0 < timestep < math.inf:
-        raise UsageError(f"the timestep of a simulator is a positive number of seconds, not {timestep!r}")
+        raise UsageError(f"the timestep of a simulator must be a positive number of seconds, not {timestep!r}")
     properties = getattr(simulator, "properties", None)
     if not (isinstance(properties, (set, frozenset)) and all(isinstance(name, str) for name in properties)):
-        raise UsageError("the properties of a simulator are a set of names")
+        raise UsageError("the properties of a simulator must be a set of names")
 
 
 @contextmanager
 def in_use(simulator: Simulator) -> Iterator[None]:
-    """A simulation, after which the simulator is told that it is over, however it ended. Raises `SimulatorError`."""
+    """A simulation, after which `destroy` is called, however it ended. Raises `SimulatorError`."""
     try:
         yield
     except BaseException:
@@ -76,20 +76,20 @@ def step_of(simulator: Simulator, actions: Mapping[int, tuple[object, ...]]) -> 
     """One time step in the simulator: what happened, in words. Raises `SimulatorError`."""
     events = guarded(simulator.step, dict(actions))
     if isinstance(events, str) or not isinstance(events, Sequence) or not all(isinstance(event, str) for event in events):
-        raise SimulatorError(f"step() gives what happened as a sequence of texts, and not {events!r}", NOWHERE)
+        raise SimulatorError(f"step() must return what happened as a sequence of texts, not {events!r}", NOWHERE)
     return events
 
 
 def read_pose(simulator: Simulator, id: int, who: str, span: Span = NOWHERE) -> Pose:
-    """What the simulator says of an object now. Raises `SimulatorError` for other properties than it declares, and values that are none."""
+    """What the simulator says of an object now. Raises `SimulatorError` for other properties than it declares, and values that they cannot have."""
     pose = guarded(simulator.read, id)
     if not isinstance(pose, Mapping) or pose.keys() != simulator.properties:
         said = ", ".join(sorted(map(str, pose))) if isinstance(pose, Mapping) else repr(pose)
         declared = ", ".join(sorted(simulator.properties)) or "nothing"
-        raise SimulatorError(f"the simulator says {said or 'nothing'} of {who}, and declares {declared}", span)
+        raise SimulatorError(f"the simulator gives {said or 'nothing'} for {who}, but declares {declared}", span)
     for name, value in pose.items():
         if not could_be(name, value):
-            raise SimulatorError(f"the simulator says that the {name} of {who} is {value!r}", span)
+            raise SimulatorError(f"the simulator gives {value!r} as the {name} of {who}", span)
     return pose
 
 

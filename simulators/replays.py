@@ -22,7 +22,7 @@ from .protocol import Simulator, check_usable, guarded, in_use, read_pose, step_
 from .simulating import create_new
 
 TOLERANCE = 1e-9
-"""By so much may numbers differ: metres, radians, ..., and relative to numbers above 1."""
+"""How much numbers may differ: metres, radians, ..., and relative to numbers above 1."""
 ActionClasses = Mapping[str, Callable[..., object]]
 
 

@@ -1,6 +1,6 @@
 """The loop of a simulation: the policy chooses actions, a simulator executes them for one time step, and its objects are read back.
 
-A simulator is anything with the methods of `Simulator`. A run that fails a requirement is rejected whole, scene and policy (reading
+A simulator is anything with the methods of `Simulator`. A run that fails a requirement is rejected as a whole (reading
 `rejected-simulation`).
 """
 
@@ -105,7 +105,7 @@ TOLD = {
 
 
 def listening(told: list[str], witness: Witness | None, file: str) -> Witness:
-    """A witness that writes down what happens in a time step, and tells another one; `file` is that of the program."""
+    """A witness that notes what happens in a time step, and passes it on to another; `file` is that of the program."""
 
     def look(outcome: Outcome, drawn: object) -> None:
         if type(outcome) is Next and outcome.rule in TOLD:
@@ -121,7 +121,7 @@ def listening(told: list[str], witness: Witness | None, file: str) -> Witness:
 
 
 def create_new(simulator: Simulator, state: State, known: int) -> list[Body]:
-    """Tell the simulator of the objects from number `known` on, which are given."""
+    """Give the simulator the objects from number `known` on, and return them."""
     new = new_bodies(state, known)
     if new:
         guarded(simulator.create, new)
@@ -154,7 +154,7 @@ def check_actions(simulator: Simulator, state: State, actions: Mapping[int, tupl
         for action in taken:
             reason = guarded(simulator.check, body, action)
             if not (reason is None or isinstance(reason, str)):
-                raise SimulatorError(f"check() gives None or a reason, and not {reason!r}", NOWHERE)
+                raise SimulatorError(f"check() must return None or a reason, not {reason!r}", NOWHERE)
             if reason is not None:
                 raise RunError(f"{instance!r} cannot take the action {action!r}: {reason}", taken_at(instance, state), rule="D-Take")
 
@@ -166,7 +166,7 @@ def taken_at(instance: Instance, state: State) -> Span:
 
 
 def read_back(simulator: Simulator, state: State) -> State:
-    """The state with what the simulator says of the objects. Raises `SimulatorError` for numbers that are none."""
+    """The state with what the simulator says of the objects. Raises `SimulatorError` for values that a property cannot have."""
     objects = dict(state.objects)
     for id, instance in enumerate(state.scene):
         pose = read_pose(simulator, id, repr(instance), instance.span)

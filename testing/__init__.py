@@ -28,7 +28,7 @@ def same_distribution(
     P("different") <= `alpha` if they were. A program with at most a few thousand runs is enumerated, and the samples are compared with
     the exact law; for any other, as many scenes are drawn with `seed` as there are samples, or taken from `reference`. What does not depend on
     any draw must be the same in every sample, and what does must be what a draw can give. Numbers that differ by at most `tolerance` (relative
-    to the larger of them and 1) are the same, so that samples may be rounded. The features `ignore` are not compared; `map` gives the program's
+    to the larger of them and 1) are equal, so that samples may be rounded. The features `ignore` are not compared; `map` gives the program's
     names for what the samples call features and classes otherwise.
     Raises `UsageError` for samples that cannot be compared, and the program's errors.
     """
@@ -46,7 +46,7 @@ def assert_same_distribution(
 ) -> Verdict:  # fmt: skip
     """`same_distribution`, as an assertion whose message names the worst feature and how to replay it.
 
-    A comparison that is inconclusive fails as well, since it has not shown what it was asked for, unless `inconclusive` is "pass".
+    An inconclusive comparison fails as well, since it has not shown what was asked, unless `inconclusive` is "pass".
     """
     if inconclusive not in ("fail", "pass"):
         raise UsageError(f'inconclusive is "fail" or "pass", not {inconclusive!r}')

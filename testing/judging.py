@@ -31,12 +31,12 @@ from ..semantics.readings import select
 REFERENCE_SEED = 20_190_625
 MOST_RUNS = 2_000
 DRAWN_FOR_NONE = 20
-"""So many scenes tell how likely a scene is, where the samples hold none."""
+"""Scenes that are drawn to find out how likely a scene is, if the samples hold none."""
 
 Samples = str | Path | Iterable[Scene] | Iterable[Mapping[str, object]]
 Reference = str | Path | Sampler | Sequence[Mapping[str, object]] | Sequence[Scene]
 Drawing = Callable[[int], AbstractContextManager[Sampler]]
-"""Who draws so many scenes."""
+"""Gives what draws a number of scenes."""
 
 
 def judged(
@@ -80,7 +80,7 @@ def opened(samples: Samples) -> tuple[Path | Iterable[AnyScene], AnyScene | None
 
 
 def checked(samples: Iterable[AnyScene]) -> Iterable[AnyScene]:
-    """The samples. Raises `UsageError` for what is no scene."""
+    """The samples. Raises `UsageError` for what is not a scene."""
     for number, scene in enumerate(samples, 1):
         if not isinstance(scene, (Scene, Mapping)):
             raise UsageError(f"sample {number} is a {type(scene).__name__}, not a scene", hint="a Scene, or a JSON object in the scene format")
@@ -127,7 +127,7 @@ def enumerated(scenario: Scenario) -> Enumeration | None:
 
 
 def verdict_on_none(scenario: Scenario, alpha: float, detect_tv: float, seed: int, replay: str) -> Verdict:
-    """The verdict on samples that hold no scene: one that tries as often as `run` does would have found one, unless scenes are very rare.
+    """The verdict on samples that hold no scene: a sampler that tries as often as `run` does would have found one, unless scenes are very rare.
 
     Raises `AttemptsExhausted` if the program gives none either.
     """
@@ -139,7 +139,7 @@ def verdict_on_none(scenario: Scenario, alpha: float, detect_tv: float, seed: in
     text = f"the samples hold no scene, though the program gives one in {often:,.3g} attempts on average"
     if DEFAULT_ATTEMPTS * math.log1p(-min(accepted, 1 - 1e-16)) <= math.log(alpha / 2):
         return without_comparison(text, alpha, detect_tv, seed, replay)
-    raise UsageError(f"{text}: too rarely to say that one is missing", hint="give samples")
+    raise UsageError(f"{text}: too rarely to say that a scene is missing", hint="give samples")
 
 
 def without_comparison(line: str, alpha: float, detect_tv: float, seed: int, replay: str) -> Verdict:

@@ -37,7 +37,7 @@ class BrokenContract(AssertionError):
 
 
 class Nothing:
-    """A value that is no action anywhere but in the world `still`."""
+    """A value that is not an action, except in the world `still`."""
 
 
 def check_simulator(make: Callable[[], Simulator], action: object = None, *, class_name: str = "Car") -> None:
@@ -56,15 +56,15 @@ def check_simulator(make: Callable[[], Simulator], action: object = None, *, cla
     check_answers(first, bodies, action)
     promise(course_of(first, bodies, action) == course, "after destroy() it can be used again, and the same actions give the same course")
     other.create(bodies[:1])
-    promise(course_of(first, bodies, action) == course, "two simulators have nothing to do with each other")
+    promise(course_of(first, bodies, action) == course, "two simulators do not affect each other")
     other.destroy()
     other.destroy()
 
 
 def promise(kept: bool, text: str) -> None:
-    """Raise `BrokenContract` unless it is kept."""
+    """Raise `BrokenContract` unless the promise is kept."""
     if not kept:
-        raise BrokenContract(f"it is not so that {text}")
+        raise BrokenContract(f"the simulator breaks this promise: {text}")
 
 
 def bodies_of(class_name: str) -> list[Body]:

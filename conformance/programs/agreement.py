@@ -33,7 +33,7 @@ from .generate import DEFAULT, random_program
 from .settings import ProgramSettings
 
 Rival = Literal["", "first value twice as likely", "coins once per scene"]
-"""Wrong samplers that the test must find out; "" is the real one."""
+"""Wrong samplers that the test must reject; "" is the real one."""
 
 ATTEMPTS = 50
 """Attempts per program, by and large."""
@@ -155,7 +155,7 @@ def places(exact: Enumeration, contents: Sequence[str], seed: int) -> tuple[floa
 def agreement(
     count: int, *, seed: int, settings: ProgramSettings = DEFAULT, rival: Rival = "", processes: int = 1, level: float = DEFAULT_ALPHA
 ) -> Agreement:
-    """Examine programs 0 to `count` - 1 of `seed`, in so many processes."""
+    """Examine programs 0 to `count` - 1 of `seed`, in `processes` processes."""
     work = partial(examine, seed=seed, settings=settings, rival=rival)
     if processes == 1:
         examined = tuple(map(work, range(count)))

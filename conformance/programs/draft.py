@@ -107,7 +107,7 @@ class Draft:
         return not (self.settled or self.drawless)
 
     def afford(self, ways: int) -> bool:
-        """Whether a draw with so many values, made in every turn of the loops around, still fits; if so it is paid for."""
+        """Whether a draw with this number of values, made in every turn of the loops around, still fits; if so it is paid for."""
         if not self.settings.finite:
             return True
         total = self.ways * ways**self.repeats

@@ -66,7 +66,7 @@ CONDITIONS_IN: dict[str, str] = {
 """Where a condition may stand."""
 
 CONDITIONS = ("3", "'no'", "0", "Other()", "None", "ego", "[True]")
-"""Values that are no booleans."""
+"""Values that are not booleans."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ OBJECT = Class("Object")
 
 
 def may_create(draft: Draft, count: int = 1) -> bool:
-    """Whether so many objects in every turn of the loops around are not too many."""
+    """Whether this number of objects in every turn of the loops around is not too large."""
     return draft.objects + count * draft.repeats <= draft.settings.max_objects
 
 

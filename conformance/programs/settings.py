@@ -74,7 +74,7 @@ class ProgramSettings:
     """Parameters of distributions that are random values."""
 
     def __post_init__(self) -> None:
-        """Raises `UsageError` for a size below its least value and for a probability that is none."""
+        """Raises `UsageError` for a size below its least value and for a probability outside [0, 1]."""
         for name, least in LEAST.items():
             if getattr(self, name) < least:
                 raise UsageError(f"{name} is at least {least}, not {getattr(self, name)}")

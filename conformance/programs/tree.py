@@ -22,7 +22,7 @@ def name(text: str) -> p.Name:
 
 
 def constant(value: object) -> p.Constant:
-    """A literal that is no negative number."""
+    """A literal that is not a negative number."""
     return p.Constant(value=value)
 
 
@@ -127,7 +127,7 @@ def new_object(class_: str, specifiers: Sequence[Specifier]) -> Expression:
 
 
 def _as_operator(head: Expression, specifier: Specifier) -> Expression | None:
-    """The operator that `head specifier` would be if `head` were no class."""
+    """The operator that `head specifier` would be if `head` were not a class."""
     match specifier:
         case q.AtSpecifier(vector=vector):
             return e.FieldAt(field=head, vector=vector)

@@ -1,5 +1,5 @@
-# A car drives towards another one and brakes when it is close. Runs in which it comes too close are rejected,
-# so that what is left are the starts from which the brakes suffice. Try
+# A car drives towards another one and brakes when it is close. Runs in which it comes too close are rejected:
+# what is left are the starts from which the brakes suffice. Try
 #     scenic-ref simulate examples/dynamic/stop_in_time.scenic --simulator kinematic -n 20 -o runs.jsonl
 
 from scenic.domains.driving.actions import *

@@ -106,7 +106,7 @@ def objects_at(drawn: DrawnPoint, state: State) -> str:
 
 
 def not_uniform(recorded: Recorded, techniques: Collection[Technique]) -> Iterator[Finding]:
-    """A finding for each object with a position that is no drawn point: the assumption that fails for all techniques."""
+    """A finding for each object with a position that is not a drawn point: the assumption that fails for all techniques."""
     points = {drawn.point for drawn in recorded.points.values() if shape_of(drawn.region) is not None}
     for instance in recorded.state.scene:
         position = position_of(recorded.state, instance)

@@ -178,7 +178,7 @@ def across(a: Offset, b: Offset, deviation: Interval) -> float:
 
 
 def reachability(point: Point, shape: Shape, known: Known) -> Applied:
-    """Pruning based on reachability: off, since it is for what happens after the initial scene."""
+    """Pruning based on reachability: off, since it concerns what happens after the initial scene."""
     return None, "no requirement says that it must reach a region in a given time"
 
 

@@ -1,4 +1,4 @@
-"""What holds in every accepted run: the requirements of a graph, taken apart. Soft requirements are none, since runs pass without them.
+"""What holds in every accepted run: the requirements of a graph, taken apart. Soft requirements are left out, since runs pass without them.
 
 A requirement event without a coin rejects every run in which its node is not as expected, so that the node is so in every scene.
 """

@@ -89,7 +89,7 @@ def bounds_of_field(field: PolygonalVectorField) -> Interval:
 
 
 def terms(operand: Operand, factor: float = 1.0) -> dict[Operand, float]:
-    """`factor` times the operand as a sum of nodes that are no sums; a product of a number and a node counts as a factor."""
+    """`factor` times the operand as a sum of nodes that are not sums; a product of a number and a node counts as a factor."""
     found: dict[Operand, float] = {}
     waiting: list[tuple[object, float]] = [(operand, factor)]
     while waiting:

@@ -62,7 +62,7 @@ def one_sample_wealth(counts: Array, p: Array) -> Array:
 def _averaged(dense: Array, single: Array, cells: Array | int) -> Array:
     """The log of the average of bets on all cells, (priors, ...), and of those on a single one, (priors, ..., cells).
 
-    The number of cells is that of the feature, whether they were seen or not: an average over a number that grows would be no martingale.
+    The number of cells is that of the feature, whether they were seen or not: an average over a number that grows would not be a martingale.
     """
     both = np.stack([dense, log_sum(single, axis=-1) - np.log(cells)])
     return log_sum(both, axis=(0, 1)) - math.log(2 * len(CONCENTRATIONS))

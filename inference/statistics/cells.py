@@ -1,6 +1,6 @@
 """How a feature is cut into cells, once and for all, by draws that are not used again or by the law it is compared with.
 
-Numbers are cut at quantiles, finer towards the ends; a feature of few values, and anything that is no number, has a cell for each
+Numbers are cut at quantiles, finer towards the ends; a feature of few values, and anything that is not a number, has a cell for each
 value and one for all others. Angles are cut open at their widest gap, so that values on both sides of ±π stay together.
 """
 
@@ -20,7 +20,7 @@ FEW = 24  # as many different values, or fewer, get a cell each
 MOST_EXACT = 256  # against an exact law
 QUARTERS = (0.25, 0.5, 0.75)
 REPEATED, MOST_LEARNT, MOST_REPEATED = 3, 16, 256
-"""A value that comes so often in one block is remembered, at most so many of a block, at most about so many in all."""
+"""How often a value must occur in one block to be remembered; the most values that are remembered of a block, and (about) in all."""
 FEWEST = 5  # draws of the first block beyond the outermost edge
 
 
@@ -61,7 +61,7 @@ class Values:
 
 @dataclass(frozen=True)
 class Intervals:
-    """Cells between edges; what is no number has the last cell."""
+    """Cells between edges; what is not a number has the last cell."""
 
     edges: Array
     opening: float | None = None

@@ -19,14 +19,14 @@ from ...formats.scenes import OWN_FIELDS, Scene
 from .betting import Array
 
 ABSENT = "(absent)"
-OTHERWISE, A_NUMBER = " where it is no number", "(a number)"
+OTHERWISE, A_NUMBER = " where it is not a number", "(a number)"
 ANGLES = ("heading", "Heading", "bearing")
 SCALARS = {int, float}
 
 
 @dataclass(frozen=True)
 class Column:
-    """The values of one feature, in the order of the scenes: floats (NaN for what is no number), or (as an object array) strings in JSON."""
+    """The values of one feature, in the order of the scenes: floats (NaN for what is not a number), or (as an object array) strings in JSON."""
 
     name: str
     values: Array
@@ -242,7 +242,7 @@ def stacked(tables: Sequence[Table]) -> Table:
 
 
 def otherwise(table: Table, name: str) -> Array:
-    """What a feature is where it is no number."""
+    """What a feature is where it is not a number."""
     values = table.arrays.get(name)
     if values is None or values.dtype != np.float64:
         return full(table.n, ABSENT) if values is None else values

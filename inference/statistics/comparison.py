@@ -34,10 +34,10 @@ from .verdict import BURNED_SHARE, FIRST_BLOCK, Kind, Verdict
 
 DEFAULT_TV = 0.01
 GROWTH = 1.25
-"""After so many times as many scenes one looks again."""
+"""The factor by which the number of scenes grows from one look to the next."""
 LEAST_TOLERANCE = 1e-12
 MOST_AT_ONCE = 1 << 13
-"""So many scenes of each side are counted at a time."""
+"""Scenes of each side that are counted at a time."""
 
 
 class Sampler(Protocol):
@@ -89,7 +89,7 @@ def compare(
 
 
 def check_settings(alpha: float, detect_tv: float, budget: int | None, tolerance: float = DEFAULT_TOLERANCE) -> None:
-    """Raise `UsageError` for levels that are none."""
+    """Raise `UsageError` for levels, sizes and tolerances that are out of range."""
     if not 0 < alpha < 1:
         raise UsageError(f"alpha is a probability between 0 and 1, not {alpha:g}")
     if not 0 < detect_tv < 1:
@@ -101,7 +101,7 @@ def check_settings(alpha: float, detect_tv: float, budget: int | None, tolerance
 
 
 class Terms(NamedTuple):
-    """What a comparison is asked for."""
+    """The settings of a comparison."""
 
     alpha: float
     detect_tv: float
@@ -270,7 +270,7 @@ class Collected:
         learn(self.cuts, a)
 
     def look(self) -> None:
-        """Look at the evidence."""
+        """Update the evidence."""
         if self.tests:
             wealth = combined(np.array([test.look() for test in self.tests]))
             self.evidence = max(self.evidence, wealth / math.log(10.0))
@@ -314,6 +314,6 @@ def compare_invariance(
 ) -> Verdict:
     """Whether a kernel leaves the distribution of `exact` as it is: exact draws, `steps` steps on each, against fresh exact draws.
 
-    The draws are independent, so that neither burn-in nor an effective sample size has a say. It does not show that a chain mixes.
+    The draws are independent, so that neither burn-in nor an effective sample size matters. It does not show that a chain mixes.
     """
     return compare(Moved(exact, kernel, steps), exact, alpha=alpha, detect_tv=detect_tv, budget=budget, seeds=seeds)

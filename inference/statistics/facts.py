@@ -27,7 +27,7 @@ class Support:
     scale: float = 1.0
 
     def outside(self, column: Array, tolerance: float) -> Array:
-        """Where values are none of these; what is no number (NaN) is judged elsewhere. `tolerance` is relative, from 1 on."""
+        """Where values are none of these; NaN is judged elsewhere. `tolerance` is relative, from 1 on."""
         if self.values is not None:
             return ~np.any([equal(column, v, tolerance) for v in self.values], axis=0) & ~missing(column)
         if column.dtype != np.float64:

@@ -59,7 +59,7 @@ def assigned(cuts: Sequence[Cut], table: Table) -> Assigned:
 class FeatureTest:
     """The e-process of one feature, or of a pair: counts in its cells so far, and the law's probabilities if there is one.
 
-    `first` are the counts of the first blocks, which only tell how the cells are filled. `stated`: the stated power is that for this feature, too.
+    `first` are the counts of the first blocks, which only tell how the cells are filled. `stated`: the stated power covers this feature.
     """
 
     cuts: tuple[Cut, ...]
@@ -140,7 +140,7 @@ def tests_between(a: Table, b: Table, constants: Mapping[str, object], stated: C
 
 
 def repeated(cut: Cut) -> Cut | None:
-    """The values of a feature that come again and again, if it is a number with many values."""
+    """The repeated values of a feature, if it is a number with many values."""
     if not isinstance(cut.fine, Intervals) or is_relation(cut.name) or cut.name == "attempts":
         return None
     cells = Repeated()
@@ -148,7 +148,7 @@ def repeated(cut: Cut) -> Cut | None:
 
 
 def learn(cuts: Sequence[Cut], table: Table) -> None:
-    """Remember the values that come again and again in a block of the samples, for the bets on the blocks behind it."""
+    """Remember the repeated values in a block of the samples, for the bets on later blocks."""
     for cut in cuts:
         if isinstance(cut.fine, Repeated):
             cut.fine.learn(cut.column_of(table))
@@ -161,7 +161,7 @@ def one_sided(a: Table, b: Table, constants: Mapping[str, object]) -> list[str]:
 
 
 def pooled(one: Column, other: Column) -> Column:
-    """The values of both; the numbers alone, if only one of them has numbers: what is no number then has a cell of its own."""
+    """The values of both; the numbers alone, if only one of them has numbers: what is not a number then has a cell of its own."""
     if one.is_number != other.is_number:
         return one if one.is_number else other
     return Column(one.name, np.concatenate([one.values, other.values]))

@@ -1,4 +1,4 @@
-"""Values that cannot be: one is enough to tell two distributions apart, however rare it is."""
+"""Impossible values: one is enough to tell two distributions apart, however rare it is."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def sample_number(number: int) -> str:
 
 
 class Findings:
-    """What samples hold that cannot be: one line per feature, for the first scene in which it was seen."""
+    """The impossible values in samples: one line per feature, for the first scene in which one was seen."""
 
     def __init__(self, facts: Facts, tolerance: float, place: Place = sample_number) -> None:
         self.facts = facts
@@ -65,7 +65,7 @@ class Findings:
                 continue
             where = self.place(int(table.numbers[row]))
             if test.cuts[0].whole:
-                self.found[test.name] = f"the values in {where}, each of which can be, have probability 0 together"
+                self.found[test.name] = f"the values in {where}, each of which is possible, have probability 0 together"
             elif test.name in table.arrays:
                 self.found[test.name] = f"{test.name} is {seen(table, test.name, row)} in {where}, which has probability 0"
 
@@ -91,7 +91,7 @@ def impossible_in(table: Table, facts: Facts, tolerance: float) -> Iterator[tupl
 
 
 def outside(table: Table, name: str, support: Support, tolerance: float) -> Array:
-    """Where a feature is outside its support; a scene that does not have it is none."""
+    """Where a feature is outside its support; a scene without it is not."""
     values = table.arrays[name]
     wrong = support.outside(values, tolerance)
     otherwise = table.arrays.get(name + OTHERWISE)
@@ -119,7 +119,7 @@ def first(where: Array) -> int | None:
 
 
 def seen(table: Table, name: str, row: int) -> str:
-    """The value of a feature in a scene, for people; its text where it is no number though others are."""
+    """The value of a feature in a scene, for people; its text where it is not a number though others are."""
     value = table.arrays[name][row]
     otherwise = table.arrays.get(name + OTHERWISE)
     return shown(otherwise[row] if otherwise is not None and isinstance(value, float) and math.isnan(value) else value)

@@ -108,7 +108,7 @@ class Names:
 
 
 def unknown(option: str, name: str, there: Sequence[str]) -> UsageError:
-    """The error for a name that is nowhere."""
+    """The error for a name that does not occur."""
     place = long_name(name).partition(".")[0] if "." in name else ""
     ends = {last_part(n): n for n in reversed(there) if n.startswith(place)}
     near = get_close_matches(last_part(long_name(name)), list(ends), n=1)

@@ -22,12 +22,12 @@ class Outcomes:
     """The outcomes of a finite program in those features that samples have, each as a class of its own; those that these do not tell apart are one.
 
     `features` are the names of the samples' features. Numbers are the same up to the tolerance (relative, from 1 on). Raises `UsageError` for an
-    enumeration that is none, but an approximation.
+    enumeration that is an approximation.
     """
 
     def __init__(self, law: Enumeration, features: Table, facts: Facts, names: Names, tolerance: float) -> None:
         if law.discretized is not None:
-            raise UsageError("a discretized enumeration is an approximation, and nothing can be tested against it")
+            raise UsageError("a discretized enumeration is an approximation, so nothing can be tested against it")
         self.law = law
         self.tolerance = tolerance
         self.table = names.kept(table_of(law.scenes))

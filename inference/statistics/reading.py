@@ -30,7 +30,7 @@ CONSTANTS: Mapping[str, object] = {"None": None, "null": None, "True": True, "tr
 
 BOM, OPENING, CLOSING = codecs.BOM_UTF8, ord("{"), ord("}")
 AT_ONCE = 256
-"""So many lines are read together."""
+"""Lines that are read together."""
 Numbered = tuple[int, dict[str, object]]
 """A line's number and its scene."""
 
@@ -171,7 +171,7 @@ def _csv(file: Iterable[str], path: str) -> Iterator[Numbered]:
                 for name, value in found.items():
                     if value == "" or (name == "attempts" and not is_count(value)):
                         where = f"{path}, line {rows.line_num}"
-                        raise UsageError(f"{where}: {value!r} is no value of {name}", hint="None, True and False can be written so")
+                        raise UsageError(f"{where}: {value!r} is not a value of {name}", hint="None, True and False are written like this")
                 yield rows.line_num, {"columns": found}
     except csv.Error as error:
         raise UsageError(f"{path}, line {rows.line_num}: {error}") from None

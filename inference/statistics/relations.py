@@ -16,7 +16,7 @@ from ...semantics.space.vectors import Vector
 from .betting import Array
 from .columns import Table, features_table
 
-MOST_RELATED = 12  # relations are looked at between the first so many objects
+MOST_RELATED = 12  # the number of objects, from the first on, whose relations are compared
 
 
 def table_of(scenes: Iterable[Scene | Mapping[str, object]]) -> Table:

@@ -1,4 +1,4 @@
-"""How samples were rounded: both sides of a comparison are rounded alike, so that a format of few digits is no difference."""
+"""How samples were rounded: both sides of a comparison are rounded in the same way, so that a format with few digits makes no difference."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ ROUNDINGS = sorted(
 def roundings_of(a: Table, b: Table | None, tolerance: float) -> dict[str, Rounding]:
     """How the numbers of each feature were rounded, on the side where that was more coarsely: at most by the tolerance.
 
-    Both sides are then compared rounded so. It is found out with scenes that are used for nothing else.
+    Both sides are then rounded in this way before they are compared. The scenes that show it are used for nothing else.
     """
     allowed = [r for r in ROUNDINGS if r.error <= tolerance * (1 + 1e-9)]
     found: dict[str, Rounding] = {}

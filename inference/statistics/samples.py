@@ -19,7 +19,7 @@ from .rounding import DEFAULT_TOLERANCE
 from .shuffled import Shuffled
 
 CHUNK = 512
-"""So many scenes are looked at together."""
+"""Scenes that are read together."""
 
 AnyScene = Scene | Mapping[str, object]
 """A scene, or the JSON object of one."""
@@ -28,7 +28,7 @@ Given = Table | Iterable[AnyScene] | str | Path
 
 
 class Samples:
-    """Scenes in a random order (a function of the seed), so that it does not matter how they were sorted, and what cannot be among them.
+    """Scenes in a random order (a function of the seed), so that it does not matter how they were sorted, and the impossible values among them.
 
     The features have the program's names. Memory is bounded: beyond some megabytes the scenes are in a temporary file.
     Raises `UsageError` for a file that cannot be read.

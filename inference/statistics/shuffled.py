@@ -16,9 +16,9 @@ from .columns import Table, stacked
 
 HEAPS = 32
 KEPT = 64 << 20
-"""So many bytes stay in memory."""
+"""Bytes that stay in memory."""
 CHUNK = 1 << 14
-"""Pieces are put together into tables of so many scenes before they are dealt out."""
+"""Scenes of the tables into which pieces are joined before they are dealt out."""
 
 Packed = tuple[str, object, object]
 

@@ -8,7 +8,7 @@ from typing import Literal
 
 MOST_NAMED = 12
 MOST = 1 << 40
-"""More scenes than this nobody draws."""
+"""The largest number of scenes that a verdict calls needed."""
 FIRST_BLOCK, BURNED_SHARE = (100, 4000), 8
 """The least and the most scenes that give the cells, and of how many one gives them."""
 Kind = Literal["different", "equivalent", "inconclusive"]
@@ -16,7 +16,7 @@ Kind = Literal["different", "equivalent", "inconclusive"]
 
 @dataclass(frozen=True)
 class Feature:
-    """How one feature, or a pair of them, compared: log10 of its e-value, and the counts (or expected counts) in its cells."""
+    """How one feature, or a pair of them, compares: log10 of its e-value, and the counts (or expected counts) in its cells."""
 
     name: str
     evidence: float
@@ -47,7 +47,7 @@ class Verdict:
     in the cells of any one feature would have made it with probability 0.99; "inconclusive", that there were too few
     scenes for this: `detectable` is the smallest difference that these would have shown. `n` scenes of each side were used after
     `burned` ones, which only gave the cells; `features` begins with the worst, and the power is stated for `stated` of them.
-    `impossible` lists values that cannot be, one line each.
+    `impossible` lists impossible values, one line each.
     `skipped` are features that only one of the sides has. `seeds` are those of what was drawn for the comparison.
     """
 
@@ -96,7 +96,7 @@ class Verdict:
                 ]
             case _:
                 if self.detectable >= 1:
-                    return [f"inconclusive: so few scenes show no difference at all; for {self.detect_tv:.4g} {self._enough}"]
+                    return [f"inconclusive: so few scenes cannot show any difference; for {self.detect_tv:.4g} {self._enough}"]
                 return [
                     f"inconclusive: no evidence of a difference in {sides}{burned}, but these would have shown differences of "
                     f"{self.detectable:.2%} or more only; for {self.detect_tv:.4g} {self._enough}"
@@ -124,5 +124,5 @@ class Verdict:
             ]
         if self.skipped:
             more = f" and {len(self.skipped) - MOST_NAMED:,} more" if len(self.skipped) > MOST_NAMED else ""
-            found += [f"not compared, since only one side has it: {', '.join(self.skipped[:MOST_NAMED])}{more}"]
+            found += [f"not compared, since only one side has them: {', '.join(self.skipped[:MOST_NAMED])}{more}"]
         return found

@@ -7,12 +7,13 @@ import sys
 from pathlib import Path
 
 import pytest
-from scenic_ref.cli import bench_running
-from scenic_ref.cli.bench_child import Sampler, Task, prepare
-from scenic_ref.cli.bench_figures import Cell, Figures, fitted
-from scenic_ref.cli.bench_growth import many_objects, many_polygons
-from scenic_ref.cli.bench_picture import bars
-from scenic_ref.cli.bench_processes import Ours, Process
+from scenic_ref.benchmarks import course
+from scenic_ref.benchmarks.bars import bars
+from scenic_ref.benchmarks.contenders import Ours
+from scenic_ref.benchmarks.figures import Cell, Figures, fitted
+from scenic_ref.benchmarks.growth import many_objects, many_polygons
+from scenic_ref.benchmarks.own_sampler import Sampler, Task, prepare
+from scenic_ref.benchmarks.processes import Process
 
 from .conftest import Ask
 
@@ -48,7 +49,7 @@ def fake(tmp_path: Path) -> Path:
 @pytest.fixture
 def two_backends(monkeypatch: pytest.MonkeyPatch) -> None:
     """Measure only what needs no compiling."""
-    monkeypatch.setattr(bench_running, "ours", lambda numba, prune: iter([Ours("interpreter"), Ours("numpy")]))
+    monkeypatch.setattr(course, "ours", lambda numba, prune: iter([Ours("interpreter"), Ours("numpy")]))
 
 
 def cells_of(path: Path) -> dict[tuple[str, str], dict]:
@@ -84,7 +85,7 @@ def test_without_a_released_implementation_ratios_are_to_the_interpreter(ask: As
     assert ask("bench", "ok.scenic", "prints.scenic", *QUICK, "--json", "out.json").code == 0
     cells = cells_of(tmp_path / "out.json")
     assert cells["ok", "interpreter"]["ratio"] == 1.0
-    assert "cannot be drawn from many at a time" in cells["prints", "numpy"]["skipped"]
+    assert "the batch backend cannot draw from this program" in cells["prints", "numpy"]["skipped"]
     assert cells["prints", "interpreter"]["scenes per second"]["median"] > 0
 
 
@@ -99,7 +100,7 @@ def test_a_program_that_a_released_implementation_does_not_run_is_told(ask: Ask,
     cells = cells_of(tmp_path / "out.json")
     assert cells["ok", "scenic==3.9.9"]["skipped"] == "SyntaxError: broken"
     assert cells["soft", "scenic==3.9.9"]["skipped"] == "RejectionException: died"
-    assert cells["random", "scenic==3.9.9"]["skipped"] == "there is no random.scenic for it"
+    assert cells["random", "scenic==3.9.9"]["skipped"] == "there is no random.scenic for this implementation"
     assert "ok, scenic==3.9.9: SyntaxError: broken" in answer.out
 
 
@@ -113,9 +114,9 @@ def test_wrong_usage_is_told_before_anything_is_measured(ask: Ask, fake: Path, t
         (("ok.scenic", "--seconds", "0"), "--seconds must be a positive number"),
         (("ok.scenic", "--against", "scenic=3.1.1"), "--against expects NAME==VERSION=PYTHON"),
         (("ok.scenic", "--against", "other==1=/bin/sh"), "--against knows how to measure scenic only"),
-        (("ok.scenic", "--against", "scenic==3.1.1=/no/such/python"), "/no/such/python is no program that could be run"),
-        (("ok.scenic", "--against", f"scenic==3.1.1={tmp_path}"), "is no program that could be run"),
-        (("ok.scenic", "--against", f"scenic==3.1.1={silent}"), "does not tell its version of scenic"),
+        (("ok.scenic", "--against", "scenic==3.1.1=/no/such/python"), "/no/such/python is not a program that can be run"),
+        (("ok.scenic", "--against", f"scenic==3.1.1={tmp_path}"), "is not a program that can be run"),
+        (("ok.scenic", "--against", f"scenic==3.1.1={silent}"), "does not report its version of scenic"),
         (("ok.scenic", "--against", f"scenic==3.1.1={fake}"), "holds scenic 3.9.9"),
         (("ok.scenic", "--against", f"scenic==3.9.9={fake}", "--released", "nosuch"), "holds none of the programs"),
         (("ok.scenic", "--json", "nosuch/out.json"), "there is no directory nosuch"),

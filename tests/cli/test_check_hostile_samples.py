@@ -172,7 +172,7 @@ def test_values_that_are_right_alone_and_wrong_together_are_a_proof(ask):
     ask("run", "p.scenic", "-n", 600, "-o", "s.jsonl")
     changed(lambda scene: scene["objects"][0]["properties"].update(c=scene["objects"][0]["properties"]["a"]), every=600)
     found = ask("check", "p.scenic", "--samples", "t.jsonl")
-    assert (found.code, "the values in sample 600 (line 600), each of which can be, have probability 0 together" in found.out) == (1, True)
+    assert (found.code, "the values in sample 600 (line 600), each of which is possible, have probability 0 together" in found.out) == (1, True)
 
 
 # No scenes

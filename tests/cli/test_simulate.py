@@ -53,7 +53,7 @@ def test_the_scenario_can_be_named(ask, tmp_path):
 def test_wrong_usage(ask, tmp_path):
     (tmp_path / "p.scenic").write_text(PROGRAM)
     for arguments, message in (
-        (("--simulator", "carla"), "there are still, kinematic, pymunk"),
+        (("--simulator", "carla"), "the simulators are still, kinematic, pymunk"),
         (("--simulator", "kinematic", "--dt", "0"), "positive number of seconds"),
         (("--run", "1", "-n", "2"), "--run asks for a single simulation"),
         (("-o", "runs.parquet"), "simulations are written as .jsonl"),

@@ -49,7 +49,7 @@ def test_python_s_rules_and_default_values_are_shown_on_request(ask):
     assert "P-Default" not in short
     assert "P-Default" in long
     assert "E-Compare" in long
-    assert "not shown: --all shows them" in short
+    assert "are hidden; --all shows them" in short
 
 
 def test_the_same_run_has_the_same_trace(ask):

@@ -72,7 +72,7 @@ def test_the_accepted_attempt_is_traced_unless_another_is_asked_for(ask):
     assert "accepted: time limit" in found
     other = ask("trace", "c.scenic", "--steps", 1, "--scene", run["run"], "--attempt", run["attempts"] - 1)
     assert other.code == 0
-    assert "discarded, scene and all: this fails in time step 0: the requirement on line 2" in other.out
+    assert "discarded, with its scene: this fails in time step 0: the requirement on line 2" in other.out
 
 
 def test_what_the_simulator_changed_is_shown_where_the_step_begins(ask):

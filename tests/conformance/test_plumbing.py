@@ -175,7 +175,7 @@ CASES: dict[str, tuple[Sampling | Ourselves, str, str, str]] = {
     "a scene too few": (MissesAScene(), "plumbing-values", "failed", "gave 2 scenes, and 3 were asked for"),
     "an empty scene": (AcceptsEverything(), "plumbing-values", "failed", "the scene has no params.r"),
     "an error instead of scenes": (Raises(Refused("run", "no")), "plumbing-values", "failed", "refused in phase run: no"),
-    "nothing accepted": (Raises(NeverAccepted()), "plumbing-values", "failed", "no run was accepted: the requirements are not told"),
+    "nothing accepted": (Raises(NeverAccepted()), "plumbing-values", "failed", "no run was accepted: the requirements are not reported"),
     "a crash": (Raises(RuntimeError("out of memory")), "plumbing-values", "errored", "RuntimeError: out of memory"),
     # rules
     "rules that do not fire": (Traces(), "plumbing-values", "failed", "these rules did not fire: O-Distance-Ego"),
@@ -204,8 +204,8 @@ CASES: dict[str, tuple[Sampling | Ourselves, str, str, str]] = {
     "another distribution": (Changed(lambda x: x**2), "plumbing-distribution", "failed", "the samples of ego.v contradict the law"),  # type: ignore[operator]
     "a slightly wider distribution": (Changed(lambda x: x * 1.05), "plumbing-distribution", "failed", "contradict the law"),  # type: ignore[operator]
     "one value": (Repeats(), "plumbing-distribution", "failed", "contradict the law"),
-    "no finite numbers": (Changed(lambda _: INFINITY), "plumbing-distribution", "failed", "ego.v is inf, which is no finite number"),
-    "no numbers": (Changed(lambda _: "x"), "plumbing-distribution", "failed", "ego.v is 'x', which is no finite number"),
+    "no finite numbers": (Changed(lambda _: INFINITY), "plumbing-distribution", "failed", "ego.v is inf, which is not a finite number"),
+    "no numbers": (Changed(lambda _: "x"), "plumbing-distribution", "failed", "ego.v is 'x', which is not a finite number"),
     "another mean": (Changed(lambda x: x**0.5), "plumbing-moments", "failed", "the samples of ego.v contradict the law"),  # type: ignore[operator]
     "the mean alone": (Changed(lambda _: 0.5), "plumbing-moments", "failed", "contradict the law"),
     "out of the moments' range": (Changed(lambda x: x + 1), "plumbing-moments", "failed", "contradict the law: e-value 10^inf"),  # type: ignore[operator]
@@ -260,7 +260,7 @@ def test_samples_that_do_not_contradict_the_rival_prove_nothing() -> None:
     law, rival = 'cdf = { name = "uniform", low = 0, high = 1 }', 'rival.cdf = { name = "uniform", low = 0, high = 1.01 }'
     verdict = judge(Ourselves(), vector(f'distribution = {{ of = "ego.v", samples = 50, {law}, {rival} }}')).verdict
     assert verdict.status == "failed"
-    assert "could not tell the rival" in verdict.reason
+    assert "do not contradict the rival" in verdict.reason
 
 
 def test_a_vector_about_a_reading_that_is_not_followed_is_skipped() -> None:

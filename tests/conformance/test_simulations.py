@@ -116,10 +116,10 @@ CASES: dict[str, tuple[NoSimulator, str, str, str]] = {
     "another agent": (Plays(record({"1": [1]}, {}, {"0": [2, "b"]})), ONE, "failed", "in time step 0 the actions are {'1': [1]}, not {'0': [1]}"),
     "an action where there is none": (Plays(record({"0": [1]}, {"0": [1]}, {"0": [2, "b"]})), ONE, "failed", "in time step 1"),
     "true for 1": (Plays(record({"0": [True]}, {}, {"0": [2, "b"]})), ONE, "failed", "in time step 0"),
-    "a time step too few": (Plays(record({"0": [1]}, {})), ONE, "failed", "2 time steps pass, and it ends by 'terminated', not 3 and"),
+    "a time step too few": (Plays(record({"0": [1]}, {})), ONE, "failed", "2 time steps pass, and it ends with 'terminated', not 3 and"),
     "a time step too many": (Plays(record({"0": [1]}, {}, {"0": [2, "b"]}, {})), ONE, "failed", "4 time steps pass"),
     "another end": (
-        Plays(record({"0": [1]}, {}, {"0": [2, "b"]}, result="time limit")), ONE, "failed", "ends by 'time limit', not 3 and 'terminated'",
+        Plays(record({"0": [1]}, {}, {"0": [2, "b"]}, result="time limit")), ONE, "failed", "ends with 'time limit', not 3 and 'terminated'",
     ),
     "actions after the end": (
         Plays({"result": "terminated", "steps": [*RIGHT["steps"][:3], {"actions": {"0": [1]}, "objects": []}]}),  # type: ignore[index]
@@ -140,8 +140,8 @@ CASES: dict[str, tuple[NoSimulator, str, str, str]] = {
     "the right frequencies": (Plays(LOW, HIGH, HIGH, HIGH), TWO, "passed", ""),
     "other frequencies": (Plays(LOW, HIGH), TWO, "failed", "the samples of simulations contradict the law"),
     "always the same history": (Plays(HIGH), TWO, "failed", "contradict the law"),
-    "frequencies in between": (Plays(*[LOW] * 3, *[HIGH] * 5), TWO, "failed", "could not tell the rival"),
-    "no history": (Plays(LOW, RIGHT), TWO, "failed", "a simulation is none of the histories: its actions are [{'0': [1]}, {}, {'0': [2, 'b']}]"),
+    "frequencies in between": (Plays(*[LOW] * 3, *[HIGH] * 5), TWO, "failed", "do not contradict the rival"),
+    "no history": (Plays(LOW, RIGHT), TWO, "failed", "a simulation is not one of the histories: its actions are [{'0': [1]}, {}, {'0': [2, 'b']}]"),
     "the right law": (Enumerates(law("1/4", "3/4")), TWO, "passed", ""),
     "another law": (Enumerates(law("1/2", "1/2")), TWO, "failed", "histories[0] has probability 1/2, not 1/4"),
     "another acceptance": (Enumerates(law("1/4", "3/4", "1")), TWO, "failed", "a run is accepted with probability 1, not 1/2"),

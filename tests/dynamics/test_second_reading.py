@@ -142,8 +142,8 @@ class Odd(Kinematic):
 
 
 @pytest.mark.parametrize(("said", "message"), [
-    (None, "says None of"), ({"position": "here"}, "the position of .* is 'here'"), ({"speed": "fast"}, "the speed of .* is 'fast'"),
-    ({"colour": 3}, "says angularSpeed, colour, .* and declares angularSpeed, heading"),
+    (None, "gives None for"), ({"position": "here"}, "gives 'here' as the position of"), ({"speed": "fast"}, "gives 'fast' as the speed of"),
+    ({"colour": 3}, "gives angularSpeed, colour, .* but declares angularSpeed, heading"),
 ])  # fmt: skip
 def test_what_a_simulator_says_is_looked_at(said, message):
     simulator = Odd()
@@ -173,12 +173,12 @@ def test_a_simulator_that_cannot_end_and_one_that_says_nonsense():
     simulator.made = True
     with pytest.raises(SimulatorError, match="RuntimeError: cannot stop"):
         scenario.simulate(simulator, 1)
-    with pytest.raises(SimulatorError, match="a sequence of texts, and not 5"):
+    with pytest.raises(SimulatorError, match="a sequence of texts, not 5"):
         scenario.simulate(Five(), 1)
 
 
 @pytest.mark.parametrize(("arguments", "message"), [
-    ({"simulator": object()}, "a simulator has the methods"), ({"simulator": Kinematic}, "the class Kinematic"), ({"steps": -1}, "at least 0"),
+    ({"simulator": object()}, "a simulator must have the methods"), ({"simulator": Kinematic}, "the class Kinematic"), ({"steps": -1}, "at least 0"),
     ({"steps": 2.5}, "whole number"), ({"seed": "a"}, "whole number"), ({"index": -1}, "at least 0"),
     pytest.param({"simulator": "pymunk", "timestep": 1e9}, "at most 60 seconds", marks=pytest.mark.extra("dynamics")),
 ])  # fmt: skip
@@ -256,7 +256,7 @@ class Numbering(Kinematic):
 def test_a_simulator_cannot_change_what_is_recorded():
     scenario = scenic_ref.loads(behavior("take 1"))
     assert scenario.simulate(Clearing(), 1).simulation.moments[0].actions == {0: (1,)}
-    with pytest.raises(SimulatorError, match="None or a reason, and not 5"):
+    with pytest.raises(SimulatorError, match="None or a reason, not 5"):
         scenario.simulate(Numbering(), 1)
 
 

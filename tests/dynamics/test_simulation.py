@@ -152,7 +152,7 @@ def test_an_action_that_the_agent_cannot_take_is_an_error():
         drive("take SetWalkingSpeedAction(1)", 2)
     with pytest.raises(RunError, match="it is none of SetThrottleAction"):
         drive("take 3", 2)
-    with pytest.raises(RunError, match="the throttle is between 0 and 1, not 3") as found:
+    with pytest.raises(RunError, match="the throttle must be between 0 and 1, not 3") as found:
         drive("take SetThrottleAction(3)", 2)
     assert found.value.span.line > 0
 
@@ -182,7 +182,7 @@ class Broken(Still):
         self.destroyed += 1
 
 
-@pytest.mark.parametrize(("how", "message"), [("raises", "the simulator failed: ZeroDivisionError: oh"), ("nan", "the speed of .* is nan")])
+@pytest.mark.parametrize(("how", "message"), [("raises", "the simulator failed: ZeroDivisionError: oh"), ("nan", "gives nan as the speed of")])
 def test_what_goes_wrong_in_a_simulator_is_told_and_it_is_destroyed(how, message):
     simulator = Broken(how)
     with pytest.raises(SimulatorError, match=message):
@@ -195,7 +195,7 @@ def test_unknown_simulators_and_time_steps():
     with pytest.raises(UsageError, match="no simulator carla"):
         scenario.simulate("carla")
     for timestep in (0, -1, math.nan, math.inf):
-        with pytest.raises(UsageError, match="time step is a positive number"):
+        with pytest.raises(UsageError, match="time step must be a positive number"):
             scenario.simulate("kinematic", timestep=timestep)
 
 
@@ -211,7 +211,7 @@ def test_a_thousand_agents():
 def test_contract_of_the_actions():
     for action in a.ACTIONS.values():
         assert issubclass(action, a.Action)
-    with pytest.raises(ValueError, match="steering is between"):
+    with pytest.raises(ValueError, match="steering must be between"):
         a.SetSteerAction(2)
     assert Kinematic().properties == {"position", "heading", "speed", "velocity", "angularSpeed"}
 

@@ -69,7 +69,7 @@ def test_scenes_of_different_forms_are_one_table():
     other = [{"objects": [{"position": [1, 2], "properties": {"v": "a", "w": [1, None]}}], "params": {"t": 1}}]
     both = stacked([features_table(one), features_table(other)])
     np.testing.assert_array_equal(both.arrays["objects[0].properties.v"], [3.0, math.nan, math.nan])
-    assert list(both.arrays["objects[0].properties.v where it is no number"]) == ["(a number)", "(absent)", "a"]
+    assert list(both.arrays["objects[0].properties.v where it is not a number"]) == ["(a number)", "(absent)", "a"]
     assert list(both.arrays["objects"]) == ["1", "0", "1"]
     whole = features_table([*one, *other])
     assert {n: list(map(str, v)) for n, v in whole.arrays.items()} == {n: list(map(str, v)) for n, v in both.arrays.items()}

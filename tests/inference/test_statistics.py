@@ -228,7 +228,7 @@ def test_features_of_one_side_only_are_listed():
     one = Table({"x": numbers(1, 500), "y": numbers(2, 500)}, 500)
     verdict = compare(one, Table({"x": numbers(3, 500)}, 500))
     assert verdict.skipped == ("y",)
-    assert "not compared, since only one side has it: y" in str(verdict)
+    assert "not compared, since only one side has them: y" in str(verdict)
 
 
 def test_an_exact_law_needs_half_the_scenes_and_no_first_block():

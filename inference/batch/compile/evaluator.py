@@ -64,7 +64,7 @@ class Fused:
         self, seed: int, start: int, first: np.ndarray, live: np.ndarray, most: int, room: tuple[np.ndarray, np.ndarray],
         fate: np.ndarray, counts: np.ndarray,
     ) -> int:  # fmt: skip
-        """Let the evaluator run, for so many runs at most that one can interrupt it; how many there were."""
+        """Let the evaluator run, for so few runs that one can interrupt it; how many there were."""
         runs, _ = self.evaluator(np.uint64(fold(seed)), start, first, live, most, BUDGET, fate, *room, counts, *self.arrays)  # type: ignore[misc, call-arg, arg-type]
         return runs
 

@@ -222,7 +222,7 @@ class Writer:
         self.add(f"{name} = {self.array(headings)}[q]")
 
     def leave(self) -> None:
-        """Others must do this run."""
+        """Leave this run to others."""
         self.add(f"fate[i] = {LEFT}; out = True", 1)
         self.add("break", 1)
 

@@ -81,7 +81,7 @@ def without_value(column: np.ndarray) -> Failed | None:
 
 
 def rejection_rates(graph: Graph, runs: int, seed: int = 0) -> dict[int, float]:
-    """How often each event would reject a run, were it the only one: found out with `runs` runs."""
+    """How often each event would reject a run if it were the only one, estimated from `runs` runs."""
     scenes = np.arange(runs, dtype=np.uint64)
     numbers, columns, failed = Numbers(seed, scenes, np.zeros_like(scenes)), dict[int, np.ndarray](), dict[int, Failed]()
     rates: dict[int, float] = {}

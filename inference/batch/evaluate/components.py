@@ -179,7 +179,7 @@ def report(graph: Graph, chosen: Component, places: Sequence[tuple[str, Sequence
     off = "factorised rejection is off"
     if not chosen.parts:
         reason = obstacle(graph)
-        return [f"{off}: {reason or ('it would not save work' if components(graph).parts else 'the requirements leave no draws that are apart')}"]
+        return [f"{off}: {reason or ('it would not save work' if components(graph).parts else 'the requirements connect all draws')}"]
     homes = [(name, drawn_at(cone(list(nodes), set()))) for name, nodes in places]
 
     def lines(component: Component, depth: int) -> Iterator[str]:
@@ -191,7 +191,7 @@ def report(graph: Graph, chosen: Component, places: Sequence[tuple[str, Sequence
             yield f"{'  ' * depth}{counted(len(part.addresses), 'draw')}, {counted(len(part.events), 'requirement')}{where}{which and ': ' + which}"
             yield from lines(part, depth + 1)
 
-    return ["drawn apart, each again until what is required of it alone holds:", *lines(chosen, 1)]
+    return ["drawn apart, each again until the requirements about it alone hold:", *lines(chosen, 1)]
 
 
 MOST_NAMED = 6

@@ -39,9 +39,9 @@ if TYPE_CHECKING:
 WAVE = 1 << 14
 """Runs that are evaluated at a time: their columns fit into the caches."""
 LOOKED_AT = 512
-"""Runs by which it is found out how often each requirement rejects."""
+"""Runs that show how often each requirement rejects."""
 WASTE = 0.25
-"""So many of the attempts at a scene that are evaluated at a time may be expected to be in vain."""
+"""The share of the attempts at a scene, of those evaluated at a time, that may be expected to be in vain."""
 FEW = 512
 """Fewer runs than this take no less time."""
 
@@ -79,7 +79,7 @@ class Block(NamedTuple):
 
 
 class Batch:
-    """A program as a graph, ready to be evaluated. Raises `NotLifted` with the reason if it is none.
+    """A program as a graph, ready to be evaluated. Raises `NotLifted` with the reason if it cannot be made one.
 
     `draws` are distributions that points are drawn from instead (see `inference.pruning`); with `factorised`, components are drawn apart.
     """

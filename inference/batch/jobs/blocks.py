@@ -28,7 +28,7 @@ Given = TypeVar("Given")
 
 SMALLEST, LARGEST = 16, 1 << 14
 MOST_OBJECTS = 1 << 16
-"""A job has at most so many objects in all its scenes: their text is what takes memory."""
+"""The most objects in all scenes of a job: their text is what takes memory."""
 FIRST, GROWTH = 512, 4
 QUICK, SLOW = 1.0, 4.0
 """Jobs that take fewer seconds of a processor are followed by larger ones, those that take more by smaller ones."""
@@ -52,7 +52,7 @@ class Pace:
             start = end
 
     def took(self, scenes: int, seconds: float) -> None:
-        """A job of so many scenes took so long; one smaller than those that are made now says nothing."""
+        """Learn how long a job took; one smaller than those that are made now says nothing."""
         if seconds < QUICK and scenes >= self.size:
             self.size = min(GROWTH * self.size, self.largest)
         elif seconds > SLOW and scenes <= self.size:
@@ -75,7 +75,7 @@ def block_of(batch: Batch, seed: int, start: int, stop: int, max_attempts: int =
 
 
 def in_order(pool: Executor, work: Callable[[Asked], Given], jobs: Iterable[Asked], most: int) -> Generator[Given]:
-    """The results of the jobs, in order; at most `most` of them are under way. Raises `InternalError` if a worker dies, and what `work` raises."""
+    """The results of the jobs, in order; at most `most` of them run at a time. Raises `InternalError` if a worker dies, and what `work` raises."""
     waiting: deque[Future[Given]] = deque()
     try:
         for job in jobs:
@@ -93,7 +93,7 @@ def in_order(pool: Executor, work: Callable[[Asked], Given], jobs: Iterable[Aske
 
 
 class Workers(NamedTuple):
-    """Who does jobs, and how many at a time."""
+    """What does jobs, and how many at a time."""
 
     pool: Executor
     count: int
@@ -108,7 +108,7 @@ class Workers(NamedTuple):
 
 @contextmanager
 def processes(count: int) -> Iterator[Workers]:
-    """So many processes of this machine; they end with this one, however that ends."""
+    """Processes of this machine; they end with this one, however it ends."""
     pool = ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"), initializer=end_with_parent)
     before = set(multiprocessing.active_children())
     finished = False
@@ -127,7 +127,7 @@ def processes(count: int) -> Iterator[Workers]:
 
 
 def without_cancelled(before: Callable[[threading.ExceptHookArgs], object]) -> Callable[[threading.ExceptHookArgs], object]:
-    """What is told of exceptions in threads, but for that of a pool's thread that finds its jobs cancelled already when its processes are ended."""
+    """Report exceptions in threads, except that of a pool's thread whose jobs are already cancelled when its processes are ended."""
 
     def told(problem: threading.ExceptHookArgs) -> object:
         return None if problem.exc_type is InvalidStateError else before(problem)
@@ -136,7 +136,7 @@ def without_cancelled(before: Callable[[threading.ExceptHookArgs], object]) -> C
 
 
 def give_up_reading(results: object) -> None:
-    """Let a pool's thread not wait for the rest of a result whose process was ended while it sent it: there is no one else to write it."""
+    """Keep a pool's thread from waiting for the rest of a result whose process was ended while it sent it: nobody else will write it."""
     writer = getattr(results, "_writer", None)
     if isinstance(writer, connection.Connection):
         writer.close()
@@ -171,7 +171,7 @@ def cluster(address: str, count: int | None = None) -> Iterator[Workers]:
 
 
 def end_with_parent() -> None:
-    """Let this process end when the one that started it does, however that ends."""
+    """Make this process end when the one that started it ends, however it does."""
     parent = multiprocessing.parent_process()
 
     def watch() -> None:
@@ -184,7 +184,7 @@ def end_with_parent() -> None:
 
 @contextmanager
 def uninterrupted() -> Iterator[None]:
-    """Ctrl-C inside has its effect afterwards, where the system can do that."""
+    """Delay Ctrl-C until afterwards, where the system can do that."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return

@@ -28,7 +28,7 @@ LIFTED: dict[Callable[..., object], Callable[..., object]] = {
     BINARY["%"]: operator.mod,
     builtins.abs: operator.abs,
 }
-"""Operations of the machine, and the operators that they are on floats; `~` is none on truth values, which are whole numbers to it."""
+"""Operations of the machine, and the operators that they are on floats; `~` is left out on truth values, which it takes for whole numbers."""
 ZERO_DIVIDES = (operator.truediv, operator.mod)
 FEW = 64
 DIRECT = (CircularRegion, SectorRegion, RectangularRegion, Workspace)

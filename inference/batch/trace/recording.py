@@ -31,7 +31,7 @@ PLAIN = (bool, int, float, str, type(None))
 
 
 class Retry(Exception):
-    """The run that is traced got stuck where no value goes on: another run must be traced."""
+    """The run that is traced got stuck where no value can go on: another run must be traced."""
 
 
 class Trace:
@@ -163,7 +163,7 @@ class Trace:
         assert isinstance(symbol, Choice)
         plain = [v for v in symbol.values if not symbols_in(v)]
         if not all(isinstance(v, (bool, int, float, Traced)) for v in symbol.values):
-            raise NotLifted("a choice among things that are no numbers is used as a number")
+            raise NotLifted("a choice among values that are not numbers is used as a number")
         if len(plain) == len(symbol.values):
             if any(isinstance(v, int) and abs(v) > 2**53 for v in plain):
                 raise NotLifted("a whole number is too large for a float")
@@ -344,12 +344,12 @@ class Trace:
 
     @property
     def condition(self) -> Node | None:
-        """In which runs the machine comes to where it is: where this node is True, if there is one."""
+        """In which runs the machine reaches the place where it is: those in which this node is True, if there is one."""
         return self.conditions[-1] if self.conditions else None
 
     @property
     def imagined(self) -> bool:
-        """Whether the traced run would not come to where the machine is."""
+        """Whether the traced run would not reach the place where the machine is."""
         return self.condition is not None and not self.condition.example
 
 

@@ -47,7 +47,7 @@ PURE = frozenset({"S-Return", "S-Require", "S-Expression", "S-SoftReq", "S-If", 
 
 
 FEW = 5
-"""Of these, so many may end with an error of the program."""
+"""How many of these may end with an error of the program."""
 
 
 class Mistaken(NotLifted):
@@ -139,7 +139,7 @@ def trace_run(config: Config, attempt: int, fuel: int, draws: Draws = AS_THEY_AR
             while partial_runs and type(config.control) is Value and config.stack is partial_runs[-1][0]:
                 check_unchanged(partial_runs.pop()[1], config.state)
                 made.conditions.pop()
-        raise NotLifted("the program does not come to an end")
+        raise NotLifted("the program does not end")
     except NotLifted as problem:
         if made.imagined:
             raise Retry(str(problem)) from None

@@ -117,7 +117,7 @@ class Choice(Traced):
     def always(self, predicate: Callable[[object], bool]) -> bool:
         answers = {predicate(v) for v in self.values}
         if len(answers) != 1:
-            raise NotLifted("values of different types are chosen among")
+            raise NotLifted("a choice among values of different types")
         return answers.pop()
 
     def each(self, function: Callable[[Any], object]) -> Any:
@@ -132,7 +132,7 @@ class Choice(Traced):
     def __iter__(self) -> Iterator[object]:
         lengths = {len(v) if isinstance(v, (tuple, list)) else -1 for v in self.values}
         if len(lengths) != 1 or -1 in lengths:
-            raise NotLifted("values with different numbers of elements are chosen among")
+            raise NotLifted("a choice among values with different numbers of elements")
         return iter([self.each(operator.itemgetter(i)) for i in range(lengths.pop())])
 
     def __getitem__(self, index: object) -> object:

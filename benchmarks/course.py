@@ -1,29 +1,29 @@
-"""The course of a benchmark: programs one after the other, implementations taking turns, and what is shown and written."""
+"""The course of a benchmark: programs one after the other, implementations taking turns."""
 
 from __future__ import annotations
 
-import json
 import tempfile
-from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
 from ..interpreter.extras import is_installed
 from ..semantics.kernel.errors import UsageError
-from .bench_figures import Cell, Figures, load
-from .bench_growth import WHAT, contenders, programs
-from .bench_processes import Contender, Ours, Process, Program, released
-from .bench_tables import show
-from .files import PICTURES, check_ending, check_place, write
-from .session import tell
+from .contenders import Contender, Ours, Program, released
+from .figures import Cell, Figures, load
+from .growth import WHAT, contenders, programs
+from .processes import Process
 
 NO_NUMBA = "numba is not installed: the compiled evaluator is not measured (pip install 'scenic-ref[fast]')"
+
+Tell = Callable[[str], None]
+"""Says how far a benchmark has come."""
 
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """What is to be measured, and where the figures go."""
+    """What is to be measured."""
 
     programs: tuple[str, ...]
     seconds: float
@@ -33,18 +33,18 @@ class Request:
     prune: bool = False
     growth: bool = False
     seed: int = 0
-    output: str | None = None
-    plot: str | None = None
 
     def json(self) -> dict[str, object]:
         """The options that decide the figures."""
         return {"seconds": self.seconds, "repeat": self.repeat, "prune": self.prune, "seed": self.seed}
 
 
-def measure(request: Request) -> None:
-    """Measure all that is asked for, show it, write it. Raises `UsageError`, before anything is measured; `KeyboardInterrupt` afterwards."""
+def measure(request: Request, tell: Tell, finish: Callable[[Figures], None]) -> None:
+    """Measure all that is requested; `finish` gets the figures, after Ctrl-C those that there are.
+
+    Raises `UsageError` before anything is measured, and `KeyboardInterrupt` after `finish`.
+    """
     todo = programs_of(request)
-    check_outputs(request)
     with tempfile.TemporaryDirectory() as directory:
         others = [released(text).at(Path(directory)) for text in request.against]
         if len({other.name for other in others}) < len(others):
@@ -54,12 +54,18 @@ def measure(request: Request) -> None:
             tell(NO_NUMBA)
         rivals: list[Contender] = [*ours(numba, request.prune), *others]
         figures = Figures(tuple(r.name for r in rivals), others[0].name if others else "interpreter", load={"before": load()})
-        with telling(figures, request):
+        try:
             for number, program in enumerate(todo, 1):
                 tell(f"[{number}/{len(todo)}] {program.name}")
                 take_turns(program, rivals, request, figures.cells)
             if request.growth:
-                measure_growth(Path(directory), numba, request, figures)
+                measure_growth(Path(directory), numba, request, figures, tell)
+        except KeyboardInterrupt:
+            figures.interrupted = True
+        figures.load["after"] = load()
+        finish(figures)
+        if figures.interrupted:
+            raise KeyboardInterrupt
 
 
 def ours(numba: bool, prune: bool) -> Iterator[Ours]:
@@ -82,7 +88,7 @@ def programs_of(request: Request) -> list[Program]:
             raise UsageError(f"two programs are called {name}")
         found.append(Program(name, str(Path(path).resolve()), translation(path, request.released)))
     if found and request.released is not None and not any(p.released for p in found):
-        raise UsageError(f"--released: {request.released} holds none of the programs", hint=f"as {found[0].name}.scenic, for example")
+        raise UsageError(f"--released: {request.released} holds none of the programs", hint=f"it should hold {found[0].name}.scenic, for example")
     return found
 
 
@@ -90,42 +96,6 @@ def translation(path: str, directory: str | None) -> str | None:
     """The file of a program for released implementations, None if there is none."""
     other = Path(path) if directory is None else Path(directory) / Path(path).name
     return str(other.resolve()) if other.is_file() else None
-
-
-def check_outputs(request: Request) -> None:
-    """Raise `UsageError` unless the files can be written."""
-    for place in (request.output, request.plot):
-        if place is not None:
-            check_place(place, {f"the program {Path(p).stem}": p for p in request.programs})
-    if request.output is not None:
-        check_ending("--json", request.output, "figures", (".json",))
-    if request.plot is not None:
-        check_ending("--plot", request.plot, "pictures", PICTURES)
-
-
-@contextmanager
-def telling(figures: Figures, request: Request) -> Iterator[None]:
-    """Show and write what was measured when it is all there, or when it is interrupted."""
-    try:
-        yield
-    except KeyboardInterrupt:
-        figures.interrupted = True
-        tell("interrupted: these figures are what was measured so far")
-        finish(figures, request)
-        raise
-    finish(figures, request)
-
-
-def finish(figures: Figures, request: Request) -> None:
-    """The tables on standard output, the files."""
-    figures.load["after"] = load()
-    show(figures)
-    if request.output is not None:
-        write(request.output, json.dumps(figures.json(request.json()), indent=1) + "\n")
-    if request.plot is not None and any(cell.rate is not None for cell in figures.cells):
-        from .bench_picture import bars
-
-        write(request.plot, bars(figures, format=Path(request.plot).suffix[1:].lower()))
 
 
 def take_turns(program: Program, rivals: Sequence[Contender], request: Request, cells: list[Cell]) -> None:
@@ -136,7 +106,7 @@ def take_turns(program: Program, rivals: Sequence[Contender], request: Request, 
             cell = Cell(program.name, rival.name)
             cells.append(cell)
             if not isinstance(rival, Ours) and program.released is None:
-                cell.skipped = f"there is no {program.name}.scenic for it"
+                cell.skipped = f"there is no {program.name}.scenic for this implementation"
                 continue
             process = stack.enter_context(Process(rival, program, request.seed))
             cell.ready = process.ready
@@ -148,7 +118,7 @@ def take_turns(program: Program, rivals: Sequence[Contender], request: Request, 
                     cell.take(process.sample(request.seconds))
 
 
-def measure_growth(directory: Path, numba: bool, request: Request, figures: Figures) -> None:
+def measure_growth(directory: Path, numba: bool, request: Request, figures: Figures, tell: Tell) -> None:
     """Measure the programs that grow."""
     for kind in WHAT:
         cells = figures.growth.setdefault(kind, [])

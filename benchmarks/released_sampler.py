@@ -1,7 +1,7 @@
 """Draws scenes with a released Scenic in its own environment. This file runs there, alone: it imports nothing of scenic-ref.
 
-    python bench_sample.py --version scenic
-    python bench_sample.py PROGRAM WORLD SEED
+    python released_sampler.py --version scenic
+    python released_sampler.py PROGRAM WORLD SEED
 
 The first prints {"version": ...}. The second compiles the program, prints {"prepare": seconds}, then answers each line of standard input, a number
 of seconds, by {"scenes": ..., "attempts": ..., "seconds": ..., "peak": bytes}: what was drawn in about so many seconds of the processor.
@@ -55,5 +55,5 @@ if __name__ == "__main__":
         print(json.dumps({"version": importlib.metadata.version(sys.argv[2])}))
     else:
         answers = os.fdopen(os.dup(1), "w")
-        os.dup2(2, 1)  # what the program prints is no answer
+        os.dup2(2, 1)  # what the program prints is not an answer
         main(sys.argv[1], sys.argv[2], int(sys.argv[3]), answers)

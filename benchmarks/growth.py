@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 
-from .bench_processes import Ours, Program
+from .contenders import Ours, Program
 
 OBJECTS = (2, 5, 10, 20, 50)
 POLYGONS = (50, 500, 5_000, 50_000)
@@ -35,7 +35,7 @@ def contenders(kind: str, size: int, numba: bool) -> list[Ours]:
 
 
 def many_objects(count: int) -> str:
-    """So many objects, all independent."""
+    """A program with `count` objects, all independent."""
     half = FIELD / 2
     place = f"Object at (Range({-half}, {half}), Range({-half}, {half})), with width 2, with length 4, facing Range(0, 360) deg"
     place += ", with requireVisible False"
@@ -43,7 +43,7 @@ def many_objects(count: int) -> str:
 
 
 def many_polygons(count: int) -> str:
-    """Two cars on a map of so many cells."""
+    """Two cars on a map of `count` cells."""
     car = "with width 2, with length 4, with requireVisible False"
     return (
         f"from {__name__} import grid\nroad, direction = grid({count})\nworkspace = Workspace(road)\n"

@@ -1,7 +1,7 @@
 """Draws scenes with this package, in a process of its own: one program by one backend, for as long as is asked for.
 
 The process prints {"prepare": seconds, ...} once the program is ready, or {"skipped": why}; then it answers each line of standard input, a number of
-seconds, by {"scenes": ..., "attempts": ..., "seconds": ..., "peak": bytes}, as `bench_sample` does for a released implementation.
+seconds, by {"scenes": ..., "attempts": ..., "seconds": ..., "peak": bytes}, as `released_sampler` does for a released implementation.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from ..inference.batch import Batch
 from ..inference.batch.jobs.blocks import GROWTH, LARGEST, QUICK
 from ..scenario import Scenario, load
 from ..semantics.kernel.errors import ScenicError
-from .bench_sample import peak
+from .released_sampler import peak
 
 SMALLEST = 256
 
 Draw = Callable[[int, int], tuple[int, int]]
-"""Draws so many scenes from a number on; gives how many it drew, and in how many attempts."""
+"""Takes the number of the first scene and a count; draws the scenes, and gives how many it drew, in how many attempts."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +80,7 @@ def prepare(task: Task) -> tuple[Draw, dict[str, float]]:
     batch = scenario.batch
     times.append(time.process_time())
     if batch is None:
-        raise Skipped(f"the program cannot be drawn from many at a time: {scenario.not_lifted}")
+        raise Skipped(f"the batch backend cannot draw from this program: {scenario.not_lifted}")
     if task.backend == "numba":
         if not batch.compile():
             raise Skipped(batch.not_fused)
@@ -120,7 +120,7 @@ class Sampler:
         self.growing = False
 
     def sample(self, seconds: float) -> dict[str, float]:
-        """What was drawn in about so many seconds."""
+        """What was drawn in about `seconds` seconds."""
         self.warm_up()
         scenes = attempts = 0
         used = 0.0
@@ -151,5 +151,5 @@ def serve(task: Task, out: TextIO) -> None:
 def main() -> None:
     """The process; the task is its argument."""
     out = os.fdopen(os.dup(1), "w")
-    os.dup2(2, 1)  # what the program prints is no answer
+    os.dup2(2, 1)  # what the program prints is not an answer
     serve(Task(**json.loads(sys.argv[1])), out)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from .bench_figures import Cell, Figures, fitted
-from .bench_growth import WHAT
+from .figures import Cell, Figures, fitted
+from .growth import WHAT
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -117,7 +117,7 @@ def load_line(figures: Figures) -> str:
 
 
 def short(value: float | None, digits: int = 4) -> str:
-    """A number with so many significant digits, and commas."""
+    """A number with `digits` significant digits, and commas."""
     if value is None:
         return "-"
     return f"{value:,.0f}" if abs(value) >= 10 ** (digits - 1) else f"{value:.{digits}g}"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from ..formats.pictures import CLASSES, EGO, INK, check_format, written
 
 if TYPE_CHECKING:
-    from .bench_figures import Figures
+    from .figures import Figures
 
 WIDTH, THICK = 8.5, 0.16
 """Inches: of the picture, and of a bar."""
