@@ -16,7 +16,7 @@ from . import suite, vectors
 from .changes import BODY, Mutant, files, mutants
 from .processes import Work, each
 from .report import Report, page, shown
-from .results import Results, State, equivalents, key
+from .results import Kept, Results, State, equivalents, key
 from .vectors import Known, Trial, outcome
 
 
@@ -45,13 +45,16 @@ def main() -> int:
     wanted = [f for f in files() if not options.files or any(text in f for text in options.files)]
     everything = [m for file in wanted for m in mutants(file)]
     print(f"{len(everything)} mutants in {len(wanted)} files; watching what the vectors run", file=sys.stderr)
-    known = vectors.survey(options.jobs)
+    state = State.now()
+    kept = Kept(options.o, state)
+    known = vectors.survey(options.jobs, kept.vectors)
+    kept.write()
     load(known.libraries)
     if options.bodies:
         return bodies(everything, known, options.jobs)
     chosen = random.Random(seed).sample(everything, min(options.n, len(everything)))
     print(f"{len(chosen)} of {len(everything)} mutants drawn with the seed {seed}", flush=True)
-    results = Results(options.o, State.now())
+    results = Results(options.o, state)
     excused = equivalents()
     try:
         trials = (vectors.trial(m, known) for m in chosen if key(m) not in results.vectors)
@@ -59,7 +62,8 @@ def main() -> int:
         missed = [m for m in chosen if not results.by_vectors(m) and key(m) not in results.suite and not any(e.names(m) for e in excused)]
         if missed and not options.vectors_only:
             load(["pytest", "_pytest.assertion.rewrite", "hypothesis"])
-            covered = suite.survey_tests(known.covered.at_import, options.jobs)
+            covered = suite.survey_tests(known.covered.at_import, options.jobs, kept.tests)
+            kept.write()
             tried("suite", (suite.trial_by_tests(m, covered, options.budget) for m in missed), suite.by_tests(), results, options.jobs)
     except KeyboardInterrupt:
         print(f"\ninterrupted: the results so far are {f'in {options.o}' if options.o else 'lost, since there is no -o'}", file=sys.stderr)

@@ -132,7 +132,7 @@ def head(node: ast.AST) -> str:
     if isinstance(node, Definition):
         return f"def {node.name}: {head(statements(node)[0])}"
     lines = ast.unparse(node).strip().splitlines()
-    return " ".join(line.strip() for line in lines[: 2 if isinstance(node, ast.ExceptHandler) else 1])
+    return " ".join(line.strip() for line in lines[: 2 if isinstance(node, (ast.ExceptHandler, ast.match_case)) else 1])
 
 
 def statements(node: Definition) -> list[ast.stmt]:

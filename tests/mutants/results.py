@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import hashlib
 import json
 import tomllib
@@ -38,6 +39,27 @@ class State:
         """The tree's."""
         code = [p for package in PACKAGES for p in (ROOT / package).rglob("*") if p.suffix in (".py", ".lark", ".scenic")]
         return cls(digest(code), digest(VECTORS.rglob("*.toml")), digest((ROOT / "tests").rglob("*.py")))
+
+
+class Kept:
+    """What was found out about the tree before anything was changed, beside a file of results; empty if it is about other code."""
+
+    def __init__(self, results: Path | None, state: State) -> None:
+        self.path = None if results is None else results.with_suffix(".lines.gz")
+        self.code = state.code
+        found: dict[str, Any] = {}
+        if self.path is not None and self.path.exists():
+            found = json.loads(gzip.decompress(self.path.read_bytes()))
+        same = found.get("code") == self.code
+        self.vectors: dict[str, Any] = found["vectors"] if same else {}
+        self.tests: dict[str, Any] = found["tests"] if same else {}
+
+    def write(self) -> None:
+        """Keep it for the next run."""
+        if self.path is not None:
+            text = json.dumps({"code": self.code, "vectors": self.vectors, "tests": self.tests})
+            self.path.with_suffix(".new").write_bytes(gzip.compress(text.encode(), 1))
+            self.path.with_suffix(".new").replace(self.path)
 
 
 def key(mutant: Mutant) -> str:

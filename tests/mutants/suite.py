@@ -8,13 +8,13 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
 
 from .changes import ROOT, Mutant
 from .processes import Tell, Work, allow, each
+from .results import digest
 from .vectors import AT_LEAST, SLOWER, Covered, Mutated, Trial, seconds
 from .watching import Lines
 
@@ -89,28 +89,29 @@ def run_pytest(arguments: list[str], plugin: object) -> int:
     return int(pytest.main([*OPTIONS, *arguments], plugins=[plugin]))
 
 
-def survey_tests(at_import: dict[str, set[int]], jobs: int) -> Covered:
-    """Which tests run which lines; those that do not pass are left out."""
+def survey_tests(at_import: dict[str, set[int]], jobs: int, kept: dict[str, Any]) -> Covered:
+    """Which tests run which lines; those that do not pass are left out. `kept` holds what an earlier run found, and takes over what is found."""
 
     def watch(file: Any, tell: Tell) -> None:
         lines = Lines()
         lines.start()
         run_pytest([file], Watching(lines, tell))
 
+    there = sorted((ROOT / "tests").rglob("test_*.py"), key=lambda path: -path.stat().st_size)
+    known = {str(path.relative_to(ROOT)): digest([path]) for path in there}
+    waiting = [name for name, content in known.items() if kept.get(name, {}).get("content") != content]
+    for done, (file, told, _) in enumerate(each(waiting, watch, jobs), 1):
+        kept[file] = {"content": known[file], "told": told}
+        print(f"tests watched: {done} of {len(waiting)} files", file=sys.stderr)
     covered = Covered(at_import=at_import)
-    names = sorted((str(p) for p in (ROOT / "tests").rglob("test_*.py")), key=lambda name: -Path(name).stat().st_size)
-    for done, (file, told, _) in enumerate(each(names, watch, jobs), 1):
-        print(f"\rtests watched: {done} of {len(names)} files", end="", file=sys.stderr)
+    for file in known:
         collecting: dict[str, list[int]] = {}
-        for fields in told:
+        for fields in kept[file]["told"]:
             if "collecting" in fields:
                 collecting = {f: sorted(set(n) - at_import.get(f, set())) for f, n in fields["collecting"].items()}
             elif fields.get("passed"):
                 lines = fields["lines"]
                 covered.add(fields["name"], fields["seconds"], {f: [*lines.get(f, ()), *collecting.get(f, ())] for f in {*lines, *collecting}})
-        if not any("collecting" in fields for fields in told):
-            print(f"\n{file} cannot be watched", file=sys.stderr)
-    print(file=sys.stderr)
     return covered
 
 

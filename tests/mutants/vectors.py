@@ -144,10 +144,10 @@ def catalogued() -> list[Catalogued]:
     return found
 
 
-def survey(jobs: int) -> Known:
-    """What each vector runs. Raises SystemExit if one does not pass."""
-    known, covered, shown, found = tables(), Covered(), {}, {}
-    names = list(known)
+def survey(jobs: int, kept: dict[str, Any]) -> Known:
+    """What each vector runs; `kept` holds what an earlier run found, and takes over what is found. Raises SystemExit if a vector does not pass."""
+    known = tables()
+    names = [name for name, table in known.items() if kept.get(name, {}).get("table") != list(table)]
 
     def watch(chosen: Any, tell: Tell) -> None:
         lines = Lines()
@@ -160,24 +160,24 @@ def survey(jobs: int) -> Known:
             before = seconds()
             vector, verdict = judged(known[name])
             took, ran = seconds() - before, lines.take()
-            tell(name=name, seconds=took, lines=ran, shows=sorted(shows(vector)), status=verdict.status, reason=verdict.reason)
+            tell(name=name, table=known[name], seconds=took, lines=ran, shows=sorted(shows(vector)), status=verdict.status, reason=verdict.reason)
         tell(libraries=[name for name in sys.modules if name.partition(".")[0] not in ("scenic_ref", "tests", "__main__")])
 
-    for _, told, _ in each([names[i::jobs] for i in range(jobs)], watch, jobs):
+    about_all = {"at_import", "libraries", "rules"} - set(kept)
+    for _, told, _ in each([names[i::jobs] for i in range(jobs) if names[i::jobs] or about_all], watch, jobs):
         for fields in told:
             if "crash" in fields:
                 raise SystemExit(f"the vectors cannot be watched:\n{fields['crash']}")
             if fields.get("status", "passed") != "passed":
                 raise SystemExit(f"the vector {fields['name']} does not pass before any change: {fields['reason']}")
-            if "name" in fields:
-                covered.add(fields["name"], fields["seconds"], fields["lines"])
-                shown[fields["name"]] = frozenset(fields["shows"])
-            for file, numbers in fields.get("at_import", {}).items():
-                covered.at_import.setdefault(file, set()).update(numbers)
-            found |= fields
-    if set(covered.names) != set(names):
-        raise SystemExit("a process that watches the vectors ended early")
-    return Known(known, covered, shown, [Catalogued(*rule) for rule in found["rules"]], found["libraries"])
+            kept |= {fields["name"]: fields} if "name" in fields else fields
+    if missing := [name for name in known if name not in kept]:
+        raise SystemExit(f"a process that watches the vectors ended early: nothing is known about {', '.join(missing[:5])}")
+    covered = Covered(at_import={file: set(numbers) for file, numbers in kept["at_import"].items()})
+    for name in known:
+        covered.add(name, kept[name]["seconds"], kept[name]["lines"])
+    shown = {name: frozenset(kept[name]["shows"]) for name in known}
+    return Known(known, covered, shown, [Catalogued(*rule) for rule in kept["rules"]], kept["libraries"])
 
 
 def shows(vector: Any) -> frozenset[str]:
