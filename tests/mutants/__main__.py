@@ -7,6 +7,7 @@ import importlib
 import os
 import random
 import sys
+import tempfile
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
@@ -28,6 +29,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument("--jobs", type=int, default=1, help="how many processes work at a time (1)")
     parser.add_argument("--files", nargs="+", metavar="TEXT", help="only files of semantics/ whose path contains one of these texts")
     parser.add_argument("--vectors-only", action="store_true", help="what the vectors miss is not tried by the suite")
+    parser.add_argument("--tests", nargs="+", metavar="TEXT", default=[""], help="only files of tests whose path contains one of these texts")
     parser.add_argument("--budget", type=float, default=suite.BUDGET, help="seconds that the tests for one mutant may take together (60)")
     parser.add_argument("-o", metavar="PATH", type=Path, help="a line for each result, appended; what it holds already is not done again")
     parser.add_argument("--table", metavar="PATH", type=Path, help="write the page of the documentation")
@@ -38,6 +40,13 @@ def arguments() -> argparse.ArgumentParser:
 def main() -> int:
     """The exit code: 0, 130 if interrupted; 1 if a body of a rule was not noticed."""
     options = arguments().parse_args()
+    with tempfile.TemporaryDirectory() as place:  # for what processes leave that are ended in the middle of a test
+        os.environ["TMPDIR"] = tempfile.tempdir = place
+        return run(options)
+
+
+def run(options: argparse.Namespace) -> int:
+    """What was asked for."""
     seed = options.seed if options.seed is not None else int(time.time())
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
         os.environ.setdefault(name, "1")
@@ -62,7 +71,7 @@ def main() -> int:
         missed = [m for m in chosen if not results.by_vectors(m) and key(m) not in results.suite and not any(e.names(m) for e in excused)]
         if missed and not options.vectors_only:
             load(["pytest", "_pytest.assertion.rewrite", "hypothesis"])
-            covered = suite.survey_tests(known.covered.at_import, options.jobs, kept.tests)
+            covered = suite.survey_tests(known.covered.at_import, options.tests, options.jobs, kept.tests)
             kept.write()
             tried("suite", (suite.trial_by_tests(m, covered, options.budget) for m in missed), suite.by_tests(), results, options.jobs)
     except KeyboardInterrupt:

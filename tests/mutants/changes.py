@@ -1,4 +1,4 @@
-"""Small changes of source code: `mutants` gives all of a file, and `Mutant.compiled` the module with one of them.
+"""Small changes of source code: `mutants` gives all of a file, and `Mutant.finder` what loads the module with one of them.
 
 Not changed: annotations, docstrings and other strings, f-strings, what is raised and asserted, `__repr__` and `__str__`, decorators,
 `if TYPE_CHECKING`. Two changes of a statement with the same outcome are one.
@@ -10,7 +10,8 @@ import ast
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from types import CodeType
+
+from .loading import Mutated
 
 ROOT = Path(__file__).parents[2]
 Definition = ast.FunctionDef | ast.AsyncFunctionDef
@@ -74,12 +75,13 @@ class Mutant:
         parts = Path(self.file).with_suffix("").parts
         return ".".join(("scenic_ref", *(parts[:-1] if parts[-1] == "__init__" else parts)))
 
-    def compiled(self) -> CodeType:
-        """The module with the change. The tree keeps it: this is for a process that ends with the mutant."""
+    def finder(self) -> Mutated:
+        """What gives the module with the change. The tree keeps it: this is for a process that ends with the mutant."""
         old = self.spot.put(self.new)
         if self.new is not None:
             ast.fix_missing_locations(ast.copy_location(self.new, old))
-        return compile(self.tree, str(ROOT / self.file), "exec")
+        path = str(ROOT / self.file)
+        return Mutated(self.module, path, compile(self.tree, path, "exec"))
 
 
 @dataclass(frozen=True, slots=True)

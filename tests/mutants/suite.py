@@ -1,13 +1,15 @@
 """The test suite against mutants: which lines each test runs, and whether any test notices a change.
 
-Only what runs in the process of the test is seen: a test that starts others is counted by what it does itself.
+Python processes that a test starts have the mutant too, and their lines are seen unless they are killed.
 """
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import pytest
@@ -15,8 +17,8 @@ import pytest
 from .changes import ROOT, Mutant
 from .processes import Tell, Work, allow, each
 from .results import digest
-from .vectors import AT_LEAST, SLOWER, Covered, Mutated, Trial, seconds
-from .watching import Lines
+from .vectors import AT_LEAST, SLOWER, Covered, Trial
+from .watching import Lines, left_in
 
 OPTIONS = ("-q", "-p", "no:cacheprovider", "-p", "no:xdist")
 BUDGET = 60.0
@@ -27,8 +29,9 @@ COLLECTING = 120
 class Watching:
     """A plugin that tells, for each test, which lines it runs, its seconds, and whether it passes."""
 
-    def __init__(self, lines: Lines, tell: Tell) -> None:
+    def __init__(self, lines: Lines, folder: str, tell: Tell) -> None:
         self.lines = lines
+        self.folder = folder
         self.tell = tell
         self.passed = True
 
@@ -41,10 +44,11 @@ class Watching:
         """One test."""
         self.passed = True
         self.lines.take()
-        before = seconds()
+        before = os.times()
         found = yield
-        took = seconds() - before
-        self.tell(name=item.nodeid, seconds=took, lines=self.lines.take(), passed=self.passed)
+        took = sum(os.times()[:4]) - sum(before[:4])
+        here, there = self.lines.take(), left_in(self.folder)
+        self.tell(name=item.nodeid, seconds=took, lines={f: [*here.get(f, ()), *there.get(f, ())] for f in {*here, *there}}, passed=self.passed)
         return found
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
@@ -83,22 +87,35 @@ class Trying:
             self.tell(how="failed", reason=str(report.longrepr)[-300:])
 
 
+def for_started(variable: str, value: str) -> None:
+    """Let the Python processes that this one starts load `started/sitecustomize.py`, with that variable."""
+    os.environ[variable] = value
+    paths = [str(Path(__file__).with_name("started")), os.environ.get("PYTHONPATH", "")]
+    os.environ["PYTHONPATH"] = os.pathsep.join(path for path in paths if path)
+
+
 def run_pytest(arguments: list[str], plugin: object) -> int:
     """The exit code of pytest, run on the tree."""
     os.chdir(ROOT)
     return int(pytest.main([*OPTIONS, *arguments], plugins=[plugin]))
 
 
-def survey_tests(at_import: dict[str, set[int]], jobs: int, kept: dict[str, Any]) -> Covered:
-    """Which tests run which lines; those that do not pass are left out. `kept` holds what an earlier run found, and takes over what is found."""
+def survey_tests(at_import: dict[str, set[int]], wanted: Sequence[str], jobs: int, kept: dict[str, Any]) -> Covered:
+    """Which tests run which lines, in files whose path contains one of the texts `wanted`; those that do not pass are left out.
+
+    `kept` holds what an earlier run found, and takes over what is found.
+    """
 
     def watch(file: Any, tell: Tell) -> None:
-        lines = Lines()
-        lines.start()
-        run_pytest([file], Watching(lines, tell))
+        with TemporaryDirectory() as folder:
+            for_started("SCENIC_REF_LINES", folder)
+            lines = Lines()
+            lines.start()
+            run_pytest([file], Watching(lines, folder, tell))
 
     there = sorted((ROOT / "tests").rglob("test_*.py"), key=lambda path: -path.stat().st_size)
-    known = {str(path.relative_to(ROOT)): digest([path]) for path in there}
+    paths = [str(path.relative_to(ROOT)) for path in there]
+    known = {path: digest([ROOT / path]) for path in paths if any(text in path for text in wanted)}
     waiting = [name for name, content in known.items() if kept.get(name, {}).get("content") != content]
     for done, (file, told, _) in enumerate(each(waiting, watch, jobs), 1):
         kept[file] = {"content": known[file], "told": told}
@@ -133,11 +150,15 @@ def by_tests() -> Work:
     """The work of a process: a mutant, tried by tests until one notices it."""
 
     def work(tried: Trial, tell: Tell) -> None:
-        sys.meta_path.insert(0, Mutated(tried.mutant))
+        finder = tried.mutant.finder()
+        sys.meta_path.insert(0, finder)
         tell(at="collecting")
         allow(COLLECTING)
         wanted = sorted({name.partition("::")[0] for name in tried.names})
-        if run_pytest(["-x", *wanted], Trying(tried, tell)) in (pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED):
-            tell(how="missed")
+        with TemporaryDirectory() as folder:
+            finder.keep(f"{folder}/mutant")
+            for_started("SCENIC_REF_MUTANT", f"{folder}/mutant")
+            if run_pytest(["-x", *wanted], Trying(tried, tell)) in (pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED):
+                tell(how="missed")
 
     return work

@@ -124,7 +124,7 @@ def test_each_change_of_the_semantics_is_one_and_compiles():
         old = ast.unparse(ast.parse((changes.ROOT / file).read_text()))
         for number in range(0, len(mutants(file)), 7):
             mutant = mutants(file)[number]
-            mutant.compiled()
+            mutant.finder()
             assert ast.unparse(mutant.tree) != old, mutant
 
 

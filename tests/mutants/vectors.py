@@ -8,12 +8,8 @@ import signal
 import sys
 import tomllib
 from dataclasses import dataclass, field
-from importlib.abc import MetaPathFinder
-from importlib.machinery import ModuleSpec, SourceFileLoader
-from importlib.util import spec_from_file_location
 from inspect import unwrap
 from pathlib import Path
-from types import CodeType
 from typing import Any
 
 from .changes import ROOT, Mutant
@@ -27,25 +23,6 @@ AT_LEAST = 4
 """... and so many seconds more."""
 IMPORT = 60
 """Seconds of processor time for importing the package."""
-
-
-class Mutated(MetaPathFinder, SourceFileLoader):
-    """Finds and loads one module as the mutant has it."""
-
-    def __init__(self, mutant: Mutant) -> None:
-        super().__init__(mutant.module, str(ROOT / mutant.file))
-        self.mutant = mutant
-
-    def find_spec(self, fullname: str, path: object = None, target: object = None) -> ModuleSpec | None:
-        """The module's, None for another one."""
-        if fullname != self.mutant.module:
-            return None
-        package = [str((ROOT / self.mutant.file).parent)] if self.mutant.file.endswith("__init__.py") else None
-        return spec_from_file_location(fullname, self.path, loader=self, submodule_search_locations=package)
-
-    def get_code(self, fullname: str) -> CodeType:
-        """The changed code; no file of compiled code is read or written."""
-        return self.mutant.compiled()
 
 
 @dataclass(slots=True)
@@ -221,7 +198,7 @@ def by_vectors(known: Known) -> Work:
     """The work of a process: a mutant, tried by vectors until one notices it."""
 
     def work(tried: Trial, tell: Tell) -> None:
-        sys.meta_path.insert(0, Mutated(tried.mutant))
+        sys.meta_path.insert(0, tried.mutant.finder())
         tell(at="import")
         allow(IMPORT)
         imported_package()

@@ -1,15 +1,17 @@
-"""Which lines of `semantics` run while something is done: `Lines`."""
+"""Which lines of `semantics` run while something is done: `Lines`. This file stands alone: processes that tests start load it by its path."""
 
 from __future__ import annotations
 
+import atexit
+import json
 import os
 import sys
 import threading
 from collections.abc import Callable
+from pathlib import Path
 from types import CodeType, FrameType
 
-from .changes import ROOT
-
+ROOT = Path(__file__).resolve().parents[2]
 FOLDER = str(ROOT / "semantics") + os.sep
 MONITORING = getattr(sys, "monitoring", None)
 """From Python 3.12, a line costs once; before, each time that it runs."""
@@ -79,3 +81,25 @@ def forget() -> None:
                 clear = getattr(found, "cache_clear", None)
                 if clear is not None:
                     clear()
+
+
+def watch_until_the_end(folder: str) -> None:
+    """Watch this process, and leave its lines in the folder when it ends by itself."""
+    lines, process = Lines(), os.getpid()
+
+    def leave() -> None:
+        if os.getpid() == process:
+            (Path(folder) / f"{process}.json").write_text(json.dumps(lines.take()))
+
+    atexit.register(leave)
+    lines.start()
+
+
+def left_in(folder: str) -> dict[str, list[int]]:
+    """The lines that processes left in the folder, which is emptied."""
+    found: dict[str, set[int]] = {}
+    for path in Path(folder).glob("*.json"):
+        for file, numbers in json.loads(path.read_text()).items():
+            found.setdefault(file, set()).update(numbers)
+        path.unlink()
+    return {file: sorted(numbers) for file, numbers in found.items()}
