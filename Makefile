@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 PLAIN ?= .venv-plain
 TESTS ?=
 
-.PHONY: demo test test-plain nightly check docs bench clean
+.PHONY: demo test test-plain nightly mutants check docs bench clean
 
 $(VENV)/.core: pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit("scenic-ref needs Python 3.11 or later" if sys.version_info < (3, 11) else 0)'
@@ -54,6 +54,11 @@ nightly: $(VENV)/.test
 	.venv-scenic-2.1/bin/python -m pip install --quiet --disable-pip-version-check 'setuptools<81' wheel
 	.venv-scenic-2.1/bin/python -m pip install --quiet --disable-pip-version-check --no-build-isolation scenic==2.1.0
 	$(BIN)/python tests/conformance/released.py scenic-2.1 .venv-scenic-2.1/bin/python
+
+## Small changes of semantics/, 2000 of them drawn with a fresh seed: which do the vectors notice, which the whole suite? make mutants MUTANTS='-n 200 --vectors-only'
+MUTANTS ?= -n 2000
+mutants: $(VENV)/.test
+	$(BIN)/python -m tests.mutants --jobs $$(nproc) -o mutants.jsonl $(MUTANTS)
 
 ## Style, types and layering
 check: $(VENV)/.test
