@@ -135,7 +135,7 @@ class Drawing:
         found: dict[Span, Softness] = {}
 
         def look(outcome: Outcome, drawn: object) -> None:
-            if isinstance(outcome, Draw) and outcome.rule == "S-SoftReq" and isinstance(outcome.node, SoftRequire):
+            if isinstance(outcome, Draw) and outcome.otherwise and isinstance(outcome.node, SoftRequire):
                 held = True if drawn else holds_aside(outcome.node.condition, outcome.resume(False))
                 if held is not None:
                     probability = float(outcome.distribution.parameters["probability"])  # type: ignore[arg-type]

@@ -15,7 +15,7 @@ from ..interpreter.running import DEFAULT_FUEL
 from ..interpreter.tracing import Trace
 from ..scenario import Scenario, loads
 from ..semantics.kernel.errors import AttemptsExhausted, ProgramError, RunsExhausted, ScenicError, UsageError
-from ..semantics.kernel.outcome import Outcome, Requirement, Stuck
+from ..semantics.kernel.outcome import Draw, Outcome, Requirement, Stuck
 from ..semantics.syntax.nodes import NOWHERE
 from ..simulators.simulating import simulate_once
 from ..simulators.still import Still
@@ -107,7 +107,7 @@ class Ourselves:
         found: set[str] = set()
 
         def look(outcome: Outcome, drawn: object) -> None:
-            rule: str = getattr(outcome, "rule", "")
+            rule: str = outcome.fires(drawn) if isinstance(outcome, Draw) else getattr(outcome, "rule", "")
             if rule and (rule in REJECTING or not isinstance(outcome, Stuck)):
                 found.add(rule)
 

@@ -116,7 +116,7 @@ def _rehearse(config: Config, end: Stack | None, choose: Chooser, fuel: int, *, 
                 config = after
             case Draw() as draw:
                 try:
-                    drawn = True if draw.rule == "S-SoftReq" and can_be_true(draw) else choose(draw)  # so that the condition is run through as well
+                    drawn = True if draw.otherwise and can_be_true(draw) else choose(draw)  # so that the condition is run through as well
                 except EmptyRegion:
                     drawn, stuck = Vector(0.0, 0.0), True
                 except UnboundedRegion as unbounded:

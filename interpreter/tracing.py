@@ -16,6 +16,7 @@ from ..semantics.kernel.values import Instance, unwrap
 from ..semantics.python.texts import stable_repr
 from ..semantics.rules import RULES
 from ..semantics.scenes.object_definitions import Defaulting
+from ..semantics.space.distributions.distribution import Distribution
 from ..semantics.space.vectors import Vector
 from ..semantics.syntax.nodes import NOWHERE, Span
 from .running import Accepted, Chooser, Run, run
@@ -173,9 +174,9 @@ def event_of(number: int, outcome: Outcome, drawn: object, after: Config | None 
         case Draw(rule=rule, node=node, distribution=distribution):
             parameters = ", ".join(f"{k}={show(v)}" for k, v in distribution.parameters.items())
             change = f"{show(drawn)} ~ {distribution.name}({parameters})"
-            log_density = distribution.log_density(drawn)
+            log_density = log_density_of(distribution, drawn)
             is_density = distribution.support() is None
-            return Event(number, fired(rule, drawn), "draw", node.span, log_density, change, is_density, in_default, assigned)
+            return Event(number, outcome.fires(drawn), "draw", node.span, log_density, change, is_density, in_default, assigned)
         case Observe(rule=rule, requirement=requirement):
             return Event(number, rule, "requirement", requirement.span, change=f"{requirement.text}: holds", in_default=in_default)
         case Done(rule=rule):
@@ -254,9 +255,14 @@ def in_scene(state: State, number: int) -> str:
     return next((repr(instance) for instance in state.scene if instance.number == number), "")
 
 
-def fired(rule: str, drawn: object) -> str:
-    """Which of the two soft requirement rules the coin chose; any other draw has one rule."""
-    return rule if rule != "S-SoftReq" else "S-SoftReq-Check" if drawn else "S-SoftReq-Skip"
+def log_density_of(distribution: Distribution, drawn: object) -> float:
+    """The logarithm of the density or probability of what was drawn; values among which a draw chooses may be random themselves."""
+    support = distribution.support()
+    if support is None:
+        return distribution.log_density(drawn)
+    value = unwrap(drawn)[0]
+    share = sum(probability for entry, probability in support if (other := unwrap(entry)[0]) is value or bool(other == value))
+    return math.log(share) if share else -math.inf
 
 
 def describe(change: Change | None, assigned: tuple[Assigned, ...] = ()) -> str:

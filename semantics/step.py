@@ -14,7 +14,7 @@ from .kernel.config import Abrupt, Config, Stack, State, Value
 from .kernel.errors import GuardViolation, RunError, ScenicError, UncaughtException
 from .kernel.host import DoorStuck, HostException
 from .kernel.nesting import too_deep
-from .kernel.outcome import Fault, Next, Outcome, Requirement, Stuck
+from .kernel.outcome import Fault, Outcome, Requirement, Stuck
 from .kernel.values import Random, ScenicClass
 from .python import assignment, calls, comprehensions, control, definitions, expression_statements, expressions, functions, imports
 from .python.texts import too_many_digits, without_addresses
@@ -65,7 +65,7 @@ REDUCE: Mapping[type, Callable[..., Outcome]] = {
     e.Follow: operations.operator,
     e.SideOf: operations.side_of,
     e.Seconds: expressions.seconds,
-    e.IntervalOrPair: draws.interval_or_pair,
+    e.IntervalOrPair: expressions.interval_or_pair,
     e.InInitialScenario: queries.in_initial_scenario,
     # object definitions
     e.ObjectDefinition: object_definitions.object_definition,
@@ -212,7 +212,7 @@ def step(config: Config) -> Outcome:
             return unwind(control_, stack, state)  # type: ignore[arg-type]
         return REDUCE[kind](control_, stack, state)
     except HostException as problem:
-        return raised(problem, config)
+        return control.raised(problem, place(config), stack, state)
     except OutsideField as outside:
         return Stuck("O-At", Requirement("field", place(config), outside.premise))
     except DoorStuck as inner:
@@ -283,11 +283,6 @@ def notes(exception: BaseException) -> str:
     return "; ".join(getattr(exception, "__notes__", ()))
 
 
-def raised(problem: HostException, config: Config) -> Next:
-    """A Python operation raised an exception: the program may catch it."""
-    return Next("E-Raise", Config(Abrupt("raise", problem.exception, place(config), problem.origin), config.stack, config.state))
-
-
 def place(config: Config) -> Span:
     """Where in the source the control stands: its node, or the innermost frame that has one."""
     control_, stack, _ = config
@@ -297,4 +292,3 @@ def place(config: Config) -> Span:
         node = getattr(frame, "node", None) or getattr(getattr(frame, "construction", None), "node", None)
         span = node.span if isinstance(node, Node) else NOWHERE
     return span
-

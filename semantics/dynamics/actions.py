@@ -12,12 +12,15 @@ from .processes import suspend
 
 
 def take(node: d.Take, stack: Stack, state: State) -> Outcome:
-    """`take A1, ..., An`: "the behavior is suspended until one time step has elapsed"."""
+    """The actions of `take` come first."""
     return premises(node, node.actions, conclude_take, stack, state)
 
 
 def conclude_take(node: d.Take, values: list[object], stack: Stack, state: State) -> Outcome:
-    """The actions of this time step, those in lists and tuples one by one; a monitor's are ignored (reading `take-in-monitor`)."""
+    """`take A1, ..., An`: "the behavior is suspended until one time step has elapsed".
+
+    Actions in lists and tuples are taken one by one; a monitor's are ignored (reading `take-in-monitor`).
+    """
     actions: list[object] = []
     for value in (unwrap(v)[0] for v in values):
         actions.extend(value if isinstance(value, (list, tuple)) else [value])

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 from typing import NamedTuple
 
 from ..kernel.conditions import holding
 from ..kernel.config import PASS, Abrupt, Config, Stack, State
-from ..kernel.errors import GuardViolation, InvariantViolation, PreconditionViolation
+from ..kernel.errors import InvariantViolation, PreconditionViolation
 from ..kernel.outcome import Next, Outcome
 from ..kernel.scopes import Scope, function_names
 from ..kernel.simulation import simulation_of
@@ -16,7 +15,7 @@ from ..kernel.values import Dynamic
 from ..python.functions import bind
 from ..syntax import dynamics as d
 from ..syntax import statements as s
-from ..syntax.nodes import Expression, Span
+from ..syntax.nodes import Expression
 from .frames import Interruptible, Invoked, Returning, Scenarios, Shuffling, Together
 from .processes import Coroutine
 
@@ -24,13 +23,13 @@ Then = Callable[[Stack, State], Outcome]
 
 
 class Guards(NamedTuple):
-    """Conditions of one kind, of a behavior or scenario of this name, to be reduced in its scope; what is raised if one is not True."""
+    """Conditions of one kind, of a behavior or scenario of this name, to be reduced in its scope; the rule for one that does not hold."""
 
     name: str
     word: str
     conditions: tuple[Expression, ...]
     scope: Scope
-    exception: type[GuardViolation]
+    violated: Callable[[str, Expression, Stack, State], Outcome]
 
 
 class Guarding(NamedTuple):
@@ -60,17 +59,22 @@ def resume_guarding(frame: Guarding, result: object, stack: Stack, state: State)
     article = "an" if first.word == "invariant" else "a"
     if holding(result, condition.span, state, f"{article} {first.word}", f"D-{first.word.capitalize()}"):
         return guarded(frame.guards, frame.then, stack, after, frame.index + 1)
-    return Next(f"D-{first.word.capitalize()}", Config(Abrupt("raise", violation(first, condition.span), condition.span), stack, after), condition)
+    return first.violated(f"the {first.word} of {first.name} on line {condition.span.line}", condition, stack, after)
+
+
+def precondition_violated(text: str, condition: Expression, stack: Stack, state: State) -> Outcome:
+    """"If a precondition is violated, a PreconditionViolation exception is raised": where a behavior or scenario begins."""
+    return Next("D-Precondition", Config(Abrupt("raise", PreconditionViolation(text), condition.span), stack, state), condition)
+
+
+def invariant_violated(text: str, condition: Expression, stack: Stack, state: State) -> Outcome:
+    """An invariant that does not hold raises InvariantViolation: where a behavior or scenario begins, and whenever it goes on."""
+    return Next("D-Invariant", Config(Abrupt("raise", InvariantViolation(text), condition.span), stack, state), condition)
 
 
 def unwind_guarding(frame: Guarding, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
     """The guard raised an exception."""
     return Next("", Config(abrupt, stack, state._replace(sigma=frame.outer)))
-
-
-def violation(guards: Guards, span: Span) -> GuardViolation:
-    """The exception of a guard that does not hold."""
-    return guards.exception(f"the {guards.word} of {guards.name} on line {span.line}")
 
 
 def scope_of(dynamic: Dynamic, more: dict[str, object]) -> Scope:
@@ -86,8 +90,8 @@ def guards_of(dynamic: Dynamic, scope: Scope) -> tuple[Guards, Guards]:
     definition = dynamic.definition
     assert isinstance(definition, (d.BehaviorDefinition, d.ScenarioDefinition))
     return (
-        Guards(definition.name, "precondition", definition.preconditions, scope, PreconditionViolation),
-        Guards(definition.name, "invariant", definition.invariants, scope, InvariantViolation),
+        Guards(definition.name, "precondition", definition.preconditions, scope, precondition_violated),
+        Guards(definition.name, "invariant", definition.invariants, scope, invariant_violated),
     )
 
 
@@ -119,7 +123,7 @@ def returned(stack: Stack, state: State) -> Outcome:
     """A `do` statement returns; not yet where it has a limit, to which `Returning` belongs, or others to shuffle."""
     inside = isinstance(stack[0], Shuffling) or (isinstance(stack[0], Interruptible) and not isinstance(stack[0].node, s.Try))
     guards = () if inside else guards_on_resumption(stack, state)[-1:]
-    return guarded(guards, partial(passed, "D-Do-Return"), stack, state)
+    return guarded(guards, do_returns, stack, state)
 
 
 def resume_returning(frame: Returning, result: object, stack: Stack, state: State) -> Outcome:
@@ -127,14 +131,14 @@ def resume_returning(frame: Returning, result: object, stack: Stack, state: Stat
     return returned(stack, state)
 
 
-def passed(rule: str, stack: Stack, state: State) -> Outcome:
-    """The statement is reduced to `pass`."""
-    return Next(rule, Config(PASS, stack, state))
+def do_returns(stack: Stack, state: State) -> Outcome:
+    """"When the do statement returns", the invariants of the calling behavior have been checked: ⟨do B⟩ → ⟨pass⟩."""
+    return Next("D-Do-Return", Config(PASS, stack, state))
 
 
 def compose_guards(number: int, state: State) -> Guards:
     """The invariants of a scenario."""
     running = simulation_of(state).scenarios[number]
     if running.dynamic is None:
-        return Guards("", "invariant", (), running.scope, InvariantViolation)
+        return Guards("", "invariant", (), running.scope, invariant_violated)
     return guards_of(running.dynamic, running.scope)[1]

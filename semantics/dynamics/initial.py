@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from ..kernel.conditions import holding
 from ..kernel.config import Stack, State, reduce
 from ..kernel.errors import RunError, UsageError
 from ..kernel.outcome import Outcome, Requirement
 from ..kernel.scopes import Scope
 from ..kernel.values import Dynamic, plain
 from ..python.calls import invocation
-from ..python.control import block
 from ..python.functions import InScope
-from ..scenes.statements import Requiring
+from ..scenes.statements import Requiring, observed
 from ..scenes.termination import Mutating, mutate_objects
 from ..syntax import dynamics as d
 from ..syntax.nodes import NOWHERE, Node
+from .scenarios import setup
 
 MAIN = "Main"
 
@@ -55,14 +56,19 @@ def begin_initial(main: Dynamic, stack: Stack, state: State) -> Outcome:
 
 
 def check_preconditions(frame: Beginning, stack: Stack, state: State) -> Outcome:
-    """The next precondition is an observation: "like ordinary requirements, violating any precondition causes the simulation to be rejected"."""
+    """Reduce the next precondition; after the last, the setup block."""
     definition = frame.scenario.definition
     assert isinstance(definition, d.ScenarioDefinition)
     if frame.index == len(definition.preconditions):
         return enter_initial(frame, definition, stack, state)
     condition = definition.preconditions[frame.index]
     requirement = Requirement("precondition", condition.span, f"the precondition of {definition.name} on line {condition.span.line}")
-    return reduce(condition, Requiring(requirement, "D-Initial", "a precondition"), (frame, stack), state)
+    return reduce(condition, Requiring(requirement, precondition), (frame, stack), state)
+
+
+def precondition(requirement: Requirement, result: object, stack: Stack, state: State) -> Outcome:
+    """"Like ordinary requirements, violating any precondition causes the simulation to be rejected": that of the initial scenario is observed."""
+    return observed("D-Initial", requirement, holding(result, requirement.span, state, "a precondition", "D-Initial"), stack, state)
 
 
 def resume_beginning(frame: Beginning, result: object, stack: Stack, state: State) -> Outcome:
@@ -72,7 +78,7 @@ def resume_beginning(frame: Beginning, result: object, stack: Stack, state: Stat
 
 def enter_initial(frame: Beginning, definition: d.ScenarioDefinition, stack: Stack, state: State) -> Outcome:
     """The preconditions hold: the setup block, in the scope of the scenario."""
-    return block(definition.setup or (), (InScope(frame.outer), stack), state, "D-Setup", Node(span=definition.span))
+    return setup(definition, Node(span=definition.span), (InScope(frame.outer), stack), state)
 
 
 class Finishing(NamedTuple):

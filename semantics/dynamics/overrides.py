@@ -15,7 +15,7 @@ from .processes import Coroutine
 
 
 def override(node: d.Override, stack: Stack, state: State) -> Outcome:
-    """`override object with p v, ...`: the properties have these values until the scenario ends."""
+    """The object and the values of `override` come first; only `with` can stand in it."""
     for specifier in node.specifiers:
         if not isinstance(specifier, q.WithSpecifier):
             text = "only `with` can stand in `override`: position and heading are updated by the simulator"
@@ -24,7 +24,10 @@ def override(node: d.Override, stack: Stack, state: State) -> Outcome:
 
 
 def conclude_override(node: d.Override, values: list[object], stack: Stack, state: State) -> Outcome:
-    """Remember the old values; a behavior is suspended, and the new one begins."""
+    """`override object with p v, ...`: the properties have these values until the scenario ends.
+
+    The old values are remembered; a behavior is suspended, and the new one begins.
+    """
     target, *assigned = (plain(v) for v in values)
     if not (isinstance(target, Instance) and is_object(target)):
         raise RunError(f"only Objects can be overridden, not {kind_name(target)}", node.span, rule="D-Override")

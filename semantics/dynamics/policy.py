@@ -7,6 +7,7 @@ A step that fails a requirement discards the simulation (`Stuck`).
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from typing import NamedTuple
 
 from ..kernel.conditions import holding
@@ -81,36 +82,49 @@ def compose_blocks(frame: Step, result: object, stack: Stack, state: State) -> O
     return following(frame, "D-Policy-1", stack, flagged(reason, state))
 
 
-def always_conditions(frame: Step, result: object, stack: Stack, state: State) -> Outcome:
+def requirements_over_time(frame: Step, result: object, stack: Stack, state: State) -> Outcome:
     """Step 2: check all `require always` conditions of running scenarios; and see which `require eventually` conditions hold now.
 
     One of a scenario that is over, and that never held, discards the simulation (reading `eventually-window`).
     """
-    if frame.outer is not None:
-        number, place, declared = list(conditions(state))[frame.next]
-        state = as_before(frame.outer, state)
-        rule = "D-Always" if isinstance(declared.node, d.RequireAlways) else "D-Eventually"
-        holds = holding(result, declared.node.condition.span, state, "a requirement", rule)  # type: ignore[attr-defined]
-        frame = Step(frame.number, frame.next + 1)
-        if isinstance(declared.node, d.RequireAlways):
-            requirement = Requirement("always", declared.node.span, f"`require always` on line {declared.node.span.line}")
-            after = Config(PASS, (frame, stack), state)
-            return Observe("D-Always", requirement, after) if holds else Stuck("D-Always", requirement)
-        if holds:
-            running = simulation_of(state).scenarios[number]
-            state = with_scenario(state, running._replace(satisfied=running.satisfied | {place}))
     todo = list(conditions(state))
-    if frame.next < len(todo):
+    if frame.outer is not None:
         number, place, declared = todo[frame.next]
-        part = 2 * place + isinstance(declared.node, d.RequireEventually)
-        prefix = address_of(Who("condition", number, CONDITIONS + part), state)
-        inner = state._replace(sigma=declared.scope, prefix=prefix, draws=0)
-        return Next("", Config(declared.node.condition, (frame._replace(outer=state), stack), inner))  # type: ignore[attr-defined]
-    for running in simulation_of(state).scenarios.values():
-        missed = never_held(running) if running.over else None
-        if missed is not None:
-            return Stuck("D-Eventually", missed)
-    return following(frame, "D-Policy-2", stack, state)
+        decide = always if isinstance(declared.node, d.RequireAlways) else partial(eventually, number, place)
+        return decide(declared.node, result, (frame._replace(next=frame.next + 1, outer=None), stack), as_before(frame.outer, state))  # type: ignore[arg-type]
+    if frame.next < len(todo):
+        return condition_at(*todo[frame.next], (frame._replace(outer=state), stack), state)
+    ended = (running for running in simulation_of(state).scenarios.values() if running.over)
+    missed = next((missed for running in ended if (missed := never_held(running)) is not None), None)
+    return never_satisfied(missed) if missed is not None else following(frame, "D-Policy-2", stack, state)
+
+
+def condition_at(number: int, place: int, declared: Declared, stack: Stack, state: State) -> Outcome:
+    """Reduce a condition, in the scope in which it was declared; its draws are numbered apart."""
+    part = 2 * place + isinstance(declared.node, d.RequireEventually)
+    prefix = address_of(Who("condition", number, CONDITIONS + part), state)
+    inner = state._replace(sigma=declared.scope, prefix=prefix, draws=0)
+    return Next("", Config(declared.node.condition, stack, inner))  # type: ignore[attr-defined]
+
+
+def always(node: d.RequireAlways, result: object, stack: Stack, state: State) -> Outcome:
+    """`require always B`: B holds at every time step while its scenario runs, or the simulation is discarded."""
+    requirement = Requirement("always", node.span, f"`require always` on line {node.span.line}")
+    holds = holding(result, node.condition.span, state, "a requirement", "D-Always")
+    return Observe("D-Always", requirement, Config(PASS, stack, state)) if holds else Stuck("D-Always", requirement)
+
+
+def eventually(number: int, place: int, node: d.RequireEventually, result: object, stack: Stack, state: State) -> Outcome:
+    """`require eventually B`: where B holds now, it has held at some time."""
+    if holding(result, node.condition.span, state, "a requirement", "D-Eventually"):
+        running = simulation_of(state).scenarios[number]
+        state = with_scenario(state, running._replace(satisfied=running.satisfied | {place}))
+    return resume_step(stack[0], None, stack[1], state)
+
+
+def never_satisfied(missed: Requirement) -> Stuck:
+    """`require eventually B`: B must have held at some time while its scenario ran, or the simulation is discarded."""
+    return Stuck("D-Eventually", missed)
 
 
 CONDITIONS = 1 << 20
@@ -162,17 +176,29 @@ def ended_by_monitor(number: int, state: State) -> State:
 
 
 def check_flag(frame: Step, result: object, stack: Stack, state: State) -> Outcome:
-    """Steps 4 and 6: if the flag is set, all `require eventually` conditions must have been satisfied at some time; then terminate."""
+    """Step 4: if the flag is set, check that all `require eventually` conditions have been satisfied at some time; then terminate."""
+    return ended(frame, "D-Policy-4", stack, state)
+
+
+def check_flag_again(frame: Step, result: object, stack: Stack, state: State) -> Outcome:
+    """Step 6: "repeat step 4", since a behavior may have set the flag."""
+    return ended(frame, "D-Policy-6", stack, state)
+
+
+def ended(frame: Step, rule: str, stack: Stack, state: State) -> Outcome:
+    """The end of the scenario, if there is a reason for it."""
     simulation = simulation_of(state)
     reason = simulation.flag or simulation.limit
     if not reason:
-        return following(frame, f"D-Policy-{frame.number}", stack, state)
+        return following(frame, rule, stack, state)
     missed = unsatisfied(state)
-    if missed is None and simulation.flag and state.ego is None:
+    if missed is not None:
+        return never_satisfied(missed)
+    if simulation.flag and state.ego is None:
         where = NOWHERE if state.initial is None else state.initial.definition.span
         text = "the simulation ended, and none of its scenarios had made ego"
-        raise RunError(text, where, rule=f"D-Policy-{frame.number}", hint="write ego = Object ... in the scenario, or in one that it always runs")
-    return Stuck("D-Eventually", missed) if missed is not None else Finish(f"D-Policy-{frame.number}", reason, state)
+        raise RunError(text, where, rule=rule, hint="write ego = Object ... in the scenario, or in one that it always runs")
+    return Finish(rule, reason, state)
 
 
 def unsatisfied(state: State) -> Requirement | None:
@@ -233,7 +259,7 @@ def actions(frame: Step, result: object, stack: Stack, state: State) -> Outcome:
     return Act("D-Policy-7", chosen, state)
 
 
-STEPS = {1: compose_blocks, 2: always_conditions, 3: monitors, 4: check_flag, 5: behaviors, 6: check_flag, 7: actions}
+STEPS = {1: compose_blocks, 2: requirements_over_time, 3: monitors, 4: check_flag, 5: behaviors, 6: check_flag_again, 7: actions}
 
 
 def following(frame: Step, rule: str, stack: Stack, state: State) -> Outcome:

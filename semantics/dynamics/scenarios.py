@@ -113,13 +113,18 @@ def unwind_setting(frame: Setting, abrupt: Abrupt, stack: Stack, state: State) -
 
 
 def enter_setup(frame: Setting, scope: Scope, stack: Stack, state: State) -> Outcome:
-    """The guards hold: the setup block, "which runs once when the scenario begins to execute"."""
+    """The guards hold: the setup block, in the scope of the scenario."""
     stack = stack[1]  # without `Preparing`
     definition = frame.invocations[frame.index].definition
     assert isinstance(definition, d.ScenarioDefinition)
     here = frame._replace(objects=len(state.scene))
     begun = with_simulation(state._replace(sigma=scope, dynamic=()), setting=True)
-    return block(definition.setup or (), (here, stack), begun, "D-Setup", frame.node)
+    return setup(definition, frame.node, (here, stack), begun)
+
+
+def setup(definition: d.ScenarioDefinition, node: Node, stack: Stack, state: State) -> Outcome:
+    """The setup block "runs once when the scenario begins to execute"."""
+    return block(definition.setup or (), stack, state, "D-Setup", node)
 
 
 def resume_setting(frame: Setting, result: object, stack: Stack, state: State) -> Outcome:
@@ -235,7 +240,7 @@ def resume_stepping(frame: Stepping, result: object, stack: Stack, state: State)
 
 
 def check_termination(number: int, index: int, stack: Stack, state: State) -> Outcome:
-    """`terminate when B`: the scenario ends in the time step in which B is true."""
+    """The next termination condition is reduced; if none is left, the scenario goes on."""
     running = simulation_of(state).scenarios[number]
     if index == len(running.terminations):
         return Next("", Config(Value(Going()), stack, state))
@@ -247,7 +252,7 @@ def check_termination(number: int, index: int, stack: Stack, state: State) -> Ou
 
 
 def resume_ending(frame: Ending, result: object, stack: Stack, state: State) -> Outcome:
-    """A termination condition was reduced."""
+    """`terminate when B`: the scenario ends in the time step in which B is true."""
     node = simulation_of(state).scenarios[frame.number].terminations[frame.index].node
     assert isinstance(node, d.TerminateWhen)
     after = as_before(frame.outer, state)

@@ -30,12 +30,12 @@ class Boolean(NamedTuple):
 
 
 def boolean(node: p.BooleanOperation, stack: Stack, state: State) -> Outcome:
-    """`E1 and E2`, `E1 or E2`: an operand is reduced only where those before it leave the answer open."""
+    """The first operand of `E1 and E2`, `E1 or E2` comes first."""
     return reduce(node.operands[0], Boolean(node, 0, ()), stack, state)
 
 
 def resume_boolean(frame: Boolean, result: object, stack: Stack, state: State) -> Outcome:
-    """An operand was reduced: the answer is known, or the next one is (reading `boolean-random`: where one was random)."""
+    """If ⟨E1⟩ → v, and v leaves the answer open, then ⟨E1 and E2⟩ → ⟨E2⟩, else v; `or` likewise (reading `boolean-random`: where v is random)."""
     node, following = frame.node, frame.index + 1
     last, going_on = following == len(node.operands), node.operator == "and"
     if not frame.held and type(result) is not Random:
@@ -132,11 +132,11 @@ class Test(NamedTuple):
 
 
 def conditional(node: p.Conditional, stack: Stack, state: State) -> Outcome:
-    """`E1 if B else E2`."""
+    """The condition of `E1 if B else E2` comes first."""
     return reduce(node.test, Test(node), stack, state)
 
 
 def resume_test(frame: Test, result: object, stack: Stack, state: State) -> Outcome:
-    """Go on with the branch that the condition chose."""
+    """If ⟨B⟩ → True then ⟨E1 if B else E2⟩ → ⟨E1⟩; if ⟨B⟩ → False then ⟨E2⟩."""
     chosen = frame.node.then if truth(result, frame.node.test, state, "the condition of this `if`") else frame.node.otherwise
     return Next("E-Conditional", Config(chosen, stack, state), frame.node)

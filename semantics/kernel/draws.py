@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from ..space.distributions import BadParameters, Distribution, Range
-from ..syntax import expressions as e
+from ..space.distributions import BadParameters, Distribution
 from ..syntax.nodes import Node, Span
-from .config import Abrupt, Config, Stack, State, Value, value
+from .config import Abrupt, Config, Stack, State, Value
 from .errors import RunError
-from .kinds import has_kind
 from .outcome import Draw, Next, Outcome, Requirement, Stuck
-from .premises import premises
-from .values import Constructor, Origin, Random, plain, unwrap
+from .values import Constructor, Origin, Random, unwrap
 
 
 def draw(node: Node, constructor: Constructor, arguments: tuple[object, ...], keywords: Mapping[str, object], stack: Stack, state: State) -> Outcome:
@@ -68,18 +65,3 @@ def resume_apart(frame: Apart, result: object, stack: Stack, state: State) -> Ou
 def unwind_apart(frame: Apart, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
     """As above, for an exception."""
     return Next("", Config(abrupt, stack, state._replace(prefix=frame.prefix, draws=frame.draws)))
-
-
-def interval_or_pair(node: e.IntervalOrPair, stack: Stack, state: State) -> Outcome:
-    """`(low, high)` of dialect `pldi19` (reading `intervals`)."""
-    return premises(node, [node.low, node.high], conclude_interval, stack, state)
-
-
-def conclude_interval(node: e.IntervalOrPair, values: list[object], stack: Stack, state: State) -> Outcome:
-    """Uniform on the interval if both ends are scalars, otherwise a pair."""
-    if all(has_kind(plain(v), "scalar") for v in values):
-        return draw(node, RANGE, tuple(values), {}, stack, state)
-    return value("E-Display", tuple(values), stack, state, node)
-
-
-RANGE = Constructor("Range", Range, keeps_values=False, takes="low, high")

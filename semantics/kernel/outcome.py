@@ -62,7 +62,7 @@ class Draw(NamedTuple):
     """A probabilistic rule asks for a value of `distribution`; `resume(value)` is the configuration after it.
 
     `address` names the draw within the run. `per_scene` draws are made once for all attempts at one scene (reading
-    `soft=scene`).
+    `soft=scene`). A coin chooses between two rules: `rule`, and `otherwise` for tails.
     """
 
     rule: str
@@ -71,6 +71,11 @@ class Draw(NamedTuple):
     node: Node
     resume: Callable[[object], Config]
     per_scene: bool = False
+    otherwise: str = ""
+
+    def fires(self, drawn: object) -> str:
+        """The rule that fires if this is drawn."""
+        return self.otherwise if self.otherwise and not drawn else self.rule
 
 
 class Observe(NamedTuple):

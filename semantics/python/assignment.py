@@ -33,7 +33,7 @@ def done(rule: str, node: Node, stack: Stack, state: State, change: Change | Non
 
 
 def assignment(node: s.Assignment, stack: Stack, state: State) -> Outcome:
-    """If ⟨E, σ, π, O⟩ → ⟨v, σ, π, O'⟩ then ⟨x = E, σ, π, O⟩ → ⟨pass, σ[x/v], π, O'⟩."""
+    """The value of `x = E` comes first."""
     return premises(node, [node.value], conclude_assignment, stack, state)
 
 
@@ -76,8 +76,13 @@ def bind_targets(node: s.Assignment, pending: list[tuple[Node, object]], assigne
         else:
             rest = ((target, part), pending, assigned)
             return premises(node, [None, *target_premises(target)], conclude_target, stack, state, [rest])
-    name = written(node.targets[0])
-    return done("S-Assignment", node, stack, state, Change("σ", name, assigned) if name else None)
+    return assigned_to(node.targets[0], assigned, node, stack, state)
+
+
+def assigned_to(target: Node, result: object, node: Node, stack: Stack, state: State) -> Outcome:
+    """If ⟨E, σ, π, O⟩ → ⟨v, σ, π, O'⟩ then ⟨x = E, σ, π, O⟩ → ⟨pass, σ[x/v], π, O'⟩: the state is that with v bound to its targets."""
+    name = written(target)
+    return done("S-Assignment", node, stack, state, Change("σ", name, result) if name else None)
 
 
 def written(target: Node) -> str:
@@ -256,8 +261,7 @@ def conclude_augmented(node: s.AugmentedAssignment, values: list[object], stack:
     else:
         result = host(state.settings.door, state, BINARY[node.operator], *as_vectors([current, operand], state))
     state = assign(node.target, result, parts, state)
-    name = written(node.target)
-    return done("S-Assignment", node, stack, state, Change("σ", name, result) if name else None)
+    return assigned_to(node.target, result, node, stack, state)
 
 
 def change_in_place(node: s.AugmentedAssignment, operation: Callable[..., object], current: object, operand: object, state: State) -> object:
@@ -286,12 +290,12 @@ IN_PLACE: Mapping[str, Callable[..., object]] = {
 
 
 def delete(node: s.Delete, stack: Stack, state: State) -> Outcome:
-    """`del x, a[i], b.c`."""
+    """The containers and indices in `del x, a[i]` come first."""
     return premises(node, [part for t in node.targets for part in target_premises(t)], conclude_delete, stack, state)
 
 
 def conclude_delete(node: s.Delete, values: list[object], stack: Stack, state: State) -> Outcome:
-    """Remove every target."""
+    """⟨del x, σ⟩ → ⟨pass, σ without x⟩; `del a[i]` takes the element out of the container."""
     rest = iter(values)
     for target in node.targets:
         match target:

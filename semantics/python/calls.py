@@ -31,7 +31,7 @@ from .assignment import random_write
 from .expressions import elements
 from .functions import bind, enter
 from .prices import as_callback, check_arguments
-from .specials import HOST_RULES, SPECIALS, STORED, call_container_method, container_method
+from .specials import HOST_RULES, SPECIALS, STORED, call_container_method, container_method, returned
 from .texts import without_addresses
 
 
@@ -129,7 +129,7 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
         if type(function) is Random and function.value.__name__ in STORED:  # type: ignore[attr-defined]
             raise random_write(Random(function.value.__self__, function.origin), node)  # type: ignore[attr-defined]
         if type(function) is not Random:
-            return value("E-Call-Host", call_container_method(node, function, arguments, keywords, state), stack, state, node)  # type: ignore[arg-type]
+            return returned(node, call_container_method(node, function, arguments, keywords, state), stack, state)  # type: ignore[arg-type]
     function = on_plain_elements(function)
     if is_geometric(plain(function)):
         arguments = tuple(as_positions(a, state) for a in arguments)
@@ -141,7 +141,7 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
         if isinstance(problem.exception, (BadField, BadRegion, BadParameters)):
             raise RunError(without_addresses(str(problem.exception)), node.span, rule="E-Call-Host") from None
         raise
-    return value("E-Call-Host", result, stack, state, node)
+    return returned(node, result, stack, state)
 
 
 def check_call(function: object, arguments: tuple[object, ...], keywords: Mapping[str, object], state: State) -> None:

@@ -60,7 +60,10 @@ def resume_comprehension(frame: Comprehending, result: object, stack: Stack, sta
 
 
 def advance(frame: Comprehending, stack: Stack, state: State) -> Outcome:
-    """Take the next element of the innermost iterator; an exhausted one gives way to the one around it."""
+    """⟨[E for x in I if B]⟩ → the values of E, for those elements x of I for which B holds, in order.
+
+    Take the next element of the innermost iterator; an exhausted one gives way to the one around it.
+    """
     iterators = frame.iterators
     while iterators:
         *outer, (source, position) = iterators

@@ -14,7 +14,7 @@ from ..kernel.premises import premises
 from ..kernel.values import Random, plain
 from ..syntax import python_expressions as p
 from ..syntax import statements as s
-from ..syntax.nodes import Node
+from ..syntax.nodes import Node, Span
 from .assignment import bind_target, done
 from .expressions import elements
 from .functions import make_function
@@ -57,14 +57,14 @@ class Branching(NamedTuple):
 
 
 def if_statement(node: s.If, stack: Stack, state: State) -> Outcome:
-    """`if B: ... else: ...`."""
+    """The condition of `if B: ... else: ...` comes first."""
     if type(node.test) is p.Constant and node.test.value is True:
         return block(node.then, stack, state)
     return reduce(node.test, Branching(node), stack, state)
 
 
 def resume_branching(frame: Branching, result: object, stack: Stack, state: State) -> Outcome:
-    """Run the block that the condition chose."""
+    """If ⟨B⟩ → True then ⟨if B: s1 else: s2⟩ → ⟨s1⟩; if ⟨B⟩ → False then ⟨s2⟩."""
     node = frame.node
     chosen = truth(result, node.test, state, "the condition of this `if`")
     return block(node.then if chosen else node.otherwise, stack, state, "S-If", node)
@@ -91,12 +91,12 @@ class Iterating(NamedTuple):
 
 
 def while_statement(node: s.While, stack: Stack, state: State) -> Outcome:
-    """`while B: ...`."""
+    """The condition of `while B: ...` comes first."""
     return reduce(node.test, Testing(node), stack, state)
 
 
 def resume_testing(frame: Testing, result: object, stack: Stack, state: State) -> Outcome:
-    """Another turn, or the end."""
+    """If ⟨B⟩ → True then ⟨while B: s⟩ → ⟨s; while B: s⟩; if ⟨B⟩ → False then its `else` block."""
     node = frame.node
     if truth(result, node.test, state, "the condition of this `while`"):
         return block(node.body, (Looping(node, None), stack), state, "S-While", node)
@@ -104,7 +104,7 @@ def resume_testing(frame: Testing, result: object, stack: Stack, state: State) -
 
 
 def for_statement(node: s.For, stack: Stack, state: State) -> Outcome:
-    """`for x in I: ...`."""
+    """The iterable of `for x in I: ...` comes first."""
     return reduce(node.iterable, Iterating(node), stack, state)
 
 
@@ -117,7 +117,7 @@ def resume_iterating(frame: Iterating, result: object, stack: Stack, state: Stat
 
 
 def next_turn(node: s.For, source: Sequence[object], position: int, stack: Stack, state: State) -> Outcome:
-    """Bind the next element and run the body, or end."""
+    """⟨for x in (v, ...): s⟩ → ⟨s; for x in (...): s, σ[x/v]⟩; after the last element, its `else` block."""
     if position == len(source):
         return block(node.otherwise, stack, state, "S-For", node)
     bind_target(node.target, source[position], state)
@@ -149,23 +149,23 @@ def leave_block(node: s.Break | s.Continue, stack: Stack, state: State) -> Outco
 
 
 def return_statement(node: s.Return, stack: Stack, state: State) -> Outcome:
-    """`return E`."""
+    """The value of `return E` comes first."""
     return premises(node, [node.value], conclude_return, stack, state)
 
 
 def conclude_return(node: s.Return, values: list[object], stack: Stack, state: State) -> Outcome:
-    """Leave the function with the value."""
+    """If ⟨E⟩ → v then ⟨return E⟩ leaves the function with v."""
     return Next("S-Return", Config(Abrupt("return", values[0], node.span), stack, state), node)
 
 
 def function_definition(node: s.FunctionDefinition, stack: Stack, state: State) -> Outcome:
-    """`def f(x=E): ...`: default values are evaluated now, once (reading `default-arguments`)."""
+    """Default values of `def f(x=E): ...` are evaluated now, once (reading `default-arguments`)."""
     defaults = [q.default for q in node.parameters]
     return premises(node, [*defaults, *node.decorators], conclude_function, stack, state)
 
 
 def conclude_function(node: s.FunctionDefinition, values: list[object], stack: Stack, state: State) -> Outcome:
-    """σ[f / the function], decorated from the innermost decorator outwards."""
+    """⟨def f(x=E): s, σ⟩ → ⟨pass, σ[f / the function]⟩, decorated from the innermost decorator outwards."""
     function = make_function(node, values[: len(node.parameters)], state)
     decorators = values[len(node.parameters) :]
     if not decorators:
@@ -280,14 +280,19 @@ def unwind_handled(frame: Handled, abrupt: Abrupt, stack: Stack, state: State) -
     return Next("", Config(abrupt, stack, forget(frame, state)))
 
 
+def final_block(body: s.Block, control: Value | Abrupt, stack: Stack, state: State) -> Outcome:
+    """⟨try: s1 finally: s2⟩ → ⟨s2⟩ when s1 is reduced or left, in whatever way; then on with that."""
+    return block(body, (Afterwards(control), stack), state, "S-Finally")
+
+
 def resume_finally(frame: Finally, result: object, stack: Stack, state: State) -> Outcome:
     """Run the block, then go on."""
-    return block(frame.body, (Afterwards(PASS), stack), state, "S-Finally")
+    return final_block(frame.body, PASS, stack, state)
 
 
 def unwind_finally(frame: Finally, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
     """Run the block, then go on unwinding."""
-    return block(frame.body, (Afterwards(abrupt), stack), state, "S-Finally")
+    return final_block(frame.body, abrupt, stack, state)
 
 
 def resume_afterwards(frame: Afterwards, result: object, stack: Stack, state: State) -> Outcome:
@@ -295,13 +300,18 @@ def resume_afterwards(frame: Afterwards, result: object, stack: Stack, state: St
     return Next("", Config(frame.control, stack, state))
 
 
+def raised(problem: HostException, place: Span, stack: Stack, state: State) -> Outcome:
+    """If an operation of Python raises the exception v, blocks are left with v, as by `raise v`: the program may catch it."""
+    return Next("E-Raise", Config(Abrupt("raise", problem.exception, place, problem.origin), stack, state))
+
+
 def raise_statement(node: s.Raise, stack: Stack, state: State) -> Outcome:
-    """`raise E from F`."""
+    """The exception of `raise E from F`, and its cause, come first."""
     return premises(node, [node.exception, node.cause], conclude_raise, stack, state)
 
 
 def conclude_raise(node: s.Raise, values: list[object], stack: Stack, state: State) -> Outcome:
-    """Unwind with the exception; a class is instantiated, a bare `raise` repeats the one being handled."""
+    """If ⟨E⟩ → v then ⟨raise E⟩ leaves blocks with the exception v; a class is instantiated, a bare `raise` repeats the one being handled."""
     exception, cause = (plain(v) for v in values)
     if node.exception is None:
         if not state.handling:
@@ -317,12 +327,12 @@ def conclude_raise(node: s.Raise, values: list[object], stack: Stack, state: Sta
 
 
 def assert_statement(node: s.Assert, stack: Stack, state: State) -> Outcome:
-    """`assert B, M`: an exception, not a requirement; B may not be random."""
+    """The condition of `assert B, M` comes first."""
     return premises(node, [node.test, node.message], conclude_assert, stack, state)
 
 
 def conclude_assert(node: s.Assert, values: list[object], stack: Stack, state: State) -> Outcome:
-    """Pass, or AssertionError."""
+    """If ⟨B⟩ → True then ⟨assert B, M⟩ → ⟨pass⟩, else AssertionError; this is no requirement, and B may not be random."""
     if truth(values[0], node.test, state, "the condition of this `assert`"):
         return done("S-Assert", node, stack, state)
     exception = AssertionError(*([] if node.message is None else [plain(values[1])]))

@@ -32,7 +32,7 @@ class ClassBody(NamedTuple):
 
 
 def class_definition(node: s.ClassDefinition, stack: Stack, state: State) -> Outcome:
-    """`class C(superclass): property: E ...`: Object is the default superclass (paper, Section "Data Types")."""
+    """Object is the default superclass (paper, Section "Data Types")."""
     return premises(node, node.superclasses, conclude_superclasses, stack, state)
 
 
@@ -58,7 +58,7 @@ def conclude_superclasses(node: s.ClassDefinition, values: list[object], stack: 
 
 
 def resume_class_body(frame: ClassBody, result: object, stack: Stack, state: State) -> Outcome:
-    """σ[C / the class]."""
+    """⟨class C(superclass): property: E ..., σ⟩ → ⟨pass, σ[C / the class]⟩."""
     node = frame.node
     members = state.sigma.bindings
     outer = state._replace(sigma=frame.outer)

@@ -14,6 +14,7 @@ from ..kernel.budget import LARGEST_SEQUENCE, PLAIN
 from ..kernel.classes import canonical
 from ..kernel.conditions import random_branch
 from ..kernel.config import Stack, State, value
+from ..kernel.draws import draw
 from ..kernel.errors import RunError
 from ..kernel.host import HostException, host, raw
 from ..kernel.kinds import Reader, has_kind, is_scalar, kind_name
@@ -22,7 +23,24 @@ from ..kernel.premises import premises, raw_axiom
 from ..kernel.queries import Clock, Closest, attribute_of_clock
 from ..kernel.scopes import MISSING, Scope
 from ..kernel.sets import Set
-from ..kernel.values import Bound, Dynamic, Entries, Function, Instance, Method, Module, Native, Pairs, Random, ScenicClass, plain, unwrap, wrap
+from ..kernel.values import (
+    Bound,
+    Constructor,
+    Dynamic,
+    Entries,
+    Function,
+    Instance,
+    Method,
+    Module,
+    Native,
+    Pairs,
+    Random,
+    ScenicClass,
+    plain,
+    unwrap,
+    wrap,
+)
+from ..space.distributions.continuous import Range
 from ..space.symbols import Symbol
 from ..space.vectors import Vector
 from ..syntax import expressions as e
@@ -57,6 +75,11 @@ def conclude_display(node: p.TupleDisplay | p.ListDisplay | p.SetDisplay, values
         else:
             items.append(item)
     kind = {p.TupleDisplay: tuple, p.ListDisplay: list, p.SetDisplay: Set}[type(node)]
+    return displayed(kind, items, node, stack, state)
+
+
+def displayed(kind: Callable[[list], object], items: list, node: Node, stack: Stack, state: State) -> Outcome:
+    """If ⟨E_i⟩ → v_i then ⟨(E_1, ..., E_n)⟩ → (v_1, ..., v_n), and likewise for lists, sets and dictionaries."""
     return value("E-Display", host_container(kind, items), stack, state, node)
 
 
@@ -111,11 +134,26 @@ def conclude_dict(node: p.DictDisplay, values: list[object], stack: Stack, state
             raise HostException(TypeError(f"{kind_name(item)} is not a mapping"))
         origin = item.origin if type(item) is Random else None
         entries += [(wrap(k, origin), wrap(v, origin)) for k, v in mapping.items()]
-    return value("E-Display", host_container(dict, entries), stack, state, node)
+    return displayed(dict, entries, node, stack, state)
+
+
+def interval_or_pair(node: e.IntervalOrPair, stack: Stack, state: State) -> Outcome:
+    """`(low, high)` of dialect `pldi19` (reading `intervals`)."""
+    return premises(node, [node.low, node.high], conclude_interval, stack, state)
+
+
+def conclude_interval(node: e.IntervalOrPair, values: list[object], stack: Stack, state: State) -> Outcome:
+    """Uniform on the interval if both ends are scalars, otherwise a pair."""
+    if all(has_kind(plain(v), "scalar") for v in values):
+        return draw(node, RANGE, tuple(values), {}, stack, state)
+    return displayed(tuple, values, node, stack, state)
+
+
+RANGE = Constructor("Range", Range, keeps_values=False, takes="low, high")
 
 
 def formatted(node: p.FString, stack: Stack, state: State) -> Outcome:
-    """An f-string: its values, formatted and joined."""
+    """The values of an f-string come first."""
     expressions: list[Node | None] = []
     for part in node.parts:
         if isinstance(part, p.FormattedValue):
@@ -124,7 +162,7 @@ def formatted(node: p.FString, stack: Stack, state: State) -> Outcome:
 
 
 def conclude_formatted(node: p.FString, values: list[object], stack: Stack, state: State) -> Outcome:
-    """Join the pieces."""
+    """If ⟨E_i⟩ → v_i then ⟨f"...{E_i}..."⟩ → the text with each v_i formatted in its place."""
     conversions = {"": lambda v: v, "r": represented, "s": written, "a": ascii_of}
 
     def join(*parts: object) -> str:
@@ -150,22 +188,27 @@ def instance_text(argument: object, state: State) -> object:
 
 
 def attribute(node: p.Attribute, stack: Stack, state: State) -> Outcome:
-    """`E.name`."""
+    """The object of `E.name` comes first."""
     return premises(node, [node.value], conclude_attribute, stack, state)
 
 
 def conclude_attribute(node: p.Attribute, values: list[object], stack: Stack, state: State) -> Outcome:
-    """O(instance.property) for instances, the attribute for everything else."""
+    """The object is known: its attribute."""
     subject = values[0]
-    if type(subject) is Random:
-        shared = shared_method(subject, node.name, state)
-        if shared is not None:
-            return value("E-Attribute", shared, stack, state, node)
-        several = isinstance(subject.value, Symbol)
-        found = subject.value.each(lambda one: get_attribute(one, node, state)) if several else get_attribute(subject.value, node, state)  # type: ignore[attr-defined]
-        inner, origin = unwrap(found)
-        return value("E-Attribute", wrap(inner, subject.origin or origin), stack, state, node)
-    return value("E-Attribute", get_attribute(subject, node, state), stack, state, node)
+    if type(subject) is not Random:
+        return attribute_is(node, get_attribute(subject, node, state), stack, state)
+    shared = shared_method(subject, node.name, state)
+    if shared is not None:
+        return attribute_is(node, shared, stack, state)
+    several = isinstance(subject.value, Symbol)
+    found = subject.value.each(lambda one: get_attribute(one, node, state)) if several else get_attribute(subject.value, node, state)  # type: ignore[attr-defined]
+    inner, origin = unwrap(found)
+    return attribute_is(node, wrap(inner, subject.origin or origin), stack, state)
+
+
+def attribute_is(node: Node, result: object, stack: Stack, state: State) -> Outcome:
+    """If ⟨E⟩ → o then ⟨E.name⟩ → O(o.name) for an instance o, and the attribute of anything else; `getattr` and `hasattr` alike."""
+    return value("E-Attribute", result, stack, state, node)
 
 
 def shared_method(subject: Random, name: str, state: State) -> Method | None:
@@ -244,14 +287,14 @@ def instance_attribute(instance: Instance, name: str, state: State) -> object:
 
 
 def subscript(node: p.Subscript, stack: Stack, state: State) -> Outcome:
-    """`E[index]` and `E[a:b:c]`."""
+    """The container and the index of `E[I]`, or of `E[a:b:c]`, come first."""
     index = node.index
     parts = [index.lower, index.upper, index.step] if isinstance(index, p.Slice) else [index]
     return premises(node, [node.value, *parts], conclude_subscript, stack, state)
 
 
 def conclude_subscript(node: p.Subscript, values: list[object], stack: Stack, state: State) -> Outcome:
-    """The element keeps its own randomness; a random index or container makes it random."""
+    """If ⟨E⟩ → c and ⟨I⟩ → i then ⟨E[I]⟩ → c[i]: the element keeps its own randomness; a random index or container makes it random."""
     return value("E-Subscript", get_item(node, values, state), stack, state, node)
 
 
@@ -292,7 +335,12 @@ def conclude_binary(node: p.BinaryOperation, values: list[object], stack: Stack,
     operands = as_vectors(values, state)
     if node.operator in "+-*/" and state.reading("pairs") == "vector" and any(map(is_pair, operands)):
         operands = pairs_as_vectors(node.operator, operands, state)
-    return apply_host("E-Arithmetic", node, BINARY[node.operator], operands, stack, state)
+    return arithmetic(node, BINARY[node.operator], operands, stack, state)
+
+
+def arithmetic(node: Node, operation: Callable[..., object], operands: list[object], stack: Stack, state: State) -> Outcome:
+    """If ⟨E1⟩ → v1 and ⟨E2⟩ → v2 then ⟨E1 ⊕ E2⟩ → v1 ⊕ v2, and ⟨⊖E⟩ → ⊖v likewise, as in Python."""
+    return apply_host("E-Arithmetic", node, operation, operands, stack, state)
 
 
 def is_pair(value: object) -> bool:
@@ -335,8 +383,13 @@ def unary(node: p.UnaryOperation, stack: Stack, state: State) -> Outcome:
 
 def conclude_unary(node: p.UnaryOperation, values: list[object], stack: Stack, state: State) -> Outcome:
     """Python's unary operators."""
-    rule = "E-Not" if node.operator == "not" else "E-Arithmetic"
-    return apply_host(rule, node, UNARY[node.operator], values, stack, state)
+    operation = UNARY[node.operator]
+    return negated(node, operation, values, stack, state) if node.operator == "not" else arithmetic(node, operation, values, stack, state)
+
+
+def negated(node: Node, operation: Callable[..., object], operands: list[object], stack: Stack, state: State) -> Outcome:
+    """If ⟨B⟩ → b then ⟨not B⟩ → ¬b."""
+    return apply_host("E-Not", node, operation, operands, stack, state)
 
 
 def seconds(node: e.Seconds, stack: Stack, state: State) -> Outcome:

@@ -19,7 +19,7 @@ from ..kernel.values import Module
 from ..syntax import Program
 from ..syntax import statements as s
 from ..syntax.nodes import Node
-from .assignment import done
+from ..syntax.statements import Block
 from .control import block
 from .library import bound
 
@@ -69,17 +69,22 @@ class ModuleBody(NamedTuple):
 
 def import_statement(node: s.Import, stack: Stack, state: State) -> Outcome:
     """`import a.b as c`."""
-    keys = [key_here(imported.name, 0, state) for imported in node.names]
-    for imported, key in zip(node.names, keys, strict=True):
+    keys = [key_here(one.name, 0, state) for one in node.names]
+    for one, key in zip(node.names, keys, strict=True):
         if key not in state.modules:
-            return load(key, imported.name, node, stack, state)
-    for imported, key in zip(node.names, keys, strict=True):
+            return load(key, one.name, node, stack, state)
+    for one, key in zip(node.names, keys, strict=True):
         module = state.modules[key]
-        if imported.alias is not None:
-            state.sigma.bind(imported.alias, module)
+        if one.alias is not None:
+            state.sigma.bind(one.alias, module)
         else:
-            bind_dotted(imported.name, module, state)
-    return done("S-Import", node, stack, state)
+            bind_dotted(one.name, module, state)
+    return imported(node, stack, state)
+
+
+def imported(node: Node, stack: Stack, state: State, statements: Block = ()) -> Outcome:
+    """⟨import m, σ⟩ → ⟨pass, σ[m / the module]⟩ and ⟨from m import x, σ⟩ → ⟨pass, σ[x / m.x]⟩; the first time, m's statements come before."""
+    return block(statements, stack, state, "S-Import", node)
 
 
 def key_here(name: str, level: int, state: State) -> str:
@@ -123,7 +128,7 @@ def import_from(node: s.ImportFrom, stack: Stack, state: State) -> Outcome:
         if found is MISSING:
             raise unknown(member, name, module)
         state.sigma.bind(alias, found)
-    return done("S-Import", node, stack, state)
+    return imported(node, stack, state)
 
 
 def model(node: s.Model, stack: Stack, state: State) -> Outcome:
@@ -177,7 +182,7 @@ def load(key: str, name: str, node: Node, stack: Stack, state: State) -> Outcome
         scope = Scope("module", builtins, package=package_of(key))
         module = Module(name.lstrip("."), scope)
         begun = state._replace(sigma=scope, modules={**state.modules, key: module})
-        return block(found.statements, (ModuleBody(key, state.sigma, node), stack), begun, "S-Import", node)
+        return imported(node, (ModuleBody(key, state.sigma, node), stack), begun, found.statements)
     if found is MISSING or isinstance(found, ModuleNotFoundError):
         raise absent(name, found)
     if isinstance(found, Exception):

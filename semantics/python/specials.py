@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Mapping
 from types import BuiltinFunctionType, MethodType
 
 from ..kernel.allowed import is_known
-from ..kernel.config import Config, Stack, State, value
+from ..kernel.config import Config, Stack, State, Value, value
 from ..kernel.draws import ask
 from ..kernel.errors import RunError
 from ..kernel.host import HostException, host, raw
@@ -19,8 +19,8 @@ from ..kernel.scopes import MISSING, Scope
 from ..kernel.values import Dynamic, Function, Instance, Method, Origin, Random, ScenicClass, Special, plain, unwrap, wrap
 from ..syntax import python_expressions as p
 from ..syntax.nodes import Node
-from .assignment import set_attribute
-from .expressions import elements, get_attribute, host_container, instance_text
+from .assignment import assigned_to, set_attribute
+from .expressions import attribute_is, elements, get_attribute, host_container, instance_text
 from .functions import InScope
 from .library import LISTING
 from .texts import written
@@ -69,7 +69,7 @@ def isinstance_rule(node: Node, arguments: Arguments, keywords: Keywords, stack:
     inner = plain(subject)
     result = any(_is_instance(inner, c) for c in _flat(classes))
     origin = subject.origin if type(subject) is Random else of_classes
-    return value("E-Call-Host", wrap(result, origin), stack, state, node)
+    return returned(node, wrap(result, origin), stack, state)
 
 
 def _flat(classes: object) -> list[object]:
@@ -94,7 +94,7 @@ def issubclass_rule(node: Node, arguments: Arguments, keywords: Keywords, stack:
         result: object = any(isinstance(c, ScenicClass) and subject.is_subclass_of(c) for c in others)
     else:
         result = raw(state.settings.door, state, issubclass, subject, tuple(c for c in others if isinstance(c, type)))
-    return value("E-Call-Host", wrap(result, origin), stack, state, node)
+    return returned(node, wrap(result, origin), stack, state)
 
 
 def type_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
@@ -106,7 +106,7 @@ def type_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack
     if isinstance(result, type) and not is_known(result) and not state.settings.trusted:
         raise RunError(f"type() of {kind_name(inner)} is no class of this language", node.span, rule="E-Call-Host")
     origin = arguments[0].origin if type(arguments[0]) is Random else None
-    return value("E-Call-Host", wrap(result, origin), stack, state, node)
+    return returned(node, wrap(result, origin), stack, state)
 
 
 def getattr_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
@@ -116,7 +116,7 @@ def getattr_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: St
     result, origin = _named(node, arguments, state)
     if result is MISSING:
         result = arguments[2]
-    return value("E-Attribute", result if origin is None else wrap(unwrap(result)[0], origin), stack, state, node)
+    return attribute_is(node, result if origin is None else wrap(unwrap(result)[0], origin), stack, state)
 
 
 def hasattr_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
@@ -124,7 +124,7 @@ def hasattr_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: St
     if len(arguments) != 2 or not isinstance(plain(arguments[1]), str):
         raise HostException(TypeError("hasattr() takes a value and a name"))
     result, origin = _named(node, (*arguments, None), state)
-    return value("E-Attribute", wrap(result is not MISSING, origin), stack, state, node)
+    return attribute_is(node, wrap(result is not MISSING, origin), stack, state)
 
 
 def _named(node: Node, arguments: Arguments, state: State) -> tuple[object, Origin | None]:
@@ -146,7 +146,7 @@ def setattr_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: St
         raise HostException(TypeError("setattr() takes a value, a name and a value"))
     if type(arguments[1]) is Random:
         raise RunError("the name of the attribute that is assigned may not be random", node.span, rule="S-Assignment")
-    return value("S-Assignment", None, stack, set_attribute(arguments[0], str(plain(arguments[1])), arguments[2], node, state), node)
+    return assigned_to(node, None, node, stack, set_attribute(arguments[0], str(plain(arguments[1])), arguments[2], node, state))
 
 
 def callable_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
@@ -156,7 +156,7 @@ def callable_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: S
     inner = plain(arguments[0])
     result = not isinstance(inner, (Instance, ScenicClass)) and callable(inner)
     origin = arguments[0].origin if type(arguments[0]) is Random else None
-    return value("E-Call-Host", wrap(result, origin), stack, state, node)
+    return returned(node, wrap(result, origin), stack, state)
 
 
 _F, _X, _XS = p.Name(name="<function>"), p.Name(name="<element>"), p.Name(name="<elements>")
@@ -182,13 +182,21 @@ def filter_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Sta
     return _comprehend(node, arguments[0], arguments[1], _X, (test,), stack, state)
 
 
+def returned(node: Node, result: object, stack: Stack, state: State) -> Outcome:
+    """If ⟨E_i⟩ → v_i then ⟨f(E_1, ..., E_n)⟩ → f(v_1, ..., v_n) for a function f of the library, random if a v_i is.
+
+    ⟨map(f, I)⟩ → ⟨[f(x) for x in I]⟩ and ⟨filter(f, I)⟩ → ⟨[x for x in I if f(x)]⟩.
+    """
+    return Next("E-Call-Host", Config(result if isinstance(result, p.Comprehension) else Value(result), stack, state), node)
+
+
 def _comprehend(
     node: Node, function: object, iterable: object, element: p.Expression, tests: tuple[p.Expression, ...], stack: Stack, state: State
 ) -> Outcome:
     scope = Scope("comprehension", state.sigma, bindings={"<function>": function, "<elements>": iterable})
     clause = p.ComprehensionClause(target=_X, iterable=_XS, conditions=tests)
     body = p.Comprehension(kind="list", element=element, clauses=(clause,), span=node.span)
-    return Next("E-Call-Host", Config(body, (InScope(state.sigma), stack), state._replace(sigma=scope)), node)
+    return returned(node, body, (InScope(state.sigma), stack), state._replace(sigma=scope))
 
 
 def super_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
@@ -199,9 +207,9 @@ def super_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stac
 def str_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
     """`str(v)` of an instance is what `print` shows."""
     if len(arguments) == 1 and not keywords and isinstance(plain(arguments[0]), Instance):
-        return value("E-Call-Host", instance_text(arguments[0], state), stack, state, node)
+        return returned(node, instance_text(arguments[0], state), stack, state)
     texts = host(state.settings.door, state, written if len(arguments) == 1 and not keywords else str, *arguments, **keywords)
-    return value("E-Call-Host", texts, stack, state, node)
+    return returned(node, texts, stack, state)
 
 
 STRUCTURAL: Mapping[Callable[..., object], Callable[..., object]] = {
@@ -228,10 +236,10 @@ def structural(builtin: Callable[..., object]) -> Rule:
     def rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
         options = () if builtin is dict else keywords.values()
         if any(type(a) is Random for a in (*arguments, *options)):
-            return value("E-Call-Host", host(state.settings.door, state, function, *arguments, **keywords), stack, state, node)
+            return returned(node, host(state.settings.door, state, function, *arguments, **keywords), stack, state)
         made = raw(state.settings.door, state, function, *arguments, **keywords)
         state.settings.door.budget.made(plain(made))
-        return value("E-Call-Host", made, stack, state, node)
+        return returned(node, made, stack, state)
 
     return rule
 

@@ -40,12 +40,15 @@ COMPARE: Mapping[str, Callable[..., object]] = {
 
 
 def comparison(node: p.Comparison, stack: Stack, state: State) -> Outcome:
-    """`E1 < E2 <= E3`: from left to right, until a link does not hold."""
+    """`E1 < E2 <= E3`: the first two operands come first."""
     return premises(node, [None, node.left, node.operands[0]], conclude_comparison, stack, state, [()])
 
 
 def conclude_comparison(node: p.Comparison, values: list[object], stack: Stack, state: State) -> Outcome:
-    """The next link is reduced; `values` are the links before it and its operands. `in` with a region is an operator of the paper."""
+    """If ⟨E1⟩ → v1 and ⟨E2⟩ → v2 then ⟨E1 < E2⟩ → v1 < v2; of E1 < E2 <= E3, from left to right until a link does not hold.
+
+    `values` are the links before this one and its operands. `in` with a region is an operator of the paper.
+    """
     held: tuple[object, ...] = values[0]  # type: ignore[assignment]
     left, right = values[1:]
     name = node.operators[len(held)]

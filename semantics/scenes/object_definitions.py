@@ -24,7 +24,6 @@ from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
-from ..kernel.classes import canonical
 from ..kernel.config import Abrupt, Config, Stack, State, Value, reduce, value
 from ..kernel.errors import RunError
 from ..kernel.kinds import OrientedPointAt, Reader, is_object, kind_name
@@ -129,11 +128,11 @@ def construct(frame: Construction, stack: Stack, state: State) -> Outcome:
     """⟨s_i, σ[self.p_{i-1} / v_{i-1}]⟩ → v_i for the next specifier; after the last, newInstance."""
     if frame.index == len(frame.order):
         return new_instance(frame, stack, state)
-    specification, names = frame.order[frame.index]
+    specification, _ = frame.order[frame.index]
     if specification.is_default or specification.arguments is None:
         return evaluate_late(frame, specification, stack, state)
     if specification.form is None:
-        return assign_property(frame, "P-With", dict.fromkeys(names, specification.arguments[0]), stack, state)
+        return assign_with(frame, specification.arguments[0], stack, state)
     return apply_form(frame, specification.form, specification.arguments, stack, state)
 
 
@@ -143,7 +142,7 @@ def evaluate_late(frame: Construction, specification: Specification, stack: Stac
     if specification.is_default:
         found = axiom(node, state) if type(node) is p.Constant else NOT_AN_AXIOM
         if found is not NOT_AN_AXIOM:
-            return assign_property(frame, "P-Default", {frame.order[frame.index][1][0]: found}, stack, state)
+            return assign_default(frame, found, stack, state)
         owner = frame.instance.class_.defaults[specification.specifies[0]][1]
         bindings: Mapping[str, object] = {"self": frame.instance, SPECIFIED: frame.instance}
         scope = Scope("specifier", owner.scope, bindings=dict(bindings))
@@ -162,7 +161,7 @@ def conclude_late(frame: Construction, node: Node, values: list[object], stack: 
     """The arguments that waited are reduced: apply the specifier."""
     outer = state._replace(sigma=frame.outer)
     if isinstance(node, q.WithSpecifier):
-        return assign_property(frame, "P-With", {canonical(node.property): values[0]}, stack[1], outer)
+        return assign_with(frame, values[0], stack[1], outer)
     form, complete = choose_form(node, sp.forms_of(node, state.reading("offset-by")), values, state)
     return apply_form(frame, form, complete, stack[1], outer)
 
@@ -181,9 +180,7 @@ class Defaulting(NamedTuple):
 def resume_defaulting(frame: Defaulting, result: object, stack: Stack, state: State) -> Outcome:
     """The default value was reduced to `result`."""
     construction = frame.construction
-    name = construction.order[construction.index][1][0]
-    restored = state._replace(sigma=construction.outer, depth=state.depth - 1)
-    return assign_property(construction, "P-Default", {name: result}, stack, restored)
+    return assign_default(construction, result, stack, state._replace(sigma=construction.outer, depth=state.depth - 1))
 
 
 def unwind_construction(frame: Construction | Defaulting, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
@@ -202,14 +199,14 @@ def apply_form(frame: Construction, form: sp.Form, arguments: tuple[object, ...]
         operands.append(reader.read(frame.instance, "Point"))
     if form.needs_euler_steps:
         operands.append(state.settings.euler_steps)
-    if form.rule in ("P-At", "P-Facing-Heading"):  # ⟦at V⟧ = ⟦V⟧: the value itself, which `resample` may draw again
-        return assign_property(frame, form.rule, {form.specifies[0]: arguments[0]}, stack, state)
+    if form.passes_on:  # ⟦at V⟧ = ⟦V⟧: the value itself, which `resample` may draw again
+        return assign_property(frame, form.rule, {form.specifies[0]: form.function(arguments[0])}, stack, state)
     try:
         result = compute(form.function, operands, reader)
     except OutsideField as outside:
         return outside_field(frame, form.rule, outside, {"position": Vector(0.0, 0.0), "heading": 0.0}, reader.origin, stack, state)
     if isinstance(result, Region):
-        return draw_point(frame, form.rule, result, node, stack, state)
+        return draw_point(frame, form, operands, result, node, stack, state)
     return assign_property(frame, form.rule, properties_of(result, form, reader.origin), stack, state)
 
 
@@ -225,31 +222,35 @@ def properties_of(result: object, form: sp.Form, origin: Origin | None) -> dict[
             return {form.specifies[0]: reader_wrap(result)}
 
 
-def draw_point(frame: Construction, rule: str, region: Region, node: Node, stack: Stack, state: State) -> Outcome:
+def draw_point(
+    frame: Construction, form: sp.Form, operands: list[object], region: Region, node: Node, stack: Stack, state: State
+) -> Outcome:
     """x = uniformPointIn(R)."""
     try:
         distribution = PointIn(region)
     except BadParameters as bad:
-        raise RunError(str(bad), node.span, rule=rule) from None
+        raise RunError(str(bad), node.span, rule=form.rule) from None
     origin = Origin(node.span, "a uniformly random point", None)
     after = state._replace(draws=state.draws + 1)
-    resume = partial(place_point, frame, rule, region, origin, stack, after)
-    return Draw(rule, state.address, distribution, node, resume)
+    resume = partial(place_point, frame, form, operands, origin, stack, after)
+    return Draw(form.rule, state.address, distribution, node, resume)
 
 
 class Placed(NamedTuple):
-    """Control result: the point that `in R` or `visible` drew, on its way to the object."""
+    """Control result: the point that `in R` or `visible` drew, on its way to the object, with the equation and its operands."""
 
     point: Vector
-    rule: str
-    region: Region
+    form: sp.Form
+    operands: list[object]
     origin: Origin
 
 
-def place_point(frame: Construction, rule: str, region: Region, origin: Origin, stack: Stack, state: State, point: object) -> Config:
+def place_point(
+    frame: Construction, form: sp.Form, operands: list[object], origin: Origin, stack: Stack, state: State, point: object
+) -> Config:
     """The configuration after the draw: the specifier's frame receives the point."""
     assert isinstance(point, Vector)
-    return Config(Value(Placed(point, rule, region, origin)), (Placing(frame), stack), state)
+    return Config(Value(Placed(point, form, operands, origin)), (Placing(frame), stack), state)
 
 
 class Placing(NamedTuple):
@@ -259,15 +260,13 @@ class Placing(NamedTuple):
 
 
 def resume_placing(frame: Placing, placed: Placed, stack: Stack, state: State) -> Outcome:
-    """OrientedPoint(x, ⟦orientation(R)⟧(x)), or (x, ⊥)."""
-    reader = Reader(state)
+    """The equation once its point x is drawn."""
     try:
-        at = compute(sp.oriented, (placed.region, placed.point), reader) if placed.rule == "P-In" else OrientedPointAt(placed.point, None)
+        at = compute(placed.form.function, (*placed.operands, placed.point), Reader(state))
     except OutsideField as outside:
         properties: dict[str, object] = {"position": placed.point, "heading": 0.0}
-        return outside_field(frame.construction, placed.rule, outside, properties, placed.origin, stack, state)
-    properties = properties_of(at, sp.FORMS[q.InSpecifier][1][0], placed.origin)
-    return assign_property(frame.construction, placed.rule, properties, stack, state)
+        return outside_field(frame.construction, placed.form.rule, outside, properties, placed.origin, stack, state)
+    return assign_property(frame.construction, placed.form.rule, properties_of(at, placed.form, placed.origin), stack, state)
 
 
 def outside_field(
@@ -279,6 +278,16 @@ def outside_field(
     anything = {n: (Random(v, origin) if origin else v) for n, v in properties.items() if n in names}
     beyond = assign_property(frame, rule, anything, stack, state)
     return Stuck(rule, Requirement("field", node.span, outside.premise), beyond.config if isinstance(beyond, Next) else None)
+
+
+def assign_with(frame: Construction, given: object, stack: Stack, state: State) -> Outcome:
+    """⟦with P E⟧ = {P ↦ ⟦E⟧}."""
+    return assign_property(frame, "P-With", dict.fromkeys(frame.order[frame.index][1], given), stack, state)
+
+
+def assign_default(frame: Construction, given: object, stack: Stack, state: State) -> Outcome:
+    """{P ↦ ⟦E⟧} for the property P that no specifier gives, where E is its default value expression in the most derived class, about `self`."""
+    return assign_property(frame, "P-Default", dict.fromkeys(frame.order[frame.index][1], given), stack, state)
 
 
 def assign_property(frame: Construction, rule: str, properties: Mapping[str, object], stack: Stack, state: State) -> Outcome:

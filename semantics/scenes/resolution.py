@@ -54,10 +54,7 @@ def resolve_specifiers(
     for specifier in specifiers:
         for name in specifier.specifies:
             if name in spec_for_property:
-                raise SpecifiedTwice(
-                    f"the property {name} is specified twice: by `{spec_for_property[name].name}` and by `{specifier.name}`",
-                    specifier.node.span, rule="R-SpecifiedTwice",
-                )
+                raise specified_twice(name, spec_for_property[name], specifier)
             spec_for_property[name] = specifier
         for name in specifier.optional:
             if known is None or name in known:
@@ -68,11 +65,7 @@ def resolve_specifiers(
         if name in spec_for_property:
             continue
         if len(candidates) > 1:
-            names = " and by ".join(f"`{c.name}`" for c in candidates)
-            raise SpecifiedTwiceOptionally(
-                f"the property {name} is specified optionally twice: by {names}", candidates[1].node.span, rule="R-SpecifiedTwiceOptionally",
-                hint=f"say which is meant with an explicit specifier for {name}",
-            )
+            raise specified_twice_optionally(name, candidates)
         spec_for_property[name] = candidates[0]
 
     # 3. add default specifiers as needed
@@ -91,15 +84,33 @@ def resolve_specifiers(
             if dependency not in spec_for_property:
                 if dependency in absent:
                     continue
-                raise MissingProperty(
-                    f"`{specifier.name}` needs the property {dependency}, which this object does not have", _place(specifier, span),
-                    rule="R-MissingProperty",
-                )
+                raise missing_property(dependency, specifier, span)
             predecessors[specifier].append((dependency, spec_for_property[dependency]))
 
     # 5. construct specifier and property evaluation order
     order = _topological_order(used, predecessors, span)
     return tuple((s, tuple(determined[s])) for s in order)
+
+
+def specified_twice(name: str, first: Specification, second: Specification) -> SpecifiedTwice:
+    """If P is specified by S already: syntax error, property P specified twice."""
+    text = f"the property {name} is specified twice: by `{first.name}` and by `{second.name}`"
+    return SpecifiedTwice(text, second.node.span, rule="R-SpecifiedTwice")
+
+
+def specified_twice_optionally(name: str, candidates: list[Specification]) -> SpecifiedTwiceOptionally:
+    """If |optionalSpecsForProperty[P]| > 1 and nothing else specifies P: syntax error, property P specified twice."""
+    names = " and by ".join(f"`{c.name}`" for c in candidates)
+    return SpecifiedTwiceOptionally(
+        f"the property {name} is specified optionally twice: by {names}", candidates[1].node.span, rule="R-SpecifiedTwiceOptionally",
+        hint=f"say which is meant with an explicit specifier for {name}",
+    )
+
+
+def missing_property(dependency: str, specifier: Specification, span: Span) -> MissingProperty:
+    """If no specifier gives the dependency D of S: syntax error, missing property D required by S."""
+    text = f"`{specifier.name}` needs the property {dependency}, which this object does not have"
+    return MissingProperty(text, _place(specifier, span), rule="R-MissingProperty")
 
 
 def _place(specifier: Specification, span: Span) -> Span:
@@ -118,17 +129,17 @@ def _topological_order(
     while waiting:
         ready = [s for s in waiting if not predecessors[s] or all(p in placed for _, p in predecessors[s])]
         if not ready:
-            raise _cycle_error(waiting, predecessors, span)
+            raise cyclic(waiting, predecessors, span)
         order.extend(ready)
         placed.update(ready)
         waiting = [s for s in waiting if s not in placed]
     return order
 
 
-def _cycle_error(
+def cyclic(
     waiting: list[Specification], predecessors: Mapping[Specification, list[tuple[str, Specification]]], span: Span
 ) -> ResolutionError:
-    """The error that prints one cycle: position (left of) needs heading (facing), which needs position."""
+    """If G is cyclic: syntax error, specifiers have cyclic dependencies. The message prints one circle."""
     unplaced = set(waiting)
     path: list[tuple[str, Specification]] = []
     current = waiting[0]

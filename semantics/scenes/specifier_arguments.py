@@ -98,7 +98,7 @@ def describe(node: Node, arguments: list[object] | None, state: State) -> Specif
         return Specification(node, name, form.specifies, (), tuple(dict.fromkeys((*form.dependencies, "position"))), None, None)
     form, complete = choose_form(node, forms, arguments, state)
     optional = form.optional
-    if form.rule == "P-In" and unwrap(arguments[0])[0].orientation is not None:  # type: ignore[attr-defined]
+    if form.heading_of_region and unwrap(arguments[0])[0].orientation is not None:  # type: ignore[attr-defined]
         optional = sp.HEADING_ONLY
     return Specification(node, name, form.specifies, optional, form.dependencies, form, complete)
 

@@ -27,7 +27,8 @@ class Form(NamedTuple):
 
     `kinds` are those of the arguments, in the order of the node's `premises`; `function(*arguments)` gets `self` as a
     last argument if `needs_self` (ego if `needs_ego`, N of forwardEuler if `needs_euler_steps`), and gives a vector, a heading,
-    an OrientedPoint or the region to draw a point from.
+    an OrientedPoint or the region to draw a point x from, after which `function(*arguments, x)` is the value. With `passes_on` it gives
+    its argument back, random or not; with `heading_of_region`, a heading as well if the region has an orientation.
     """
 
     rule: str
@@ -39,6 +40,8 @@ class Form(NamedTuple):
     needs_self: bool = False
     needs_ego: bool = False
     needs_euler_steps: bool = False
+    passes_on: bool = False
+    heading_of_region: bool = False
 
 
 ZERO = Constant(value=0)
@@ -112,22 +115,20 @@ def visible_from_ego(node: q.VisibleSpecifier) -> Node:
     return replace(node, viewer=EGO)
 
 
-def visible_from(p: View) -> Region:
-    """⟦visible from P⟧ = uniformPointIn(visibleRegion(⟦P⟧)), not clipped to the workspace (reading `visible-clip`)."""
-    return visible_region(p)
+def visible_from(p: View, x: Vector | None = None) -> Region | Vector:
+    """⟦visible from P⟧ = uniformPointIn(visibleRegion(⟦P⟧)), not clipped to the workspace (reading `visible-clip`); the region, until x is drawn."""
+    return visible_region(p) if x is None else x
 
 
 # Figure "Semantics of position specifiers that optionally specify heading"
 
 
-def in_region(r: Region) -> Region:
-    """⟦in R⟧ = ⟦on R⟧ = OrientedPoint(x, ⟦orientation(R)⟧(x)), or heading ⊥ without orientation, with x = uniformPointIn(⟦R⟧)."""
-    return r
+def in_region(r: Region, x: Vector | None = None) -> Region | OrientedPointAt:
+    """⟦in R⟧ = ⟦on R⟧ = OrientedPoint(x, ⟦orientation(R)⟧(x)), or heading ⊥ without orientation, with x = uniformPointIn(⟦R⟧).
 
-
-def oriented(r: Region, x: Vector) -> OrientedPointAt:
-    """The OrientedPoint of `in R` once x is drawn."""
-    return OrientedPointAt(x, None if r.orientation is None else r.orientation.at(x))
+    The region, until x is drawn.
+    """
+    return r if x is None else OrientedPointAt(x, None if r.orientation is None else r.orientation.at(x))
 
 
 def ahead_of_object(o: View, s: float, self: View) -> OrientedPointAt:
@@ -269,7 +270,7 @@ OFFSET_BY: Mapping[str, tuple[Form, ...]] = {
 }
 
 FORMS: Mapping[type[Node], tuple[tuple[str, ...], tuple[Form, ...]]] = {
-    q.AtSpecifier: (("vector",), (Form("P-At", (VECTOR,), at),)),
+    q.AtSpecifier: (("vector",), (Form("P-At", (VECTOR,), at, passes_on=True),)),
     q.OffsetBySpecifier: (("offset",), ()),
     q.OffsetAlongSpecifier: (
         ("direction", "offset"),
@@ -281,7 +282,7 @@ FORMS: Mapping[type[Node], tuple[tuple[str, ...], tuple[Form, ...]]] = {
     q.BesideSpecifier: (("reference", "gap"), ()),
     q.BeyondSpecifier: (("vector", "offset", "origin"), (Form("P-Beyond", (VECTOR, VECTOR, VECTOR), beyond),)),
     q.VisibleSpecifier: (("viewer",), (Form("P-Visible", (POINT,), visible_from),)),
-    q.InSpecifier: (("region",), (Form("P-In", (REGION,), in_region),)),
+    q.InSpecifier: (("region",), (Form("P-In", (REGION,), in_region, heading_of_region=True),)),
     q.FollowingSpecifier: (
         ("field", "origin", "distance"),
         (Form("P-Following", (FIELD, VECTOR, SCALAR), following, optional=HEADING_ONLY, needs_euler_steps=True),),
@@ -289,7 +290,7 @@ FORMS: Mapping[type[Node], tuple[tuple[str, ...], tuple[Form, ...]]] = {
     q.FacingSpecifier: (
         ("direction",),
         (
-            Form("P-Facing-Heading", (HEADING,), facing_heading, specifies=HEADING_ONLY),
+            Form("P-Facing-Heading", (HEADING,), facing_heading, specifies=HEADING_ONLY, passes_on=True),
             Form("P-Facing-Field", (FIELD,), facing_field, specifies=HEADING_ONLY, dependencies=("position",), needs_self=True),
         ),
     ),

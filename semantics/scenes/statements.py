@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 from ..kernel.conditions import holding
@@ -21,12 +22,12 @@ from ..syntax import statements as s
 
 
 def param(node: s.Param, stack: Stack, state: State) -> Outcome:
-    """If ⟨E, σ, π, O⟩ → ⟨v, σ, π, O'⟩ then ⟨param x = E, σ, π, O⟩ → ⟨pass, σ, π[x/v], O'⟩."""
+    """The values of `param x = E, ...` come first."""
     return premises(node, [a.value for a in node.assignments], conclude_param, stack, state)
 
 
 def conclude_param(node: s.Param, values: list[object], stack: Stack, state: State) -> Outcome:
-    """π[x/v]; a value given on the command line wins."""
+    """If ⟨E, σ, π, O⟩ → ⟨v, σ, π, O'⟩ then ⟨param x = E, σ, π, O⟩ → ⟨pass, σ, π[x/v], O'⟩; a value from the command line wins."""
     assigned = {a.name: v for a, v in zip(node.assignments, values, strict=True) if a.name not in state.settings.params}
     for name, assignment in assigned.items():
         check_nesting(f"the parameter {name}", assignment, node.span)
@@ -38,36 +39,48 @@ def conclude_param(node: s.Param, values: list[object], stack: Stack, state: Sta
 
 
 class Requiring(NamedTuple):
-    """Frame: the condition of a requirement is being reduced."""
+    """Frame: the condition of a requirement is being reduced; `conclude` is the rule about its value."""
 
     requirement: Requirement
-    rule: str
-    what: str = "a requirement"
+    conclude: Callable[[Requirement, object, Stack, State], Outcome]
+
+
+def resume_requiring(frame: Requiring, result: object, stack: Stack, state: State) -> Outcome:
+    """The condition was reduced."""
+    return frame.conclude(frame.requirement, result, stack, state)
+
+
+def required(requirement: Requirement, result: object, stack: Stack, state: State) -> Outcome:
+    """If ⟨B, σ, π, O⟩ → ⟨True, σ, π, O'⟩ then ⟨require B, σ, π, O⟩ → ⟨pass, σ, π, O'⟩."""
+    return observed("S-Require", requirement, holding(result, requirement.span, state, "a requirement", "S-Require"), stack, state)
+
+
+def observed(rule: str, requirement: Requirement, holds: object, stack: Stack, state: State) -> Outcome:
+    """The rule fires only if the requirement holds; otherwise no rule applies and the run is stuck."""
+    after = Config(PASS, stack, state)
+    return Observe(rule, requirement, after) if met(holds, requirement) else Stuck(rule, requirement, after)
 
 
 def hard_requirement(node: s.Require, stack: Stack, state: State) -> Outcome:
-    """Hard Requirements: if ⟨B, σ, π, O⟩ → ⟨True, σ, π, O'⟩ then ⟨require B, σ, π, O⟩ → ⟨pass, σ, π, O'⟩."""
-    if state.reading("require-time") == "end" and state.simulation is None:
-        captured = state._replace(sigma=state.sigma.snapshot(), late=())
-        return Next("S-Require-Capture", Config(PASS, stack, state._replace(late=(*state.late, (node, captured)))), node)
-    return enforce(node, stack, state)
+    """`require B`, now or at the end (reading `require-time`)."""
+    at_the_end = state.reading("require-time") == "end" and state.simulation is None
+    return capture(node, stack, state) if at_the_end else enforce(node, stack, state)
+
+
+def capture(node: s.Require, stack: Stack, state: State) -> Outcome:
+    """⟨require B, σ, π, O⟩ → ⟨pass, σ, π, O⟩, and ⟨require B⟩ is checked at the end, on what σ and O hold here (reading `requirement-capture`)."""
+    captured = state._replace(sigma=state.sigma.snapshot(), late=())
+    return Next("S-Require-Capture", Config(PASS, stack, state._replace(late=(*state.late, (node, captured)))), node)
 
 
 def enforce(node: s.Require, stack: Stack, state: State) -> Outcome:
     """Reduce the condition: now, or at the end of the program in the state of the statement (reading `require-time`)."""
     requirement = Requirement("require", node.span, f"the requirement on line {node.span.line}")
-    return reduce(node.condition, Requiring(requirement, "S-Require"), stack, state)
-
-
-def resume_requiring(frame: Requiring, result: object, stack: Stack, state: State) -> Outcome:
-    """The rule fires only if the condition is True; otherwise no rule applies and the run is stuck."""
-    after = Config(PASS, stack, state)
-    holds = holding(result, frame.requirement.span, state, frame.what, frame.rule)
-    return Observe(frame.rule, frame.requirement, after) if met(holds, frame.requirement) else Stuck(frame.rule, frame.requirement, after)
+    return reduce(node.condition, Requiring(requirement, required), stack, state)
 
 
 def soft_requirement(node: s.SoftRequire, stack: Stack, state: State) -> Outcome:
-    """Soft Requirements: ⟨require[p] B⟩ →^p ⟨require B⟩ and ⟨require[p] B⟩ →^{1-p} ⟨pass⟩."""
+    """The probability of `require[p] B` comes first."""
     return premises(node, [node.probability], conclude_soft, stack, state)
 
 
@@ -84,27 +97,38 @@ def conclude_soft(node: s.SoftRequire, values: list[object], stack: Stack, state
         ) from None
 
     def resume(heads: object) -> Config:
-        if not heads:
-            return Config(PASS, stack, state._replace(draws=state.draws + 1))
-        return Config(s.Require(condition=node.condition, span=node.span), *numbered_apart(stack, state))
+        return check(node, stack, state) if heads else skip(stack, state)
 
-    return Draw("S-SoftReq", state.address, coin, node, resume, per_scene=state.reading("soft") == "scene")
+    per_scene = state.reading("soft") == "scene"
+    return Draw("S-SoftReq-Check", state.address, coin, node, resume, per_scene=per_scene, otherwise="S-SoftReq-Skip")
+
+
+def check(node: s.SoftRequire, stack: Stack, state: State) -> Config:
+    """⟨require[p] B, σ, π, O⟩ →^p ⟨require B, σ, π, O⟩."""
+    return Config(s.Require(condition=node.condition, span=node.span), *numbered_apart(stack, state))
+
+
+def skip(stack: Stack, state: State) -> Config:
+    """⟨require[p] B, σ, π, O⟩ →^{1-p} ⟨pass, σ, π, O⟩."""
+    return Config(PASS, stack, state._replace(draws=state.draws + 1))
 
 
 # Mutation
 
 
 def mutate(node: s.Mutate, stack: Stack, state: State) -> Outcome:
-    """⟨mutate obj_i by s, σ, π, O⟩ → ⟨pass, σ, π, O[σ(obj_i).mutationScale / s]⟩; the scale is 1 by default."""
+    """The objects of `mutate` and the scale come first."""
     return premises(node, [*node.objects, node.scale], conclude_mutate, stack, state)
 
 
 def conclude_mutate(node: s.Mutate, values: list[object], stack: Stack, state: State) -> Outcome:
-    """Set the scale of the listed objects, or of every Object that exists now (reading `mutate-all`)."""
+    """⟨mutate obj_i by s, σ, π, O⟩ → ⟨pass, σ, π, O[σ(obj_i).mutationScale / s]⟩; the scale is 1 by default.
+
+    For the listed objects, or for every Object that exists now (reading `mutate-all`).
+    """
     *listed, scale = values
     first = 0
     if state.simulation is not None:
-
         first = check_setup("objects are mutated", node, stack)
     scale = 1 if node.scale is None else scale
     inner = plain(scale)

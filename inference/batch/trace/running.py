@@ -43,7 +43,7 @@ TRIES = 200
 """Runs that are tried until one is found in which all vector fields and regions have values."""
 MAPPED = (Range, Normal, TruncatedNormal, Uniform, Discrete, Coin)
 MAPPED_REGIONS = (CircularRegion, SectorRegion, RectangularRegion, PolygonalRegion, PolylineRegion, PointSetRegion)
-PURE = frozenset({"S-Return", "S-Require", "S-Expression", "S-SoftReq", "S-If", "S-While", "S-For", "S-Break"})
+PURE = frozenset({"S-Return", "S-Require", "S-Expression", "S-If", "S-While", "S-For", "S-Break"})
 
 
 FEW = 5
@@ -113,7 +113,7 @@ def trace_run(config: Config, attempt: int, fuel: int, draws: Draws = AS_THEY_AR
                     if where is not None:
                         made.begin(where.symbol.node, where.expected)  # type: ignore[attr-defined]
                         partial_runs.append((where.stack, config.state))
-                case Draw() if outcome.rule == "S-SoftReq":
+                case Draw() if outcome.otherwise:
                     coin = outcome.distribution.sample(numbers_of(outcome, made))
                     config = outcome.resume(bool(coin) if not isinstance(coin, Traced) else True)
                     if isinstance(coin, Traced):
