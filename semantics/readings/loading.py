@@ -45,7 +45,7 @@ def readings_in(text: str, file: str) -> Iterator[Reading]:
         texts(alternatives.values(), f"{place}: alternatives")
         for profile, alternative in profiles.items():
             if profile not in PROFILES or alternative not in alternatives:
-                raise ValueError(f"{place}: {profile} = {alternative} is no profile with one of the alternatives")
+                raise ValueError(f"{place}: {profile} = {alternative} is not a profile with one of the alternatives")
         yield Reading(
             id=id, kind=entry["kind"], about=entry["about"], question=entry["question"], places=tuple(entry["places"]),
             consequence=entry["consequence"], code=tuple(entry["code"]), alternatives=alternatives, profiles=profiles,
@@ -67,7 +67,7 @@ def probe_of(entry: dict[str, object], alternatives: Mapping[str, str], place: s
 def checked(entry: object, required: Mapping[str, type], optional: Mapping[str, type], place: str) -> None:
     """Raise `ValueError` unless the entry has all of these keys, no others, and values of these types."""
     if not isinstance(entry, dict):
-        raise ValueError(f"{place} is no table")
+        raise ValueError(f"{place} is not a table")
     missing, unknown = required.keys() - entry.keys(), entry.keys() - required.keys() - optional.keys()
     if missing or unknown:
         raise ValueError(f"{place}: missing {sorted(missing)}, unknown {sorted(unknown)}")
@@ -81,4 +81,4 @@ def texts(values: object, place: str) -> None:
     """Raise `ValueError` unless these are texts, none of them empty."""
     for value in values:  # type: ignore[attr-defined]
         if not isinstance(value, str) or not value:
-            raise ValueError(f"{place}: {value!r} is no text")
+            raise ValueError(f"{place}: {value!r} is not a text")

@@ -20,7 +20,7 @@ def test_rules_of_a_prefix_are_those_that_begin_with_it(ask):
 
 def test_a_single_rule_is_shown_with_its_statement(ask):
     out = ask("rules", "s-softreq-check").out
-    assert "⟨require[p] B⟩ →^p ⟨require B⟩" in out
+    assert "⟨require[p] B, σ, π, O⟩ →^p ⟨require B, σ, π, O⟩" in out
     assert 'Figure "Semantics of statements"' in out
 
 

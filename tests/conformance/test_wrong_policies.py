@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 from scenic_ref.conformance import Ourselves, judge, load_vectors
-from scenic_ref.semantics.dynamics import choices, interrupts, invocations, policy, scenarios
+from scenic_ref.semantics.dynamics import choices, endings, guards, interrupts, invocations, policy, scenarios
 from scenic_ref.semantics.kernel.simulation import TOP, simulation_of
 from scenic_ref.semantics.space.distributions import Discrete
 
@@ -23,13 +23,18 @@ def exchanged(number: int) -> Patch:
     return patch
 
 
-def replaced(module: object, name: str, function: object) -> Patch:
-    """A function of the machine replaced by another one."""
-    return lambda monkeypatch: monkeypatch.setattr(module, name, function)
+def replaced(module: object, name: str, function: object, *others: object) -> Patch:
+    """A function of the machine replaced by another one, also where other modules have imported it."""
+
+    def patch(monkeypatch: pytest.MonkeyPatch) -> None:
+        for one in (module, *others):
+            monkeypatch.setattr(one, name, function)
+
+    return patch
 
 
 interruptible, check_interrupts, has_passed = interrupts.interruptible, interrupts.check_interrupts, interrupts.has_passed
-choose, guards_of, ended_by_monitor = choices.choose, invocations.guards_of, policy.ended_by_monitor
+choose, guards_of, ended_by_monitor = choices.choose, guards.guards_of, policy.ended_by_monitor
 begin_scenarios = scenarios.begin_scenarios
 
 
@@ -100,7 +105,7 @@ MACHINES: dict[str, tuple[Patch, tuple[str, ...]]] = {
         ("outer-interrupts-take-precedence", "outer-interrupts-suspend-inner-handlers"),
     ),
     "overrides are never reverted": (
-        replaced(scenarios, "reverted", lambda override, number, state: state),
+        replaced(endings, "reverted", lambda override, number, state: state),
         ("override-of-a-property", "override-of-a-behavior", "nested-overrides", "override-ends-with-an-aborted-scenario"),
     ),
     "preconditions are ignored by do choose": (
@@ -109,15 +114,15 @@ MACHINES: dict[str, tuple[Patch, tuple[str, ...]]] = {
     ),
     "weights are ignored": (replaced(choices, "Discrete", alike), ("do-choose-with-weights", "do-choose-with-weights-and-one-disabled")),
     "preconditions are not checked": (
-        replaced(invocations, "guards_of", without_preconditions),
+        replaced(guards, "guards_of", without_preconditions, invocations, scenarios),
         ("a-precondition-that-does-not-hold", "preconditions-know-arguments-and-self"),
     ),
     "invariants are checked when behaviors begin, not when they go on": (
-        replaced(invocations, "guards_on_resumption", lambda stack, state: ()),
+        replaced(guards, "guards_on_resumption", lambda stack, state: ()),
         ("an-invariant-after-an-action", "an-invariant-of-the-caller-when-do-returns", "an-invariant-of-the-suspended-behavior"),
     ),
     "invariants are not checked when behaviors begin": (
-        replaced(invocations, "guards_of", without_invariants), ("an-invariant-when-the-behavior-begins",),
+        replaced(guards, "guards_of", without_invariants, invocations, scenarios), ("an-invariant-when-the-behavior-begins",),
     ),
     "require eventually is not looked at": (
         replaced(policy, "never_held", lambda running: None), ("require-eventually-that-never-holds", "step-6-checks-eventually-conditions"),
@@ -129,7 +134,7 @@ MACHINES: dict[str, tuple[Patch, tuple[str, ...]]] = {
         replaced(interrupts, "has_passed", one_step_longer), ("do-for-steps", "do-for-seconds", "reading-do-for-zero-steps"),
     ),
     "only the first of several scenarios": (
-        replaced(scenarios, "begin_scenarios", only_the_first), ("a-scenario-makes-objects", "parallel-scenarios-of-different-lengths"),
+        replaced(scenarios, "begin_scenarios", only_the_first, invocations), ("a-scenario-makes-objects", "parallel-scenarios-of-different-lengths"),
     ),
 }  # fmt: skip
 

@@ -27,7 +27,7 @@ FAR = ", with requireVisible False"
 FAULTS = (
     Fault(
         "coin per scene",
-        (Edit("semantics/scenes/statements.py", 'per_scene=state.reading("soft") == "scene"', "per_scene=True"),),
+        (Edit("semantics/scenes/statements.py", 'per_scene = state.reading("soft") == "scene"', "per_scene = True"),),
         "x = Range(0, 1)\nrequire[0.5] x < 0.1\nego = Object with v x\n",
         ("soft-requirement-coin-per-run", "soft-requirements-have-their-own-coins"),
     ),
@@ -69,7 +69,8 @@ FAULTS = (
                 "    from .termination import Mutating, mutate_objects\n\n    return mutate_objects(Mutating(0), stack, state)\n",
             ),
             Edit(
-                "semantics/scenes/termination.py", "    return mutate_objects(Mutating(0), stack, state)\n",
+                "semantics/dynamics/initial.py", "    return mutate_objects(Mutating(0), stack, state)\n",
+                "    from ..kernel.config import PASS, Config\n    from ..kernel.outcome import Next\n    from ..scenes.termination import Late\n\n"
                 '    return Next("T-Mutate", Config(PASS, (Late(0), stack), state))\n',
             ),
             Edit(
@@ -95,7 +96,7 @@ FAULTS = (
                 "        self.constructor, self.arguments, self.distribution = constructor, arguments, distribution\n\n"
                 "    def sample(self, uniform):\n"
                 "        drawn = [\n"
-                "            a.origin.distribution.sample(uniform) if type(a) is Random and a.origin.distribution is not None else plain(a)\n"
+                "            a.origin.distribution.sample(uniform) if type(a) is Random and a.origin.distribution is not None else unwrap(a)[0]\n"
                 "            for a in self.arguments\n"
                 "        ]\n"
                 "        try:\n"
@@ -150,15 +151,16 @@ FAULTS = (
                 "semantics/scenes/object_definitions.py", "        bindings: Mapping[str, object] = {",
                 "        once = ONCE.get((id(owner), specification.specifies[0]))\n"
                 "        if once is not None:\n"
-                '            return assign_property(frame, "P-Default", {frame.order[frame.index][1][0]: once[1]}, stack, state)\n'
+                '            return assign_default(frame, once[1], stack, state)\n'
                 "        bindings: Mapping[str, object] = {",
             ),
             Edit(
-                "semantics/scenes/object_definitions.py", "    restored = state._replace(sigma=construction.outer, depth=state.depth - 1)\n",
+                "semantics/scenes/object_definitions.py", "    construction = frame.construction\n",
+                "    construction = frame.construction\n"
+                "    name = construction.order[construction.index][1][0]\n"
                 "    owner = construction.instance.class_.defaults[name][1]\n"
                 "    if not owner.built_in:\n"
-                "        ONCE[id(owner), name] = (owner, result)\n"
-                "    restored = state._replace(sigma=construction.outer, depth=state.depth - 1)\n",
+                "        ONCE[id(owner), name] = (owner, result)\n",
             ),
             Edit("semantics/scenes/object_definitions.py", "class Defaulting(NamedTuple):", "ONCE: dict = {}\n\n\nclass Defaulting(NamedTuple):"),
         ),

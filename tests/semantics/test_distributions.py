@@ -19,6 +19,7 @@ from scenic_ref.inference.statistics import Continuous, contradicts
 from scenic_ref.interpreter.choosers import from_stream
 from scenic_ref.interpreter.running import run
 from scenic_ref.interpreter.streams import Stream
+from scenic_ref.interpreter.tracing import log_density_of
 from scenic_ref.semantics.kernel.outcome import Draw
 from scenic_ref.semantics.space.distributions import (
     BadParameters,
@@ -193,7 +194,7 @@ def test_an_entry_that_is_itself_random_counts_by_its_value() -> None:
 
     def look(outcome: object, drawn: object) -> None:
         if isinstance(outcome, Draw):
-            densities.append(outcome.distribution.log_density(drawn))
+            densities.append(log_density_of(outcome.distribution, drawn))
 
     run(loads(program).start(), from_stream(0, 0, 0), witness=look)
     assert densities == [0.0, 0.0]

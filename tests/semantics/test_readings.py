@@ -59,13 +59,18 @@ def test_a_good_file_is_read() -> None:
     [
         ("kind", "kinds"), ('"silence"', '"quiet"'), ("about = \"scene\"\n", ""), ('["Here"]', '"Here"'), ('["Here"]', '[""]'), ('["Here"]', "[1]"),
         ('b = "other"', "b = 2"), ('prose = "b"', 'prose = "c"'), ('prose = "b"', 'paper-2 = "b"'), ('"scene"', '"weather"'),
-        ("[x.profiles]", "[x.probe]\nprogram = 'ego = Object'\n[x.probe.shows]\na = 'x'\n[x.profiles]"), ("[x]", "x = 1\n[y]"),
+        ("[x.profiles]", "[x.probe]\nprogram = 'ego = Object'\n[x.probe.shows]\na = 'x'\n[x.profiles]"),
     ],
 )  # fmt: skip
 def test_a_file_that_is_not_as_it_should_be_is_refused(old: str, new: str) -> None:
     assert old in GOOD
     with pytest.raises(ValueError, match=r"^f.toml: \[x\]"):
         list(readings_in(GOOD.replace(old, new), "f.toml"))
+
+
+def test_what_is_no_table_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"^f.toml: \[x\] is not a table"):
+        list(readings_in("x = 1", "f.toml"))
 
 
 @ALL
