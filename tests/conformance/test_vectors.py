@@ -157,6 +157,7 @@ CONDITIONAL = {
     "P-At": "at-vector",
     "O-RelativeTo-Headings": "explicit-instead-of-ambiguous",
     "O-RelativeTo-HeadingField": "heading-relative-to-field",
+    "S-Assignment": "random-elements-of-containers",
     "S-Require": "requirement-about-geometry",
     "S-SoftReq-Check": "soft-requirement-of-probability-one",
     "T-Mutate": "no-mutation-no-noise",

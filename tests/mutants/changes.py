@@ -1,6 +1,6 @@
 """Small changes of source code: `mutants` gives all of a file, and `Mutant.finder` what loads the module with one of them.
 
-Not changed: annotations, docstrings and other strings, f-strings, what is raised and asserted, `__repr__` and `__str__`, decorators,
+Not changed: annotations, docstrings and other texts, what is raised and asserted (`strict` of `zip` too), `__repr__` and `__str__`, decorators,
 `if TYPE_CHECKING`. Two changes of a statement with the same outcome are one.
 """
 
@@ -279,7 +279,7 @@ def of_children(node: ast.AST, around: Around) -> Iterator[Change]:
 def of_expression(spot: Spot, around: Around) -> Iterator[Change]:
     """The changes of an expression, and of those in it."""
     node = spot.get()
-    if isinstance(node, ast.JoinedStr):
+    if isinstance(node, ast.JoinedStr) or is_text(node) or (isinstance(node, ast.keyword) and node.arg == "strict"):
         return
     for kind, new in instead_of(node, around):
         yield around, kind, spot, new
@@ -290,6 +290,12 @@ def of_expression(spot: Spot, around: Around) -> Iterator[Change]:
         for index in range(len(node.ifs)):
             yield around, "branch removed", Spot(node, "ifs", index), ast.Constant(True)
     yield from of_expression(Spot(node, "args", 1), around) if is_cast(node) else of_children(node, around)
+
+
+def is_text(node: ast.AST) -> bool:
+    """Whether it is a text that is put together of others."""
+    sides = (node.left, node.right) if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add) else ()
+    return any(isinstance(side, ast.JoinedStr) or is_text(side) or (isinstance(side, ast.Constant) and isinstance(side.value, str)) for side in sides)
 
 
 def is_cast(node: ast.AST) -> bool:

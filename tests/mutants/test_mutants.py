@@ -53,6 +53,8 @@ def changed(monkeypatch, tmp_path):
         ("cast(a | b, c)", {"None"}),
         ("'text'", {"None"}),
         ("f'{a + 1}'", {"None"}),
+        ("'text' + a", {"None"}),
+        ("[*zip(a, strict=True)]", {"[*a]", "None"}),
     ],
 )
 def test_an_expression_is_changed_in_each_way(changed, before, after):
