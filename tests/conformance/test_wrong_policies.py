@@ -118,7 +118,7 @@ MACHINES: dict[str, tuple[Patch, tuple[str, ...]]] = {
         ("a-precondition-that-does-not-hold", "preconditions-know-arguments-and-self"),
     ),
     "invariants are checked when behaviors begin, not when they go on": (
-        replaced(guards, "guards_on_resumption", lambda stack, state: ()),
+        replaced(guards, "guards_on_resumption", lambda stack, state: (), interrupts),
         ("an-invariant-after-an-action", "an-invariant-of-the-caller-when-do-returns", "an-invariant-of-the-suspended-behavior"),
     ),
     "invariants are not checked when behaviors begin": (
