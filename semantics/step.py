@@ -16,7 +16,7 @@ from .kernel.host import DoorStuck, HostException
 from .kernel.nesting import too_deep
 from .kernel.outcome import Fault, Outcome, Requirement, Stuck
 from .kernel.values import Random, ScenicClass
-from .python import assignment, calls, comprehensions, control, definitions, expression_statements, expressions, functions, imports
+from .python import assignment, calls, comprehensions, control, definitions, expression_statements, expressions, functions, imports, intervals
 from .python.texts import too_many_digits, without_addresses
 from .scenes import comparisons, object_definitions, operations, statements, termination
 from .space.distributions import BadParameters
@@ -65,7 +65,7 @@ REDUCE: Mapping[type, Callable[..., Outcome]] = {
     e.Follow: operations.operator,
     e.SideOf: operations.side_of,
     e.Seconds: expressions.seconds,
-    e.IntervalOrPair: expressions.interval_or_pair,
+    e.IntervalOrPair: intervals.interval_or_pair,
     e.InInitialScenario: queries.in_initial_scenario,
     # object definitions
     e.ObjectDefinition: object_definitions.object_definition,

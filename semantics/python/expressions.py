@@ -14,7 +14,6 @@ from ..kernel.budget import LARGEST_SEQUENCE, PLAIN
 from ..kernel.classes import canonical
 from ..kernel.conditions import random_branch
 from ..kernel.config import Stack, State, value
-from ..kernel.draws import draw
 from ..kernel.errors import RunError
 from ..kernel.host import HostException, host, raw
 from ..kernel.kinds import Reader, has_kind, is_scalar, kind_name
@@ -25,7 +24,6 @@ from ..kernel.scopes import MISSING, Scope
 from ..kernel.sets import Set
 from ..kernel.values import (
     Bound,
-    Constructor,
     Dynamic,
     Entries,
     Function,
@@ -40,7 +38,6 @@ from ..kernel.values import (
     unwrap,
     wrap,
 )
-from ..space.distributions.continuous import Range
 from ..space.symbols import Symbol
 from ..space.vectors import Vector
 from ..syntax import expressions as e
@@ -135,21 +132,6 @@ def conclude_dict(node: p.DictDisplay, values: list[object], stack: Stack, state
         origin = item.origin if type(item) is Random else None
         entries += [(wrap(k, origin), wrap(v, origin)) for k, v in mapping.items()]
     return displayed(dict, entries, node, stack, state)
-
-
-def interval_or_pair(node: e.IntervalOrPair, stack: Stack, state: State) -> Outcome:
-    """`(low, high)` of dialect `pldi19` (reading `intervals`)."""
-    return premises(node, [node.low, node.high], conclude_interval, stack, state)
-
-
-def conclude_interval(node: e.IntervalOrPair, values: list[object], stack: Stack, state: State) -> Outcome:
-    """Uniform on the interval if both ends are scalars, otherwise a pair."""
-    if all(has_kind(plain(v), "scalar") for v in values):
-        return draw(node, RANGE, tuple(values), {}, stack, state)
-    return displayed(tuple, values, node, stack, state)
-
-
-RANGE = Constructor("Range", Range, keeps_values=False, takes="low, high")
 
 
 def formatted(node: p.FString, stack: Stack, state: State) -> Outcome:
