@@ -63,12 +63,12 @@ def resume_guarding(frame: Guarding, result: object, stack: Stack, state: State)
 
 
 def precondition_violated(text: str, condition: Expression, stack: Stack, state: State) -> Outcome:
-    """"If a precondition is violated, a PreconditionViolation exception is raised": where a behavior or scenario begins."""
+    """A violation is signalled "by raising a GuardViolation exception", here PreconditionViolation: where a behavior or scenario begins."""
     return Next("D-Precondition", Config(Abrupt("raise", PreconditionViolation(text), condition.span), stack, state), condition)
 
 
 def invariant_violated(text: str, condition: Expression, stack: Stack, state: State) -> Outcome:
-    """An invariant that does not hold raises InvariantViolation: where a behavior or scenario begins, and whenever it goes on."""
+    """A violated invariant raises "an InvariantViolation exception": where a behavior or scenario begins, and whenever it goes on."""
     return Next("D-Invariant", Config(Abrupt("raise", InvariantViolation(text), condition.span), stack, state), condition)
 
 

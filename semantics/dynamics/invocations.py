@@ -138,7 +138,7 @@ def run_behavior(node: Node, behavior: Dynamic, who: Who, stack: Stack, state: S
 
 
 def enter_behavior(node: Node, behavior: Dynamic, scope: Scope, stack: Stack, state: State) -> Outcome:
-    """`do B`: "the behavior runs", its guards holding, as part of the one that invokes it, until it ends."""
+    """`do B`: the behavior runs, its guards holding, as part of the one that invokes it, until it ends."""
     body: s.Block = behavior.definition.body  # type: ignore[attr-defined]
     frame = Invoked(behavior, scope, state.sigma)
     return Next("D-Do", Config(body_as_statement(body), (frame, stack), state._replace(sigma=scope, depth=state.depth + 1)), node)

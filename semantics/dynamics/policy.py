@@ -181,7 +181,7 @@ def check_flag(frame: Step, result: object, stack: Stack, state: State) -> Outco
 
 
 def check_flag_again(frame: Step, result: object, stack: Stack, state: State) -> Outcome:
-    """Step 6: "repeat step 4", since a behavior may have set the flag."""
+    """Step 6: repeat step 4 "to check the terminate flag", which a behavior may have set."""
     return ended(frame, "D-Policy-6", stack, state)
 
 
