@@ -16,13 +16,15 @@ from scenic_ref.conformance import load_vectors
 from scenic_ref.conformance.implementation import Refused
 from scenic_ref.conformance.ourselves import Ourselves
 from scenic_ref.conformance.reports import UNREACHABLE
-from scenic_ref.conformance.running import fired_in
+from scenic_ref.conformance.running import fired_in, judge
 from scenic_ref.conformance.vector import Vector
 from scenic_ref.interpreter import running
 from scenic_ref.semantics.kernel.config import Config
 from scenic_ref.semantics.kernel.outcome import Draw, Fault, Outcome
 from scenic_ref.semantics.rules import RULES, Rule
+from scenic_ref.semantics.scenes import specifiers
 from scenic_ref.semantics.step import step
+from scenic_ref.semantics.syntax.specifiers import AtSpecifier, FacingSpecifier
 
 
 def code_of(rule: Rule) -> CodeType:
@@ -127,3 +129,23 @@ def test_no_two_rules_have_one_function() -> None:
     """But for the two about a constant: `resample` is one function of the paper's text."""
     shared = {rule.id for rule in RULES.values() if [code_of(r) for r in RULES.values()].count(code_of(rule)) > 1}
     assert shared <= {"E-Resample", "E-Resample-Constant", "E-Constant", "E-Variable"}
+
+
+@pytest.mark.parametrize(("rule", "node"), [("P-At", AtSpecifier), ("P-Facing-Heading", FacingSpecifier)])
+def test_a_function_that_the_machine_does_without_is_found(rule: str, node: type, monkeypatch: pytest.MonkeyPatch) -> None:
+    names, forms = specifiers.FORMS[node]
+    planted = tuple(form._replace(function=lambda value: value) if form.rule == rule else form for form in forms)
+    monkeypatch.setattr(specifiers, "FORMS", {**specifiers.FORMS, node: (names, planted)})
+    vector = next(v for v in load_vectors() if rule in v.fires)
+    assert watch((vector,)).unbound[rule] == {vector.name}
+
+
+@pytest.mark.parametrize(("rule", "node"), [("P-At", AtSpecifier), ("P-Facing-Heading", FacingSpecifier)])
+def test_a_vector_notices_a_function_that_only_raises(rule: str, node: type, monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(value: object) -> object:
+        raise AssertionError("planted")
+
+    names, forms = specifiers.FORMS[node]
+    planted = tuple(form._replace(function=broken) if form.rule == rule else form for form in forms)
+    monkeypatch.setattr(specifiers, "FORMS", {**specifiers.FORMS, node: (names, planted)})
+    assert judge(Ourselves(), next(v for v in load_vectors() if rule in v.fires)).verdict.status != "passed"
