@@ -1,7 +1,7 @@
 """step : Config -> Outcome. One step of the machine: the table from what stands in control to the rule that reduces it.
 
-Pure: it never samples, reads or writes anything outside the configuration. A `Draw` asks for a value, and whoever runs
-the machine answers.
+It never samples, reads or writes anything outside the configuration. A `Draw` asks for a value, and whoever runs
+the machine answers. Scopes and containers in the configuration are updated in place, so that each is stepped once.
 """
 
 from __future__ import annotations

@@ -271,9 +271,6 @@ def as_before(outer: State, state: State) -> State:
     return state._replace(sigma=outer.sigma, prefix=outer.prefix, draws=outer.draws)
 
 
-# The end
-
-
 # What compose blocks declare
 
 

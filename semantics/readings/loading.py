@@ -20,7 +20,7 @@ CHOICES = {"kind": ("conflict", "silence"), "about": ("scene", "policy", "prunin
 
 
 def load() -> Mapping[str, Reading]:
-    """All readings, by id. Raises `ValueError` for a file that is not as `docs/machine.md` says."""
+    """All readings, by id. Raises `ValueError` for a file whose entries are not those of a `Reading`."""
     found: dict[str, Reading] = {}
     for name in FILES:
         text = files("scenic_ref.semantics.readings").joinpath(f"{name}.toml").read_text("utf-8")

@@ -142,6 +142,3 @@ def conclude_mutate(node: s.Mutate, values: list[object], stack: Stack, state: S
             raise RunError(f"{target!r} is in the scene already: a scenario that runs mutates the objects that it makes", node.span, rule="S-Mutate")
         state = state.with_properties(target, {"mutationScale": scale})
     return done("S-Mutate", node, stack, state, Change("O", ", ".join(f"{t!r}.mutationScale" for t in targets), scale))
-
-
-# Dynamic requirements and definitions: remembered for the policy
