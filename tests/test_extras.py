@@ -9,23 +9,23 @@ from pathlib import Path
 import pytest
 import scenic_ref
 from scenic_ref.formats.tables import open_table
-from scenic_ref.inference import batch as package
+from scenic_ref.inference.batch import compile as compiler
 from scenic_ref.inference.batch.evaluate import sampling
 from scenic_ref.interpreter.extras import EXTRAS, is_installed
 from scenic_ref.semantics.kernel.errors import UsageError
 from scenic_ref.simulators import by_name
 
 ROOT = Path(__file__).parent.parent
-COMPILER = ("compiled", "fused", "compiling")
+COMPILER = tuple(path.stem for path in (ROOT / "inference" / "batch" / "compile").glob("[!_]*.py"))
 
 
 @pytest.fixture
 def afresh(monkeypatch: pytest.MonkeyPatch) -> None:
     """What needs numba is imported anew."""
-    for name in [n for n in sys.modules if n.split(".")[0] in ("numba", "llvmlite")] + [f"scenic_ref.inference.batch.{name}" for name in COMPILER]:
+    for name in [n for n in sys.modules if n.split(".")[0] in ("numba", "llvmlite")] + [f"{compiler.__name__}.{name}" for name in COMPILER]:
         monkeypatch.delitem(sys.modules, name, raising=False)
     for name in COMPILER:
-        monkeypatch.delattr(package, name, raising=False)
+        monkeypatch.delattr(compiler, name, raising=False)
 
 
 def test_the_table_of_extras_is_that_of_the_package():

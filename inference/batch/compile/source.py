@@ -23,7 +23,7 @@ from ..evaluate.polygons import tests_of
 from ..evaluate.rows import constant_cells, field_of, has_columns, is_clipped
 from ..trace.graph import AsFloat, Event, Macro, Node, Part, RowCall, RowDraw, Search, Site, Table
 from ..trace.symbols import Traced
-from . import kernels as compiled
+from . import kernels
 
 PENDING, ACCEPTED, LEFT, EXHAUSTED = 0, 1, 2, 3
 """What is known of a scene; LEFT: the interpreter must do the attempt that comes next (or, where there are parts, columns the whole scene);
@@ -51,7 +51,7 @@ class Writer:
 
     def __init__(self) -> None:
         self.lines: list[str] = []
-        self.names: dict[str, object] = {"math": math, "np": np, "philox": compiled.philox, "bisect_right": compiled.bisect_right}
+        self.names: dict[str, object] = {"math": math, "np": np, "philox": kernels.philox, "bisect_right": kernels.bisect_right}
         self.arrays: dict[str, np.ndarray] = {}
         self.blocks: dict[tuple[object, ...], str] = {}
         self.macros: dict[object, str] = {}
@@ -124,9 +124,9 @@ class Writer:
             return f"np.mod({operands[0]}, {operands[1]})"
         name = getattr(function, "__name__", "")
         if isinstance(function, Elementary) or function is np.hypot:
-            self.names.setdefault(name, compiled.from_libm(name, LIBRARY[name]))
+            self.names.setdefault(name, kernels.from_libm(name, LIBRARY[name]))
         elif name in SPECIAL:
-            self.names.setdefault(name, compiled.from_scipy(SPECIAL[name]))
+            self.names.setdefault(name, kernels.from_scipy(SPECIAL[name]))
         else:
             raise NotFused(f"the function {name}" if name else "a point drawn row by row")
         return f"{name}({', '.join(operands)})"
@@ -156,9 +156,9 @@ class Writer:
             raise NotFused("a point drawn row by row")
         tests = curve_tests(found.curve, largest_radius(found.radius))
         self.site(f"{name}_u", Site(draw.address, 0, draw.per_scene))
-        self.names["clipped_point"] = compiled.clipped_point
+        self.names["clipped_point"] = kernels.clipped_point
         values = [self.operand(v.node if isinstance(v, Traced) else v) for v in (found.x, found.y, found.radius, found.heading, found.angle)]
-        grid = self.kept_arrays(tests.grid, lambda: compiled.grid_arrays(tests.grid))
+        grid = self.kept_arrays(tests.grid, lambda: kernels.grid_arrays(tests.grid))
         arrays = [self.array(a) for a in (tests.start, tests.end, *grid)]
         self.add(f"{name}, {name}_x, {name}_y = clipped_point({', '.join([*values, f'{name}_u', *arrays])})")
 
@@ -183,16 +183,16 @@ class Writer:
         """Whether a point or box lies in a polygonal region."""
         tests = tests_of(region)
         shared = [self.array(a) for a in self.kept_arrays(tests, lambda: (tests.edges, tests.reference, tests.reference_inside))]
-        grid = [self.array(a) for a in self.kept_arrays(tests.grid, lambda: compiled.grid_arrays(tests.grid))]
+        grid = [self.array(a) for a in self.kept_arrays(tests.grid, lambda: kernels.grid_arrays(tests.grid))]
         scale = repr(float(tests.scale))
         if len(values) == 2:
-            self.names["point_in"] = compiled.point_in
+            self.names["point_in"] = kernels.point_in
             self.add(f"q = point_in({', '.join([*values, scale, *shared, *grid])})")
         else:
-            self.names["box_in"] = compiled.box_in
+            self.names["box_in"] = kernels.box_in
             largest = self.largest_box(call)
             near, known = tests.grid_for(largest)
-            lists = [self.array(a) for a in (*self.kept_arrays(near, lambda: compiled.grid_arrays(near)), known)]
+            lists = [self.array(a) for a in (*self.kept_arrays(near, lambda: kernels.grid_arrays(near)), known)]
             self.add(f"q = box_in({', '.join([*values, scale, repr(largest), *shared, *grid, *lists])})")
         self.add("if q == 2:")
         self.leave()
@@ -213,8 +213,8 @@ class Writer:
     def field(self, name: str, field: Any, values: list[str]) -> None:
         """The heading of a field with constant cells."""
         tests, headings = field_of(field)
-        self.names["first_cell"] = compiled.first_cell
-        grid = [self.array(a) for a in self.kept_arrays(tests.grid, lambda: compiled.grid_arrays(tests.grid))]
+        self.names["first_cell"] = kernels.first_cell
+        grid = [self.array(a) for a in self.kept_arrays(tests.grid, lambda: kernels.grid_arrays(tests.grid))]
         arrays = [self.array(a) for a in (tests.edges, tests.number)]
         self.add(f"q = first_cell({', '.join([*values, repr(float(tests.scale)), *arrays, *grid, self.array(tests.known)])})")
         self.add("if q == -2:")
@@ -315,7 +315,7 @@ def fuse(stage: Stage) -> tuple[Callable[..., tuple[int, int]], tuple[np.ndarray
     source = "\n".join([*head, *writer.lines, "    return runs, len(live)"])
     space: dict[str, Any] = dict(writer.names)
     exec(source, space)  # our own text
-    return compiled.compile_(space["evaluator"]), tuple(writer.arrays.values()), events  # type: ignore[return-value]
+    return kernels.compile_(space["evaluator"]), tuple(writer.arrays.values()), events  # type: ignore[return-value]
 
 
 def compiled_macro(macro: Macro) -> Callable[..., object]:
@@ -342,7 +342,7 @@ def compiled_macro(macro: Macro) -> Callable[..., object]:
     source = "\n".join([f"def function({', '.join(arguments)}):", *writer.lines, f"    return {returned}"])
     space: dict[str, Any] = dict(writer.names)
     exec(source, space)  # our own text
-    return compiled.compile_(space["function"])
+    return kernels.compile_(space["function"])
 
 
 __all__ = ["ACCEPTED", "EXHAUSTED", "LEFT", "PENDING", "NotFused", "fuse"]
