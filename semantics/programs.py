@@ -35,7 +35,8 @@ def initial(program: Program, settings: Settings) -> Config:
     Each run has a door of its own, so that runs of one program side by side never meet.
     """
     settings = settings._replace(door=Door(enter))  # type: ignore[arg-type]
-    scope = Scope("module", builtin_scope(settings.door.budget))
+    budget = settings.door.budget
+    scope = Scope("module", builtin_scope(budget))
     statements: Block = program.statements
     if settings.model is not None:
         chosen = settings.model
@@ -43,7 +44,7 @@ def initial(program: Program, settings: Settings) -> Config:
         if not any(isinstance(s, Model) for s in statements):
             statements = (Model(name=chosen), *statements)
     whole = If(test=Constant(value=True), then=statements)
-    return Config(whole, (Finishing(), ()), State(scope, settings, params=dict(settings.params)))
+    return Config(whole, (Finishing(), ()), State(scope, settings, budget.versions.current, params=dict(settings.params)))
 
 
 def ego_of(state: State) -> Instance:

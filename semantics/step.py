@@ -1,7 +1,7 @@
 """step : Config -> Outcome. One step of the machine: the table from what stands in control to the rule that reduces it.
 
-It never samples, reads or writes anything outside the configuration. A `Draw` asks for a value, and whoever runs
-the machine answers. Scopes and containers in the configuration are updated in place, so that each is stepped once.
+Pure: it never samples, reads or writes anything outside the configuration, and gives the same outcome however often a configuration is stepped.
+A `Draw` asks for a value, and whoever runs the machine answers.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from .kernel.config import Abrupt, Config, Stack, State, Value
 from .kernel.errors import GuardViolation, RunError, ScenicError, UncaughtException
 from .kernel.host import DoorStuck, HostException
 from .kernel.nesting import too_deep
-from .kernel.outcome import Fault, Outcome, Requirement, Stuck
+from .kernel.outcome import Fault, Next, Outcome, Requirement, Stuck, dated
 from .kernel.values import Random, ScenicClass
 from .python import assignment, calls, comprehensions, control, definitions, expression_statements, expressions, functions, imports, intervals
 from .python.texts import too_many_digits, without_addresses
@@ -198,41 +198,55 @@ UNWIND: Mapping[type, Callable[..., Outcome]] = {
 
 
 def step(config: Config) -> Outcome:
-    """What the machine says next about `config`."""
+    """What the machine says next about `config`: always the same, whatever was stepped before (`versions`)."""
     control_, stack, state = config
+    version = state.version
+    if version.undo:
+        version.versions.go_to(version)
     kind = type(control_)
     try:
         if kind is Value:
             frame, rest = stack
             result = control_.value  # type: ignore[union-attr]
-            if state.runs:
+            if state.simulation is not None and state.runs:
                 result = carried(result, frame)
-            return RESUME[type(frame)](frame, result, rest, state)
-        if kind is Abrupt:
-            return unwind(control_, stack, state)  # type: ignore[arg-type]
-        return REDUCE[kind](control_, stack, state)
-    except HostException as problem:
-        return control.raised(problem, place(config), stack, state)
-    except OutsideField as outside:
-        return Stuck("O-At", Requirement("field", place(config), outside.premise))
-    except DoorStuck as inner:
-        return inner.outcome._replace(beyond=None)
-    except (BadField, BadRegion, BadParameters, UnboundedRegion) as bad:
-        return Fault(RunError(str(bad), place(config), rule="E-Call-Host"))
-    except EmptyRegion as empty:
-        return Stuck("E-Call-Host", Requirement("region", place(config), str(empty)))
-    except RecursionError:
-        return Fault(too_deep(place(config)))
-    except OverflowError:
-        return Fault(RunError("a number is too large", place(config)))
-    except ValueError as problem:  # the one thing that fails whatever writes a value, here or in a message
-        if not too_many_digits(problem):
-            raise
-        return Fault(RunError("a whole number has too many digits to be written", place(config)))
-    except ScenicError as error:
-        if error.span is NOWHERE or error.span.line == 0:
-            error.span = place(config)
-        return Fault(error)
+            outcome = RESUME[type(frame)](frame, result, rest, state)
+        elif kind is Abrupt:
+            outcome = unwind(control_, stack, state)  # type: ignore[arg-type]
+        else:
+            outcome = REDUCE[kind](control_, stack, state)
+    except Exception as problem:
+        outcome = stopped(problem, config)
+    if not version.undo and type(outcome) is Next and outcome.config.state.version is version:
+        return outcome
+    return dated(outcome, version.versions.settled())
+
+
+def stopped(problem: Exception, config: Config) -> Outcome:
+    """What the machine says where a rule cannot go on. Raises what is no matter of the program."""
+    match problem:
+        case HostException():
+            return control.raised(problem, place(config), config.stack, config.state)
+        case OutsideField():
+            return Stuck("O-At", Requirement("field", place(config), problem.premise))
+        case DoorStuck():
+            return problem.outcome._replace(beyond=None)
+        case BadField() | BadRegion() | BadParameters() | UnboundedRegion():
+            return Fault(RunError(str(problem), place(config), rule="E-Call-Host"))
+        case EmptyRegion():
+            return Stuck("E-Call-Host", Requirement("region", place(config), str(problem)))
+        case RecursionError():
+            return Fault(too_deep(place(config)))
+        case OverflowError():
+            return Fault(RunError("a number is too large", place(config)))
+        case ValueError() if too_many_digits(problem):  # the one thing that fails whatever writes a value, here or in a message
+            return Fault(RunError("a whole number has too many digits to be written", place(config)))
+        case ScenicError():
+            if problem.span is NOWHERE or problem.span.line == 0:
+                problem.span = place(config)
+            return Fault(problem)
+        case _:
+            raise problem
 
 
 def carried(result: object, frame: object) -> object:

@@ -81,8 +81,7 @@ def fresh_space(scenario: Dynamic, node: Node, state: State) -> Scope:
     assert scope is not None
     if any(running.dynamic is scenario and not running.over for running in simulation_of(state).scenarios.values()):
         raise RunError(f"this instance of {scenario!r} is running already", node.span, rule="D-Do", hint="make another one")
-    scope.bindings.clear()
-    scope.bindings.update(scope_of(scenario, {}).bindings)
+    scope.refill(scope_of(scenario, {}).bindings)
     return scope
 
 
@@ -107,7 +106,7 @@ def unwind_setting(frame: Setting, abrupt: Abrupt, stack: Stack, state: State) -
     before = frame.before
     for scenario in frame.invocations[: frame.index + 1]:
         assert scenario.space is not None
-        scenario.space.bindings.clear()
+        scenario.space.refill({})
     after = state._replace(sigma=before.sigma, dynamic=before.dynamic, scene=before.scene, ego=before.ego, names=before.names)
     return Next("", Config(abrupt, stack, after))
 

@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator, Sized
 from typing import Any
 
 from .errors import FuelExhausted, RunError
+from .versions import Note, Slot, Versions
 
 LARGEST_WORK = 400_000_000
 """The units of one run, or of one time step of a simulation."""
@@ -28,11 +29,12 @@ PLAIN = (bool, int, float, type(None))
 
 
 class Budget:
-    """The units that are left to a run."""
+    """The units that are left to a run, and the versions of what it changes in place: what belongs to a run and to no other."""
 
-    __slots__ = ("left",)
+    __slots__ = ("left", "versions")
 
     def __init__(self) -> None:
+        self.versions = Versions()
         self.renew()
 
     def renew(self) -> None:
@@ -67,22 +69,41 @@ class Budget:
         return Metered(iter(items), self)
 
 
-class Metered:
-    """An iterator of a program; nothing goes through it without paying, and Ctrl-C is heard between two items."""
+class Place:
+    """A place between two items of an iterator: what comes there is asked for once, and known from then on."""
 
-    __slots__ = ("budget", "items")
+    __slots__ = ("item", "items", "next")
+
+    def __init__(self, items: Iterator[object]) -> None:
+        self.items = items
+        self.item: object = None
+        self.next: Place | None = None
+
+
+class Metered:
+    """An iterator of a program, at a place; nothing goes through it without paying, and Ctrl-C is heard between two items."""
+
+    __slots__ = ("budget", "place", "since")
 
     def __init__(self, items: Iterator[object], budget: Budget) -> None:
-        self.items = items
+        self.place = Place(items)
         self.budget = budget
+        self.since: list[Note] | None = None
 
     def __iter__(self) -> Metered:
         return self
 
     def __next__(self) -> object:
-        item = next(self.items)
-        self.budget.spend(ITEM + (8 * len(item) if isinstance(item, (tuple, str, list)) else 0))
-        return item
+        place, versions = self.place, self.budget.versions
+        if place.next is None:
+            place.item = next(place.items)
+            place.next = Place(place.items)
+        self.budget.spend(ITEM + (8 * len(place.item) if isinstance(place.item, (tuple, str, list)) else 0))
+        if self.since is not versions.current.undo:  # one note per version
+            self.since = versions.current.undo
+            versions.note(Slot(self, "place", place))
+        self.place = place.next
+        return place.item
 
     def __repr__(self) -> str:
         return "<iterator>"

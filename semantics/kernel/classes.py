@@ -12,11 +12,12 @@ from ..syntax.nodes import Node
 from ..syntax.python_expressions import Attribute, Constant, Name, TupleDisplay
 from .scopes import Scope
 from .values import ScenicClass
+from .versions import Versions
 
 ALIASES: Mapping[str, str] = {"height": "length", "visibleDistance": "viewDistance"}
 """Second spellings of properties (readings `height` and `view-distance`)."""
 
-EMPTY = Scope("builtins", None)
+EMPTY = Scope("builtins", Versions())
 
 
 def canonical(name: str) -> str:

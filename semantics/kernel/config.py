@@ -9,6 +9,7 @@ from ..syntax.nodes import NOWHERE, Node, Span
 from .outcome import Change, Next
 from .scopes import Scope
 from .values import Dynamic, Instance, Origin
+from .versions import Version
 
 if TYPE_CHECKING:
     from ..syntax import Program
@@ -45,11 +46,12 @@ class State(NamedTuple):
     requirements that wait for the end, each with the state at its statement (reading `require-time=end`); `dynamic`
     those for the policy, with their scopes; `handling` the exceptions being handled, innermost last; `depth` counts open calls, `made` the
     instances. `initial` is the modular scenario that the run began with, if it is one, and `simulation` what there is while it runs (None:
-    the scene is being generated).
+    the scene is being generated). `version` is that of the scopes and containers, which are updated in place (`versions`).
     """
 
     sigma: Scope
     settings: Settings
+    version: Version
     params: Mapping[str, object] = {}
     objects: Mapping[int, Properties] = {}
     scene: tuple[Instance, ...] = ()
@@ -94,6 +96,10 @@ class State(NamedTuple):
         """The same with another O; what `_replace` does, for the step that is taken most."""
         return tuple.__new__(State, (*self[:OBJECTS], objects, *self[OBJECTS + 1 :]))
 
+    def in_version(self, version: Version) -> State:
+        """The same in another version."""
+        return tuple.__new__(State, (*self[:VERSION], version, *self[VERSION + 1 :]))
+
 
 class Value(NamedTuple):
     """An expression has been reduced to `value`; a statement to `pass`, whose value is PASS."""
@@ -116,6 +122,7 @@ class Abrupt(NamedTuple):
 
 
 OBJECTS = State._fields.index("objects")
+VERSION = State._fields.index("version")
 Stack = tuple  # () or (frame, Stack): the context in which the control stands, innermost first
 
 

@@ -19,6 +19,7 @@ from .errors import FuelExhausted, RunError, ScenicError
 from .nesting import too_deep
 from .outcome import Draw, Fault, Next, Observe, Operand, Stuck
 from .values import Function, Instance, Origin, unwrap, wrap
+from .versions import Slot
 
 DOOR_FUEL = 1_000_000
 Lift = Callable[[Callable[..., object], list[object], dict[str, object]], object]
@@ -63,8 +64,10 @@ class Door:
         if self.state is None:
             raise RunError(f"{function.name} is called outside any run", function.span)
         state, outer, self.called = self.state, self.origin, True
+        versions = self.budget.versions
+        versions.note(Slot(self, "calls", self.calls))
         self.calls += 1
-        begun = state._replace(made=state.made + self.calls * NUMBERS_PER_CALL)
+        begun = state._replace(made=state.made + self.calls * NUMBERS_PER_CALL, version=versions.settled())
         config = self.enter(function, arguments, keywords, begun)
         for _ in range(DOOR_FUEL):
             if not config.stack:

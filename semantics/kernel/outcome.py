@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from ..space.distributions import Distribution
     from .config import Config, Stack, State
     from .values import Instance
+    from .versions import Version
 
 
 class Requirement(NamedTuple):
@@ -124,3 +125,27 @@ class Finish(NamedTuple):
 
 
 Outcome = Next | Draw | Observe | Done | Stuck | Fault | Act | Finish
+
+
+def dated(outcome: Outcome, version: Version) -> Outcome:
+    """The outcome with the version that stands in memory in its configurations or its state."""
+    if type(outcome) is Next:
+        beyond = None if outcome.beyond is None else in_version(outcome.beyond, version)
+        return Next(outcome.rule, in_version(outcome.config, version), outcome.node, outcome.change, beyond, outcome.where)
+    match outcome:
+        case Draw(resume=resume):
+            return outcome._replace(resume=lambda drawn: in_version(resume(drawn), version))
+        case Observe(config=config):
+            return outcome._replace(config=in_version(config, version))
+        case Stuck(beyond=beyond):
+            return outcome if beyond is None else outcome._replace(beyond=in_version(beyond, version))
+        case Done(state=state) | Act(state=state) | Finish(state=state):
+            return outcome._replace(state=state.in_version(version))
+        case _:
+            return outcome
+
+
+def in_version(config: Config, version: Version) -> Config:
+    """The configuration in that version."""
+    state = config.state
+    return config if state.version is version else type(config)(config.control, config.stack, state.in_version(version))

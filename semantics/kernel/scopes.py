@@ -1,7 +1,7 @@
 """The variable assignment σ: scopes nested as in Python, the innermost first.
 
 Python's functions close over variables, not values, so that a scope, like a list of the program, is shared and
-updated in place; configurations are never forked (DESIGN, section 1).
+updated in place, each change noted (`versions`).
 """
 
 from __future__ import annotations
@@ -14,8 +14,7 @@ from typing import NamedTuple
 from ..syntax import dynamics, python_expressions, statements
 from ..syntax.nodes import Node
 from .sets import Set
-
-MISSING = object()
+from .versions import MISSING, Content, Entry, Versions
 
 
 class Names(NamedTuple):
@@ -30,15 +29,18 @@ NO_NAMES = Names(frozenset(), frozenset(), frozenset())
 
 
 class Scope:
-    """One level of σ; `kind` is "builtins", "module", "function", "class" or "comprehension"; `package` is that of a module."""
+    """One level of σ; `kind` is "builtins", "module", "function", "class" or "comprehension"; `package` is that of a module.
 
-    __slots__ = ("bindings", "kind", "names", "package", "parent")
+    `around` is the scope around it, or, of an outermost one, the versions of its run.
+    """
+
+    __slots__ = ("bindings", "kind", "names", "package", "parent", "versions")
 
     def __init__(
-        self, kind: str, parent: Scope | None, names: Names = NO_NAMES, bindings: dict[str, object] | None = None, package: str = "."
+        self, kind: str, around: Scope | Versions, names: Names = NO_NAMES, bindings: dict[str, object] | None = None, package: str = "."
     ) -> None:
         self.kind = kind
-        self.parent = parent
+        self.parent, self.versions = (around, around.versions) if isinstance(around, Scope) else (None, around)
         self.names = names
         self.package = package
         self.bindings: dict[str, object] = {} if bindings is None else bindings
@@ -81,15 +83,33 @@ class Scope:
 
     def bind(self, name: str, value: object) -> None:
         """σ[name / value]."""
-        self.home(name).bindings[name] = value
+        self.home(name).put(name, value)
+
+    def put(self, name: str, value: object) -> None:
+        """Bind a name in this very scope."""
+        bindings = self.bindings
+        self.versions.current.undo.append(Entry(bindings, name, bindings.get(name, MISSING)))
+        bindings[name] = value
+
+    def unbind(self, name: str) -> object:
+        """σ without `name`: what its value was, or MISSING."""
+        home = self.home(name)
+        home.versions.note(Content(home.bindings, dict(home.bindings)))
+        return home.bindings.pop(name, MISSING)
+
+    def refill(self, bindings: dict[str, object]) -> None:
+        """Begin anew with these variables."""
+        self.versions.note(Content(self.bindings, dict(self.bindings)))
+        self.bindings.clear()
+        self.bindings.update(bindings)
 
     def snapshot(self, seen: dict[int, object] | None = None) -> Scope:
         """A copy that later assignments do not reach, not even those to elements (reading `requirement-capture`)."""
         if self.kind == "builtins":
             return self
         seen = {} if seen is None else seen
-        parent = None if self.parent is None else self.parent.snapshot(seen)
-        return Scope(self.kind, parent, self.names, {name: copied(value, seen) for name, value in self.bindings.items()}, self.package)
+        around = self.versions if self.parent is None else self.parent.snapshot(seen)
+        return Scope(self.kind, around, self.names, {name: copied(value, seen) for name, value in self.bindings.items()}, self.package)
 
 
 def copied(value: object, seen: dict[int, object]) -> object:

@@ -18,6 +18,7 @@ from ..kernel.premises import SHARED, axiom, describe_origin, premises
 from ..kernel.properties import checked_property
 from ..kernel.scopes import MISSING
 from ..kernel.values import Function, Instance, Method, Module, Random, ScenicClass, plain, unwrap
+from ..kernel.versions import note_attribute, note_container, note_item
 from ..space.symbols import Symbol
 from ..syntax import python_expressions as p
 from ..syntax import statements as s
@@ -197,7 +198,7 @@ def set_attribute(subject: object, name: str, assigned: object, node: Node, stat
             checked = checked_property(canonical(name), assigned, node.span, f".{name} =", state)
             return state.with_properties(inner, {canonical(name): checked})
         case Module():
-            inner.scope.bindings[name] = assigned
+            inner.scope.put(name, assigned)
             return state
         case ScenicClass() | Function() | Method():
             raise RunError(f"attributes of {inner!r} cannot be assigned", node.span, rule="S-Assignment")
@@ -206,6 +207,7 @@ def set_attribute(subject: object, name: str, assigned: object, node: Node, stat
                 raise RunError(f"{name} is private to Python objects", node.span, rule="S-Assignment")
             if isinstance(inner, type) and name in OVERRIDES and not may_override(name, assigned):
                 raise RunError(f"{name} must be a function of the program", node.span, rule="S-Assignment")
+            note_attribute(state.version.versions, inner, name)
             raw(state.settings.door, state, setattr, inner, name, assigned)
             return state
         case _:
@@ -231,6 +233,7 @@ def set_item(container: object, index: object, assigned: object, node: Node, sta
         raise random_write(container, node)
     if isinstance(index, slice) and isinstance(container, list):
         assigned = elements(assigned, node, state)
+    note_item(state.version.versions, container, index)
     raw(state.settings.door, state, python.setitem, container, index, assigned)
 
 
@@ -269,6 +272,7 @@ def change_in_place(node: s.AugmentedAssignment, operation: Callable[..., object
     door = state.settings.door
     if type(current) is Random:
         raise random_write(current, node)
+    note_container(state.version.versions, current)
     if isinstance(current, list) and node.operator == "+" and not is_user_made(current):
         current.extend(elements(operand, node, state))
         return current
@@ -300,7 +304,7 @@ def conclude_delete(node: s.Delete, values: list[object], stack: Stack, state: S
     for target in node.targets:
         match target:
             case p.Name(name=name):
-                if state.sigma.home(name).bindings.pop(name, MISSING) is MISSING:
+                if state.sigma.unbind(name) is MISSING:
                     raise RunError(f"{name} is not defined", target.span, rule="S-Delete")
             case p.Attribute():
                 next(rest)
@@ -309,6 +313,7 @@ def conclude_delete(node: s.Delete, values: list[object], stack: Stack, state: S
                 container, *parts = (next(rest) for _ in target_premises(target))
                 if type(container) is Random:
                     raise random_write(container, target)
+                note_container(state.version.versions, container)
                 raw(state.settings.door, state, python.delitem, container, place_of(target, parts))
             case _:
                 raise AssertionError(type(target))

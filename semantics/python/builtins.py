@@ -65,4 +65,4 @@ BUILTINS: Mapping[str, object] = {**HOST, **EXCEPTIONS, **GEOMETRY, **BUILT_IN_C
 
 def builtin_scope(budget: Budget) -> Scope:
     """The outermost scope of a run."""
-    return Scope("builtins", None, bindings={name: bound(value, budget) for name, value in BUILTINS.items()})
+    return Scope("builtins", budget.versions, bindings={name: bound(value, budget) for name, value in BUILTINS.items()})

@@ -19,6 +19,7 @@ from ..kernel.premises import premises
 from ..kernel.queries import Clock, Closest, check_running, distance_to_closest
 from ..kernel.scopes import Scope, function_names
 from ..kernel.values import Constructor, Dynamic, Function, Instance, Method, Native, Random, ScenicClass, Special, plain, unwrap, wrap
+from ..kernel.versions import STORED, note_call
 from ..space.distributions import BadParameters
 from ..space.fields import BadField, VectorField
 from ..space.regions import BadRegion, Region
@@ -31,7 +32,7 @@ from .assignment import random_write
 from .expressions import elements
 from .functions import bind, enter
 from .prices import as_callback, check_arguments
-from .specials import HOST_RULES, SPECIALS, STORED, call_container_method, container_method, returned
+from .specials import HOST_RULES, SPECIALS, call_container_method, container_method, returned
 from .texts import without_addresses
 
 
@@ -123,6 +124,7 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
     if not callable(plain(function)):
         raise HostException(TypeError(f"{kind_name(function)} is not callable"))
     check_call(plain(function), arguments, keywords, state)
+    note_call(state.version.versions, plain(function), arguments)
     if "key" in keywords and type(keywords["key"]) is not Random and state.settings.door.lift is None:
         keywords = {**keywords, "key": as_callback(keywords["key"], state.settings.door.budget)}
     if container_method(plain(function)):

@@ -266,7 +266,7 @@ def handle(handler: s.Handler, abrupt: Abrupt, stack: Stack, state: State) -> Ou
 def forget(frame: Handled, state: State) -> State:
     """Unbind the handler's name, as Python does."""
     if frame.name is not None:
-        state.sigma.home(frame.name).bindings.pop(frame.name, None)
+        state.sigma.unbind(frame.name)
     return state._replace(handling=state.handling[:-1])
 
 

@@ -7,6 +7,7 @@ random value, and nothing may branch on one outside behaviors (reading `random-b
 from __future__ import annotations
 
 import operator as python
+from collections import defaultdict
 from collections.abc import Callable, Mapping
 
 from ..kernel.allowed import is_user_made, may_ask
@@ -38,6 +39,7 @@ from ..kernel.values import (
     unwrap,
     wrap,
 )
+from ..kernel.versions import note_item
 from ..space.symbols import Symbol
 from ..space.vectors import Vector
 from ..syntax import expressions as e
@@ -288,6 +290,8 @@ def get_item(node: p.Subscript, values: list[object], state: State) -> object:
         container, origin = container.value, container.origin
     index = slice(*places) if isinstance(node.index, p.Slice) else places[0]  # type: ignore[misc, index]
     check_key(index)
+    if isinstance(container, defaultdict):  # which makes what is missing
+        note_item(state.version.versions, container, index)
     result = raw(state.settings.door, state, python.getitem, container, index)
     return result if origin is None else wrap(unwrap(result)[0], origin)
 

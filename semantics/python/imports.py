@@ -99,13 +99,15 @@ def bind_dotted(name: str, module: object, state: State) -> None:
         state.sigma.bind(first, module)
         return
     found = state.sigma.bindings.get(first)
-    package = found if isinstance(found, Module) else Module(first, Scope("module", None))
+    versions = state.version.versions
+    package = found if isinstance(found, Module) else Module(first, Scope("module", versions))
     state.sigma.bind(first, package)
     for part in rest[:-1]:
-        inner = package.scope.bindings.setdefault(part, Module(part, Scope("module", None)))
-        assert isinstance(inner, Module)
+        inner = package.scope.bindings.get(part)
+        if not isinstance(inner, Module):
+            package.scope.put(part, inner := Module(part, Scope("module", versions)))
         package = inner
-    package.scope.bindings[rest[-1]] = module
+    package.scope.put(rest[-1], module)
 
 
 def import_from(node: s.ImportFrom, stack: Stack, state: State) -> Outcome:
@@ -179,6 +181,7 @@ def load(key: str, name: str, node: Node, stack: Stack, state: State) -> Outcome
     found = state.settings.library.get(key, MISSING)
     if isinstance(found, Program):
         builtins = state.sigma.module.parent
+        assert builtins is not None
         scope = Scope("module", builtins, package=package_of(key))
         module = Module(name.lstrip("."), scope)
         begun = state._replace(sigma=scope, modules={**state.modules, key: module})
@@ -189,7 +192,7 @@ def load(key: str, name: str, node: Node, stack: Stack, state: State) -> Outcome
         raise ImportRefused(str(found), node.span, rule="S-Import", hint=getattr(found, "hint", ""))
     budget = state.settings.door.budget
     own = {member: bound(own_copy(value), budget) for member, value in found.items()} if isinstance(found, Mapping) else {}
-    module = Module(name, Scope("module", None, bindings=own)) if isinstance(found, Mapping) else found
+    module = Module(name, Scope("module", budget.versions, bindings=own)) if isinstance(found, Mapping) else found
     return Next("", Config(node, stack, state._replace(modules={**state.modules, key: module})))
 
 

@@ -9,6 +9,7 @@ from ..kernel.allowed import KEY, is_user_class, names
 from ..kernel.budget import ITEM, LARGEST_SEQUENCE, Budget, length_of, refuse_too_large, refuse_too_long, size_of
 from ..kernel.errors import RunError
 from ..kernel.values import Function, Method, Native, Special
+from ..kernel.versions import note_call
 from .keys import check_hashed
 from .texts import check_encoding
 
@@ -77,6 +78,7 @@ def priced(function: Callable[..., object], budget: Budget) -> Callable[..., obj
 
     def called(*arguments: object, **keywords: object) -> object:
         check_arguments(function, arguments, keywords, budget)
+        note_call(budget.versions, function, arguments)
         result = function(*arguments, **keywords)
         budget.spend(ITEM)
         budget.made(result)

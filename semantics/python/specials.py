@@ -17,6 +17,7 @@ from ..kernel.outcome import Change, Next, Outcome
 from ..kernel.premises import describe_origin
 from ..kernel.scopes import MISSING, Scope
 from ..kernel.values import Dynamic, Function, Instance, Method, Origin, Random, ScenicClass, Special, plain, unwrap, wrap
+from ..kernel.versions import STORED
 from ..syntax import python_expressions as p
 from ..syntax.nodes import Node
 from .assignment import assigned_to, set_attribute
@@ -243,13 +244,6 @@ def structural(builtin: Callable[..., object]) -> Rule:
 
     return rule
 
-
-STORED: Mapping[str, Collection[int]] = {
-    "append": {0}, "appendleft": {0}, "extend": {0}, "extendleft": {0}, "insert": {1}, "setdefault": {1}, "update": {0},
-    "add": (), "clear": (), "difference_update": (), "discard": (), "intersection_update": (), "move_to_end": (), "pop": (), "popitem": (),
-    "popleft": (), "remove": (), "reverse": (), "rotate": (), "sort": (), "subtract": (), "symmetric_difference_update": (),
-}
-"""Methods that change a container: which arguments become elements, which keep their randomness. All others are keys, indices, counts."""
 
 KEEPING = frozenset({"copy", "items", "keys", "values", "get"})
 """Methods that do not change a container and do not look at its elements."""

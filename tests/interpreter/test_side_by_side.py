@@ -22,7 +22,14 @@ b = Range(0, 1)
 F = VectorField("F", lambda p: p.x * a + key(b))
 ego = Object at Range(0, 1) @ 0, facing F
 low, high = sorted([a, b], key=lambda v: key(v) + ego.position.x)
-Object at (10 + low, high), facing F
+order = []
+
+def noted(x):
+    order.append(x)
+    return x
+
+sorted([a, b, a + b], key=noted)
+Object at (10 + low, high), facing F, with tag order
 """
 MEETING = "from meeting import meet\nego = Object at Range(0, 1) @ 0\nparam x = meet(lambda: ego.position.x)\n"
 
@@ -76,7 +83,7 @@ def test_threads_that_switch_all_the_time_draw_the_scenes_of_one(many: bool) -> 
     interval = sys.getswitchinterval()
     sys.setswitchinterval(1e-4)
     try:
-        with ThreadPoolExecutor(3) as threads:
-            assert list(threads.map(draw, range(3))) == [alone] * 3
+        with ThreadPoolExecutor(4) as threads:
+            assert list(threads.map(draw, range(4))) == [alone] * 4
     finally:
         sys.setswitchinterval(interval)

@@ -12,8 +12,8 @@ from ....interpreter.walls import within
 from ....semantics.kernel.config import Config, State, Value
 from ....semantics.kernel.outcome import Done, Draw, Fault, Next, Observe, Requirement, Stuck
 from ....semantics.kernel.scopes import target_names
+from ....semantics.kernel.versions import STORED
 from ....semantics.python.assignment import written
-from ....semantics.python.specials import STORED
 from ....semantics.space.distributions import Coin, Discrete, Distribution, Normal, PointIn, Range, TruncatedNormal, Uniform
 from ....semantics.space.regions import (
     CircularRegion,

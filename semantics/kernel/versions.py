@@ -1,0 +1,236 @@
+"""What `step` changes in place, and how that is taken back: so a configuration can be stepped again, whatever was stepped since.
+
+Python's functions close over variables and its lists are shared, so scopes and containers of a program are updated in place. Each change is
+noted first. The states of a run form a tree of versions: the current one is what stands in memory, and every other knows what leads back to it
+from the next version on the way to the current one (the rerooting of Baker, "Shallow binding makes functional arrays fast", 1991). Going on
+costs one note per change; a version that no configuration holds any more is forgotten.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict, deque
+from collections.abc import Collection, Mapping
+from types import BuiltinFunctionType, FunctionType, MethodDescriptorType, MethodType
+from typing import Any, NamedTuple, Protocol
+
+from .sets import Set
+
+MISSING = object()
+
+
+class Note(Protocol):
+    """How something was before it was changed."""
+
+    def undo(self) -> Note:
+        """Change it back; how it was before that."""
+        ...
+
+
+class Version:
+    """A version of what a run changes in place. `undo` leads back to it from the `newer` one; it is empty while the version stands in memory."""
+
+    __slots__ = ("newer", "undo", "versions")
+
+    def __init__(self, versions: Versions) -> None:
+        self.versions = versions
+        self.newer: Version | None = None
+        self.undo: list[Note] = []
+
+
+class Versions:
+    """The versions of one run, and the one that stands in memory."""
+
+    __slots__ = ("current",)
+
+    def __init__(self) -> None:
+        self.current = Version(self)
+
+    def note(self, note: Note) -> None:
+        """Something is about to change."""
+        self.current.undo.append(note)
+
+    def settled(self) -> Version:
+        """The version with what changed since the last one."""
+        current = self.current
+        if current.undo:
+            current.newer = self.current = Version(self)
+        return self.current
+
+    def go_to(self, version: Version) -> None:
+        """Change everything back, or forth again, to the given version."""
+        self.settled()
+        path: list[Version] = []
+        found: Version | None = version
+        while found is not self.current:
+            assert found is not None
+            path.append(found)
+            found = found.newer
+        for older in reversed(path):
+            newer = self.current
+            newer.undo = [note.undo() for note in reversed(older.undo)]
+            newer.newer, older.newer, older.undo = older, None, []
+            self.current = older
+
+
+class Entry(NamedTuple):
+    """An entry of a dictionary: a variable, an attribute, or what a program assigns to under a key of Python's own."""
+
+    subject: dict[Any, object]
+    key: object
+    before: object
+
+    def undo(self) -> Entry:
+        """Put back what stood there, if something did."""
+        now = Entry(self.subject, self.key, self.subject.get(self.key, MISSING))
+        if self.before is not MISSING:
+            dict.__setitem__(self.subject, self.key, self.before)
+        elif now.before is not MISSING:
+            dict.__delitem__(self.subject, self.key)
+        return now
+
+
+class Item(NamedTuple):
+    """An element of a list."""
+
+    subject: list[object]
+    index: int
+    before: object
+
+    def undo(self) -> Item:
+        """Put back what stood there."""
+        now = Item(self.subject, self.index, list.__getitem__(self.subject, self.index))
+        list.__setitem__(self.subject, self.index, self.before)
+        return now
+
+
+class Tail(NamedTuple):
+    """The end of a list from an index on."""
+
+    subject: list[object]
+    index: int
+    before: list[object]
+
+    def undo(self) -> Tail:
+        """Put back the elements that stood there."""
+        now = Tail(self.subject, self.index, list.__getitem__(self.subject, slice(self.index, None)))
+        list.__setitem__(self.subject, slice(self.index, None), self.before)
+        return now
+
+
+class Content(NamedTuple):
+    """All that a container holds, in its order."""
+
+    subject: object
+    before: Any
+
+    def undo(self) -> Content:
+        """Fill it with what it held."""
+        now = Content(self.subject, content_of(self.subject))
+        match self.subject:
+            case list() as items:
+                list.__setitem__(items, slice(None), self.before)
+            case deque() as items:
+                deque.clear(items)
+                deque.extend(items, self.before)
+            case Set() as items:
+                items.renewed(dict(self.before))
+            case OrderedDict() as items:
+                OrderedDict.clear(items)
+                for key, value in self.before.items():
+                    OrderedDict.__setitem__(items, key, value)
+            case dict() as items:
+                dict.clear(items)
+                dict.update(items, self.before)
+        return now
+
+
+class Slot(NamedTuple):
+    """An attribute of something whose attributes stand in no dictionary of its own: a class, an exception, an object of ours."""
+
+    subject: object
+    name: str
+    before: object
+
+    def undo(self) -> Slot:
+        """Assign what it was, or delete it."""
+        now = Slot(self.subject, self.name, own(self.subject, self.name))
+        if self.before is not MISSING:
+            setattr(self.subject, self.name, self.before)
+        elif now.before is not MISSING:
+            delattr(self.subject, self.name)
+        return now
+
+
+def own(subject: object, name: str) -> object:
+    """The attribute of a class itself, not of one above it; of anything else just the attribute; MISSING if there is none."""
+    return vars(subject).get(name, MISSING) if isinstance(subject, type) else getattr(subject, name, MISSING)
+
+
+def content_of(container: object) -> object:
+    """A copy of what a container holds, made without asking a class of the program."""
+    match container:
+        case list():
+            return list.copy(container)
+        case deque():
+            return [*deque.__iter__(container)]
+        case Set():
+            return dict(container.order)
+        case OrderedDict():
+            return dict(OrderedDict.items(container))
+        case dict():
+            return dict.copy(container)
+        case _:
+            raise AssertionError(type(container))
+
+
+CHANGEABLE = (list, dict, Set, deque)
+SIMPLE = (str, int, float, bool, type(None))
+"""Keys that are looked up without asking the program."""
+
+STORED: Mapping[str, Collection[int]] = {
+    "append": {0}, "appendleft": {0}, "extend": {0}, "extendleft": {0}, "insert": {1}, "setdefault": {1}, "update": {0},
+    "add": (), "clear": (), "difference_update": (), "discard": (), "intersection_update": (), "move_to_end": (), "pop": (), "popitem": (),
+    "popleft": (), "remove": (), "reverse": (), "rotate": (), "sort": (), "subtract": (), "symmetric_difference_update": (),
+}  # fmt: skip
+"""Methods that change a container: which arguments become elements, which keep their randomness. All others are keys, indices, counts."""
+
+
+def note_container(versions: Versions, container: object) -> None:
+    """Whatever the container holds may change."""
+    if isinstance(container, CHANGEABLE):
+        versions.note(Content(container, content_of(container)))
+
+
+def note_item(versions: Versions, container: object, key: object) -> None:
+    """`container[key]` may change, or come to be."""
+    if type(container) is list and type(key) is int and -len(container) <= key < len(container):
+        versions.note(Item(container, key, container[key]))
+    elif isinstance(container, dict) and type(key) in SIMPLE and not isinstance(container, OrderedDict):
+        versions.note(Entry(container, key, dict.get(container, key, MISSING)))
+    else:
+        note_container(versions, container)
+
+
+def note_attribute(versions: Versions, subject: object, name: str) -> None:
+    """`subject.name` may change, or come to be."""
+    attributes = getattr(subject, "__dict__", None)
+    if type(attributes) is dict and not (isinstance(subject, BaseException) and name == "args"):
+        versions.note(Entry(attributes, name, attributes.get(name, MISSING)))
+    else:
+        versions.note(Slot(subject, name, own(subject, name)))
+
+
+def note_call(versions: Versions, function: object, arguments: Collection[object]) -> None:
+    """A function of Python is about to be called: if it is a method that changes a container, note what that holds."""
+    kind = type(function)
+    if kind is BuiltinFunctionType or kind is MethodType:
+        owner = function.__self__  # type: ignore[attr-defined]
+    elif (kind is MethodDescriptorType or kind is FunctionType) and arguments:
+        owner = next(iter(arguments))
+    else:
+        return
+    if isinstance(owner, CHANGEABLE) and (name := getattr(function, "__name__", "")) in STORED:
+        if name == "append" and isinstance(owner, list):
+            versions.note(Tail(owner, list.__len__(owner), []))
+        else:
+            note_container(versions, owner)
