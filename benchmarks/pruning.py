@@ -39,13 +39,15 @@ def measure(name: str, scenario: Scenario, n: int) -> dict[str, object]:
     """One row of the table."""
     recorded = record(scenario.start, FUEL)
     row: dict[str, object] = {"program": name, "scenes": n, "without": attempts(scenario.start, None, n)}
+    seconds, report = 0.0, ""
     for choice, techniques in CHOICES.items():
         begun = time.process_time()
         pruning = prune_recorded(recorded, techniques)
         seconds = time.process_time() - begun
+        report = str(pruning)
         row[choice] = attempts(scenario.start, pruning, n) if pruning.pruned else "off"
     row["seconds"] = round(seconds, 2)
-    row["report"] = str(pruning).splitlines()
+    row["report"] = report.splitlines()
     return row
 
 

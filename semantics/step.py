@@ -6,11 +6,11 @@ A `Draw` asks for a value, and whoever runs the machine answers.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 from .dynamics import actions, choices, declarations, frames, guards, initial, interrupts, invocations, overrides, policy, processes, scenarios
 from .kernel import conditions, draws, premises, queries, simulation
-from .kernel.config import Abrupt, Config, Stack, State, Value
+from .kernel.config import Abrupt, Config, Reduction, Resumption, Stack, State, Unwinding, Value
 from .kernel.errors import GuardViolation, RunError, ScenicError, UncaughtException
 from .kernel.host import DoorStuck, HostException
 from .kernel.nesting import too_deep
@@ -28,7 +28,7 @@ from .syntax import python_expressions as p
 from .syntax import statements as s
 from .syntax.nodes import NOWHERE, Node, Span
 
-REDUCE: Mapping[type, Callable[..., Outcome]] = {
+REDUCE: Mapping[type, Reduction] = {
     # expressions inherited from Python
     p.Constant: expressions.axiom_rule,
     p.Name: expressions.axiom_rule,
@@ -117,7 +117,7 @@ REDUCE: Mapping[type, Callable[..., Outcome]] = {
     d.Override: overrides.override,
 }
 
-RESUME: Mapping[type, Callable[..., Outcome]] = {
+RESUME: Mapping[type, Resumption] = {
     premises.Premises: premises.resume_premises,
     conditions.Boolean: conditions.resume_boolean,
     conditions.Test: conditions.resume_test,
@@ -169,7 +169,7 @@ RESUME: Mapping[type, Callable[..., Outcome]] = {
     policy.Step: policy.resume_step,
 }
 
-UNWIND: Mapping[type, Callable[..., Outcome]] = {
+UNWIND: Mapping[type, Unwinding] = {
     functions.Called: functions.unwind_called,
     functions.InScope: functions.unwind_in_scope,
     object_definitions.Construction: object_definitions.unwind_construction,

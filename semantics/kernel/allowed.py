@@ -5,6 +5,9 @@ Everything else (arrays, shapes, modules, slots, what a bound method is bound to
 are the program's own. `docs/security.md` says what is promised.
 """
 
+# pyright: reportUnknownVariableType=false, reportUnknownArgumentType=false, reportUnknownMemberType=false
+# What a program keeps in its containers has no type of ours.
+
 from __future__ import annotations
 
 import builtins

@@ -4,6 +4,9 @@ The steps of the machine are counted by whoever drives it (`fuel`). A host call 
 goes through and for what it makes, in units that are about a byte of memory or a nanosecond or two.
 """
 
+# pyright: reportUnknownVariableType=false, reportUnknownArgumentType=false, reportUnknownMemberType=false
+# What a program keeps in its containers has no type of ours.
+
 from __future__ import annotations
 
 import operator

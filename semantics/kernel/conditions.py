@@ -5,7 +5,7 @@ from __future__ import annotations
 import operator as python
 from collections.abc import Callable, Sequence
 from functools import reduce as fold_left
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..space.symbols import Symbol, is_truth
 from ..syntax import python_expressions as p
@@ -22,10 +22,10 @@ from .values import Random, plain, unwrap
 
 
 class Boolean(NamedTuple):
-    """Frame of `and`/`or`: operand `index` is being reduced; `held` are those before it once one was random."""
+    """Frame of `and`/`or`: operand `position` is being reduced; `held` are those before it once one was random."""
 
     node: p.BooleanOperation
-    index: int
+    position: int
     held: tuple[object, ...]
 
 
@@ -36,7 +36,7 @@ def boolean(node: p.BooleanOperation, stack: Stack, state: State) -> Outcome:
 
 def resume_boolean(frame: Boolean, result: object, stack: Stack, state: State) -> Outcome:
     """If ⟨E1⟩ → v, and v leaves the answer open, then ⟨E1 and E2⟩ → ⟨E2⟩, else v; `or` likewise (reading `boolean-random`: where v is random)."""
-    node, following = frame.node, frame.index + 1
+    node, following = frame.node, frame.position + 1
     last, going_on = following == len(node.operands), node.operator == "and"
     if not frame.held and type(result) is not Random:
         if last or bool_of(result, node, state) is not going_on:
@@ -82,7 +82,7 @@ def combine(operator: str, operands: tuple[object, ...], state: State) -> object
                 return v
         return values[-1]
 
-    connective = {"and": python.and_, "or": python.or_}[operator]
+    connective: Callable[[Any, Any], object] = {"and": python.and_, "or": python.or_}[operator]  # pyright: ignore[reportUnknownVariableType, reportUnknownMemberType]
     if all(is_truth(plain(v)) for v in operands):
         return fold_left(lambda left, right: host(state.settings.door, state, connective, left, right), operands)
     return host(state.settings.door, state, fold, *operands)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
 from ..syntax.nodes import NOWHERE, Node, Span
 from .outcome import Change, Next
@@ -94,11 +94,11 @@ class State(NamedTuple):
 
     def with_objects(self, objects: Mapping[int, Properties]) -> State:
         """The same with another O; what `_replace` does, for the step that is taken most."""
-        return tuple.__new__(State, (*self[:OBJECTS], objects, *self[OBJECTS + 1 :]))
+        return tuple.__new__(State, (*self[:OBJECTS], objects, *self[OBJECTS + 1 :]))  # pyright: ignore[reportUnknownMemberType]
 
     def in_version(self, version: Version) -> State:
         """The same in another version."""
-        return tuple.__new__(State, (*self[:VERSION], version, *self[VERSION + 1 :]))
+        return tuple.__new__(State, (*self[:VERSION], version, *self[VERSION + 1 :]))  # pyright: ignore[reportUnknownMemberType]
 
 
 class Value(NamedTuple):
@@ -123,7 +123,15 @@ class Abrupt(NamedTuple):
 
 OBJECTS = State._fields.index("objects")
 VERSION = State._fields.index("version")
-Stack = tuple  # () or (frame, Stack): the context in which the control stands, innermost first
+Stack: TypeAlias = tuple[Any, ...]
+"""The context in which the control stands: (), or (frame, Stack) with the innermost frame first."""
+
+Reduction = Callable[[Any, Stack, "State"], "Outcome"]
+"""What reduces a kind of node: `reduction(node, stack, state)`."""
+Resumption = Callable[[Any, Any, Stack, "State"], "Outcome"]
+"""What goes on in a kind of frame when what stood above it is reduced: `resumption(frame, result, stack, state)`."""
+Unwinding = Callable[[Any, Abrupt, Stack, "State"], "Outcome"]
+"""What a kind of frame does when what stood above it was left: `unwinding(frame, abrupt, stack, state)`."""
 
 
 class Config(NamedTuple):

@@ -5,6 +5,9 @@ given a function of the program (a key for `sorted`, the value of a vector field
 draw is refused, never lost.
 """
 
+# pyright: reportUnknownVariableType=false, reportUnknownArgumentType=false, reportUnknownMemberType=false
+# What a program keeps in its containers has no type of ours.
+
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping

@@ -4,6 +4,9 @@
 Section "Data Types"). A `Reader` makes these interpretations and remembers whether anything it read was random.
 """
 
+# pyright: reportUnknownVariableType=false, reportUnknownArgumentType=false, reportUnknownMemberType=false
+# What a program keeps in its containers has no type of ours.
+
 from __future__ import annotations
 
 from numbers import Real
@@ -136,7 +139,9 @@ class Reader:
 
 def is_scalar(value: object) -> bool:
     """Whether the value is a number (truth values are not)."""
-    return (isinstance(value, Real) and not isinstance(value, bool)) or (isinstance(value, Symbol) and value.always(is_scalar))
+    if isinstance(value, bool):
+        return False
+    return isinstance(value, Real) or (isinstance(value, Symbol) and value.always(is_scalar))
 
 
 def is_oriented(instance: Instance) -> bool:

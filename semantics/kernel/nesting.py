@@ -1,5 +1,8 @@
 """Values that contain themselves, or stand in each other too deep for what is done with them: errors, not the end of Python's stack."""
 
+# pyright: reportUnknownVariableType=false, reportUnknownArgumentType=false, reportUnknownMemberType=false
+# What a program keeps in its containers has no type of ours.
+
 from __future__ import annotations
 
 from typing import Any

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from ..syntax.nodes import Node, Span
@@ -134,7 +135,7 @@ def dated(outcome: Outcome, version: Version) -> Outcome:
         return Next(outcome.rule, in_version(outcome.config, version), outcome.node, outcome.change, beyond, outcome.where)
     match outcome:
         case Draw(resume=resume):
-            return outcome._replace(resume=lambda drawn: in_version(resume(drawn), version))
+            return outcome._replace(resume=partial(in_version_after, resume, version))
         case Observe(config=config):
             return outcome._replace(config=in_version(config, version))
         case Stuck(beyond=beyond):
@@ -143,6 +144,11 @@ def dated(outcome: Outcome, version: Version) -> Outcome:
             return outcome._replace(state=state.in_version(version))
         case _:
             return outcome
+
+
+def in_version_after(resume: Callable[[object], Config], version: Version, drawn: object) -> Config:
+    """What follows a draw, in that version."""
+    return in_version(resume(drawn), version)
 
 
 def in_version(config: Config, version: Version) -> Config:

@@ -27,11 +27,11 @@ NOT_AN_AXIOM = object()
 
 
 class Premises(NamedTuple):
-    """The frame of a rule whose premise number `index` is being reduced; `values` are those of the ones before it."""
+    """The frame of a rule whose premise number `position` is being reduced; `values` are those of the ones before it."""
 
     node: Node
     expressions: Sequence[Node | None]
-    index: int
+    position: int
     values: tuple[object, ...]
     conclude: Conclusion
 

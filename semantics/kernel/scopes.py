@@ -4,6 +4,9 @@ Python's functions close over variables, not values, so that a scope, like a lis
 updated in place, each change noted (`versions`).
 """
 
+# pyright: reportUnknownVariableType=false, reportUnknownArgumentType=false, reportUnknownMemberType=false
+# What a program keeps in its containers has no type of ours.
+
 from __future__ import annotations
 
 from collections.abc import Iterator

@@ -1,12 +1,15 @@
 """Sets whose elements keep the order in which they came (reading `set-order`): a scene may not depend on how Python hashes texts or addresses."""
 
+# pyright: reportUnknownVariableType=false, reportUnknownArgumentType=false, reportUnknownMemberType=false
+# What a program keeps in its containers has no type of ours.
+
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Iterator
 from typing import Any
 
 
-class Set(set):
+class Set(set[Any]):
     """`set`, iterated over in the order of insertion."""
 
     __slots__ = ("order",)
@@ -111,7 +114,7 @@ class Set(set):
         return self
 
 
-class FrozenSet(frozenset):
+class FrozenSet(frozenset[Any]):
     """`frozenset`, iterated over in the order of insertion."""
 
     order: dict[Any, None]

@@ -4,6 +4,9 @@ Booleans, scalars, strings, tuples, lists, ... are Python's own; vectors, fields
 `fields` and `regions`.
 """
 
+# pyright: reportUnknownVariableType=false, reportUnknownArgumentType=false, reportUnknownMemberType=false
+# What a program keeps in its containers has no type of ours.
+
 from __future__ import annotations
 
 from collections import deque
@@ -318,7 +321,7 @@ class Pairs(NamedTuple):
     pairs: list[tuple[object, object]]
 
 
-class Entries(dict):
+class Entries(dict[Any, Any]):
     """A dictionary with random keys, as it is in this run; `pairs` are its entries before equal keys became one."""
 
     pairs: list[tuple[object, object]]

@@ -6,6 +6,9 @@ from the next version on the way to the current one (the rerooting of Baker, "Sh
 costs one note per change; a version that no configuration holds any more is forgotten.
 """
 
+# pyright: reportUnknownVariableType=false, reportUnknownArgumentType=false, reportUnknownMemberType=false
+# What a program keeps in its containers has no type of ours.
+
 from __future__ import annotations
 
 from collections import OrderedDict, deque
@@ -93,13 +96,13 @@ class Item(NamedTuple):
     """An element of a list."""
 
     subject: list[object]
-    index: int
+    position: int
     before: object
 
     def undo(self) -> Item:
         """Put back what stood there."""
-        now = Item(self.subject, self.index, list.__getitem__(self.subject, self.index))
-        list.__setitem__(self.subject, self.index, self.before)
+        now = Item(self.subject, self.position, list.__getitem__(self.subject, self.position))
+        list.__setitem__(self.subject, self.position, self.before)
         return now
 
 
@@ -107,13 +110,13 @@ class Tail(NamedTuple):
     """The end of a list from an index on."""
 
     subject: list[object]
-    index: int
+    position: int
     before: list[object]
 
     def undo(self) -> Tail:
         """Put back the elements that stood there."""
-        now = Tail(self.subject, self.index, list.__getitem__(self.subject, slice(self.index, None)))
-        list.__setitem__(self.subject, slice(self.index, None), self.before)
+        now = Tail(self.subject, self.position, list.__getitem__(self.subject, slice(self.position, None)))
+        list.__setitem__(self.subject, slice(self.position, None), self.before)
         return now
 
 
@@ -141,6 +144,8 @@ class Content(NamedTuple):
             case dict() as items:
                 dict.clear(items)
                 dict.update(items, self.before)
+            case _:
+                raise AssertionError(type(self.subject))
         return now
 
 

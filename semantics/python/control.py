@@ -21,10 +21,10 @@ from .functions import make_function
 
 
 class Rest(NamedTuple):
-    """Frame: the rest of a block, from `index` on."""
+    """Frame: the rest of a block, from `position` on."""
 
     block: s.Block
-    index: int
+    position: int
 
 
 def block(statements: s.Block, stack: Stack, state: State, rule: str = "", node: Node | None = None) -> Outcome:
@@ -37,9 +37,9 @@ def block(statements: s.Block, stack: Stack, state: State, rule: str = "", node:
 
 def resume_rest(frame: Rest, result: object, stack: Stack, state: State) -> Outcome:
     """The statement before was reduced to `pass`."""
-    following = frame.index + 1
+    following = frame.position + 1
     rest = (Rest(frame.block, following), stack) if following < len(frame.block) else stack
-    return Next("", Config(frame.block[frame.index], rest, state))
+    return Next("", Config(frame.block[frame.position], rest, state))
 
 
 def pass_statement(node: s.Pass | s.Global | s.Nonlocal, stack: Stack, state: State) -> Outcome:
@@ -187,10 +187,10 @@ class Handling(NamedTuple):
 
 
 class Choosing(NamedTuple):
-    """Frame: the type of handler `index` is being reduced to see whether it catches `abrupt`."""
+    """Frame: the type of handler `position` is being reduced to see whether it catches `abrupt`."""
 
     node: s.Try
-    index: int
+    position: int
     abrupt: Abrupt
 
 
@@ -247,8 +247,8 @@ def resume_choosing(frame: Choosing, result: object, stack: Stack, state: State)
     if not all(isinstance(c, type) and issubclass(c, BaseException) for c in candidates):
         raise HostException(TypeError("except needs exception classes"))
     if isinstance(frame.abrupt.value, candidates):  # type: ignore[arg-type]
-        return handle(frame.node.handlers[frame.index], frame.abrupt, stack, state)
-    return choose_handler(frame.node, frame.index + 1, frame.abrupt, stack, state)
+        return handle(frame.node.handlers[frame.position], frame.abrupt, stack, state)
+    return choose_handler(frame.node, frame.position + 1, frame.abrupt, stack, state)
 
 
 def handle(handler: s.Handler, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
