@@ -15,7 +15,7 @@ from ..semantics.kernel.nesting import check_nesting
 from ..semantics.kernel.values import Instance, ScenicClass, plain, unwrap
 from ..semantics.programs import ego_of
 from ..semantics.python.texts import stable_repr
-from ..semantics.scenes.termination import workspace_of
+from ..semantics.scenes.default_requirements import workspace_of
 from ..semantics.space.geometry import normalise_heading
 from ..semantics.space.regions import Region, everywhere
 from ..semantics.space.vectors import Vector

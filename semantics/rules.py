@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from .dynamics import actions, choices, declarations, guards, initial, interrupts, invocations, overrides, policy, scenarios
 from .kernel import conditions, draws, queries
 from .python import assignment, calls, comprehensions, control, definitions, expressions, functions, imports, specials
-from .scenes import comparisons, object_definitions, operators, resolution, specifiers, statements, termination
+from .scenes import comparisons, default_requirements, mutation, object_definitions, operators, resolution, specifiers, statements
 from .syntax import expressions as e
 from .syntax import specifiers as q
 
@@ -65,7 +65,7 @@ _OPERATOR_PLACES: Mapping[type, str] = {
 }
 _OTHER_PLACES: Mapping[str, str] = {
     "O-CanSee-Vector": SILENT, "O-RelativeTo-VectorOrientedPoint": ORIENTED, "O-RelativeTo-Vectors": SILENT,
-    "O-OffsetBy-OrientedPoint": ORIENTED, "O-Distance-Region": SILENT,
+    "O-OffsetBy-OrientedPoint": ORIENTED, "O-Distance-Region": SILENT, "P-Facing-Field": f"{EXPRESSIONS} (example); {HEADINGS}",
 }
 _SPECIFIER_PLACES: Mapping[type, str] = {
     q.InSpecifier: POSITION_HEADING, q.FollowingSpecifier: POSITION_HEADING, q.FacingSpecifier: HEADINGS, q.FacingTowardSpecifier: HEADINGS,
@@ -100,9 +100,8 @@ def _specifier_rules() -> list[Rule]:
         if kind is q.BesideSpecifier:
             forms = tuple(f for side in specifiers.BESIDE.values() for f in side)
         for form in forms:
-            of_point = kind is q.BesideSpecifier and not form.rule.endswith("Vector")
-            also = f"{EXPRESSIONS} (example); " if form.rule == "P-Facing-Field" else ""
-            found.append(_equation(form.rule, form.function, also + (POSITION_HEADING if of_point else place)))
+            of_point = kind is q.BesideSpecifier and bool(form.optional)
+            found.append(_equation(form.rule, form.function, _OTHER_PLACES.get(form.rule, POSITION_HEADING if of_point else place)))
     return [*found, Rule("P-Default", "default value specifier", 'Section "Data Types"; Algorithm 1', object_definitions.assign_default)]
 
 
@@ -133,8 +132,8 @@ _PAPER = [
     Rule("S-Class", "class definitions", 'Section "Data Types"', definitions.resume_class_body),
     Rule("S-Dynamic", "dynamic requirements and termination conditions", 'Section "Statements"', declarations.dynamic_requirement),
     Rule("S-Definition", "behaviors, monitors and scenarios", 'Section "Statements"', declarations.dynamic_definition),
-    Rule("T-Mutate", "Termination, Step 1: Apply Mutations", STATEMENTS, termination.mutate_objects),
-    Rule("T-Check", "Termination, Step 2: Check Default Requirements", STATEMENTS, termination.check_default_requirements),
+    Rule("T-Mutate", "Termination, Step 1: Apply Mutations", STATEMENTS, mutation.apply_mutations),
+    Rule("T-Check", "Termination, Step 2: Check Default Requirements", STATEMENTS, default_requirements.check_default_requirements),
 ]
 
 _INHERITED = [

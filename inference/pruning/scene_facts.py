@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from ...semantics.kernel.config import State
 from ...semantics.kernel.values import Instance, unwrap
-from ...semantics.scenes.termination import premises_of_step_two, workspace_of
+from ...semantics.scenes.default_requirements import default_requirements, in_region_of_its_own, in_workspace, visible, workspace_of
 from .facts import Contained, container_of, min_radius
 from .forms import Point, bounds_of_value, point_of
 
@@ -48,21 +48,25 @@ def is_mutated(state: State, instance: Instance) -> bool:
 
 def default_containers(state: State) -> Iterator[Contained]:
     """boundingBox(o) ⊆ workspace, and ⊆ o.regionContainedIn, for containers that are polygons."""
-    for premise in premises_of_step_two(state):
-        if premise.kind in ("containment", "regionContainedIn"):
-            region = workspace_of(state) if premise.kind == "containment" else property_of(state, premise.object, "regionContainedIn")
-            point, shape = position_of(state, premise.object), container_of(region)
+    for premise in default_requirements(state):
+        if premise.holds in (in_workspace, in_region_of_its_own):
+            (o,) = premise.objects
+            region = workspace_of(state) if premise.holds is in_workspace else property_of(state, o, "regionContainedIn")
+            point, shape = position_of(state, o), container_of(region)
             if point is not None and shape is not None:
-                yield Contained(point, shape, min_radius(*(property_of(state, premise.object, n) for n in ("width", "length"))))
+                yield Contained(point, shape, min_radius(*(property_of(state, o, n) for n in ("width", "length"))))
 
 
 def default_distances(state: State) -> Iterator[Apart]:
     """An object that ego must see is no farther than ego sees, and half the diagonal of its own box."""
-    for premise in premises_of_step_two(state):
-        viewer, seen = position_of(state, premise.other), position_of(state, premise.object)
-        if premise.kind == "visibility" and premise.other is not premise.object and viewer is not None and seen is not None:
-            sizes = [bounds_of_value(property_of(state, premise.object, n)).largest / 2 for n in ("width", "length")]
-            distance = bounds_of_value(property_of(state, premise.other, "viewDistance")).high + math.hypot(*sizes)
+    for premise in default_requirements(state):
+        if premise.holds is not visible:
+            continue
+        o, ego = premise.objects
+        viewer, seen = position_of(state, ego), position_of(state, o)
+        if ego is not o and viewer is not None and seen is not None:
+            sizes = [bounds_of_value(property_of(state, o, n)).largest / 2 for n in ("width", "length")]
+            distance = bounds_of_value(property_of(state, ego, "viewDistance")).high + math.hypot(*sizes)
             if math.isfinite(distance):
                 yield Apart(viewer, seen, max(distance, 0.0))
 

@@ -13,7 +13,7 @@ from ..kernel.values import Dynamic, plain
 from ..python.calls import invocation
 from ..python.functions import InScope
 from ..scenes.statements import Requiring, observed
-from ..scenes.termination import Mutating, mutate_objects
+from ..scenes.termination import apply_termination_rules
 from ..syntax import dynamics as d
 from ..syntax.nodes import NOWHERE, Node
 from .scenarios import setup
@@ -97,7 +97,7 @@ def resume_finishing(frame: Finishing, result: object, stack: Stack, state: Stat
         hint = other if scenarios and state.initial is None else "write ego = Object ..."
         text = "the program never assigns ego, the object from whose point of view the scene is"
         raise RunError(text, NOWHERE, rule="T-Mutate", hint=hint)
-    return mutate_objects(Mutating(0), stack, state)
+    return apply_termination_rules(stack, state)
 
 
 def may_come_later(state: State) -> bool:

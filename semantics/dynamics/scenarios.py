@@ -15,7 +15,7 @@ from ..kernel.simulation import Clause, Declared, Running, Setting, Suspended, W
 from ..kernel.values import Dynamic, plain
 from ..python.control import block
 from ..python.functions import LARGEST_DEPTH, body_as_statement
-from ..scenes.termination import Mutating, mutate_objects
+from ..scenes.termination import apply_termination_rules
 from ..syntax import dynamics as d
 from ..syntax.nodes import Node
 from .endings import end_scenario
@@ -130,7 +130,7 @@ def resume_setting(frame: Setting, result: object, stack: Stack, state: State) -
     """The block ended: mutate its objects and check the default requirements about them (reading `dynamic-objects`)."""
     if len(state.scene) > frame.objects or (simulation_of(state).egoless and state.ego is not None):
         following = (SetUp(frame), stack)
-        return mutate_objects(Mutating(frame.objects, since=frame.objects), following, state)
+        return apply_termination_rules(following, state, since=frame.objects)
     return resume_set_up(SetUp(frame), None, stack, state)
 
 

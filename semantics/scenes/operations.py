@@ -43,14 +43,14 @@ def apply_side(node: e.SideOf, values: list[object], stack: Stack, state: State)
 
 def apply_operator(node: Node, values: list[object], stack: Stack, state: State) -> Outcome:
     """The operands are reduced: choose the equation by their kinds and conclude."""
-    return apply_equation(node, o.EQUATIONS[type(node)][1], values, stack, state)
+    return apply_equation(node, o.equations_of(node, state.reading("oriented-offset")), values, stack, state)
 
 
 def apply_equation(node: Node, equations: Sequence[o.Equation], values: list[object], stack: Stack, state: State) -> Outcome:
     """Conclude with the first equation whose kinds fit; what is random in the operands makes the result random."""
     reader = Reader(state)
     operands = [reader.plain(v) for v in values]
-    equation = select(node, equations, operands, state)
+    equation = select(node, equations, operands)
     arguments = [reader.read(operand, kind) for operand, kind in zip(operands, equation.kinds, strict=True)]
     if equation.needs_self:
         arguments.append(reader.property(specified_object(node, state), "position"))
@@ -60,7 +60,7 @@ def apply_equation(node: Node, equations: Sequence[o.Equation], values: list[obj
         result = compute(equation.function, arguments, reader)
     except OutsideField as outside:
         requirement = Requirement("field", node.span, outside.premise)
-        return Stuck(equation.rule, requirement, Config(Value(reader.wrap(_any_result(equation, arguments))), stack, state))
+        return Stuck(equation.rule, requirement, Config(Value(reader.wrap(_any_result(node, arguments))), stack, state))
     if isinstance(result, OrientedPointAt):
         point, state = new_oriented_point(result, reader, state)
         return value(equation.rule, point, stack, state, node)
@@ -83,20 +83,18 @@ def compute(equation: Callable[..., object], arguments: Sequence[object], reader
     return result
 
 
-def _any_result(equation: o.Equation, arguments: list[object]) -> object:
+def _any_result(node: Node, arguments: list[object]) -> object:
     """Some value of the right type for a run that is stuck anyway (see `Stuck.beyond`)."""
-    return next((a for a in arguments if isinstance(a, Vector)), Vector(0.0, 0.0)) if "OffsetAlong" in equation.rule else 0.0
+    return next((a for a in arguments if isinstance(a, Vector)), Vector(0.0, 0.0)) if isinstance(node, e.OffsetAlong) else 0.0
 
 
-def select(node: Node, equations: Sequence[o.Equation], operands: list[object], state: State) -> o.Equation:
+def select(node: Node, equations: Sequence[o.Equation], operands: list[object]) -> o.Equation:
     """The equation for operands of these kinds; an error names what the operator expects."""
     if isinstance(node, e.RelativeTo) and all(isinstance(v, Instance) and is_oriented(v) for v in operands):
         raise RunError(
             "both sides of `relative to` are oriented points, so it could mean their positions or their headings",
             node.span, rule="O-RelativeTo-Headings", hint="write .position or .heading behind one of them",
         )
-    if isinstance(node, e.OffsetBy) and state.reading("oriented-offset") == "global":
-        equations = [q for q in equations if q.rule != "O-OffsetBy-OrientedPoint"]
     for equation in equations:
         if all(has_kind(v, kind) for v, kind in zip(operands, equation.kinds, strict=True)):
             return equation

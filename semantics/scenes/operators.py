@@ -300,6 +300,13 @@ SIDES: Mapping[str, Equation] = {
     "back right": Equation("O-BackRightOf", (OBJECT,), back_right_of),
 }
 
+OFFSET_OF_VECTOR = Equation("O-OffsetBy-Vector", (VECTOR, VECTOR), vector_offset_by)
+OFFSET_BY: Mapping[str, tuple[Equation, ...]] = {
+    "local": (Equation("O-OffsetBy-OrientedPoint", (ORIENTED_POINT, VECTOR), oriented_point_offset_by), OFFSET_OF_VECTOR),
+    "global": (OFFSET_OF_VECTOR,),
+}
+"""The equations of `offset by` under the alternatives of reading `oriented-offset`."""
+
 EQUATIONS: Mapping[type[Node], tuple[tuple[str, ...], tuple[Equation, ...]]] = {
     e.RelativeHeading: (("heading", "origin"), (Equation("O-RelativeHeading", (HEADING, HEADING), relative_heading),)),
     e.ApparentHeading: (("oriented_point", "origin"), (Equation("O-ApparentHeading", (ORIENTED_POINT, VECTOR), apparent_heading),)),
@@ -333,13 +340,7 @@ EQUATIONS: Mapping[type[Node], tuple[tuple[str, ...], tuple[Equation, ...]]] = {
         ),
     ),
     e.VectorOf: (("x", "y"), (Equation("O-VectorOf", (SCALAR, SCALAR), vector_of),)),
-    e.OffsetBy: (
-        ("base", "offset"),
-        (
-            Equation("O-OffsetBy-OrientedPoint", (ORIENTED_POINT, VECTOR), oriented_point_offset_by),
-            Equation("O-OffsetBy-Vector", (VECTOR, VECTOR), vector_offset_by),
-        ),
-    ),
+    e.OffsetBy: (("base", "offset"), OFFSET_BY["local"]),
     e.OffsetAlong: (
         ("base", "direction", "offset"),
         (
@@ -355,3 +356,8 @@ IN_EQUATIONS = (
     Equation("O-In-Object", (OBJECT, REGION), object_is_in),
     Equation("O-In-Vector", (VECTOR, REGION), vector_is_in),
 )
+
+
+def equations_of(node: Node, oriented_offset: str) -> tuple[Equation, ...]:
+    """The equations among which the kinds of the operands choose; `oriented_offset` is the alternative of that reading."""
+    return OFFSET_BY[oriented_offset] if isinstance(node, e.OffsetBy) else EQUATIONS[type(node)][1]

@@ -66,16 +66,16 @@ FAULTS = (
             Edit(
                 "semantics/scenes/statements.py",
                 '    return done("S-Mutate", node, stack, state, Change("O", ", ".join(f"{t!r}.mutationScale" for t in targets), scale))\n',
-                "    from .termination import Mutating, mutate_objects\n\n    return mutate_objects(Mutating(0), stack, state)\n",
+                "    from .termination import apply_termination_rules\n\n    return apply_termination_rules(stack, state)\n",
             ),
             Edit(
-                "semantics/dynamics/initial.py", "    return mutate_objects(Mutating(0), stack, state)\n",
+                "semantics/dynamics/initial.py", "    return apply_termination_rules(stack, state)\n",
                 "    from ..kernel.config import PASS, Config\n    from ..kernel.outcome import Next\n    from ..scenes.termination import Late\n\n"
-                '    return Next("T-Mutate", Config(PASS, (Late(0), stack), state))\n',
+                '    return Next("T-Mutate", Config(PASS, (Late(0, 0), stack), state))\n',
             ),
             Edit(
-                "semantics/scenes/termination.py", 'return Next("T-Mutate", Config(PASS, (Late(0, since=frame.since), stack), state._replace(draws=state.draws + 1)))',
-                'return Next("T-Mutate", Config(PASS, stack, state._replace(draws=state.draws + 1)))',
+                "semantics/scenes/termination.py", 'return Next("T-Mutate", Config(PASS, (Late(0, frame.since), stack), found._replace(draws=found.draws + 1)))',
+                'return Next("T-Mutate", Config(PASS, stack, found._replace(draws=found.draws + 1)))',
             ),
         ),
         "ego = Object at (0, 0)\nmutate ego\nrequire ego.position.x >= 0\n",
@@ -128,7 +128,7 @@ FAULTS = (
     ),
     Fault(
         "a requirement dropped",
-        (Edit("semantics/scenes/termination.py", "            return negation(geometry.boxes_intersect(", "            return True or negation(geometry.boxes_intersect("),),
+        (Edit("semantics/scenes/default_requirements.py", "    return negation(geometry.boxes_intersect(", "    return True or negation(geometry.boxes_intersect("),),
         f"ego = Object at (0, 0)\nObject at (Range(-3, 3), 0){FAR}\n",
         ("collision", "collision-conditions-the-distribution"),
     ),

@@ -11,7 +11,7 @@ from ....formats.scenes import OWN_FIELDS, Scene, SceneObject
 from ....semantics.kernel.config import State
 from ....semantics.kernel.values import unwrap
 from ....semantics.programs import ego_of
-from ....semantics.scenes.termination import workspace_of
+from ....semantics.scenes.default_requirements import workspace_of
 from ....semantics.space.geometry import normalise_heading
 from ....semantics.space.regions import Region
 from ....semantics.space.symbols import NotLifted

@@ -1,0 +1,116 @@
+"""Termination, Step 2: Check Default Requirements (Figure "Semantics of statements"). `termination` goes through the premises one by one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+from ..kernel.config import State
+from ..kernel.errors import RunError
+from ..kernel.kinds import Reader, View, kind_name
+from ..kernel.outcome import Requirement
+from ..kernel.values import Instance, plain
+from ..space import geometry
+from ..space.regions import Region, everywhere
+from ..space.symbols import met, negation
+from ..syntax.nodes import NOWHERE
+from .operators import can_see_object, object_is_in
+
+
+class Premise(NamedTuple):
+    """A premise of the rule about these objects: it is true in a state if `holds(state, *objects)`."""
+
+    holds: Callable[..., bool]
+    objects: tuple[Instance, ...]
+    requirement: Requirement
+
+
+def check_default_requirements(premises: tuple[Premise, ...], index: int, state: State) -> tuple[Requirement, bool] | None:
+    """If for O = {o_1, ..., o_n}
+        ∀ i: boundingBox(o_i) ⊆ workspace,
+        ∀ i ≠ j: o_i.allowCollisions ∨ o_j.allowCollisions ∨ boundingBox(o_i) ∩ boundingBox(o_j) = ∅,
+        ∀ i: ¬o_i.requireVisible ∨ ⟨ego can see o_i⟩ → True,
+    then ⟨Done, σ, π, O⟩ → (π, O).
+
+    Gives premise number `index`, and whether it holds; None after the last, when the rule fires.
+    """
+    if index == len(premises):
+        return None
+    holds, objects, requirement = premises[index]
+    return requirement, met(holds(state, *objects), requirement)
+
+
+def default_requirements(state: State, since: int = 0) -> Iterator[Premise]:
+    """The premises of the rule, in its order: containment of all, collisions of all pairs, visibility of all.
+
+    Which ones there are depends on properties that are constants of the program in all but odd cases. Those about objects before number
+    `since` alone are left out; those about visibility wait until there is an ego, and are then about all objects (reading `compose-only`).
+    """
+    reader = Reader(state)
+    ego = reader.plain(state.ego)
+    names = {o.number: state.names.get(o.number) or f"{o.class_.name} (object {i})" for i, o in enumerate(state.scene)}
+    bounded = workspace_of(state) is not everywhere
+    new = state.scene[since:]
+    for o in new:
+        if bounded:
+            yield Premise(in_workspace, (o,), Requirement("containment", o.span, f"{names[o.number]} is contained in the workspace"))
+        if reader.property(o, "regionContainedIn") is not None:
+            text = f"{names[o.number]} is contained in its regionContainedIn"
+            yield Premise(in_region_of_its_own, (o,), Requirement("containment", o.span, text))
+    made = {o.number for o in new}
+    solid = [o for o in state.scene if not reader.property(o, "allowCollisions")]
+    for j, second in enumerate(solid):
+        if second.number in made:
+            for o in solid[:j]:
+                text = f"{names[o.number]} and {names[second.number]} do not intersect"
+                yield Premise(apart, (o, second), Requirement("collision", second.span, text))
+    if isinstance(ego, Instance):
+        seen = state.scene if state.simulation is not None and state.simulation.egoless else new
+        for o in seen:
+            if reader.property(o, "requireVisible"):
+                yield Premise(visible, (o, ego), Requirement("visibility", o.span, f"{names[o.number]} is visible from ego"))
+
+
+def in_workspace(state: State, o: Instance) -> bool:
+    """boundingBox(o) ⊆ workspace."""
+    return object_is_in(View(o, Reader(state)), workspace_of(state))
+
+
+def in_region_of_its_own(state: State, o: Instance) -> bool:
+    """boundingBox(o) ⊆ o.regionContainedIn (reading `region-contained`)."""
+    reader = Reader(state)
+    return object_is_in(View(o, reader), contained_in(o, reader))
+
+
+def apart(state: State, first: Instance, second: Instance) -> bool:
+    """boundingBox(o_i) ∩ boundingBox(o_j) = ∅ (reading `touching`)."""
+    reader = Reader(state)
+    one, other = View(first, reader), View(second, reader)
+    return negation(geometry.boxes_intersect(
+        one.position, one.heading, one.width, one.length, other.position, other.heading, other.width, other.length,
+        closed=state.reading("touching") == "collide",
+    ))  # fmt: skip
+
+
+def visible(state: State, o: Instance, ego: Instance) -> bool:
+    """⟨ego can see o⟩ → True."""
+    reader = Reader(state)
+    return can_see_object(View(ego, reader), View(o, reader))
+
+
+def workspace_of(state: State) -> Region:
+    """The value of `workspace`; without one, the whole plane."""
+    found = plain(state.workspace)
+    if found is None:
+        return everywhere
+    if isinstance(found, Region):
+        return found
+    raise RunError(f"workspace must be a region, not {kind_name(found)}", NOWHERE, rule="T-Check", hint="write workspace = Workspace(region)")
+
+
+def contained_in(instance: Instance, reader: Reader) -> Region:
+    """O(instance.regionContainedIn) (reading `region-contained`)."""
+    found = reader.property(instance, "regionContainedIn")
+    if isinstance(found, Region):
+        return found
+    raise RunError(f"regionContainedIn must be a region, not {kind_name(found)}", instance.span, rule="T-Check")
