@@ -89,7 +89,7 @@ def _operator_rules() -> list[Rule]:
 
 def _specifier_rules() -> list[Rule]:
     """In the order of the tables; each rewriting before the equations that it leads to."""
-    found = [Rule("P-With", "`with' specifier", EXPRESSIONS, object_definitions.assign_with)]
+    found = [Rule("P-With", "`with' specifier", EXPRESSIONS, specifiers.with_property)]
     for kind, (_, forms) in specifiers.FORMS.items():
         place = _SPECIFIER_PLACES.get(kind, POSITION)
         if kind in specifiers.REWRITINGS:
@@ -102,7 +102,7 @@ def _specifier_rules() -> list[Rule]:
         for form in forms:
             of_point = kind is q.BesideSpecifier and bool(form.optional)
             found.append(_equation(form.rule, form.function, _OTHER_PLACES.get(form.rule, POSITION_HEADING if of_point else place)))
-    return [*found, Rule("P-Default", "default value specifier", 'Section "Data Types"; Algorithm 1', object_definitions.assign_default)]
+    return [*found, Rule("P-Default", "default value specifier", 'Section "Data Types"; Algorithm 1', specifiers.default_value)]
 
 
 _PAPER = [

@@ -125,7 +125,7 @@ RESUME: Mapping[type, Resumption] = {
     functions.InScope: functions.resume_in_scope,
     comprehensions.Comprehending: comprehensions.resume_comprehension,
     object_definitions.ClassOf: object_definitions.resume_class,
-    object_definitions.Construction: object_definitions.resume_construction,
+    object_definitions.Construction: object_definitions.construct,
     object_definitions.Defaulting: object_definitions.resume_defaulting,
     object_definitions.Placing: object_definitions.resume_placing,
     control.Rest: control.resume_rest,
@@ -173,7 +173,6 @@ UNWIND: Mapping[type, Unwinding] = {
     functions.Called: functions.unwind_called,
     functions.InScope: functions.unwind_in_scope,
     object_definitions.Construction: object_definitions.unwind_construction,
-    object_definitions.Defaulting: object_definitions.unwind_construction,
     control.Looping: control.unwind_looping,
     control.Handling: control.unwind_handling,
     control.Handled: control.unwind_handled,
@@ -303,6 +302,6 @@ def place(config: Config) -> Span:
     span = getattr(control_, "span", NOWHERE)
     while (span is NOWHERE or span.line == 0) and stack:
         frame, stack = stack
-        node = getattr(frame, "node", None) or getattr(getattr(frame, "construction", None), "node", None)
+        node = getattr(frame, "node", None)
         span = node.span if isinstance(node, Node) else NOWHERE
     return span

@@ -1,16 +1,7 @@
 """The rule "Object Definitions" (Figure "Semantics of expressions"): resolve the specifiers, evaluate them in order, newInstance.
 
-    resolveSpecifiers(class, specifiers) = ((s_1, p_1), ..., (s_n, p_n))
-    ⟨s_1, σ[self / ⊥], π, O⟩ →^{r_1} ⟨v_1, σ_1, π, O_1⟩
-    ⟨s_2, σ_1[self.p_1 / v_1(p_1)], π, O_1⟩ →^{r_2} ⟨v_2, σ_2, π, O_2⟩
-    ...
-    ⟨s_n, σ_{n-1}[self.p_{n-1} / v_{n-1}(p_{n-1})], π, O_{n-1}⟩ →^{r_n} ⟨v_n, σ_n, π, O_n⟩
-    inst = newInstance(class, σ_n[self.p_n / v_n(p_n)](self))
-    ----------------------------------------------------------------------------------------
-    ⟨class specifiers, σ, π, O⟩ →^{r_1 ... r_n} ⟨inst, σ, π, O_n ∪ {inst}⟩
-
-`resume_class` finds the class, `conclude_arguments` is the first premise, `construct` goes through the others one by one
-(`assign_property` is σ[self.p / v(p)]), `new_instance` is the conclusion. The properties of `self` stand in O from the start.
+`resolve` is the first premise; `construct` is the rule, as a loop over the others: ⟨s_i, ...⟩ → v_i by `evaluate`, then σ_i[self.p_i / v_i(p_i)] by
+`assign`, which goes on with s_{i+1}. The properties of `self` stand in O from the start.
 
 The arguments of specifiers are evaluated first, from left to right, since which properties a specifier specifies depends
 on their kinds (reading `specifier-arguments`); except those that mention a vector field relative to something, which wait
@@ -55,13 +46,19 @@ class ClassOf(NamedTuple):
 
 
 class Construction(NamedTuple):
-    """Frame of an object definition whose specifier number `index` is being evaluated for `instance`."""
+    """Frame of an object definition: s_i of `order` is evaluated for `instance`, or has been; around it, σ is `outer` and the depth `depth`."""
 
     node: e.ObjectDefinition
     instance: Instance
     order: Ordered
     index: int
     outer: Scope
+    depth: int
+
+    @property
+    def specification(self) -> Specification:
+        """s_i."""
+        return self.order[self.index][0]
 
 
 def object_definition(node: e.ObjectDefinition | e.ObjectOrValue | e.ObjectOrOperator, stack: Stack, state: State) -> Outcome:
@@ -100,13 +97,13 @@ def evaluate_arguments(node: e.ObjectDefinition, class_: ScenicClass, stack: Sta
             return Next(rewriting.rule, Config(Value(class_), (rewritten, stack), state), specifier)
     deferred = tuple(waits_for_position(s, state) for s in node.specifiers)
     expressions = [a for s, late in zip(node.specifiers, deferred, strict=True) if not late for a in arguments_of(s)]
-    return premises(node, expressions, partial(conclude_arguments, class_, deferred), stack, state)
+    return premises(node, expressions, partial(resolve, class_, deferred), stack, state)
 
 
-def conclude_arguments(
+def resolve(
     class_: ScenicClass, deferred: tuple[bool, ...], node: e.ObjectDefinition, values: list[object], stack: Stack, state: State
 ) -> Outcome:
-    """resolveSpecifiers(class, specifiers) = ((s1, p1), ..., (sn, pn)); then σ[self / ⊥]."""
+    """resolveSpecifiers(class, specifiers) = ((s_1, p_1), ..., (s_n, p_n)); then σ[self / ⊥]."""
     rest = iter(values)
     specifications = [
         describe(s, None if late else [next(rest) for _ in arguments_of(s)], state) for s, late in zip(node.specifiers, deferred, strict=True)
@@ -117,97 +114,123 @@ def conclude_arguments(
     order = resolve_specifiers(node.span, specifications, defaults, known, absent)
     instance = Instance(state.made, class_, node.span)
     begun = state._replace(objects={**state.objects, instance.number: {}}, made=state.made + 1)
-    frame = Construction(node, instance, order, 0, state.sigma)
+    frame = Construction(node, instance, order, 0, state.sigma, state.depth)
     return Next("R-ResolveSpecifiers", Config(Value(None), (frame, stack), begun), node, Change("", "order", order))
 
 
-# Evaluation in order
+# The loop
 
 
-def construct(frame: Construction, stack: Stack, state: State) -> Outcome:
-    """⟨s_i, σ[self.p_{i-1} / v_{i-1}]⟩ → v_i for the next specifier; after the last, newInstance."""
-    if frame.index == len(frame.order):
-        return new_instance(frame, stack, state)
-    specification, _ = frame.order[frame.index]
-    if specification.is_default or specification.arguments is None:
-        return evaluate_late(frame, specification, stack, state)
-    if specification.form is None:
-        return assign_with(frame, specification.arguments[0], stack, state)
-    return apply_form(frame, specification.form, specification.arguments, stack, state)
+def construct(frame: Construction, result: object, stack: Stack, state: State) -> Outcome:
+    """If resolveSpecifiers(class, specifiers) = ((s_1, p_1), ..., (s_n, p_n)),
+        ⟨s_1, σ[self / ⊥], π, O⟩ →^{r_1} ⟨v_1, σ_1, π, O_1⟩,
+        ⟨s_2, σ_1[self.p_1 / v_1(p_1)], π, O_1⟩ →^{r_2} ⟨v_2, σ_2, π, O_2⟩,
+        ...
+        ⟨s_n, σ_{n-1}[self.p_{n-1} / v_{n-1}(p_{n-1})], π, O_{n-1}⟩ →^{r_n} ⟨v_n, σ_n, π, O_n⟩ and
+        inst = newInstance(class, σ_n[self.p_n / v_n(p_n)](self)),
+    then ⟨class specifiers, σ, π, O⟩ →^{r_1 ... r_n} ⟨inst, σ, π, O_n ∪ {inst}⟩.
+
+    One turn of the loop: the next s_i; after the last, the conclusion. Only an Object is part of O.
+    """
+    if frame.index < len(frame.order):
+        return evaluate((frame, stack), state)
+    inst = frame.instance
+    after = state._replace(sigma=frame.outer)
+    if not is_object(inst):
+        return value("E-ObjectDefinition", inst, stack, after, frame.node)
+    if state.simulation is not None:
+        check_setup("objects are made", frame.node, stack)
+    return value("E-ObjectDefinition", inst, stack, after._replace(scene=(*state.scene, inst)), frame.node, Change("O", repr(inst), inst))
 
 
-def evaluate_late(frame: Construction, specification: Specification, stack: Stack, state: State) -> Outcome:
-    """Reduce a default value, or an argument that waited for the position, where `self` is the object so far."""
-    node = specification.node
+def assign(rule: str, v: Mapping[str, object], stack: Stack, state: State) -> Next:
+    """σ_i[self.p_i / v_i(p_i)] for the properties p_i that Algorithm 1 gave to s_i, by whose rule ⟨s_i, ...⟩ → v_i; then the next s_i."""
+    frame, rest = stack
+    specification, names = frame.order[frame.index]
+    place = frame.node.span if specification.is_default else specification.node.span
+    chosen = {n: checked_property(n, v[n], place, specification.name, state) for n in names if n in v}
+    following = Construction(frame.node, frame.instance, frame.order, frame.index + 1, frame.outer, frame.depth)
+    after = state.with_properties(frame.instance, chosen)
+    return Next(rule, Config(Value(None), (following, rest), after), specification.node, Change("O", "", None, frame.instance))
+
+
+def outside(frame: Construction, state: State) -> State:
+    """The state with the σ and the depth that the object definition has around it."""
+    return state._replace(sigma=frame.outer, depth=frame.depth)
+
+
+def unwind_construction(frame: Construction, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
+    """An exception leaves the object unfinished; σ is restored."""
+    return Next("", Config(abrupt, stack, outside(frame, state)))
+
+
+# ⟨s_i, ...⟩ → v_i, with the frame `Construction` on top of the stack
+
+
+def evaluate(stack: Stack, state: State) -> Outcome:
+    """Reduce what s_i still needs, then apply its equation: most specifiers need nothing, since their arguments are known."""
+    frame: Construction = stack[0]
+    specification = frame.specification
     if specification.is_default:
-        found = axiom(node, state) if type(node) is p.Constant else NOT_AN_AXIOM
-        if found is not NOT_AN_AXIOM:
-            return assign_default(frame, found, stack, state)
-        owner = frame.instance.class_.defaults[specification.specifies[0]][1]
-        bindings: Mapping[str, object] = {"self": frame.instance, SPECIFIED: frame.instance}
-        scope = Scope("specifier", owner.scope, bindings=dict(bindings))
-        if state.depth >= LARGEST_DEPTH:
-            raise RunError(
-                f"the class {owner.name} creates objects of its own kind in its default of {specification.specifies[0]}, without end", node.span,
-                rule="E-ObjectDefinition",
-            )
-        return reduce(node, Defaulting(frame), stack, state._replace(sigma=scope, depth=state.depth + 1))
-    scope = Scope("specifier", frame.outer, bindings={SPECIFIED: frame.instance})
-    arguments = arguments_of(node)
-    return premises(node, arguments, partial(conclude_late, frame), (frame, stack), state._replace(sigma=scope))
+        return evaluate_default(frame, stack, state)
+    if specification.arguments is None:
+        scope = Scope("specifier", frame.outer, bindings={SPECIFIED: frame.instance})
+        return premises(specification.node, arguments_of(specification.node), conclude_late, stack, state._replace(sigma=scope))
+    return specify(specification.form, specification.arguments, stack, state)
 
 
-def conclude_late(frame: Construction, node: Node, values: list[object], stack: Stack, state: State) -> Outcome:
-    """The arguments that waited are reduced: apply the specifier."""
-    outer = state._replace(sigma=frame.outer)
+def conclude_late(node: Node, values: list[object], stack: Stack, state: State) -> Outcome:
+    """The arguments that waited for the position are reduced."""
+    around = outside(stack[0], state)
     if isinstance(node, q.WithSpecifier):
-        return assign_with(frame, values[0], stack[1], outer)
-    form, complete = choose_form(node, sp.forms_of(node, state.reading("offset-by")), values, state)
-    return apply_form(frame, form, complete, stack[1], outer)
-
-
-def resume_construction(frame: Construction, result: object, stack: Stack, state: State) -> Outcome:
-    """A specifier's properties are assigned: go on with the next one."""
-    return construct(frame, stack, state)
+        return specify(None, tuple(values), stack, around)
+    return specify(*choose_form(node, sp.forms_of(node, state.reading("offset-by")), values, state), stack, around)
 
 
 class Defaulting(NamedTuple):
-    """Frame: a default value expression is being reduced, with `self` bound to the object so far."""
+    """Frame above `Construction`: a default value expression is being reduced, with `self` bound to the object so far."""
 
-    construction: Construction
+
+def evaluate_default(frame: Construction, stack: Stack, state: State) -> Outcome:
+    """Reduce a default value expression in the scope of its class."""
+    node, name = frame.specification.node, frame.specification.specifies[0]
+    found = axiom(node, state) if type(node) is p.Constant else NOT_AN_AXIOM
+    if found is not NOT_AN_AXIOM:
+        return assign("P-Default", sp.default_value(name, found), stack, state)
+    owner = frame.instance.class_.defaults[name][1]
+    if state.depth >= LARGEST_DEPTH:
+        text = f"the class {owner.name} creates objects of its own kind in its default of {name}, without end"
+        raise RunError(text, node.span, rule="E-ObjectDefinition")
+    scope = Scope("specifier", owner.scope, bindings={"self": frame.instance, SPECIFIED: frame.instance})
+    return reduce(node, Defaulting(), stack, state._replace(sigma=scope, depth=state.depth + 1))
 
 
 def resume_defaulting(frame: Defaulting, result: object, stack: Stack, state: State) -> Outcome:
     """The default value was reduced to `result`."""
-    construction = frame.construction
-    return assign_default(construction, result, stack, state._replace(sigma=construction.outer, depth=state.depth - 1))
+    construction: Construction = stack[0]
+    return assign("P-Default", sp.default_value(construction.specification.specifies[0], result), stack, outside(construction, state))
 
 
-def unwind_construction(frame: Construction | Defaulting, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
-    """An exception leaves the object unfinished; σ is restored."""
-    if isinstance(frame, Defaulting):
-        return Next("", Config(abrupt, stack, state._replace(sigma=frame.construction.outer, depth=state.depth - 1)))
-    return Next("", Config(abrupt, stack, state._replace(sigma=frame.outer)))
-
-
-def apply_form(frame: Construction, form: sp.Form, arguments: tuple[object, ...], stack: Stack, state: State) -> Outcome:
-    """Apply the equation of a specifier; `in R` and `visible` first draw the point."""
+def specify(form: sp.Form | None, arguments: tuple[object, ...], stack: Stack, state: State) -> Outcome:
+    """Apply the equation of a specifier (that of `with` has no `form`); `in R` and `visible` first draw the point."""
+    frame: Construction = stack[0]
+    if form is None:
+        return assign("P-With", sp.with_property(frame.specification.specifies[0], arguments[0]), stack, state)
     reader = Reader(state)
-    node = frame.order[frame.index][0].node
     operands = [reader.read(reader.plain(a), kind) for a, kind in zip(arguments, form.kinds, strict=True)]
     if form.needs_self:
         operands.append(reader.read(frame.instance, "Point"))
     if form.needs_euler_steps:
         operands.append(state.settings.euler_steps)
     if form.passes_on:  # ⟦at V⟧ = ⟦V⟧: the value itself, which `resample` may draw again
-        return assign_property(frame, form.rule, {form.specifies[0]: form.function(arguments[0])}, stack, state)
+        return assign(form.rule, {form.specifies[0]: form.function(arguments[0])}, stack, state)
     try:
         result = compute(form.function, operands, reader)
-    except OutsideField as outside:
-        return outside_field(frame, form.rule, outside, {"position": Vector(0.0, 0.0), "heading": 0.0}, reader.origin, stack, state)
+    except OutsideField as problem:
+        return outside_field(form.rule, problem, {"position": Vector(0.0, 0.0), "heading": 0.0}, reader.origin, stack, state)
     if isinstance(result, Region):
-        return draw_point(frame, form, operands, result, node, stack, state)
-    return assign_property(frame, form.rule, properties_of(result, form, reader.origin), stack, state)
+        return draw_point(form, operands, result, stack, state)
+    return assign(form.rule, properties_of(result, form, reader.origin), stack, state)
 
 
 def properties_of(result: object, form: sp.Form, origin: Origin | None) -> dict[str, object]:
@@ -222,92 +245,44 @@ def properties_of(result: object, form: sp.Form, origin: Origin | None) -> dict[
             return {form.specifies[0]: reader_wrap(result)}
 
 
-def draw_point(
-    frame: Construction, form: sp.Form, operands: list[object], region: Region, node: Node, stack: Stack, state: State
-) -> Outcome:
-    """x = uniformPointIn(R)."""
-    try:
-        distribution = PointIn(region)
-    except BadParameters as bad:
-        raise RunError(str(bad), node.span, rule=form.rule) from None
-    origin = Origin(node.span, "a uniformly random point", None)
-    after = state._replace(draws=state.draws + 1)
-    resume = partial(place_point, frame, form, operands, origin, stack, after)
-    return Draw(form.rule, state.address, distribution, node, resume)
+class Placing(NamedTuple):
+    """Frame above `Construction`: the point that `in R` or `visible` needs is being drawn; then comes the equation, with its operands."""
 
-
-class Placed(NamedTuple):
-    """Control result: the point that `in R` or `visible` drew, on its way to the object, with the equation and its operands."""
-
-    point: Vector
     form: sp.Form
     operands: list[object]
     origin: Origin
 
 
-def place_point(
-    frame: Construction, form: sp.Form, operands: list[object], origin: Origin, stack: Stack, state: State, point: object
-) -> Config:
-    """The configuration after the draw: the specifier's frame receives the point."""
-    assert isinstance(point, Vector)
-    return Config(Value(Placed(point, form, operands, origin)), (Placing(frame), stack), state)
-
-
-class Placing(NamedTuple):
-    """Frame: a specifier's point was drawn, its orientation is next."""
-
-    construction: Construction
-
-
-def resume_placing(frame: Placing, placed: Placed, stack: Stack, state: State) -> Outcome:
-    """The equation once its point x is drawn."""
+def draw_point(form: sp.Form, operands: list[object], region: Region, stack: Stack, state: State) -> Outcome:
+    """x = uniformPointIn(R)."""
+    node = stack[0].specification.node
     try:
-        at = compute(placed.form.function, (*placed.operands, placed.point), Reader(state))
-    except OutsideField as outside:
-        properties: dict[str, object] = {"position": placed.point, "heading": 0.0}
-        return outside_field(frame.construction, placed.form.rule, outside, properties, placed.origin, stack, state)
-    return assign_property(frame.construction, placed.form.rule, properties_of(at, placed.form, placed.origin), stack, state)
+        distribution = PointIn(region)
+    except BadParameters as bad:
+        raise RunError(str(bad), node.span, rule=form.rule) from None
+    placing = Placing(form, operands, Origin(node.span, "a uniformly random point", None))
+    after = state._replace(draws=state.draws + 1)
+
+    def resume(point: object) -> Config:
+        return Config(Value(point), (placing, stack), after)
+
+    return Draw(form.rule, state.address, distribution, node, resume)
+
+
+def resume_placing(frame: Placing, point: Vector, stack: Stack, state: State) -> Outcome:
+    """The equation once its point x is drawn."""
+    form, operands, origin = frame
+    try:
+        at = compute(form.function, (*operands, point), Reader(state))
+    except OutsideField as problem:
+        return outside_field(form.rule, problem, {"position": point, "heading": 0.0}, origin, stack, state)
+    return assign(form.rule, properties_of(at, form, origin), stack, state)
 
 
 def outside_field(
-    frame: Construction, rule: str, outside: OutsideField, properties: dict[str, object], origin: Origin | None, stack: Stack, state: State
+    rule: str, problem: OutsideField, properties: Mapping[str, object], origin: Origin | None, stack: Stack, state: State
 ) -> Outcome:
     """Reading `field-outside`: the run is stuck."""
-    node = frame.order[frame.index][0].node
-    names = frame.order[frame.index][1]
+    specification, names = stack[0].order[stack[0].index]
     anything = {n: (Random(v, origin) if origin else v) for n, v in properties.items() if n in names}
-    beyond = assign_property(frame, rule, anything, stack, state)
-    return Stuck(rule, Requirement("field", node.span, outside.premise), beyond.config if isinstance(beyond, Next) else None)
-
-
-def assign_with(frame: Construction, given: object, stack: Stack, state: State) -> Outcome:
-    """⟦with P E⟧ = {P ↦ ⟦E⟧}."""
-    return assign_property(frame, "P-With", dict.fromkeys(frame.order[frame.index][1], given), stack, state)
-
-
-def assign_default(frame: Construction, given: object, stack: Stack, state: State) -> Outcome:
-    """{P ↦ ⟦E⟧} for the property P that no specifier gives, where E is its default value expression in the most derived class, about `self`."""
-    return assign_property(frame, "P-Default", dict.fromkeys(frame.order[frame.index][1], given), stack, state)
-
-
-def assign_property(frame: Construction, rule: str, properties: Mapping[str, object], stack: Stack, state: State) -> Outcome:
-    """σ[self.p / v(p)] for the properties p that Algorithm 1 gave to this specifier; then the next specifier."""
-    specification, names = frame.order[frame.index]
-    place = frame.node.span if specification.is_default else specification.node.span
-    chosen = {n: checked_property(n, properties[n], place, specification.name, state) for n in names if n in properties}
-    after = state.with_properties(frame.instance, chosen)
-    change = Change("O", "", None, frame.instance)
-    following = Construction(frame.node, frame.instance, frame.order, frame.index + 1, frame.outer)
-    return Next(rule, Config(Value(None), (following, stack), after), specification.node, change)
-
-
-def new_instance(frame: Construction, stack: Stack, state: State) -> Outcome:
-    """inst = newInstance(class, σ_n(self)), and O_n ∪ {inst}."""
-    instance = frame.instance
-    if state.simulation is not None and is_object(instance):
-
-        check_setup("objects are made", frame.node, stack)
-    scene = (*state.scene, instance) if is_object(instance) else state.scene
-    after = state._replace(sigma=frame.outer, scene=scene)
-    change = Change("O", repr(instance), instance) if is_object(instance) else None
-    return value("E-ObjectDefinition", instance, stack, after, frame.node, change)
+    return Stuck(rule, Requirement("field", specification.node.span, problem.premise), assign(rule, anything, stack, state).config)

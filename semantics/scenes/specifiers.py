@@ -47,6 +47,19 @@ class Form(NamedTuple):
 ZERO = Constant(value=0)
 
 
+# Figure "Semantics of expressions"
+
+
+def with_property(p: str, v: object) -> Mapping[str, object]:
+    """If ⟨E, σ, π, O⟩ → ⟨v, σ, π, O'⟩ then ⟨with P E, σ, π, O⟩ → {P ↦ v}."""
+    return {p: v}
+
+
+def default_value(p: str, v: object) -> Mapping[str, object]:
+    """If ⟨E, σ, π, O⟩ → ⟨v, σ, π, O'⟩ then ⟨defaults(P), σ, π, O⟩ → {P ↦ v}, where E is the value expression of P in the most derived class."""
+    return {p: v}
+
+
 # Figure "Semantics of position specifiers"
 
 

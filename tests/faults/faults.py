@@ -148,16 +148,16 @@ FAULTS = (
         "a default evaluated once per class",
         (
             Edit(
-                "semantics/scenes/object_definitions.py", "        bindings: Mapping[str, object] = {",
-                "        once = ONCE.get((id(owner), specification.specifies[0]))\n"
-                "        if once is not None:\n"
-                '            return assign_default(frame, once[1], stack, state)\n'
-                "        bindings: Mapping[str, object] = {",
+                "semantics/scenes/object_definitions.py", "    owner = frame.instance.class_.defaults[name][1]\n",
+                "    owner = frame.instance.class_.defaults[name][1]\n"
+                "    once = ONCE.get((id(owner), name))\n"
+                "    if once is not None:\n"
+                '        return assign("P-Default", sp.default_value(name, once[1]), stack, state)\n',
             ),
             Edit(
-                "semantics/scenes/object_definitions.py", "    construction = frame.construction\n",
-                "    construction = frame.construction\n"
-                "    name = construction.order[construction.index][1][0]\n"
+                "semantics/scenes/object_definitions.py", "    construction: Construction = stack[0]\n",
+                "    construction: Construction = stack[0]\n"
+                "    name = construction.specification.specifies[0]\n"
                 "    owner = construction.instance.class_.defaults[name][1]\n"
                 "    if not owner.built_in:\n"
                 "        ONCE[id(owner), name] = (owner, result)\n",
