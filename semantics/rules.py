@@ -1,7 +1,7 @@
 """The catalogue of rules: every inference rule, equation and algorithm of the paper, with its own name and its function.
 
 Ids are `<judgement>-<name>`: E expression, O operator, P specifier, R resolution, S statement, T termination, D dynamics. The
-catalogue lists what the paper defines and, marked `inherited`, what it takes over from Python "essentially without change".
+catalogue lists what the paper defines and, marked `inherited`, the rules of Python that it takes to be standard.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ POSITION_HEADING = 'Figure "Semantics of position specifiers that optionally spe
 HEADINGS = 'Figure "Semantics of heading specifiers"'
 ALGORITHM = "Algorithm 1 (resolveSpecifiers)"
 PYTHON = 'Section "Syntax of Scenic": standard imperative constructs'
+INITIAL = 'Section "Compositional Scenarios", "Interrupts, Overriding, and Initial Scenarios"'
 SILENT = "silent in the paper; see the readings"
 
 
@@ -45,8 +46,8 @@ class Rule:
 
     @property
     def statement(self) -> str:
-        """The rule in words or symbols: the first line of the function's docstring."""
-        return (self.function.__doc__ or "").strip().splitlines()[0]
+        """The rule in words or symbols: the first paragraph of the function's docstring."""
+        return " ".join((self.function.__doc__ or "").partition("\n\n")[0].split())
 
 
 def _left_hand_side(function: Callable[..., object]) -> str:
@@ -112,7 +113,7 @@ _PAPER = [
     Rule("E-Branch", "conditional branching may not depend on random variables", 'Section "Syntax of Scenic"', conditions.random_branch),
     Rule("E-ObjectDefinition", "Object Definitions", EXPRESSIONS, object_definitions.construct),
     Rule("E-Seconds", "E seconds", 'Section "Stateful Behaviors"', expressions.conclude_seconds),
-    Rule("E-InInitialScenario", "in initial scenario", 'Section "Compositional Scenarios"', queries.in_initial_scenario),
+    Rule("E-InInitialScenario", "in initial scenario", INITIAL, queries.in_initial_scenario),
     Rule("R-ResolveSpecifiers", "resolveSpecifiers", ALGORITHM, resolution.resolve_specifiers),
     Rule("R-SpecifiedTwice", "property P specified twice", ALGORITHM + ", gather all specified properties", resolution.specified_twice),
     Rule(
@@ -130,7 +131,7 @@ _PAPER = [
     Rule("S-Mutate", "Mutations", STATEMENTS, statements.conclude_mutate),
     Rule("S-Model", "Selecting a World Model", 'Section "Statements"', imports.model),
     Rule("S-Class", "class definitions", 'Section "Data Types"', definitions.resume_class_body),
-    Rule("S-Dynamic", "dynamic requirements and termination conditions", 'Section "Statements"', declarations.dynamic_requirement),
+    Rule("S-Dynamic", "dynamic requirements and termination conditions", 'Section "Statements", "Requirements"', declarations.dynamic_requirement),
     Rule("S-Definition", "behaviors, monitors and scenarios", 'Section "Statements"', declarations.dynamic_definition),
     Rule("T-Mutate", "Termination, Step 1: Apply Mutations", STATEMENTS, mutation.apply_mutations),
     Rule("T-Check", "Termination, Step 2: Check Default Requirements", STATEMENTS, default_requirements.check_default_requirements),
@@ -176,18 +177,19 @@ INVOKING = 'Section "Statements", "Invoking Other Behaviors and Scenarios"'
 INTERRUPTS = 'Section "Statements", "Interrupts"'
 GUARDS = 'Section "Dynamic Scenarios", "Preconditions and Invariants"'
 TERMINATION = 'Section "Statements", "Termination Conditions"'
+OVER_TIME = 'Section "Dynamic Scenarios", "Requirements and Monitors"'
 MODULAR = 'Section "Statements", "Modular Scenarios"'
 
 _DYNAMIC = [
-    Rule("D-Policy-1", "run the compose blocks", PROCEDURE, policy.compose_blocks),
-    Rule("D-Policy-2", "check all require always conditions", PROCEDURE, policy.requirements_over_time),
-    Rule("D-Policy-3", "run all monitors", PROCEDURE, policy.monitors),
-    Rule("D-Policy-4", "if the flag is set, terminate", PROCEDURE, policy.check_flag),
-    Rule("D-Policy-5", "run all the behaviors", PROCEDURE, policy.behaviors),
-    Rule("D-Policy-6", "repeat step 4", PROCEDURE, policy.check_flag_again),
-    Rule("D-Policy-7", "return the choice of actions", PROCEDURE, policy.actions),
-    Rule("D-Always", "require always B", PROCEDURE + ", step 2", policy.always),
-    Rule("D-Eventually", "require eventually B", PROCEDURE + ", step 4", policy.never_satisfied),
+    Rule("D-Policy-1", "run the compose blocks", PROCEDURE + ", step 1", policy.compose_blocks),
+    Rule("D-Policy-2", "check all require always conditions", PROCEDURE + ", step 2", policy.requirements_over_time),
+    Rule("D-Policy-3", "run all monitors", PROCEDURE + ", step 3", policy.monitors),
+    Rule("D-Policy-4", "if the flag is set, terminate", PROCEDURE + ", step 4", policy.check_flag),
+    Rule("D-Policy-5", "run all the behaviors", PROCEDURE + ", step 5", policy.behaviors),
+    Rule("D-Policy-6", "repeat step 4", PROCEDURE + ", step 6", policy.check_flag_again),
+    Rule("D-Policy-7", "return the choice of actions", PROCEDURE + ", step 7", policy.actions),
+    Rule("D-Always", "require always B", OVER_TIME, policy.always),
+    Rule("D-Eventually", "require eventually B", OVER_TIME, policy.never_satisfied),
     Rule("D-Take", "take actions", ACTIONS, actions.conclude_take),
     Rule("D-Wait", "wait", ACTIONS, actions.wait),
     Rule("D-Terminate", "terminate", TERMINATION, actions.terminate),
@@ -203,7 +205,7 @@ _DYNAMIC = [
     Rule("D-Invariant", "invariant: B", GUARDS, guards.invariant_violated),
     Rule("D-Guard", "the simulation is only rejected if the exception propagates out to the top level", GUARDS, policy.unwind_step),
     Rule("D-Setup", "the setup block of a scenario", MODULAR, scenarios.setup),
-    Rule("D-Scenario-End", "the end of a compose block", MODULAR, scenarios.resume_stepping),
+    Rule("D-Scenario-End", "the end of a compose block", PROCEDURE + ", step 1", scenarios.resume_stepping),
     Rule("D-Override", "override object specifiers", 'Section "Statements", "Overrides"', overrides.conclude_override),
 ]
 

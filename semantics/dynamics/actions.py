@@ -17,7 +17,8 @@ def take(node: d.Take, stack: Stack, state: State) -> Outcome:
 
 
 def conclude_take(node: d.Take, values: list[object], stack: Stack, state: State) -> Outcome:
-    """`take A1, ..., An`: "the behavior is suspended until one time step has elapsed".
+    """Section "Statements", "Actions": "select one or more actions for the agent to take in the current time step"; then "the behavior is suspended
+    until one time step has elapsed".
 
     Actions in lists and tuples are taken one by one; a monitor's are ignored (reading `take-in-monitor`).
     """
@@ -28,10 +29,16 @@ def conclude_take(node: d.Take, values: list[object], stack: Stack, state: State
 
 
 def wait(node: d.Wait, stack: Stack, state: State) -> Outcome:
-    """`wait`: no actions are taken in this time step."""
+    """Section "Statements", "Actions": "The wait statement means no actions are taken in this time step (which makes sense inside monitors and
+    compose blocks)."
+    """
     return suspend((), Value(None), stack, state, "D-Wait", node)
 
 
 def terminate(node: d.Terminate, stack: Stack, state: State) -> Outcome:
-    """`terminate`: the scenario ends; which one depends on where the statement stands (reading `terminate-who`)."""
+    """Section "Statements", "Termination Conditions": "The terminate statement can be called inside a behavior, monitor, or compose block to end the
+    scenario immediately."
+
+    Which scenario that is depends on where the statement stands (reading `terminate-who`).
+    """
     return Next("D-Terminate", Config(Abrupt("terminate", None, node.span), stack, state), node)

@@ -78,7 +78,10 @@ def unwind_enabling(frame: Enabling, abrupt: Abrupt, stack: Stack, state: State)
 
 
 def choose(frame: Enabling, stack: Stack, state: State) -> Outcome:
-    """One of the enabled options, with a probability proportional to its weight (reading `choose-weights`); none rejects the simulation."""
+    """Section "Compositional Scenarios", "Random Selection of Scenarios": "choose scenarios to run randomly amongst only those whose preconditions
+    are satisfied". The probability of each is proportional to its weight (reading `choose-weights`); "If none of the three scenarios are enabled,
+    Scenic will reject the simulation."
+    """
     picking, node = frame.picking, frame.picking.node
     if not frame.enabled:
         word = "choose" if isinstance(node, d.DoChoose) else "shuffle"

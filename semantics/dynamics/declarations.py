@@ -17,7 +17,9 @@ from .scenarios import declare
 
 
 def dynamic_requirement(node: Node, stack: Stack, state: State) -> Outcome:
-    """`require always`, `require eventually`, `terminate when`: conditions that the policy monitors, not the scene."""
+    """Section "Statements", "Requirements": "define requirements that must hold in every and some time step of the scenario respectively." They,
+    and `terminate when`, are conditions for the policy, not the scene.
+    """
     return Next("S-Dynamic", Config(PASS, stack, declare(Declared(node, state.sigma), stack, state)), node)
 
 
@@ -35,7 +37,7 @@ def conclude_require_monitor(node: d.RequireMonitor, values: list[object], stack
 
 
 def dynamic_definition(node: d.BehaviorDefinition | d.MonitorDefinition | d.ScenarioDefinition, stack: Stack, state: State) -> Outcome:
-    """σ[name / the behavior, monitor or scenario]; default arguments are evaluated now."""
+    """⟨behavior b(x=E): s, σ⟩ → ⟨pass, σ[b / the behavior]⟩, where E is evaluated now; likewise for `monitor` and `scenario`."""
     return premises(node, [q.default for q in node.parameters], conclude_definition, stack, state)
 
 

@@ -63,12 +63,16 @@ def resume_guarding(frame: Guarding, result: object, stack: Stack, state: State)
 
 
 def precondition_violated(text: str, condition: Expression, stack: Stack, state: State) -> Outcome:
-    """A violation is signalled "by raising a GuardViolation exception", here PreconditionViolation: where a behavior or scenario begins."""
+    """Section "Dynamic Scenarios", "Preconditions and Invariants": "Scenic signals guard violations by raising a GuardViolation exception which
+    can be caught like any other exception". Here it is a PreconditionViolation, where a behavior or scenario begins.
+    """
     return Next("D-Precondition", Config(Abrupt("raise", PreconditionViolation(text), condition.span), stack, state), condition)
 
 
 def invariant_violated(text: str, condition: Expression, stack: Stack, state: State) -> Outcome:
-    """A violated invariant raises "an InvariantViolation exception": where a behavior or scenario begins, and whenever it goes on."""
+    """Section "Dynamic Scenarios", "Preconditions and Invariants": "invariants which are checked at every time step during the execution of a
+    behavior, not just when it begins running." A violated one raises an InvariantViolation.
+    """
     return Next("D-Invariant", Config(Abrupt("raise", InvariantViolation(text), condition.span), stack, state), condition)
 
 
@@ -132,7 +136,9 @@ def resume_returning(frame: Returning, result: object, stack: Stack, state: Stat
 
 
 def do_returns(stack: Stack, state: State) -> Outcome:
-    """"When the do statement returns", the invariants of the calling behavior have been checked: ⟨do B⟩ → ⟨pass⟩."""
+    """Section "Statements", "Invoking Other Behaviors and Scenarios": "When the do statement returns, the invariants of the calling
+    behavior/scenario are checked as above." They have been: ⟨do B⟩ → ⟨pass⟩.
+    """
     return Next("D-Do-Return", Config(PASS, stack, state))
 
 

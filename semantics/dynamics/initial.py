@@ -67,7 +67,9 @@ def check_preconditions(frame: Beginning, stack: Stack, state: State) -> Outcome
 
 
 def precondition(requirement: Requirement, result: object, stack: Stack, state: State) -> Outcome:
-    """"Like ordinary requirements, violating any precondition causes the simulation to be rejected": that of the initial scenario is observed."""
+    """Section "Dynamic Scenarios", "Preconditions and Invariants": "like ordinary requirements, violating any precondition causes the simulation
+    to be rejected." That of the initial scenario is observed.
+    """
     return observed("D-Initial", requirement, holding(result, requirement.span, state, "a precondition", "D-Initial"), stack, state)
 
 

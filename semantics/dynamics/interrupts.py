@@ -55,7 +55,9 @@ def try_interrupt(node: s.Try, stack: Stack, state: State) -> Outcome:
 
 
 def interruptible(node: Node, clauses: tuple[Clause, ...], body: s.Block, stack: Stack, state: State) -> Outcome:
-    """Begin a statement with interrupts."""
+    """Section "Statements", "Interrupts": "when a try statement executes, the conditions for each interrupt when block are checked at each time
+    step. While none of them are true, the try block executes."
+    """
     assert state.simulation is not None
     frame = Interruptible(node, clauses, state.sigma, state.handling, state.depth, state.simulation.step)
     whole = body_as_statement(body)
@@ -87,7 +89,8 @@ def resume_entering(frame: Entering, result: object, stack: Stack, state: State)
 
 
 def abort(node: d.Abort, stack: Stack, state: State) -> Outcome:
-    """`abort`: the statement with interrupts around it ends at once."""
+    """Section "Statements", "Interrupts": "any block may execute the abort statement to immediately terminate the entire try statement."
+    """
     return Next("D-Abort", Config(Abrupt("abort", None, node.span), stack, state), node)
 
 
@@ -167,7 +170,9 @@ def interrupt(process: Suspended, place: int, clause: int, stack: Stack, state: 
 
 
 def begin_handler(handler: s.Block, node: Node, stack: Stack, state: State) -> Outcome:
-    """The invariants hold: the handler."""
+    """Section "Statements", "Interrupts": "When an interrupt condition becomes true, the body of the corresponding block is executed (with lower
+    blocks preempting those above), suspending any behaviors/scenarios that were executing in the try block until the interrupt handler completes".
+    """
     return block(handler, stack, state, "D-Interrupt", node)
 
 

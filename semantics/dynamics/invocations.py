@@ -138,14 +138,17 @@ def run_behavior(node: Node, behavior: Dynamic, who: Who, stack: Stack, state: S
 
 
 def enter_behavior(node: Node, behavior: Dynamic, scope: Scope, stack: Stack, state: State) -> Outcome:
-    """`do B`: the behavior runs, its guards holding, as part of the one that invokes it, until it ends."""
+    """Section "Statements", "Invoking Other Behaviors and Scenarios": "invokes one or more behaviors (if in a behavior) or scenarios (if in a
+    compose block). It does not return until the sub-behavior/sub-scenario terminates". Here the guards of a behavior hold, and it runs as part of
+    the one that invokes it.
+    """
     body: s.Block = behavior.definition.body  # type: ignore[attr-defined]
     frame = Invoked(behavior, scope, state.sigma)
     return Next("D-Do", Config(body_as_statement(body), (frame, stack), state._replace(sigma=scope, depth=state.depth + 1)), node)
 
 
 def resume_invoked(frame: Invoked, result: object, stack: Stack, state: State) -> Outcome:
-    """The behavior ended: "when the do statement returns, the invariants of the calling behavior are checked"."""
+    """The behavior ended: "When the do statement returns, the invariants of the calling behavior/scenario are checked"."""
     return returned(stack, left(frame, state))
 
 

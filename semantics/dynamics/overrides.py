@@ -24,9 +24,10 @@ def override(node: d.Override, stack: Stack, state: State) -> Outcome:
 
 
 def conclude_override(node: d.Override, values: list[object], stack: Stack, state: State) -> Outcome:
-    """`override object with p v, ...`: the properties have these values until the scenario ends.
+    """Section "Statements", "Overrides": "Properties overridden by a scenario revert to their original values when the scenario terminates. When the
+    behavior property is overridden, the original behavior is suspended, then resumed at the end of the scenario."
 
-    The old values are remembered; a behavior is suspended, and the new one begins.
+    The old values are remembered here; a behavior is suspended, and the new one begins.
     """
     target, *assigned = (plain(v) for v in values)
     if not (isinstance(target, Instance) and is_object(target)):
@@ -54,7 +55,7 @@ def remembered(override: Override, stack: Stack, state: State) -> State:
     """The override belongs to the scenario that is set up, or whose compose block runs."""
     while stack:
         frame, stack = stack
-        if isinstance(frame, Setting):
+        if isinstance(frame, Setting) and frame.in_block:
             number = simulation_of(state).begun
             waiting = simulation_of(state).scenarios.get(number, Running(number, None, state.sigma, None))
             return with_scenario(state, waiting._replace(overrides=(*waiting.overrides, override)))

@@ -75,7 +75,10 @@ def resume_step(frame: Step, result: object, stack: Stack, state: State) -> Outc
 
 
 def compose_blocks(frame: Step, result: object, stack: Stack, state: State) -> Outcome:
-    """Step 1: run the compose blocks of all running scenarios for one time step; remember in a flag if the top-level scenario is over."""
+    """Section "Semantics of Scenic", "Dynamic Constructs", step 1: "Run the compose blocks of all currently-running scenarios for one time step.
+    If any require conditions fail, discard the simulation. If instead the top-level scenario finishes its compose block (if any), one of its
+    terminate when conditions is true, or it executes terminate, set a flag to remember this".
+    """
     if result is None:
         return step_of_scenario(TOP, (frame, stack), with_simulation(state, active=()))
     reason = result.reason if isinstance(result, Over) else ""
@@ -83,9 +86,11 @@ def compose_blocks(frame: Step, result: object, stack: Stack, state: State) -> O
 
 
 def requirements_over_time(frame: Step, result: object, stack: Stack, state: State) -> Outcome:
-    """Step 2: check all `require always` conditions of running scenarios; and see which `require eventually` conditions hold now.
+    """Section "Semantics of Scenic", "Dynamic Constructs", step 2: "Check all require always conditions of currently-running scenarios; if any fail,
+    discard the simulation."
 
-    One of a scenario that is over, and that never held, discards the simulation (reading `eventually-window`).
+    Here it is seen as well which `require eventually` conditions hold now; one of a scenario that is over, and that never held, discards the
+    simulation (reading `eventually-window`).
     """
     todo = list(conditions(state))
     if frame.outer is not None:
@@ -108,7 +113,9 @@ def condition_at(number: int, place: int, declared: Declared, stack: Stack, stat
 
 
 def always(node: d.RequireAlways, result: object, stack: Stack, state: State) -> Outcome:
-    """`require always B`: B holds at every time step while its scenario runs, or the simulation is discarded."""
+    """Section "Dynamic Scenarios", "Requirements and Monitors": "enforces that the given condition must hold at every time step of the scenario;
+    if it is ever violated during a simulation, we reject that simulation and sample a new one." It is step 2 of the policy.
+    """
     requirement = Requirement("always", node.span, f"`require always` on line {node.span.line}")
     holds = holding(result, node.condition.span, state, "a requirement", "D-Always")
     return Observe("D-Always", requirement, Config(PASS, stack, state)) if holds else Stuck("D-Always", requirement)
@@ -123,7 +130,9 @@ def eventually(number: int, place: int, node: d.RequireEventually, result: objec
 
 
 def never_satisfied(missed: Requirement) -> Stuck:
-    """`require eventually B`: B must have held at some time while its scenario ran, or the simulation is discarded."""
+    """Section "Dynamic Scenarios", "Requirements and Monitors": "we can require that a condition hold at some time during the scenario using the
+    require eventually statement". One that never did discards the simulation, in step 4 of the policy.
+    """
     return Stuck("D-Eventually", missed)
 
 
@@ -141,7 +150,9 @@ def conditions(state: State) -> Iterator[tuple[int, int, Declared]]:
 
 
 def monitors(frame: Step, result: object, stack: Stack, state: State) -> Outcome:
-    """Step 3: run all monitors of running scenarios for one time step, "as above"."""
+    """Section "Semantics of Scenic", "Dynamic Constructs", step 3: "Run all monitors of currently-running scenarios for one time step. As above,
+    discard the simulation if any require conditions fail, and set the terminate flag if the terminate statement is executed."
+    """
     there, active = simulation_of(state).scenarios, simulation_of(state).active
     todo = [(number, place) for number in dict.fromkeys(active) for place in range(len(there[number].monitors))]
     if result is not None:
@@ -176,12 +187,15 @@ def ended_by_monitor(number: int, state: State) -> State:
 
 
 def check_flag(frame: Step, result: object, stack: Stack, state: State) -> Outcome:
-    """Step 4: if the flag is set, check that all `require eventually` conditions have been satisfied at some time; then terminate."""
+    """Section "Semantics of Scenic", "Dynamic Constructs", step 4: "If the flag is set, check that all require eventually conditions were
+    satisfied at some time step: if so, terminate the simulation; otherwise, discard it."
+    """
     return ended(frame, "D-Policy-4", stack, state)
 
 
 def check_flag_again(frame: Step, result: object, stack: Stack, state: State) -> Outcome:
-    """Step 6: repeat step 4 "to check the terminate flag", which a behavior may have set."""
+    """Section "Semantics of Scenic", "Dynamic Constructs", step 6: "Repeat (4) to check the terminate flag."
+    """
     return ended(frame, "D-Policy-6", stack, state)
 
 
@@ -215,7 +229,9 @@ def never_held(running: Running) -> Requirement | None:
 
 
 def behaviors(frame: Step, result: object, stack: Stack, state: State) -> Outcome:
-    """Step 5: run all the behaviors of dynamic agents for one time step, gathering their actions."""
+    """Section "Semantics of Scenic", "Dynamic Constructs", step 5: "Run all the behaviors of dynamic agents for one time step, gathering their
+    actions and discarding the simulation or setting the terminate flag as in (3)."
+    """
     if frame.next == 0 and result is None:
         state = with_simulation(state, agents={n: a._replace(actions=()) for n, a in simulation_of(state).agents.items()})
     if result is not None:
@@ -254,7 +270,8 @@ def first_step(behavior: object, span: object, state: State) -> Suspended:
 
 
 def actions(frame: Step, result: object, stack: Stack, state: State) -> Outcome:
-    """Step 7: return the choice of actions selected by the dynamic agents."""
+    """Section "Semantics of Scenic", "Dynamic Constructs", step 7: "Return the choice of actions selected by the dynamic agents."
+    """
     chosen = {number: agent.actions for number, agent in simulation_of(state).agents.items() if agent.actions}
     return Act("D-Policy-7", chosen, state)
 
@@ -273,7 +290,9 @@ def flagged(reason: str, state: State) -> State:
 
 
 def unwind_step(frame: Step, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
-    """An exception that nothing caught: a guard that is violated discards the simulation, any other is the program's error."""
+    """Section "Dynamic Scenarios", "Preconditions and Invariants": "the simulation is only rejected if the exception propagates out to the top
+    level." Any other exception is the program's error.
+    """
     if isinstance(abrupt.value, GuardViolation):
         return Stuck("D-Guard", Requirement("guard", abrupt.span, str(abrupt.value)))
     return Next("", Config(abrupt, stack, state))

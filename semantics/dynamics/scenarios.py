@@ -58,11 +58,11 @@ def begin_scenarios(
     """`do S1, ..., Sn` in a compose block: set them up one after the other, then run them for one time step unless they are to end already."""
     if state.depth >= LARGEST_DEPTH:
         raise RunError(f"{invocations[0]!r} invokes itself too deeply ({LARGEST_DEPTH} scenarios are open)", node.span, rule="D-Do")
-    return set_up(Setting(node, invocations, 0, (), state, 0, until, enabled), stack, state)
+    return set_up(Setting(node, invocations, state, until, enabled), stack, state)
 
 
 def set_up(frame: Setting, stack: Stack, state: State) -> Outcome:
-    """Check the preconditions of the next scenario, and run its setup block; its invariants may be about what that makes."""
+    """One scenario after the other: its preconditions, its setup block, the default requirements about what that makes. Then all of them run."""
     if frame.index == len(frame.invocations):
         after = state._replace(sigma=frame.before.sigma, dynamic=frame.before.dynamic)
         scenarios = Scenarios(frame.node, frame.begun)
@@ -72,28 +72,38 @@ def set_up(frame: Setting, stack: Stack, state: State) -> Outcome:
     scenario = frame.invocations[frame.index]
     scope = fresh_space(scenario, frame.node, state)
     preconditions = () if frame.enabled else guards_of(scenario, scope)[:1]
-    return guarded(preconditions, partial(enter_setup, frame, scope), (Preparing(frame), stack), state)
+    return guarded(preconditions, partial(enter_setup, scope), (frame, stack), state)
 
 
-def fresh_space(scenario: Dynamic, node: Node, state: State) -> Scope:
-    """The variables of a scenario that begins: its arguments, and nothing of an earlier run of the same instance. Raises `RunError` if it runs."""
-    scope = scenario.space
-    assert scope is not None
-    if any(running.dynamic is scenario and not running.over for running in simulation_of(state).scenarios.values()):
-        raise RunError(f"this instance of {scenario!r} is running already", node.span, rule="D-Do", hint="make another one")
-    scope.refill(scope_of(scenario, {}).bindings)
-    return scope
+def enter_setup(scope: Scope, stack: Stack, state: State) -> Outcome:
+    """The preconditions hold: the setup block, in the scope of the scenario, whose invariants may be about what that makes."""
+    frame, below = stack
+    definition = frame.invocations[frame.index].definition
+    assert isinstance(definition, d.ScenarioDefinition)
+    here = frame._replace(stage="setup block", objects=len(state.scene))
+    return setup(definition, frame.node, (here, below), with_simulation(state._replace(sigma=scope, dynamic=()), setting=True))
 
 
-class Preparing(NamedTuple):
-    """Frame: the preconditions of a scenario are being checked."""
+def setup(definition: d.ScenarioDefinition, node: Node, stack: Stack, state: State) -> Outcome:
+    """Section "Statements", "Modular Scenarios": "The setup block contains code that runs once when the scenario begins to execute, and is a list
+    of statements like a top-level Scenic program".
+    """
+    return block(definition.setup or (), stack, state, "D-Setup", node)
 
-    setting: Setting
 
-
-def unwind_preparing(frame: Preparing, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
-    """A guard does not hold."""
-    return unwind_setting(frame.setting, abrupt, stack, state)
+def resume_setting(frame: Setting, result: object, stack: Stack, state: State) -> Outcome:
+    """The block ended: mutate its objects and check the requirements about them (reading `dynamic-objects`); then on with the next scenario."""
+    simulation = simulation_of(state)
+    if frame.in_block and (len(state.scene) > frame.objects or (simulation.egoless and state.ego is not None)):
+        return apply_termination_rules((frame._replace(stage="default requirements"), stack), state, since=frame.objects)
+    number = simulation.begun
+    running = scenario_from(number, frame.invocations[frame.index], state.sigma, state.dynamic, state.depth + 1)
+    if number in simulation.scenarios:  # what its setup overrode
+        running = running._replace(overrides=simulation.scenarios[number].overrides)
+    state = with_simulation(state, begun=number + 1, known=state.made, setting=False, egoless=state.ego is None)
+    state = with_scenario(state, running).with_objects(settled(state.objects))
+    state = state._replace(dynamic=frame.before.dynamic, sigma=frame.before.sigma)
+    return set_up(frame._replace(index=frame.index + 1, begun=(*frame.begun, number), stage="preconditions"), stack, state)
 
 
 def unwind_setting(frame: Setting, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
@@ -111,51 +121,14 @@ def unwind_setting(frame: Setting, abrupt: Abrupt, stack: Stack, state: State) -
     return Next("", Config(abrupt, stack, after))
 
 
-def enter_setup(frame: Setting, scope: Scope, stack: Stack, state: State) -> Outcome:
-    """The guards hold: the setup block, in the scope of the scenario."""
-    stack = stack[1]  # without `Preparing`
-    definition = frame.invocations[frame.index].definition
-    assert isinstance(definition, d.ScenarioDefinition)
-    here = frame._replace(objects=len(state.scene))
-    begun = with_simulation(state._replace(sigma=scope, dynamic=()), setting=True)
-    return setup(definition, frame.node, (here, stack), begun)
-
-
-def setup(definition: d.ScenarioDefinition, node: Node, stack: Stack, state: State) -> Outcome:
-    """The setup block "runs once when the scenario begins to execute"."""
-    return block(definition.setup or (), stack, state, "D-Setup", node)
-
-
-def resume_setting(frame: Setting, result: object, stack: Stack, state: State) -> Outcome:
-    """The block ended: mutate its objects and check the default requirements about them (reading `dynamic-objects`)."""
-    if len(state.scene) > frame.objects or (simulation_of(state).egoless and state.ego is not None):
-        following = (SetUp(frame), stack)
-        return apply_termination_rules(following, state, since=frame.objects)
-    return resume_set_up(SetUp(frame), None, stack, state)
-
-
-class SetUp(NamedTuple):
-    """Frame: the objects of a scenario meet the default requirements."""
-
-    setting: Setting
-
-
-def unwind_set_up(frame: SetUp, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
-    """As for the setup block."""
-    return unwind_setting(frame.setting, abrupt, stack, state)
-
-
-def resume_set_up(frame: SetUp, result: object, stack: Stack, state: State) -> Outcome:
-    """The scenario is running: on with the next one."""
-    setting, simulation = frame.setting, simulation_of(state)
-    scenario, number = setting.invocations[setting.index], simulation.begun
-    running = scenario_from(number, scenario, state.sigma, state.dynamic, state.depth + 1)
-    if number in simulation.scenarios:  # what its setup overrode
-        running = running._replace(overrides=simulation.scenarios[number].overrides)
-    state = with_simulation(state, begun=number + 1, known=state.made, setting=False, egoless=state.ego is None)
-    state = with_scenario(state, running).with_objects(settled(state.objects))
-    state = state._replace(dynamic=setting.before.dynamic, sigma=setting.before.sigma)
-    return set_up(setting._replace(index=setting.index + 1, begun=(*setting.begun, number)), stack, state)
+def fresh_space(scenario: Dynamic, node: Node, state: State) -> Scope:
+    """The variables of a scenario that begins: its arguments, and nothing of an earlier run of the same instance. Raises `RunError` if it runs."""
+    scope = scenario.space
+    assert scope is not None
+    if any(running.dynamic is scenario and not running.over for running in simulation_of(state).scenarios.values()):
+        raise RunError(f"this instance of {scenario!r} is running already", node.span, rule="D-Do", hint="make another one")
+    scope.refill(scope_of(scenario, {}).bindings)
+    return scope
 
 
 def settled(objects: Mapping[int, Properties]) -> Mapping[int, Properties]:
@@ -178,7 +151,7 @@ def scenario_from(number: int, dynamic: Dynamic | None, scope: Scope, declared: 
 
 
 def monitor(declared: Declared) -> Suspended:
-    """A monitor before its first time step: it "runs in parallel with the scenario" from its definition on (reading `monitor-structure`)."""
+    """A monitor before its first time step: monitors "run in parallel with the scenario", from their definition on (reading `monitor-structure`)."""
     node = declared.node
     assert isinstance(node, d.MonitorDefinition)
     return Suspended(body_as_statement(node.body), (), declared.scope, begun=False)
@@ -188,7 +161,7 @@ def monitor(declared: Declared) -> Suspended:
 
 
 def run_scenarios(frame: Scenarios, stack: Stack, state: State) -> Outcome:
-    """Run the next of the scenarios for one time step; "do does not return until the sub-scenario terminates"."""
+    """Run the next of the scenarios for one time step; `do` "does not return until the sub-behavior/sub-scenario terminates"."""
     if frame.index < len(frame.numbers):
         return step_of_scenario(frame.numbers[frame.index], (frame, stack), state)
     if not frame.left:
@@ -229,7 +202,9 @@ def step_of_scenario(number: int, stack: Stack, state: State) -> Outcome:
 
 
 def resume_stepping(frame: Stepping, result: object, stack: Stack, state: State) -> Outcome:
-    """The compose block waits, or it is finished, and with it the scenario."""
+    """Section "Semantics of Scenic", "Dynamic Constructs", step 1: "finishes its compose block (if any), one of its terminate when conditions is
+    true, or it executes terminate". So a scenario ends; while its block waits, it goes on unless a condition is true.
+    """
     running = simulation_of(state).scenarios[frame.number]
     if isinstance(result, Yielded):
         return check_termination(frame.number, 0, stack, with_scenario(state, running._replace(compose=result.rest)))
@@ -251,7 +226,9 @@ def check_termination(number: int, index: int, stack: Stack, state: State) -> Ou
 
 
 def resume_ending(frame: Ending, result: object, stack: Stack, state: State) -> Outcome:
-    """`terminate when B`: the scenario ends in the time step in which B is true."""
+    """Section "Statements", "Termination Conditions": "defines a condition which is monitored as in require eventually, but which when true causes
+    the scenario to end."
+    """
     node = simulation_of(state).scenarios[frame.number].terminations[frame.index].node
     assert isinstance(node, d.TerminateWhen)
     after = as_before(frame.outer, state)
@@ -277,7 +254,7 @@ def declare(declared: Declared, stack: Stack, state: State) -> State:
     """A monitor, requirement or termination condition belongs to the scenario that is set up, or whose compose block runs."""
     while stack:
         frame, stack = stack
-        if isinstance(frame, Setting):
+        if isinstance(frame, Setting) and frame.in_block:
             break
         if isinstance(frame, Coroutine) and frame.who.kind == "compose":
             running = simulation_of(state).scenarios[frame.who.number]

@@ -106,7 +106,9 @@ def truth(result: object, node: Node, state: State, what: str) -> bool:
 
 
 def random_branch(result: Random, node: Node, what: str) -> RandomBranch:
-    """The error of reading `random-branch`."""
+    """Section "Syntax of Scenic": "conditional branching may not depend on random variables (except in behaviors)." It is an error, whatever was
+    drawn (reading `random-branch`).
+    """
     return RandomBranch(
         f"{what} is random: it depends on {describe_origin(result.origin)}, and control flow outside behaviors and compose blocks may not",
         node.span, rule="E-Branch", hint="use `require` to condition on it, or Uniform/Discrete to choose among values",

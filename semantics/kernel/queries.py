@@ -62,5 +62,7 @@ def distance_to_closest(closest: Closest, arguments: tuple[object, ...], node: N
 
 
 def in_initial_scenario(node: e.InInitialScenario, stack: Stack, state: State) -> Outcome:
-    """`in initial scenario`: true for the scenario that the run began with."""
+    """Section "Compositional Scenarios", "Interrupts, Overriding, and Initial Scenarios": "testing whether we are inside the initial scenario,
+    i.e., the very first scenario to run."
+    """
     return value("E-InInitialScenario", state.simulation is None, stack, state, node)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from ..syntax.nodes import NOWHERE, Expression, Node, Span
 from ..syntax.statements import Block
@@ -172,25 +172,31 @@ class Clause(NamedTuple):
 
 
 class Setting(NamedTuple):
-    """Frame of the setup block of scenario number `index` among those that `do` invokes; objects from number `objects` on are its own.
+    """Frame: scenario number `index` among those that `do` invokes is set up, and this `stage` of it runs; those before it are the `begun`.
 
-    `before` is the state at the statement; if they are `enabled`, their preconditions are known to hold.
+    Objects from number `objects` on are its own. `before` is the state at the statement; preconditions of `enabled` ones are known to hold.
     """
 
     node: Node
     invocations: tuple[Dynamic, ...]
-    index: int
-    begun: tuple[int, ...]
     before: State
-    objects: int
     until: Clause | None
     enabled: bool = False
+    index: int = 0
+    begun: tuple[int, ...] = ()
+    stage: Literal["preconditions", "setup block", "default requirements"] = "preconditions"
+    objects: int = 0
+
+    @property
+    def in_block(self) -> bool:
+        """Whether the setup block runs."""
+        return self.stage == "setup block"
 
 
 def check_setup(what: str, node: Node, stack: Stack) -> int:
     """Objects are made, and mutated, in setup blocks, whose end checks the default requirements: the number of the first. Raises `RunError`."""
     while stack:
-        if isinstance(stack[0], Setting):
+        if isinstance(stack[0], Setting) and stack[0].in_block:
             return stack[0].objects
         stack = stack[1]
     raise RunError(f"{what} in a setup block only", node.span, rule="D-Setup", hint="put it into a scenario, and invoke that with `do`")

@@ -73,7 +73,10 @@ def while_running(values: list[object]) -> list[object]:
 
 
 def apply(node: Node, function: object, arguments: tuple[object, ...], keywords: Mapping[str, object], stack: Stack, state: State) -> Outcome:
-    """Apply a function value: a distribution, a function of the program, a rule of the machine, or host code."""
+    """If ⟨E_i⟩ → v_i then ⟨f(E_1, ..., E_n), σ⟩ → ⟨s, σ_f[x_i / v_i]⟩ for a function f of the program with the body s, closed over σ_f.
+
+    Any other function value is applied by its own rule: a distribution, a rule of the machine, host code.
+    """
     match function:
         case Constructor():
             return draw(node, function, arguments, keywords, stack, state)
@@ -112,7 +115,7 @@ def apply(node: Node, function: object, arguments: tuple[object, ...], keywords:
 
 
 def invocation(dynamic: Dynamic, arguments: tuple[object, ...], keywords: Mapping[str, object]) -> Dynamic:
-    """A behavior, monitor or scenario with its arguments, checked against its parameters."""
+    """If ⟨E_i⟩ → v_i then ⟨B(E_1, ..., E_n)⟩ → B with the arguments v_i, checked against its parameters, for a behavior, monitor or scenario B."""
     definition = dynamic.definition
     bound = bind(definition.name, definition.parameters, dynamic.defaults, arguments, keywords)  # type: ignore[attr-defined]
     space = Scope("function", dynamic.scope, function_names(definition), bound) if isinstance(definition, ScenarioDefinition) else None

@@ -132,7 +132,7 @@ def resume_looping(frame: Looping, result: object, stack: Stack, state: State) -
 
 
 def unwind_looping(frame: Looping, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
-    """`break` ends the loop, `continue` its turn."""
+    """If ⟨s⟩ → ⟨break⟩ then ⟨while B: s⟩ → ⟨pass⟩; if ⟨s⟩ → ⟨continue⟩ then ⟨while B: s⟩ → ⟨while B: s⟩; likewise for `for`."""
     if abrupt.kind == "break":
         return Next("S-Break", Config(PASS, stack, state))
     if abrupt.kind == "continue":
@@ -154,7 +154,7 @@ def return_statement(node: s.Return, stack: Stack, state: State) -> Outcome:
 
 
 def conclude_return(node: s.Return, values: list[object], stack: Stack, state: State) -> Outcome:
-    """If ⟨E⟩ → v then ⟨return E⟩ leaves the function with v."""
+    """If ⟨E⟩ → v then ⟨return E; s⟩ → ⟨return v⟩, which leaves the function."""
     return Next("S-Return", Config(Abrupt("return", values[0], node.span), stack, state), node)
 
 
@@ -252,7 +252,7 @@ def resume_choosing(frame: Choosing, result: object, stack: Stack, state: State)
 
 
 def handle(handler: s.Handler, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
-    """Run the handler with the exception bound to its name."""
+    """If ⟨s1⟩ → ⟨raise v⟩ and v is an instance of C then ⟨try: s1 except C as x: s2, σ⟩ → ⟨s2, σ[x / v]⟩."""
     exception = abrupt.value
     assert isinstance(exception, BaseException)
     if abrupt.origin is not None:
@@ -301,7 +301,7 @@ def resume_afterwards(frame: Afterwards, result: object, stack: Stack, state: St
 
 
 def raised(problem: HostException, place: Span, stack: Stack, state: State) -> Outcome:
-    """If an operation of Python raises the exception v, blocks are left with v, as by `raise v`: the program may catch it."""
+    """If an operation of Python raises the exception v then ⟨E⟩ → ⟨raise v⟩: blocks are left with v, and the program may catch it."""
     return Next("E-Raise", Config(Abrupt("raise", problem.exception, place, problem.origin), stack, state))
 
 
@@ -311,7 +311,7 @@ def raise_statement(node: s.Raise, stack: Stack, state: State) -> Outcome:
 
 
 def conclude_raise(node: s.Raise, values: list[object], stack: Stack, state: State) -> Outcome:
-    """If ⟨E⟩ → v then ⟨raise E⟩ leaves blocks with the exception v; a class is instantiated, a bare `raise` repeats the one being handled."""
+    """If ⟨E⟩ → v then ⟨raise E; s⟩ → ⟨raise v⟩, which leaves blocks; a class is instantiated, a bare `raise` repeats the one being handled."""
     exception, cause = (plain(v) for v in values)
     if node.exception is None:
         if not state.handling:

@@ -1,6 +1,6 @@
 """Expressions inherited from Python: displays, attributes, subscripts, arithmetic, comparisons, boolean operators.
 
-The paper uses their rules "essentially without change". What differs from Python: an operation on a random value gives a
+Their rules are standard, and "we essentially use without change" what Python does. What differs from Python: an operation on a random value gives a
 random value, and nothing may branch on one outside behaviors (reading `random-branch`).
 """
 
@@ -384,7 +384,7 @@ def seconds(node: e.Seconds, stack: Stack, state: State) -> Outcome:
 
 
 def conclude_seconds(node: e.Seconds, values: list[object], stack: Stack, state: State) -> Outcome:
-    """A duration in seconds is a scalar."""
+    """If ⟨E⟩ → v then ⟨E seconds⟩ → v: a duration in seconds is a scalar."""
     if not has_kind(plain(values[0]), "scalar"):
         raise RunError(f"`seconds` expects a scalar, not {kind_name(values[0])}", node.span, rule="E-Seconds")
     return value("E-Seconds", values[0], stack, state, node)

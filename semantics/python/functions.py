@@ -35,7 +35,7 @@ class InScope(NamedTuple):
 
 
 def lambda_rule(node: p.Lambda, stack: Stack, state: State) -> Outcome:
-    """`lambda parameters: E`: default values are evaluated now, once (reading `default-arguments`), then it closes over σ."""
+    """If ⟨E⟩ → v then ⟨lambda x=E: E', σ⟩ → the function (x=v) ↦ E' that closes over σ: E is evaluated now, once (reading `default-arguments`)."""
     return premises(node, [q.default for q in node.parameters], conclude_lambda, stack, state)
 
 
@@ -105,7 +105,9 @@ def body_as_statement(body: s.Block) -> Node:
 
 
 def resume_called(frame: Called, result: object, stack: Stack, state: State) -> Outcome:
-    """The body ended: a lambda with its value, a function without `return` with None."""
+    """If the body s of f is reduced to v then ⟨f(v_1, ..., v_n), σ⟩ → v, in the σ of the call: a lambda's value, or None where a function ends
+    without `return`.
+    """
     outcome = frame.constructed if frame.constructed is not None else result
     return value("E-Return", outcome, stack, leave(frame, state), frame.node)
 

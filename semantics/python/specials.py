@@ -55,7 +55,7 @@ def resample(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack,
 
 
 def print_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
-    """`print(...)`: the driving loop shows the text; the semantics itself has no output."""
+    """If ⟨E_i⟩ → v_i then ⟨print(E_1, ..., E_n)⟩ → None: the driving loop shows the text; the semantics itself has no output."""
     texts = [written(unwrap(instance_text(argument, state))[0]) for argument in arguments]
     separator = keywords.get("sep", " ")
     text = (separator if isinstance(separator, str) else " ").join(texts)

@@ -84,7 +84,7 @@ def distance(v1: Vector, v2: Vector) -> float:
 
 
 def distance_to_region(v: Vector, r: Region) -> float:
-    """⟦distance from V to R⟧: from V to the nearest point of R, 0 inside (Section 3.2 writes `distance from self to intersection`)."""
+    """⟦distance from V to R⟧ = min {|x - ⟦V⟧| : x ∈ ⟦R⟧}, 0 inside (Section "Dynamic Scenarios" writes `distance from self to intersection`)."""
     return r.distance_to(v)
 
 
@@ -137,7 +137,7 @@ def object_is_in(o: View, r: Region) -> bool:
 
 
 def degrees(s: float) -> float:
-    """⟦S deg⟧: S degrees in radians."""
+    """⟦S deg⟧ = ⟦S⟧ · π / 180, in radians."""
     return s * DEGREE
 
 

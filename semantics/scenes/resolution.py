@@ -42,11 +42,11 @@ def resolve_specifiers(
     known: frozenset[str] | None = None,
     absent: frozenset[str] = frozenset(),
 ) -> Ordered:
-    """((S1, P1), ..., (Sn, Pn)): the specifiers in evaluation order, each with the properties whose values it determines.
+    """Algorithm 1 (resolveSpecifiers): "specifiers S in G in topological order", each with the set of properties P for which specForProperty(P) = S.
 
-    `defaults` is defaultValueExpressions(class). `known`, if given, keeps optional specifications to those properties
-    (reading `optional-unknown` = ignore); `absent` are dependencies that may be missing (reading `point-size`).
-    Raises a named `ResolutionError` where the algorithm says "syntax error".
+    `defaults` is defaultValueExpressions(class). `known`, if given, keeps optional specifications to those properties (reading `optional-unknown` =
+    ignore); `absent` are dependencies that may be missing (reading `point-size`). Raises a named `ResolutionError` where the algorithm says "syntax
+    error".
     """
     # 1. gather all specified properties
     spec_for_property: dict[str, Specification] = {}
@@ -93,13 +93,15 @@ def resolve_specifiers(
 
 
 def specified_twice(name: str, first: Specification, second: Specification) -> SpecifiedTwice:
-    """If P is specified by S already: syntax error, property P specified twice."""
+    """Algorithm 1 (resolveSpecifiers), gather all specified properties: if "P ∈ dom specForProperty", "syntax error: property P specified twice"."""
     text = f"the property {name} is specified twice: by `{first.name}` and by `{second.name}`"
     return SpecifiedTwice(text, second.node.span, rule="R-SpecifiedTwice")
 
 
 def specified_twice_optionally(name: str, candidates: list[Specification]) -> SpecifiedTwiceOptionally:
-    """If |optionalSpecsForProperty[P]| > 1 and nothing else specifies P: syntax error, property P specified twice."""
+    """Algorithm 1 (resolveSpecifiers), filter optional specifications: if "|optionalSpecsForProperty (P)| > 1", "syntax error: property P
+    specified twice".
+    """
     names = " and by ".join(f"`{c.name}`" for c in candidates)
     return SpecifiedTwiceOptionally(
         f"the property {name} is specified optionally twice: by {names}", candidates[1].node.span, rule="R-SpecifiedTwiceOptionally",
@@ -108,7 +110,7 @@ def specified_twice_optionally(name: str, candidates: list[Specification]) -> Sp
 
 
 def missing_property(dependency: str, specifier: Specification, span: Span) -> MissingProperty:
-    """If no specifier gives the dependency D of S: syntax error, missing property D required by S."""
+    """Algorithm 1 (resolveSpecifiers), build dependency graph: if "D ∉ dom specForProperty", "syntax error: missing property D required by S"."""
     text = f"`{specifier.name}` needs the property {dependency}, which this object does not have"
     return MissingProperty(text, _place(specifier, span), rule="R-MissingProperty")
 
@@ -139,7 +141,9 @@ def _topological_order(
 def cyclic(
     waiting: list[Specification], predecessors: Mapping[Specification, list[tuple[str, Specification]]], span: Span
 ) -> ResolutionError:
-    """If G is cyclic: syntax error, specifiers have cyclic dependencies. The message prints one circle."""
+    """Algorithm 1 (resolveSpecifiers), build dependency graph: if "G is cyclic", "syntax error: specifiers have cyclic dependencies". The message
+    prints one circle.
+    """
     unplaced = set(waiting)
     path: list[tuple[str, Specification]] = []
     current = waiting[0]

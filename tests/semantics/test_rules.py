@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import replace
+
 import pytest
 import scenic_ref
 from scenic_ref.conformance import Task, Vector, load_vectors
@@ -9,7 +12,7 @@ from scenic_ref.conformance.ourselves import load, traced
 from scenic_ref.conformance.refusals import Error, Rejection
 from scenic_ref.conformance.reports import UNREACHABLE, shows
 from scenic_ref.semantics.kernel import errors
-from scenic_ref.semantics.rules import CATALOGUE, RULES
+from scenic_ref.semantics.rules import CATALOGUE, RULES, Rule
 
 VECTORS = load_vectors()
 BY_NAME = {v.name: v for v in VECTORS}
@@ -50,6 +53,49 @@ def test_the_message_of_a_refusal_says_what_is_wrong(name: str) -> None:
 def test_rule_ids_are_unique_and_documented() -> None:
     assert len(RULES) == len(CATALOGUE)
     assert all(rule.statement and rule.place and rule.name for rule in CATALOGUE)
+
+
+EQUATION = re.compile(r"⟦[^⟧]+⟧ = \S")
+INFERENCE = re.compile(r"(If .+ then )?⟨.+⟩ →")
+
+
+def begins_with_the_rule(rule: Rule) -> bool:
+    """Whether the docstring of the rule's function begins with the rule: an inference rule, an equation, or the paper's sentence with its place."""
+    sentence = re.compile(re.escape(rule.place) + ': "[^"]+"')
+    syntax_error = re.compile(re.escape(rule.place) + f': .*"syntax error: {re.escape(rule.name)}"')
+    forms = {
+        "E": (INFERENCE, sentence), "O": (EQUATION,), "P": (EQUATION, INFERENCE), "R": (sentence, syntax_error), "S": (INFERENCE, sentence),
+        "T": (INFERENCE,), "D": (sentence,),
+    }
+    return any(form.match(rule.statement) for form in forms[rule.id[0]])
+
+
+@pytest.mark.parametrize("rule", CATALOGUE, ids=lambda rule: rule.id)
+def test_the_docstring_of_a_rule_begins_with_the_rule(rule: Rule) -> None:
+    assert begins_with_the_rule(rule), rule.statement
+
+
+STEP = RULES["D-Policy-7"].place
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("D-Policy-7", "Return the choice of actions."), ("D-Policy-7", f"{STEP}: return the choice of actions."),
+        ("D-Policy-7", '"Return the choice."'),
+        ("D-Policy-7", f'{STEP.replace("step 7", "step 6")}: "Return the choice of actions."'), ("D-Policy-7", "⟨actions⟩ → v."),
+        ("D-Policy-7", f'The last step.\n\n{STEP}: "Return the choice of actions."'),
+        ("R-Cyclic", f'{RULES["R-Cyclic"].place}: an error: "property P specified twice".'), ("R-Cyclic", 'If G is cyclic: "syntax error".'),
+        ("S-If", "The condition decides: ⟨if B: s⟩ → ⟨s⟩."), ("S-If", "If ⟨B⟩ → True, the block."), ("E-Call", "Apply a function value."),
+        ("O-At", "The heading: ⟦F at V⟧ = ⟦F⟧(⟦V⟧)."), ("O-At", "⟦F at V⟧: the heading."), ("T-Check", "⟦Done⟧ = (π, O)."),
+    ],
+)  # fmt: skip
+def test_a_docstring_that_begins_otherwise_is_found(name: str, text: str) -> None:
+    def function() -> None:
+        pass
+
+    function.__doc__ = text
+    assert not begins_with_the_rule(replace(RULES[name], function=function))
 
 
 def rules_of(vector: Vector) -> set[str]:
