@@ -49,7 +49,8 @@ class Softness(NamedTuple):
         return self._replace(held=self.held + other.held, known=self.known + other.known)
 
 
-class Drawn(NamedTuple):
+@dataclass(frozen=True)
+class Drawn:
     """A scene as its line of JSON, the requirements at which attempts got stuck, and what the accepted attempt printed."""
 
     index: int

@@ -8,9 +8,10 @@ import stat
 import sys
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 try:
     import fcntl
@@ -33,7 +34,8 @@ KNOWN = 32
 """For how many scenes of a resumed file the attempts are kept, for a picture of them."""
 
 
-class Earlier(NamedTuple):
+@dataclass(frozen=True)
+class Earlier:
     """A scene that a resumed file holds already."""
 
     index: int
@@ -41,7 +43,8 @@ class Earlier(NamedTuple):
     line: str
 
 
-class Resumed(NamedTuple):
+@dataclass(frozen=True)
+class Resumed:
     """What a resumed file holds: how many scenes, the (index, attempts) of the first ones, and the last."""
 
     count: int = 0

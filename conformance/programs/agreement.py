@@ -16,7 +16,7 @@ from fractions import Fraction
 from functools import partial
 from itertools import accumulate
 from multiprocessing import get_context
-from typing import Literal, NamedTuple
+from typing import Literal
 
 from ...formats.scenes import Scene, scene_of
 from ...inference.enumeration import Enumeration, content_of
@@ -41,7 +41,8 @@ PATIENCE = 20 * ATTEMPTS
 """Attempts at one scene, after which it is given up; they count as attempts that failed."""
 
 
-class Examined(NamedTuple):
+@dataclass(frozen=True)
+class Examined:
     """What one program showed: evidence (log10 of e-values) of its scenes and of its attempts, the places of its scenes, and numbers for reports."""
 
     index: int

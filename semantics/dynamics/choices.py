@@ -20,10 +20,10 @@ from .invocations import Beginning, invoke, limited, runner, with_arguments
 
 
 class Enabling(NamedTuple):
-    """Frame: precondition number `condition` of option number `index` is being reduced; `enabled` are those whose preconditions all hold."""
+    """Frame: precondition number `condition` of option number `i` is being reduced; `enabled` are those whose preconditions all hold."""
 
     picking: Picking
-    index: int
+    i: int
     condition: int
     enabled: tuple[int, ...]
     outer: Scope
@@ -52,23 +52,23 @@ def enable(frame: Enabling, stack: Stack, state: State) -> Outcome:
     """The next precondition, or the choice."""
 
     options = frame.picking.options
-    while frame.index < len(options):
-        dynamic, _ = options[frame.index]
+    while frame.i < len(options):
+        dynamic, _ = options[frame.i]
         conditions = dynamic.definition.preconditions  # type: ignore[attr-defined]
         if frame.condition < len(conditions):
             who = runner(stack)
             scope = scope_of(dynamic, {"self": agent_of(who, state)} if who.kind == "behavior" else {})
             return Next("", Config(conditions[frame.condition], (frame, stack), state._replace(sigma=scope)))
-        frame = frame._replace(index=frame.index + 1, condition=0, enabled=(*frame.enabled, frame.index))
+        frame = frame._replace(i=frame.i + 1, condition=0, enabled=(*frame.enabled, frame.i))
     return choose(frame, stack, state)
 
 
 def resume_enabling(frame: Enabling, result: object, stack: Stack, state: State) -> Outcome:
     """A precondition was reduced: one that does not hold disables its option."""
-    dynamic, _ = frame.picking.options[frame.index]
+    dynamic, _ = frame.picking.options[frame.i]
     condition = dynamic.definition.preconditions[frame.condition]  # type: ignore[attr-defined]
     holds = holding(result, condition.span, state, "a precondition", "D-Choose")
-    after = frame._replace(condition=frame.condition + 1) if holds else frame._replace(index=frame.index + 1, condition=0)
+    after = frame._replace(condition=frame.condition + 1) if holds else frame._replace(i=frame.i + 1, condition=0)
     return enable(after, stack, state._replace(sigma=frame.outer))
 
 

@@ -30,7 +30,7 @@ class Together(NamedTuple):
 
     children: tuple[tuple[int, Suspended], ...]
     who: Who
-    index: int
+    i: int
     actions: tuple[object, ...]
     left: tuple[tuple[int, Suspended], ...]
     terminates: bool = False
@@ -62,11 +62,11 @@ class Abortable(NamedTuple):
 
 
 class Scenarios(NamedTuple):
-    """Frame of scenarios that were invoked together: number `index` is next in this time step, `left` go on in the next."""
+    """Frame of scenarios that were invoked together: number `i` is next in this time step, `left` go on in the next."""
 
     node: Node
     numbers: tuple[int, ...]
-    index: int = 0
+    i: int = 0
     left: tuple[int, ...] = ()
 
 

@@ -33,16 +33,16 @@ class Guards(NamedTuple):
 
 
 class Guarding(NamedTuple):
-    """Frame: guard number `index` is being reduced; σ is `outer` afterwards, and then comes `then`."""
+    """Frame: guard number `i` is being reduced; σ is `outer` afterwards, and then comes `then`."""
 
     guards: tuple[Guards, ...]
-    index: int
+    i: int
     outer: Scope
     then: Then
 
 
 def guarded(guards: tuple[Guards, ...], then: Then, stack: Stack, state: State, index: int = 0) -> Outcome:
-    """Reduce the guards from number `index` on, one after the other, then go on."""
+    """Reduce the guards from number `i` on, one after the other, then go on."""
     while guards and index == len(guards[0].conditions):
         guards, index = guards[1:], 0
     if not guards:
@@ -54,11 +54,11 @@ def guarded(guards: tuple[Guards, ...], then: Then, stack: Stack, state: State, 
 def resume_guarding(frame: Guarding, result: object, stack: Stack, state: State) -> Outcome:
     """One guard was reduced."""
     first, *_ = frame.guards
-    condition = first.conditions[frame.index]
+    condition = first.conditions[frame.i]
     after = state._replace(sigma=frame.outer)
     article = "an" if first.word == "invariant" else "a"
     if holding(result, condition.span, state, f"{article} {first.word}", f"D-{first.word.capitalize()}"):
-        return guarded(frame.guards, frame.then, stack, after, frame.index + 1)
+        return guarded(frame.guards, frame.then, stack, after, frame.i + 1)
     return first.violated(f"the {first.word} of {first.name} on line {condition.span.line}", condition, stack, after)
 
 

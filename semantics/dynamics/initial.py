@@ -38,10 +38,10 @@ def scenarios_in(state: State) -> dict[str, Dynamic]:
 
 
 class Beginning(NamedTuple):
-    """Frame: precondition number `index` of the initial scenario is being checked; σ is `outer` afterwards."""
+    """Frame: precondition number `i` of the initial scenario is being checked; σ is `outer` afterwards."""
 
     scenario: Dynamic
-    index: int
+    i: int
     outer: Scope
 
 
@@ -59,9 +59,9 @@ def check_preconditions(frame: Beginning, stack: Stack, state: State) -> Outcome
     """Reduce the next precondition; after the last, the setup block."""
     definition = frame.scenario.definition
     assert isinstance(definition, d.ScenarioDefinition)
-    if frame.index == len(definition.preconditions):
+    if frame.i == len(definition.preconditions):
         return enter_initial(frame, definition, stack, state)
-    condition = definition.preconditions[frame.index]
+    condition = definition.preconditions[frame.i]
     requirement = Requirement("precondition", condition.span, f"the precondition of {definition.name} on line {condition.span.line}")
     return reduce(condition, Requiring(requirement, precondition), (frame, stack), state)
 
@@ -75,7 +75,7 @@ def precondition(requirement: Requirement, result: object, stack: Stack, state: 
 
 def resume_beginning(frame: Beginning, result: object, stack: Stack, state: State) -> Outcome:
     """A precondition holds: the next one."""
-    return check_preconditions(frame._replace(index=frame.index + 1), stack, state)
+    return check_preconditions(frame._replace(i=frame.i + 1), stack, state)
 
 
 def enter_initial(frame: Beginning, definition: d.ScenarioDefinition, stack: Stack, state: State) -> Outcome:

@@ -176,8 +176,8 @@ def run_together(frame: Together, stack: Stack, state: State) -> Outcome:
     """Run the next of the behaviors for one time step; when all have, their actions together are those of this step."""
     if frame.base is None:
         frame, state = frame._replace(base=state.address), state._replace(draws=state.draws + 1)
-    if frame.index < len(frame.children):
-        place, process = frame.children[frame.index]
+    if frame.i < len(frame.children):
+        place, process = frame.children[frame.i]
         return run_for_one_step(process, frame.who, (frame, stack), state, (*frame.base, place))  # type: ignore[misc]
     if frame.terminates:
         return Next("", Config(Abrupt("terminate"), stack, state))
@@ -188,12 +188,12 @@ def run_together(frame: Together, stack: Stack, state: State) -> Outcome:
 
 def resume_together(frame: Together, result: object, stack: Stack, state: State) -> Outcome:
     """A behavior has run for one time step (or, the value being None, a new step begins)."""
-    place = frame.children[frame.index][0] if frame.index < len(frame.children) else 0
+    place = frame.children[frame.i][0] if frame.i < len(frame.children) else 0
     match result:
         case Yielded(actions=actions, rest=rest):
-            frame = frame._replace(index=frame.index + 1, actions=(*frame.actions, *actions), left=(*frame.left, (place, rest)))
+            frame = frame._replace(i=frame.i + 1, actions=(*frame.actions, *actions), left=(*frame.left, (place, rest)))
         case Ended(terminates=terminates):
-            frame = frame._replace(index=frame.index + 1, terminates=frame.terminates or terminates)
+            frame = frame._replace(i=frame.i + 1, terminates=frame.terminates or terminates)
         case _:
             pass
     return run_together(frame, stack, state)

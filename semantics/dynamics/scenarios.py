@@ -32,10 +32,10 @@ class Stepping(NamedTuple):
 
 
 class Ending(NamedTuple):
-    """Frame: termination condition number `index` of a scenario is being reduced."""
+    """Frame: termination condition number `i` of a scenario is being reduced."""
 
     number: int
-    index: int
+    i: int
     outer: State
 
 
@@ -63,13 +63,13 @@ def begin_scenarios(
 
 def set_up(frame: Setting, stack: Stack, state: State) -> Outcome:
     """One scenario after the other: its preconditions, its setup block, the default requirements about what that makes. Then all of them run."""
-    if frame.index == len(frame.invocations):
+    if frame.i == len(frame.invocations):
         after = state._replace(sigma=frame.before.sigma, dynamic=frame.before.dynamic)
         scenarios = Scenarios(frame.node, frame.begun)
         if frame.until is not None:
             return within(frame.node, frame.until, Value(None), scenarios, stack, after)
         return run_scenarios(scenarios, stack, after)
-    scenario = frame.invocations[frame.index]
+    scenario = frame.invocations[frame.i]
     scope = fresh_space(scenario, frame.node, state)
     preconditions = () if frame.enabled else guards_of(scenario, scope)[:1]
     return guarded(preconditions, partial(enter_setup, scope), (frame, stack), state)
@@ -78,7 +78,7 @@ def set_up(frame: Setting, stack: Stack, state: State) -> Outcome:
 def enter_setup(scope: Scope, stack: Stack, state: State) -> Outcome:
     """The preconditions hold: the setup block, in the scope of the scenario, whose invariants may be about what that makes."""
     frame, below = stack
-    definition = frame.invocations[frame.index].definition
+    definition = frame.invocations[frame.i].definition
     assert isinstance(definition, d.ScenarioDefinition)
     here = frame._replace(stage="setup block", objects=len(state.scene))
     return setup(definition, frame.node, (here, below), with_simulation(state._replace(sigma=scope, dynamic=()), setting=True))
@@ -97,13 +97,13 @@ def resume_setting(frame: Setting, result: object, stack: Stack, state: State) -
     if frame.in_block and (len(state.scene) > frame.objects or (simulation.egoless and state.ego is not None)):
         return apply_termination_rules((frame._replace(stage="default requirements"), stack), state, since=frame.objects)
     number = simulation.begun
-    running = scenario_from(number, frame.invocations[frame.index], state.sigma, state.dynamic, state.depth + 1)
+    running = scenario_from(number, frame.invocations[frame.i], state.sigma, state.dynamic, state.depth + 1)
     if number in simulation.scenarios:  # what its setup overrode
         running = running._replace(overrides=simulation.scenarios[number].overrides)
     state = with_simulation(state, begun=number + 1, known=state.made, setting=False, egoless=state.ego is None)
     state = with_scenario(state, running).with_objects(settled(state.objects))
     state = state._replace(dynamic=frame.before.dynamic, sigma=frame.before.sigma)
-    return set_up(frame._replace(index=frame.index + 1, begun=(*frame.begun, number), stage="preconditions"), stack, state)
+    return set_up(frame._replace(i=frame.i + 1, begun=(*frame.begun, number), stage="preconditions"), stack, state)
 
 
 def unwind_setting(frame: Setting, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
@@ -114,7 +114,7 @@ def unwind_setting(frame: Setting, abrupt: Abrupt, stack: Stack, state: State) -
     left = {n: running for n, running in simulation_of(state).scenarios.items() if n not in (number, *frame.begun)}
     state = with_simulation(state, scenarios=left, begun=number + 1, setting=False, egoless=frame.before.ego is None)
     before = frame.before
-    for scenario in frame.invocations[: frame.index + 1]:
+    for scenario in frame.invocations[: frame.i + 1]:
         assert scenario.space is not None
         scenario.space.refill({})
     after = state._replace(sigma=before.sigma, dynamic=before.dynamic, scene=before.scene, ego=before.ego, names=before.names)
@@ -162,8 +162,8 @@ def monitor(declared: Declared) -> Suspended:
 
 def run_scenarios(frame: Scenarios, stack: Stack, state: State) -> Outcome:
     """Run the next of the scenarios for one time step; `do` "does not return until the sub-behavior/sub-scenario terminates"."""
-    if frame.index < len(frame.numbers):
-        return step_of_scenario(frame.numbers[frame.index], (frame, stack), state)
+    if frame.i < len(frame.numbers):
+        return step_of_scenario(frame.numbers[frame.i], (frame, stack), state)
     if not frame.left:
         return returned(stack, state)
     return suspend((), Value(None), (Scenarios(frame.node, frame.left), stack), state, "")
@@ -171,11 +171,11 @@ def run_scenarios(frame: Scenarios, stack: Stack, state: State) -> Outcome:
 
 def resume_scenarios(frame: Scenarios, result: object, stack: Stack, state: State) -> Outcome:
     """A scenario has run for one time step (or, the value being None, a new step begins)."""
-    number = frame.numbers[frame.index] if frame.index < len(frame.numbers) else 0
+    number = frame.numbers[frame.i] if frame.i < len(frame.numbers) else 0
     if isinstance(result, Going):
-        frame = frame._replace(index=frame.index + 1, left=(*frame.left, number))
+        frame = frame._replace(i=frame.i + 1, left=(*frame.left, number))
     elif isinstance(result, Over):
-        frame = frame._replace(index=frame.index + 1)
+        frame = frame._replace(i=frame.i + 1)
         state = end_scenario(number, state)
     return run_scenarios(frame, stack, state)
 
@@ -229,11 +229,11 @@ def resume_ending(frame: Ending, result: object, stack: Stack, state: State) -> 
     """Section "Statements", "Termination Conditions": "defines a condition which is monitored as in require eventually, but which when true causes
     the scenario to end."
     """
-    node = simulation_of(state).scenarios[frame.number].terminations[frame.index].node
+    node = simulation_of(state).scenarios[frame.number].terminations[frame.i].node
     assert isinstance(node, d.TerminateWhen)
     after = as_before(frame.outer, state)
     if not holding(result, node.condition.span, state, "a termination condition", "D-TerminateWhen"):
-        return check_termination(frame.number, frame.index + 1, stack, after)
+        return check_termination(frame.number, frame.i + 1, stack, after)
     return Next("D-TerminateWhen", Config(Value(Over(f"the termination condition on line {node.span.line} is true")), stack, after), node)
 
 

@@ -172,7 +172,7 @@ class Clause(NamedTuple):
 
 
 class Setting(NamedTuple):
-    """Frame: scenario number `index` among those that `do` invokes is set up, and this `stage` of it runs; those before it are the `begun`.
+    """Frame: scenario number `i` among those that `do` invokes is set up, and this `stage` of it runs; those before it are the `begun`.
 
     Objects from number `objects` on are its own. `before` is the state at the statement; preconditions of `enabled` ones are known to hold.
     """
@@ -182,7 +182,7 @@ class Setting(NamedTuple):
     before: State
     until: Clause | None
     enabled: bool = False
-    index: int = 0
+    i: int = 0
     begun: tuple[int, ...] = ()
     stage: Literal["preconditions", "setup block", "default requirements"] = "preconditions"
     objects: int = 0

@@ -20,9 +20,9 @@ COLOR_DEVIATION = 0.05  # where an object has no property colorStdDev, as in the
 
 
 class Noise(NamedTuple):
-    """A premise of the rule, in `state`: the next n_i of object number `index` comes from `normal`; `drawn` are those before it."""
+    """A premise of the rule, in `state`: the next n_i of object number `i` comes from `normal`; `drawn` are those before it."""
 
-    index: int
+    i: int
     drawn: tuple[object, ...]
     normal: Normal
     state: State

@@ -51,14 +51,14 @@ class Construction(NamedTuple):
     node: e.ObjectDefinition
     instance: Instance
     order: Ordered
-    index: int
+    i: int
     outer: Scope
     depth: int
 
     @property
     def specification(self) -> Specification:
         """s_i."""
-        return self.order[self.index][0]
+        return self.order[self.i][0]
 
 
 def object_definition(node: e.ObjectDefinition | e.ObjectOrValue | e.ObjectOrOperator, stack: Stack, state: State) -> Outcome:
@@ -132,7 +132,7 @@ def construct(frame: Construction, result: object, stack: Stack, state: State) -
 
     One turn of the loop: the next s_i; after the last, the conclusion. Only an Object is part of O.
     """
-    if frame.index < len(frame.order):
+    if frame.i < len(frame.order):
         return evaluate((frame, stack), state)
     inst = frame.instance
     after = state._replace(sigma=frame.outer)
@@ -146,10 +146,10 @@ def construct(frame: Construction, result: object, stack: Stack, state: State) -
 def assign(rule: str, v: Mapping[str, object], stack: Stack, state: State) -> Next:
     """σ_i[self.p_i / v_i(p_i)] for the properties p_i that Algorithm 1 gave to s_i, by whose rule ⟨s_i, ...⟩ → v_i; then the next s_i."""
     frame, rest = stack
-    specification, names = frame.order[frame.index]
+    specification, names = frame.order[frame.i]
     place = frame.node.span if specification.is_default else specification.node.span
     chosen = {n: checked_property(n, v[n], place, specification.name, state) for n in names if n in v}
-    following = Construction(frame.node, frame.instance, frame.order, frame.index + 1, frame.outer, frame.depth)
+    following = Construction(frame.node, frame.instance, frame.order, frame.i + 1, frame.outer, frame.depth)
     after = state.with_properties(frame.instance, chosen)
     return Next(rule, Config(Value(None), (following, rest), after), specification.node, Change("O", "", None, frame.instance))
 
@@ -283,6 +283,6 @@ def outside_field(
     rule: str, problem: OutsideField, properties: Mapping[str, object], origin: Origin | None, stack: Stack, state: State
 ) -> Outcome:
     """Reading `field-outside`: the run is stuck."""
-    specification, names = stack[0].order[stack[0].index]
+    specification, names = stack[0].order[stack[0].i]
     anything = {n: (Random(v, origin) if origin else v) for n, v in properties.items() if n in names}
     return Stuck(rule, Requirement("field", specification.node.span, problem.premise), assign(rule, anything, stack, state).config)

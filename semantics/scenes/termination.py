@@ -19,29 +19,29 @@ from .statements import enforce
 
 
 class Mutating(NamedTuple):
-    """Frame of Step 1: what was drawn is noise on object number `index`, after `noise`."""
+    """Frame of Step 1: what was drawn is noise on object number `i`, after `noise`."""
 
-    index: int
+    i: int
     noise: tuple[object, ...]
     since: int
 
 
 class Late(NamedTuple):
-    """Frame: requirement number `index` of those that waited for the end is next (reading `require-time=end`).
+    """Frame: requirement number `i` of those that waited for the end is next (reading `require-time=end`).
 
     `end` is the state to go back to, after the one before was checked in the state of its statement.
     """
 
-    index: int
+    i: int
     since: int
     end: State | None = None
 
 
 class Checking(NamedTuple):
-    """Frame of Step 2: premise number `index` of `premises` is next."""
+    """Frame of Step 2: premise number `i` of `premises` is next."""
 
     premises: tuple[Premise, ...]
-    index: int = 0
+    i: int = 0
 
 
 def apply_termination_rules(stack: Stack, state: State, since: int = 0) -> Outcome:
@@ -51,7 +51,7 @@ def apply_termination_rules(stack: Stack, state: State, since: int = 0) -> Outco
 
 def mutate(frame: Mutating, stack: Stack, state: State) -> Outcome:
     """Ask for the noise of Step 1; the address of a draw names its object and component, since which are mutated may itself be random."""
-    found = apply_mutations(frame.index, frame.noise, state)
+    found = apply_mutations(frame.i, frame.noise, state)
     if isinstance(found, Stuck):
         return found
     if isinstance(found, State):
@@ -76,9 +76,9 @@ def resume_late(frame: Late, result: object, stack: Stack, state: State) -> Outc
     if frame.end is not None:
         end = frame.end
         state = state._replace(sigma=end.sigma, ego=end.ego, workspace=end.workspace, objects={**state.objects, **end.objects})
-    if frame.index < len(state.late):
-        node, captured = state.late[frame.index]
-        return enforce(node, (Late(frame.index + 1, frame.since, state), stack), as_captured(captured, state))  # type: ignore[arg-type]
+    if frame.i < len(state.late):
+        node, captured = state.late[frame.i]
+        return enforce(node, (Late(frame.i + 1, frame.since, state), stack), as_captured(captured, state))  # type: ignore[arg-type]
     return Next("", Config(PASS, (Checking(tuple(default_requirements(state, frame.since))), stack), state._replace(late=())))
 
 
@@ -95,9 +95,9 @@ def as_captured(captured: State, state: State) -> State:
 
 def resume_checking(frame: Checking, result: object, stack: Stack, state: State) -> Outcome:
     """One premise of Step 2; after the last, the scene (or the scenario that runs) is done."""
-    checked = check_default_requirements(frame.premises, frame.index, state)
+    checked = check_default_requirements(frame.premises, frame.i, state)
     if checked is None:
         return Next("T-Check", Config(PASS, stack, state)) if stack else Done("T-Check", state)
     requirement, holds = checked
-    after = Config(PASS, (frame._replace(index=frame.index + 1), stack), state)
+    after = Config(PASS, (frame._replace(i=frame.i + 1), stack), state)
     return Observe("T-Check", requirement, after) if holds else Stuck("T-Check", requirement, after)

@@ -56,7 +56,7 @@ class Symbol(ABC):
         """`bool(this)`, as a symbol unless it is the same in all scenes."""
 
     @abstractmethod
-    def met(self, requirement: object) -> bool:
+    def met(self, requirement: Any) -> bool:
         """Note that the truth of this decides a requirement, and give its truth in the scene that is looked at."""
 
     @abstractmethod

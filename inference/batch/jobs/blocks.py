@@ -15,8 +15,9 @@ from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import CancelledError, Executor, Future, InvalidStateError, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from dataclasses import dataclass
 from multiprocessing import connection
-from typing import NamedTuple, TypeVar
+from typing import TypeVar
 
 from ....interpreter.extras import needed
 from ....semantics.kernel.errors import AttemptsExhausted, InternalError, UsageError
@@ -92,7 +93,8 @@ def in_order(pool: Executor, work: Callable[[Asked], Given], jobs: Iterable[Aske
             future.cancel()
 
 
-class Workers(NamedTuple):
+@dataclass(frozen=True)
+class Workers:
     """What does jobs, and how many at a time."""
 
     pool: Executor
