@@ -15,9 +15,10 @@ from ..interpreter.choosers import from_stream
 from ..interpreter.running import Accepted, Witness, run
 from ..semantics.kernel.conditions import bool_of
 from ..semantics.kernel.config import Config, Value
+from ..semantics.kernel.driving import Arrived, drive_machine
 from ..semantics.kernel.errors import AttemptsExhausted, ScenicError
 from ..semantics.kernel.host import HostException
-from ..semantics.kernel.outcome import Draw, Next, Observe, Outcome, Requirement
+from ..semantics.kernel.outcome import Draw, Next, Outcome, Requirement
 from ..semantics.kernel.scopes import descendants
 from ..semantics.kernel.values import plain
 from ..semantics.step import step
@@ -157,19 +158,25 @@ def _listen(outcome: Outcome, printed: list[str]) -> None:
 
 def holds_aside(condition: Node, place: Config) -> bool | None:
     """Whether `condition` holds in the state of `place`; None if that cannot be said without a draw, or at all."""
-    config = Config(condition, (), place.state)
     try:
-        for _ in range(ASIDE_STEPS):
-            if isinstance(config.control, Value) and not config.stack:
-                return bool(bool_of(plain(config.control.value), condition, config.state))
-            match step(config):
-                case Next(config=after) | Observe(config=after):
-                    config = after
-                case _:
-                    return None
-    except (ScenicError, HostException):
-        pass
-    return None
+        end, _ = drive_machine(step, Config(condition, (), place.state), unknown, ASIDE_STEPS, until=is_value)
+        return bool(bool_of(plain(end.config.control.value), condition, end.config.state)) if isinstance(end, Arrived) else None  # type: ignore[union-attr]
+    except (Unknown, ScenicError, HostException):
+        return None
+
+
+class Unknown(Exception):
+    """Something hangs on a draw."""
+
+
+def unknown(draw: Draw) -> object:
+    """Answers no draw. Raises `Unknown`."""
+    raise Unknown
+
+
+def is_value(config: Config) -> bool:
+    """Whether the whole was reduced to a value."""
+    return isinstance(config.control, Value) and not config.stack
 
 
 def drawing_of(source: Source) -> Drawing:

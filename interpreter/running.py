@@ -1,24 +1,18 @@
-"""The loop that drives the machine: it asks `step` what comes next and answers its draws, until the run ends."""
+"""Runs: the machine driven to the scene that it gives, and once beforehand to find every error."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 from ..semantics.kernel.config import Config, Stack, State, Value
-from ..semantics.kernel.errors import FuelExhausted, RandomBranch, RunError, ScenicError
-from ..semantics.kernel.nesting import too_deep
-from ..semantics.kernel.outcome import Act, Done, Draw, Fault, Finish, Next, Observe, Outcome, Requirement, Stuck
-from ..semantics.space.regions import EmptyRegion, UnboundedRegion
+from ..semantics.kernel.driving import Chooser, Unfinished, Witness, drive_machine
+from ..semantics.kernel.errors import FuelExhausted, RandomBranch, ScenicError
+from ..semantics.kernel.outcome import Act, Done, Draw, Fault, Finish, Next, Outcome, Requirement, Stuck
+from ..semantics.space.regions import EmptyRegion
 from ..semantics.space.vectors import Vector
 from ..semantics.step import place, step
 from .walls import within
-
-Chooser = Callable[[Draw], object]
-"""Answers a draw with a value of its distribution; may raise `EmptyRegion`, which makes the run stuck."""
-
-Witness = Callable[[Outcome, object], None]
-"""Is shown every outcome of a run, and the value that a draw was answered with (None for other outcomes)."""
 
 DEFAULT_FUEL = 5_000_000
 
@@ -44,43 +38,17 @@ Run = Accepted | Rejected
 def drive(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL, witness: Witness | None = None) -> tuple[Done | Act | Finish | Stuck, int]:
     """Drive the machine until it has something to say, and in how many steps. Raises the program's error, or `FuelExhausted` after `fuel` steps."""
     config.state.settings.door.budget.renew()
-    for steps in range(fuel):
-        outcome = step(config)
-        kind = type(outcome)
-        if kind is Next or kind is Observe:
-            config = outcome.config  # type: ignore[union-attr]
-            if witness is not None:
-                witness(outcome, None)
-        elif kind is Draw:
-            try:
-                drawn = choose(outcome)  # type: ignore[arg-type]
-            except EmptyRegion as empty:
-                outcome = Stuck(outcome.rule, Requirement("region", outcome.node.span, str(empty)))  # type: ignore[union-attr]
-                if witness is not None:
-                    witness(outcome, None)
-                return outcome, steps
-            except UnboundedRegion as unbounded:
-                raise RunError(str(unbounded), outcome.node.span, rule=outcome.rule) from None  # type: ignore[union-attr]
-            if witness is not None:
-                witness(outcome, drawn)
-            config = resumed(outcome, drawn)  # type: ignore[arg-type]
-        elif kind is Fault:
-            raise outcome.error  # type: ignore[union-attr]
-        else:
-            if witness is not None:
-                witness(outcome, None)
-            return outcome, steps  # type: ignore[return-value]
-    raise FuelExhausted(
-        f"the program took {fuel:,} steps without ending: is this an endless loop?", place(config), hint="raise --fuel if it really takes that long"
-    )
+    end, steps = drive_machine(step, config, choose, fuel, witness=witness)
+    if isinstance(end, Fault):
+        raise end.error
+    if isinstance(end, Unfinished):
+        raise endless(end.config, fuel, "raise --fuel if it really takes that long")
+    return end, steps  # type: ignore[return-value]
 
 
-def resumed(draw: Draw, drawn: object) -> Config:
-    """What follows a draw that is answered. Raises the program's error for a value that contains itself."""
-    try:
-        return draw.resume(drawn)
-    except RecursionError:
-        raise too_deep(draw.node.span) from None
+def endless(config: Config, fuel: int, hint: str = "") -> FuelExhausted:
+    """The error of a run that takes too many steps."""
+    return FuelExhausted(f"the program took {fuel:,} steps without ending: is this an endless loop?", place(config), hint=hint)
 
 
 def run(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL, witness: Witness | None = None) -> Run:
@@ -99,42 +67,50 @@ def rehearse(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL) -> No
     Which values are random does not depend on what is drawn, so that one run is enough. Raises `RandomBranch`; before
     the first requirement that fails it raises any other error of the program as well, afterwards none.
     """
-    _rehearse(config, None, choose, fuel, stuck=False)
+    Rehearsal(choose, fuel, stuck=False).run(config)
 
 
-def _rehearse(config: Config, end: Stack | None, choose: Chooser, fuel: int, *, stuck: bool) -> None:
-    """Rehearse until the control is back at `end`; in operands that this run does not need (reading `boolean-random`), as if it were stuck."""
-    for _ in range(fuel):
-        if end is not None and config.stack is end and type(config.control) is Value:
-            return
-        match step(config):
-            case Next(config=after, beyond=beyond):
-                if beyond is not None:
-                    _rehearse(beyond, beyond.stack, choose, fuel, stuck=True)
-                config = after
-            case Observe(config=after):
-                config = after
-            case Draw() as draw:
-                try:
-                    drawn = True if draw.otherwise and can_be_true(draw) else choose(draw)  # so that the condition is run through as well
-                except EmptyRegion:
-                    drawn, stuck = Vector(0.0, 0.0), True
-                except UnboundedRegion as unbounded:
-                    raise RunError(str(unbounded), draw.node.span, rule=draw.rule) from None
-                config = resumed(draw, drawn)
-            case Stuck(beyond=beyond):
-                stuck = True
-                if beyond is None:
-                    return
-                config = beyond
-            case Fault(error=error):
-                if not stuck or isinstance(error, RandomBranch):
-                    raise error
-                return
-            case Done():
-                return
-    if not stuck:
-        raise FuelExhausted(f"the program took {fuel:,} steps without ending: is this an endless loop?", place(config))
+class Rehearsal:
+    """A run that goes on where others get stuck; `stuck` says whether others would be by now."""
+
+    def __init__(self, choose: Chooser, fuel: int, *, stuck: bool) -> None:
+        self.choose = choose
+        self.fuel = fuel
+        self.stuck = stuck
+
+    def run(self, config: Config, end: Stack | None = None) -> None:
+        """Rehearse until the control is back at `end`, if there is one."""
+        until = None if end is None else partial(is_back, end)
+        ended, _ = drive_machine(step, config, self.answer, self.fuel, witness=self.watch, beyond=self.beyond, until=until)
+        if isinstance(ended, Fault) and (not self.stuck or isinstance(ended.error, RandomBranch)):
+            raise ended.error
+        if isinstance(ended, Unfinished) and not self.stuck:
+            raise endless(ended.config, self.fuel)
+
+    def answer(self, draw: Draw) -> object:
+        """The value of a draw; heads for a coin, so that its condition is run through as well."""
+        if draw.otherwise and can_be_true(draw):
+            return True
+        try:
+            return self.choose(draw)
+        except EmptyRegion:
+            self.stuck = True
+            return Vector(0.0, 0.0)
+
+    def watch(self, outcome: Outcome, drawn: object) -> None:
+        """Rehearse operands that this run does not need (reading `boolean-random`), as if it were stuck."""
+        if isinstance(outcome, Next) and outcome.beyond is not None:
+            Rehearsal(self.choose, self.fuel, stuck=True).run(outcome.beyond, outcome.beyond.stack)
+
+    def beyond(self, outcome: Stuck) -> Config | None:
+        """Where a run goes on that is stuck."""
+        self.stuck = True
+        return outcome.beyond
+
+
+def is_back(end: Stack, config: Config) -> bool:
+    """Whether something was reduced to a value in the context `end`."""
+    return config.stack is end and type(config.control) is Value
 
 
 def can_be_true(coin: Draw) -> bool:

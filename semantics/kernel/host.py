@@ -18,9 +18,10 @@ from ..space.symbols import NotLifted
 from .allowed import is_value
 from .budget import PLAIN, STEP, Budget
 from .config import Abrupt, Config, State, Value
+from .driving import Arrived, Machine, Unfinished, drive_machine
 from .errors import FuelExhausted, RunError, ScenicError
 from .nesting import too_deep
-from .outcome import Draw, Fault, Next, Observe, Operand, Stuck
+from .outcome import Draw, Fault, Next, Outcome, Stuck
 from .values import Function, Instance, Origin, unwrap, wrap
 from .versions import Slot
 
@@ -71,29 +72,7 @@ class Door:
         versions.note(Slot(self, "calls", self.calls))
         self.calls += 1
         begun = state._replace(made=state.made + self.calls * NUMBERS_PER_CALL, version=versions.settled())
-        config = self.enter(function, arguments, keywords, begun)
-        for _ in range(DOOR_FUEL):
-            if not config.stack:
-                break
-            self.budget.spend(STEP)
-            match state.settings.machine(config):
-                case Next(where=Operand()):
-                    raise NotLifted(f"{function.name}, which library code calls, goes by a random value")
-                case Next(config=after) | Observe(config=after):
-                    config = after
-                case Fault(error=error):
-                    raise error
-                case Stuck() as outcome:
-                    raise DoorStuck(outcome)
-                case Draw(node=node):
-                    raise RunError(
-                        f"{function.name} draws a random value while library code calls it", node.span, rule="E-Call-Host",
-                        hint="draw the value before the call and use it inside the function",
-                    )
-                case _:
-                    raise RunError(f"{function.name} ends the program while library code calls it", function.span)
-        else:
-            raise FuelExhausted(f"{function.name} does not come to an end", function.span)
+        config = self.run(function, self.enter(function, arguments, keywords, begun), state.settings.machine)
         match config.control:
             case Abrupt(kind="raise", value=BaseException() as exception):
                 raise exception
@@ -109,6 +88,36 @@ class Door:
                 return result
             case _:
                 return None
+
+    def run(self, function: Function, config: Config, machine: Machine) -> Config:
+        """The configuration in which the body of a function has ended. Raises `RunError` for a draw, `DoorStuck`, and the program's error."""
+
+        def paid(config: Config) -> Outcome:
+            self.budget.spend(STEP)
+            return machine(config)
+
+        def refuse(draw: Draw) -> object:
+            raise RunError(
+                f"{function.name} draws a random value while library code calls it", draw.node.span, rule="E-Call-Host",
+                hint="draw the value before the call and use it inside the function",
+            )
+
+        def on_symbols(outcome: Outcome, drawn: object) -> None:
+            if isinstance(outcome, Next) and outcome.where is not None:
+                raise NotLifted(f"{function.name}, which library code calls, goes by a random value")
+
+        end, _ = drive_machine(paid, config, refuse, DOOR_FUEL, witness=on_symbols, until=lambda config: not config.stack)
+        match end:
+            case Arrived(config=ended):
+                return ended
+            case Unfinished():
+                raise FuelExhausted(f"{function.name} does not come to an end", function.span)
+            case Fault(error=error):
+                raise error
+            case Stuck() as outcome:
+                raise DoorStuck(outcome)
+            case _:
+                raise RunError(f"{function.name} ends the program while library code calls it", function.span)
 
 
 def check_unchanged(function: Function, before: State, after: State) -> None:

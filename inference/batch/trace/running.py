@@ -9,8 +9,9 @@ from typing import Any, NamedTuple
 from ....interpreter.choosers import AS_THEY_ARE, PER_SCENE, Draws, replaced
 from ....interpreter.streams import Stream
 from ....interpreter.walls import within
-from ....semantics.kernel.config import Config, State, Value
-from ....semantics.kernel.outcome import Done, Draw, Fault, Next, Observe, Requirement, Stuck
+from ....semantics.kernel.config import Abrupt, Config, State, Value
+from ....semantics.kernel.driving import drive_machine
+from ....semantics.kernel.outcome import Done, Draw, Fault, Next, Outcome, Requirement, Stuck
 from ....semantics.kernel.scopes import target_names
 from ....semantics.kernel.versions import STORED
 from ....semantics.python.assignment import written
@@ -32,6 +33,7 @@ from ....semantics.space.vectors import Vector
 from ....semantics.step import place, step
 from ....semantics.syntax import python_expressions as p
 from ....semantics.syntax import statements as s
+from ....semantics.syntax.nodes import Statement
 from ..evaluate.plan import only_rejects
 from .graph import Event, Graph, RowDraw, Site
 from .lifting import lift
@@ -43,9 +45,8 @@ TRIES = 200
 """Runs that are tried until one is found in which all vector fields and regions have values."""
 MAPPED = (Range, Normal, TruncatedNormal, Uniform, Discrete, Coin)
 MAPPED_REGIONS = (CircularRegion, SectorRegion, RectangularRegion, PolygonalRegion, PolylineRegion, PointSetRegion)
-PURE = frozenset({"S-Return", "S-Require", "S-Expression", "S-If", "S-While", "S-For", "S-Break"})
-
-
+PURE = (s.Return, s.If, s.While, s.For)
+"""Statements that change nothing but what they contain does."""
 FEW = 5
 """How many of these may end with an error of the program."""
 
@@ -97,49 +98,18 @@ def trace_run(config: Config, attempt: int, fuel: int, draws: Draws = AS_THEY_AR
     door = config.state.settings.door
     made = Trace(number_at, door.budget)
     door.lift = partial(lift, made)
-    made.place = lambda text: Requirement("field", place(config), text)
-    partial_runs: list[tuple[object, State]] = []  # where what is evaluated in some runs only ends, and the state at its beginning
+    traced = Tracing(made, draws, config)
     try:
-        for _ in range(fuel):
-            events = len(made.graph.events)
-            outcome = step(config)
-            match outcome:
-                case Next(config=after, change=change, where=where):
-                    if change is not None and change.where == "print":
-                        raise NotLifted("the program prints")
-                    if made.conditions:
-                        check_pure(outcome)
-                    config = after
-                    if where is not None:
-                        made.begin(where.symbol.node, where.expected)  # type: ignore[attr-defined]
-                        partial_runs.append((where.stack, config.state))
-                case Draw() if outcome.otherwise:
-                    coin = outcome.distribution.sample(numbers_of(outcome, made))
-                    config = outcome.resume(bool(coin) if not isinstance(coin, Traced) else True)
-                    if isinstance(coin, Traced):
-                        if made.conditions or config.state.reading("require-time") == "end":
-                            raise NotLifted("a soft requirement within another, or at the end")
-                        made.begin(coin.node, True)
-                        partial_runs.append((config.stack[1], config.state))
-                case Draw():
-                    config = outcome.resume(draw_symbol(replaced(outcome, draws), made))
-                case Observe(config=after):
-                    config = after
-                case Stuck(requirement=requirement, beyond=beyond):
-                    if beyond is not None and len(made.graph.events) == events:  # it fails in all runs that come here
-                        config = never_holds(requirement, made, beyond)
-                    elif beyond is not None and made.graph.events[-1].requirement is requirement:
-                        config = beyond
-                    else:
-                        raise Retry(requirement.text)
-                case Done(state=state):
-                    return Lifted(made.graph, state)
-                case Fault(error=error):
-                    raise Mistaken(f"{error}")
-            while partial_runs and type(config.control) is Value and config.stack is partial_runs[-1][0]:
-                check_unchanged(partial_runs.pop()[1], config.state)
-                made.conditions.pop()
-        raise NotLifted("the program does not end")
+        end, _ = drive_machine(traced.step, config, traced.answer, fuel, witness=traced.watch, beyond=traced.beyond)
+        match end:
+            case Done(state=state):
+                return Lifted(made.graph, state)
+            case Fault(error=error):
+                raise Mistaken(f"{error}")
+            case Stuck(requirement=requirement):
+                raise Retry(requirement.text)
+            case _:
+                raise NotLifted("the program does not end")
     except NotLifted as problem:
         if made.imagined:
             raise Retry(str(problem)) from None
@@ -149,20 +119,76 @@ def trace_run(config: Config, attempt: int, fuel: int, draws: Draws = AS_THEY_AR
         door.lift = None
 
 
-def never_holds(requirement: Requirement, made: Trace, beyond: Config) -> Config:
+class Tracing:
+    """What steps, answers and watches while a run is traced."""
+
+    def __init__(self, made: Trace, draws: Draws, config: Config) -> None:
+        self.made = made
+        self.draws = draws
+        self.config = config  # the one that makes the latest step, and how many events there were before it
+        self.events = 0
+        self.partial_runs: list[tuple[object, State]] = []  # where what is evaluated in some runs only ends, and the state at its beginning
+        made.place = lambda text: Requirement("field", place(self.config), text)
+
+    def step(self, config: Config) -> Outcome:
+        """What the machine says next; what was evaluated only in some runs ends before it."""
+        partial_runs = self.partial_runs
+        while partial_runs and type(config.control) is Value and config.stack is partial_runs[-1][0]:
+            check_unchanged(partial_runs.pop()[1], config.state)
+            self.made.conditions.pop()
+        self.config, self.events = config, len(self.made.graph.events)
+        return step(config)
+
+    def answer(self, draw: Draw) -> object:
+        """The symbol for what is drawn; heads for a coin that is one, and what follows is then evaluated only in some runs."""
+        if not draw.otherwise:
+            return draw_symbol(replaced(draw, self.draws), self.made)
+        coin = draw.distribution.sample(numbers_of(draw, self.made))
+        if not isinstance(coin, Traced):
+            return bool(coin)
+        after = draw.resume(True)
+        if self.made.conditions or after.state.reading("require-time") == "end":
+            raise NotLifted("a soft requirement within another, or at the end")
+        self.made.begin(coin.node, True)
+        self.partial_runs.append((after.stack[1], after.state))
+        return True
+
+    def watch(self, outcome: Outcome, drawn: object) -> None:
+        """Refuse what a graph cannot say, and note where evaluation begins that only some runs need."""
+        if isinstance(outcome, Next):
+            if outcome.change is not None and outcome.change.where == "print":
+                raise NotLifted("the program prints")
+            if self.made.conditions:
+                check_pure(outcome)
+            if outcome.where is not None:
+                self.made.begin(outcome.where.symbol.node, outcome.where.expected)  # type: ignore[attr-defined]
+                self.partial_runs.append((outcome.where.stack, outcome.config.state))
+
+    def beyond(self, outcome: Stuck) -> Config | None:
+        """Where a run goes on whose requirement became an event, or fails whatever is drawn. Raises `Impossible`, `Retry`."""
+        if outcome.beyond is None:
+            return None
+        events = self.made.graph.events
+        if len(events) == self.events:  # it fails in all runs that come here
+            never_holds(outcome.requirement, self.made)
+        elif events[-1].requirement is not outcome.requirement:
+            return None
+        return outcome.beyond
+
+
+def never_holds(requirement: Requirement, made: Trace) -> None:
     """A requirement fails whatever is drawn: no run is accepted, or of a soft one those whose coin shows tails. Raises `Impossible`, `Retry`."""
     if made.condition is None:
         raise Impossible(requirement) if all(map(only_rejects, made.graph.events)) else Retry(requirement.text)
     made.graph.events.append(Event("require", made.condition, False, requirement))
-    return beyond
 
 
 def check_pure(outcome: Next) -> None:
     """Refuse statements and calls that change something in what is not evaluated in every run, and exceptions, which leave it."""
-    node = outcome.node
-    pure = not outcome.rule.startswith("S-") or outcome.rule in PURE or is_local(outcome)
+    node, control = outcome.node, outcome.config.control
+    pure = not isinstance(node, Statement) or isinstance(node, PURE) or is_local(outcome)
     stores = isinstance(node, p.Call) and isinstance(node.function, p.Attribute) and node.function.name in STORED
-    if not pure or stores or outcome.rule == "E-Raise":
+    if not pure or stores or (isinstance(control, Abrupt) and control.kind == "raise"):
         raise NotLifted("what is evaluated only in some runs changes something")
 
 
