@@ -257,3 +257,19 @@ def test_help_takes_at_most_ten_times_as_much_processor_time_as_python_alone():
 def test_the_core_needs_none_of_the_extras():
     code = "import sys, scenic_ref.scenario; print([m for m in ('torch', 'pyro', 'pymunk', 'pyarrow', 'numba', 'matplotlib') if m in sys.modules])"
     assert subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout.strip() == "[]"
+
+
+def test_one_loop_drives_the_machine():
+    """Others may do something besides a step, but none goes on to the next."""
+    loops = []
+    for path in modules():
+        for loop in ast.walk(ast.parse(path.read_text())):
+            if isinstance(loop, (ast.For, ast.While, ast.comprehension)):
+                calls = [n.func for n in ast.walk(loop) if isinstance(n, ast.Call)]
+                names = {f.id if isinstance(f, ast.Name) else f.attr if isinstance(f, ast.Attribute) else "" for f in calls}
+                loops += [str(path.relative_to(ROOT))] if names & {"step", "machine"} else []
+    assert set(loops) - TIME == {"semantics/kernel/driving.py"}
+
+
+TIME = {"simulators/physics.py", "testing/simulators.py"}
+"""Their loops go from one time step of a simulator to the next."""

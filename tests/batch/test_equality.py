@@ -193,3 +193,32 @@ def test_each_row_that_is_computed_alone_has_a_budget_of_its_own(monkeypatch):
     square = "PolygonalRegion([(-99, -99), (99, -99), (99, 99), (-99, 99)])"
     scenario = scenic_ref.loads(f"f = PolygonalVectorField('f', [[{square}, lambda v: v.x / 10 + v.y]])\nego = Object at (Range(0, 9), 1), facing f")
     assert batch_of(scenario).block(1, 0, 300).left == 0
+
+
+OPERAND = """
+log = []
+
+def late(x):
+{body}
+
+a = Range(0, 1)
+ego = Object at (a, 0)
+require a > 0.3 and late(a)
+"""
+
+
+@pytest.mark.parametrize("body", ["return x < 0.8", "for i in [1, 2]:\n        y = i\n        if i == 2: break\n    return x < 0.4 * y",
+                                  "try:\n        return x < 0.8\n    finally:\n        y = 1"])  # fmt: skip
+def test_functions_that_change_nothing_are_called_in_some_runs_only(body):
+    scenario = scenic_ref.loads(OPERAND.format(body="    " + body))
+    assert from_batch(batch_of(scenario), 3, 20, ATTEMPTS) == one_by_one(scenario, 3, 20, ATTEMPTS)
+
+
+@pytest.mark.parametrize("body", ["log.append(1)\n    return True", "global log\n    log = [1]\n    return True", "log[0] = 1\n    return True",
+                                  "try:\n        raise ValueError('no')\n    except ValueError:\n        return True",
+                                  "try:\n        return [][0]\n    except IndexError:\n        return True"])  # fmt: skip
+def test_functions_that_change_something_or_raise_are_not(body):
+    scenario = scenic_ref.loads(OPERAND.replace("log = []", "log = [0]").format(body="    " + body))
+    assert len(one_by_one(scenario, 3, 5, ATTEMPTS)[0]) == 5
+    with pytest.raises(NotLifted, match="only in some runs changes something"):
+        batch_of(scenario)
