@@ -16,38 +16,41 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 
-_WORD = (1 << 64) - 1
-_MULTIPLIER_0, _MULTIPLIER_1 = 0xD2E7470EE14C6C93, 0xCA5A826395121157
-_WEYL_0, _WEYL_1 = 0x9E3779B97F4A7C15, 0xBB67AE8584CAA73B
-_ROUNDS = 10
-_UNIT = 2.0**-53
+WORD = (1 << 64) - 1
+MULTIPLIER_0, MULTIPLIER_1 = 0xD2E7470EE14C6C93, 0xCA5A826395121157
+WEYL_0, WEYL_1 = 0x9E3779B97F4A7C15, 0xBB67AE8584CAA73B
+ROUNDS = 10
+UNUSED_BITS, UNIT = 11, 2.0**-53
 
 
 def philox(key: tuple[int, int], counter: tuple[int, int, int, int]) -> tuple[int, int, int, int]:
-    """The four 64-bit words of Philox4x64-10 (Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", 2011)."""
+    """The four 64-bit words of Philox4x64-10 (Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", 2011).
+
+    `inference.batch` has the same for columns, once in NumPy and once compiled.
+    """
     k0, k1 = key
     c0, c1, c2, c3 = counter
-    for _ in range(_ROUNDS):
-        p0, p1 = _MULTIPLIER_0 * c0, _MULTIPLIER_1 * c2
-        c0, c1, c2, c3 = (p1 >> 64) ^ c1 ^ k0, p1 & _WORD, (p0 >> 64) ^ c3 ^ k1, p0 & _WORD
-        k0, k1 = (k0 + _WEYL_0) & _WORD, (k1 + _WEYL_1) & _WORD
+    for _ in range(ROUNDS):
+        p0, p1 = MULTIPLIER_0 * c0, MULTIPLIER_1 * c2
+        c0, c1, c2, c3 = (p1 >> 64) ^ c1 ^ k0, p1 & WORD, (p0 >> 64) ^ c3 ^ k1, p0 & WORD
+        k0, k1 = (k0 + WEYL_0) & WORD, (k1 + WEYL_1) & WORD
     return c0, c1, c2, c3
 
 
 def mix(word: int) -> int:
     """The output function of SplitMix64: a bijection of 64-bit words in which each input bit moves half of the output bits."""
-    word = ((word ^ (word >> 30)) * 0xBF58476D1CE4E5B9) & _WORD
-    word = ((word ^ (word >> 27)) * 0x94D049BB133111EB) & _WORD
+    word = ((word ^ (word >> 30)) * 0xBF58476D1CE4E5B9) & WORD
+    word = ((word ^ (word >> 27)) * 0x94D049BB133111EB) & WORD
     return word ^ (word >> 31)
 
 
 def fold(number: int) -> int:
     """A 64-bit word for any integer: the integer itself in [0, 2^64); else a hash of its sign and of its words."""
-    if 0 <= number <= _WORD:
+    if 0 <= number <= WORD:
         return number
-    word, rest = mix(_WEYL_1 if number < 0 else _WEYL_0), abs(number)
+    word, rest = mix(WEYL_1 if number < 0 else WEYL_0), abs(number)
     while rest:
-        word = mix((word + _WEYL_0 & _WORD) ^ (rest & _WORD))
+        word = mix((word + WEYL_0 & WORD) ^ (rest & WORD))
         rest >>= 64
     return word
 
@@ -55,9 +58,9 @@ def fold(number: int) -> int:
 @lru_cache(maxsize=1 << 16)
 def site_code(address: tuple[int, ...]) -> int:
     """The 64-bit code of a draw site: SplitMix64 folded over the address, its length first."""
-    word = mix(len(address) + _WEYL_0)
+    word = mix(len(address) + WEYL_0)
     for number in address:
-        word = mix((word + _WEYL_0 & _WORD) ^ fold(number))
+        word = mix((word + WEYL_0 & WORD) ^ fold(number))
     return word
 
 
@@ -78,5 +81,5 @@ def _uniforms(key: tuple[int, int], scene: int, attempt: int) -> Iterator[float]
     block = 0
     while True:
         for word in philox(key, (scene, attempt, block, 0)):
-            yield (word >> 11) * _UNIT
+            yield (word >> UNUSED_BITS) * UNIT
         block += 1

@@ -18,7 +18,7 @@ from scenic_ref.inference.batch.trace.graph import Node, Site, bounds_of, decide
 from scenic_ref.inference.batch.trace.recording import Trace
 from scenic_ref.inference.batch.trace.running import trace
 from scenic_ref.interpreter.choosers import PER_SCENE
-from scenic_ref.interpreter.streams import Stream
+from scenic_ref.interpreter.streams import Stream, philox
 from scenic_ref.semantics.kernel.budget import Budget
 from scenic_ref.semantics.space.regions import CircularRegion, PolylineRegion, SectorRegion
 from scenic_ref.semantics.space.regions.approximation import box_shape
@@ -56,6 +56,16 @@ def test_columns_of_numbers_are_those_of_the_streams(seed, rows):
     site = Site((11,), 2, per_scene=False)
     expected = [numbers_one_by_one(seed, int(s), int(a), site) for s, a in zip(scenes[kept], attempts[kept], strict=True)]
     assert numbers.column(site).tolist() == expected
+
+@pytest.mark.extra("fast")
+@pytest.mark.parametrize("key", [(0, 0), (5, 2**64 - 1)])
+@pytest.mark.parametrize("counter", [(0, 0, 0), (2**64 - 1, 3, 1), (17, PER_SCENE, 4)])
+def test_compiled_numbers_are_those_of_the_streams(key, counter):
+    from scenic_ref.inference.batch.compile.kernels import philox as compiled
+
+    words = philox(key, (*counter, 0))
+    assert compiled(*map(np.uint64, (*key, *counter))) == tuple((word >> 11) * 2.0**-53 for word in words)
+
 
 
 # The graph

@@ -16,11 +16,12 @@ import numpy as np
 from llvmlite import ir
 from numba.extending import get_cython_function_address, intrinsic
 
+from ....interpreter.streams import MULTIPLIER_0, MULTIPLIER_1, ROUNDS, UNIT, UNUSED_BITS, WEYL_0, WEYL_1
 from ..evaluate.polygons import INSIDE, OUTSIDE, TIE, UNSURE, Grid
 
-_M0, _M1 = np.uint64(0xD2E7470EE14C6C93), np.uint64(0xCA5A826395121157)
-_W0, _W1 = np.uint64(0x9E3779B97F4A7C15), np.uint64(0xBB67AE8584CAA73B)
-_ZERO, _ELEVEN, _UNIT = np.uint64(0), np.uint64(11), 2.0**-53
+_M0, _M1 = np.uint64(MULTIPLIER_0), np.uint64(MULTIPLIER_1)
+_W0, _W1 = np.uint64(WEYL_0), np.uint64(WEYL_1)
+_ZERO, _UNUSED = np.uint64(0), np.uint64(UNUSED_BITS)
 
 
 def compile_(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -57,11 +58,11 @@ def _high(context: Any, a: Any, b: Any) -> Any:
 def philox(seed: np.uint64, code: np.uint64, scene: np.uint64, attempt: np.uint64, block: np.uint64) -> tuple[float, float, float, float]:
     """The four numbers in [0, 1) of a block, as `interpreter.streams` defines them."""
     k0, k1, c0, c1, c2, c3 = seed, code, scene, attempt, block, _ZERO
-    for _ in range(10):
+    for _ in range(ROUNDS):
         high0, low0, high1, low1 = _high(_M0, c0), _M0 * c0, _high(_M1, c2), _M1 * c2  # pyright: ignore[reportCallIssue]: the first parameter is the compiler's
         c0, c1, c2, c3 = high1 ^ c1 ^ k0, low1, high0 ^ c3 ^ k1, low0
         k0, k1 = k0 + _W0, k1 + _W1
-    return (c0 >> _ELEVEN) * _UNIT, (c1 >> _ELEVEN) * _UNIT, (c2 >> _ELEVEN) * _UNIT, (c3 >> _ELEVEN) * _UNIT
+    return (c0 >> _UNUSED) * UNIT, (c1 >> _UNUSED) * UNIT, (c2 >> _UNUSED) * UNIT, (c3 >> _UNUSED) * UNIT
 
 
 @compile_

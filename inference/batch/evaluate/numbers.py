@@ -5,16 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from ....interpreter.choosers import PER_SCENE
-from ....interpreter.streams import fold, site_code
+from ....interpreter.streams import MULTIPLIER_0, MULTIPLIER_1, ROUNDS, UNIT, UNUSED_BITS, WEYL_0, WEYL_1, WORD, fold, site_code
 from ..trace.graph import Site
 
 DENSE = 0.05
 """Blocks of consecutive scenes are computed at once if at least this share of them is asked for."""
-_M0, _M1 = np.uint64(0xD2E7470EE14C6C93), np.uint64(0xCA5A826395121157)
-_W0, _W1 = 0x9E3779B97F4A7C15, 0xBB67AE8584CAA73B
+_M0, _M1 = np.uint64(MULTIPLIER_0), np.uint64(MULTIPLIER_1)
 _LOW, _HALF = np.uint64(0xFFFFFFFF), np.uint64(32)
-_WORD = (1 << 64) - 1
-_UNIT = 2.0**-53
 
 
 class Numbers:
@@ -41,7 +38,7 @@ class Numbers:
         words = self.blocks.get(name)
         if words is None:
             words = self.blocks[name] = self.words(site_code(site.address), block, site.per_scene)
-        return (words[:, word] >> np.uint64(11)) * _UNIT
+        return (words[:, word] >> np.uint64(UNUSED_BITS)) * UNIT
 
     def words(self, code: int, block: int, per_scene: bool) -> np.ndarray:
         """The four words of a block, (rows, 4)."""
@@ -63,11 +60,11 @@ def philox(key: tuple[int, int], scenes: np.ndarray, attempts: np.ndarray, block
     k0, k1 = key
     c0, c1 = scenes, attempts
     c2, c3 = np.full_like(scenes, block), np.zeros_like(scenes)
-    for _ in range(10):
+    for _ in range(ROUNDS):
         high0, low0 = _product(_M0, c0)
         high1, low1 = _product(_M1, c2)
         c0, c1, c2, c3 = high1 ^ c1 ^ np.uint64(k0), low1, high0 ^ c3 ^ np.uint64(k1), low0
-        k0, k1 = (k0 + _W0) & _WORD, (k1 + _W1) & _WORD
+        k0, k1 = (k0 + WEYL_0) & WORD, (k1 + WEYL_1) & WORD
     return np.stack([c0, c1, c2, c3], axis=1)
 
 
