@@ -35,6 +35,63 @@ def in_json(value: object, *, allow_nan: bool = False, indent: int | None = None
     return SURROGATE.sub(lambda half: f"\\u{ord(half[0]):04x}", text)
 
 
+FINITE_IN_JSON = float.__repr__
+"""The text of a finite number in JSON, as `in_json` writes it."""
+
+
+def scene_entry(
+    seed: object, index: object, attempts: object, weight: object, params: object, ego: object, objects: list[dict[str, object]], *, pruned: bool
+) -> dict[str, object]:
+    """The fields of a scene in the scene format, in their order; what stands in them are values in JSON, or whatever is written for many scenes."""
+    return {
+        "schema": SCHEMA, "seed": seed, "scene": index, "attempts": attempts, "weight": weight, **({"pruned": True} if pruned else {}),
+        "params": params, "ego": ego, "objects": objects,
+    }  # fmt: skip
+
+
+def object_entry(
+    id: object, name: object, class_name: object, x: object, y: object, heading: object, width: object, length: object, properties: object
+) -> dict[str, object]:
+    """The fields of an object in the scene format, in their order, as in `scene_entry`."""
+    return {
+        "id": id, "name": name, "class": class_name, "position": [x, y], "heading": heading, "width": width, "length": length,
+        "properties": properties,
+    }  # fmt: skip
+
+
+def problem_of(scene: object) -> str:
+    """What keeps a value from being a scene of the format; "" if nothing does. Numbers may be infinite or NaN: that is a finding."""
+    if not isinstance(scene, dict):
+        return "a scene is an object in braces"
+    if scene.get("schema", SCHEMA) != SCHEMA:
+        return f"this is {scene['schema']!r}, not a scene"
+    objects, params = scene.get("objects"), scene.get("params", {})
+    if not isinstance(objects, list) or not isinstance(params, dict):
+        return "a scene has a list `objects`" if not isinstance(objects, list) else "`params` maps names to values"
+    if "attempts" in scene and not is_count(scene["attempts"]):
+        return "`attempts` is not a whole number of at least 1"
+    for i, o in enumerate(objects):
+        if not isinstance(o, dict) or not isinstance(o.get("properties", {}), dict):
+            return f"objects[{i}] is not an object of the format"
+        position = o.get("position")
+        if not (isinstance(position, list) and len(position) == 2 and is_number(position[0]) and is_number(position[1])):
+            return f"objects[{i}].position is not a pair of numbers"
+        for name in OWN_FIELDS[1:]:
+            if name in o and not is_number(o[name]):
+                return f"objects[{i}].{name} is not a number"
+    return ""
+
+
+def is_count(value: object) -> bool:
+    """Whether a value is a whole number of at least 1."""
+    return type(value) is int and value >= 1
+
+
+def is_number(value: object) -> bool:
+    """Whether a value in JSON is a number."""
+    return type(value) is float or type(value) is int
+
+
 @dataclass(frozen=True, slots=True)
 class SceneObject:
     """An Object of a scene: metres, radians anticlockwise from North in (-π, π]; `properties` are all the others."""
@@ -54,10 +111,10 @@ class SceneObject:
 
     def to_json(self) -> dict[str, object]:
         """The entry of the scene format."""
-        return {
-            "id": self.id, "name": self.name, "class": self.class_name, "position": [self.position.x, self.position.y], "heading": self.heading,
-            "width": self.width, "length": self.length, "properties": {k: json_value(v) for k, v in self.properties.items()},
-        }
+        properties = {k: json_value(v) for k, v in self.properties.items()}
+        return object_entry(
+            self.id, self.name, self.class_name, self.position.x, self.position.y, self.heading, self.width, self.length, properties
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,11 +143,8 @@ class Scene:
 
     def to_json(self) -> dict[str, object]:
         """The scene as a JSON object."""
-        return {
-            "schema": SCHEMA, "seed": self.seed, "scene": self.index, "attempts": self.attempts, "weight": self.weight,
-            **({"pruned": True} if self.pruned else {}),
-            "params": {k: json_value(v) for k, v in self.params.items()}, "ego": self.ego_id, "objects": [o.to_json() for o in self.objects],
-        }
+        params, objects = {k: json_value(v) for k, v in self.params.items()}, [o.to_json() for o in self.objects]
+        return scene_entry(self.seed, self.index, self.attempts, self.weight, params, self.ego_id, objects, pruned=self.pruned)
 
     def to_line(self) -> str:
         """One line of a JSON Lines file."""

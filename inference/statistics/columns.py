@@ -15,7 +15,7 @@ from operator import itemgetter
 
 import numpy as np
 
-from ...formats.scenes import OWN_FIELDS, Scene
+from ...formats.scenes import OWN_FIELDS, Scene, is_number
 from .betting import Array
 
 ABSENT = "(absent)"
@@ -189,11 +189,6 @@ def columns_of(name: str, values: list[object]) -> Iterator[tuple[str, Array]]:
     numbers = [is_number(v) for v in values]
     yield name, array_of([v if known else math.nan for v, known in zip(values, numbers, strict=True)])
     yield name + OTHERWISE, np.array([A_NUMBER if known else text_of(v) for v, known in zip(values, numbers, strict=True)], dtype=object)
-
-
-def is_number(value: object) -> bool:
-    """Whether a value in JSON is a number."""
-    return type(value) is float or type(value) is int
 
 
 def array_of(values: list[object], kinds: set[type] | None = None) -> Array:

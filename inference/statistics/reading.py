@@ -19,9 +19,8 @@ from itertools import chain, islice
 from pathlib import Path
 from typing import Any
 
-from ...formats.scenes import OWN_FIELDS, SCHEMA
+from ...formats.scenes import SCHEMA, is_count, problem_of
 from ...semantics.kernel.errors import UsageError
-from .columns import is_number
 from .names import SHORT, long_name
 
 LONG = re.compile(r"objects\[(\d+)\]\.(?:(position)\[([01])\]|(heading|width|length|class|properties\.\w+)((?:\[\d+\])*))")
@@ -127,34 +126,6 @@ def one_by_one(lines: Sequence[tuple[int, bytes]], path: str) -> Iterator[object
             yield json.loads(text)
         except (ValueError, RecursionError):
             raise UsageError(f"{path}, line {number}: this is not JSON", hint="one scene per line, as `scenic-ref run -o` writes them") from None
-
-
-def problem_of(scene: object) -> str:
-    """What keeps a value from being a scene of the format; "" if nothing does. Numbers may be infinite or NaN: that is a finding."""
-    if not isinstance(scene, dict):
-        return "a scene is an object in braces"
-    if scene.get("schema", SCHEMA) != SCHEMA:
-        return f"this is {scene['schema']!r}, not a scene"
-    objects, params = scene.get("objects"), scene.get("params", {})
-    if not isinstance(objects, list) or not isinstance(params, dict):
-        return "a scene has a list `objects`" if not isinstance(objects, list) else "`params` maps names to values"
-    if "attempts" in scene and not is_count(scene["attempts"]):
-        return "`attempts` is not a whole number of at least 1"
-    for i, o in enumerate(objects):
-        if not isinstance(o, dict) or not isinstance(o.get("properties", {}), dict):
-            return f"objects[{i}] is not an object of the format"
-        position = o.get("position")
-        if not (isinstance(position, list) and len(position) == 2 and is_number(position[0]) and is_number(position[1])):
-            return f"objects[{i}].position is not a pair of numbers"
-        for name in OWN_FIELDS[1:]:
-            if name in o and not is_number(o[name]):
-                return f"objects[{i}].{name} is not a number"
-    return ""
-
-
-def is_count(value: object) -> bool:
-    """Whether a value is a whole number of at least 1."""
-    return type(value) is int and value >= 1
 
 
 def _csv(file: Iterable[str], path: str) -> Iterator[Numbered]:

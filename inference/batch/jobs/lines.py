@@ -6,10 +6,12 @@ What comes out is what `Scene.to_line` and `formats.tables.columns_of` give for 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import chain
+from typing import NamedTuple
 
 import numpy as np
 
-from ....formats.scenes import OWN_FIELDS, SCHEMA, in_json, json_value
+from ....formats.scenes import FINITE_IN_JSON, OWN_FIELDS, in_json, json_value, object_entry, scene_entry
 from ....formats.tables import COLUMNS, Texts, chosen, columns_of, joined
 from ....formats.tables import Columns as Table
 from ....semantics.kernel.values import Random
@@ -28,6 +30,12 @@ Numbers = np.ndarray | list[object]
 TRUTHS = ("false", "true")
 
 
+class Written(NamedTuple):
+    """A value in JSON, in pieces of text."""
+
+    pieces: Sequence[Cells]
+
+
 # Lines
 
 
@@ -41,24 +49,17 @@ def lines_of(template: Template, block: Block, seed: int) -> list[str]:
 def _lines(template: Template, block: Block, seed: int) -> list[str]:
     """The lines of the scenes in the columns of a block."""
     count = len(block.rows)
-    pruned = '"pruned": true, ' if template.pruned else ""
-    pieces: list[Cells] = [f'{{"schema": "{SCHEMA}", "seed": {seed}, "scene": ', list(map(str, block.rows.tolist())), ', "attempts": ']
-    pieces += [list(map(str, attempts_of(block).tolist())), f', "weight": 1.0, {pruned}"params": ', *mapping(template.params, block.columns, count)]
-    pieces += [f', "ego": {template.ego_id}, "objects": [']
-    for number, o in enumerate(template.objects):
-        pieces += ["" if number == 0 else ", ", *_object(number, o, block.columns, count)]
-    found = assembled([*pieces, "]}"])
+    indices, attempts = (Written([list(map(str, whole.tolist()))]) for whole in (block.rows, attempts_of(block)))
+    params = Written(mapping(template.params, block.columns, count))
+    objects = [_object(number, o, block.columns, count) for number, o in enumerate(template.objects)]
+    found = assembled(written(scene_entry(seed, indices, attempts, 1.0, params, template.ego_id, objects, pruned=template.pruned)))
     return [found] * count if isinstance(found, str) else found
 
 
-def _object(number: int, o: ObjectTemplate, columns: Columns, count: int) -> list[Cells]:
+def _object(number: int, o: ObjectTemplate, columns: Columns, count: int) -> dict[str, object]:
     """The entry of an object."""
-    x, y, heading, width, length = own_fields(o, columns, count)
-    lead = f'{{"id": {number}, "name": {text(o.name)}, "class": {text(o.class_name)}, "position": ['
-    return [
-        lead, finite(x), ", ", finite(y), '], "heading": ', finite(heading), ', "width": ', finite(width), ', "length": ', finite(length),
-        ', "properties": ', *mapping(others(o), columns, count), "}",
-    ]  # fmt: skip
+    x, y, heading, width, length = (Written([finite(values)]) for values in own_fields(o, columns, count))
+    return object_entry(number, o.name, o.class_name, x, y, heading, width, length, Written(mapping(others(o), columns, count)))
 
 
 def own_fields(o: ObjectTemplate, columns: Columns, count: int) -> tuple[Numbers, Numbers, Numbers, Numbers, Numbers]:
@@ -105,7 +106,7 @@ def text(value: object) -> str:
 def finite(values: Numbers) -> Cells:
     """The JSON text of numbers. Raises `ValueError` for those that JSON does not have."""
     if isinstance(values, np.ndarray) and np.isfinite(values).all():
-        return list(map(float.__repr__, values.tolist()))
+        return list(map(FINITE_IN_JSON, values.tolist()))
     return list(map(text, values.tolist() if isinstance(values, np.ndarray) else values))
 
 
@@ -118,23 +119,31 @@ def assembled(pieces: Sequence[Cells]) -> Cells:
     return [form % row for row in zip(*varying, strict=True)]
 
 
-def mapping(values: dict[str, object], columns: Columns, count: int) -> list[Cells]:
+def written(value: object) -> Sequence[Cells]:
+    """A value in JSON, parts of which are written already, in pieces."""
+    match value:
+        case Written(pieces=pieces):
+            return pieces
+        case dict():
+            inner = [(f"{', ' if number else ''}{text(name)}: ", *written(part)) for number, (name, part) in enumerate(value.items())]
+            return ["{", *chain.from_iterable(inner), "}"]
+        case list():
+            return ["[", *chain.from_iterable((", " if number else "", *written(part)) for number, part in enumerate(value)), "]"]
+        case _:
+            return [text(value)]
+
+
+def mapping(values: dict[str, object], columns: Columns, count: int) -> Sequence[Cells]:
     """An object of JSON, in pieces."""
-    pieces: list[Cells] = ["{"]
-    for number, (name, value) in enumerate(values.items()):
-        pieces += [f"{', ' if number else ''}{text(name)}: ", *cells(value, columns, count)]
-    return [*pieces, "}"]
+    return written({name: Written(cells(value, columns, count)) for name, value in values.items()})
 
 
-def sequence(values: Sequence[object], columns: Columns, count: int) -> list[Cells]:
+def sequence(values: Sequence[object], columns: Columns, count: int) -> Sequence[Cells]:
     """An array of JSON, in pieces."""
-    pieces: list[Cells] = ["["]
-    for number, value in enumerate(values):
-        pieces += [", " if number else "", *cells(value, columns, count)]
-    return [*pieces, "]"]
+    return written([Written(cells(value, columns, count)) for value in values])
 
 
-def cells(value: object, columns: Columns, count: int) -> list[Cells]:
+def cells(value: object, columns: Columns, count: int) -> Sequence[Cells]:
     """The JSON text of `json_value(value)` in each row, in pieces."""
     match value:
         case _ if not symbols_in(value):
@@ -160,7 +169,7 @@ def numbers(column: np.ndarray) -> list[str]:
     if column.dtype == bool:
         return [TRUTHS[v] for v in column.tolist()]
     if column.dtype.kind == "f" and np.isfinite(column).all():
-        return list(map(float.__repr__, column.tolist()))
+        return list(map(FINITE_IN_JSON, column.tolist()))
     return [text(json_value(v)) for v in column.tolist()]
 
 
