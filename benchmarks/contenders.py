@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..semantics.kernel.errors import UsageError
-from .own_sampler import Task
+from .own_sampler import SamplingTask
 
 SAMPLER = Path(__file__).with_name("released_sampler.py")
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
@@ -22,7 +22,7 @@ KNOWN = "scenic"
 
 
 @dataclass(frozen=True, slots=True)
-class Program:
+class MeasuredProgram:
     """A program to be measured; `released` is the same program for released implementations, if there is one."""
 
     name: str
@@ -43,9 +43,9 @@ class Ours:
         """What tables call it."""
         return self.backend + (" --prune" if self.prune else "")
 
-    def command(self, program: Program, seed: int) -> list[str]:
+    def command(self, program: MeasuredProgram, seed: int) -> list[str]:
         """Starts its process."""
-        task = Task(program.path, self.backend, self.prune, program.trust, seed)
+        task = SamplingTask(program.path, self.backend, self.prune, program.trust, seed)
         code = f"import sys; sys.path[:] = {sys.path!r}; from {__package__}.own_sampler import main; main()"
         return [sys.executable, "-c", code, task.text()]
 
@@ -63,7 +63,7 @@ class Released:
     script: str = ""
     world: str = ""
 
-    def command(self, program: Program, seed: int) -> list[str]:
+    def command(self, program: MeasuredProgram, seed: int) -> list[str]:
         """Starts its process."""
         assert program.released is not None
         return [self.python, self.script, program.released, self.world, str(seed)]

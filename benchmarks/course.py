@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ..interpreter.extras import is_installed
 from ..semantics.kernel.errors import UsageError
-from .contenders import Contender, Ours, Program, released
+from .contenders import Contender, MeasuredProgram, Ours, released
 from .figures import Cell, Figures, load
 from .growth import WHAT, contenders, programs
 from .processes import Process
@@ -22,7 +22,7 @@ Tell = Callable[[str], None]
 
 
 @dataclass(frozen=True, slots=True)
-class Request:
+class CourseRequest:
     """What is to be measured."""
 
     programs: tuple[str, ...]
@@ -39,7 +39,7 @@ class Request:
         return {"seconds": self.seconds, "repeat": self.repeat, "prune": self.prune, "seed": self.seed}
 
 
-def measure(request: Request, tell: Tell, finish: Callable[[Figures], None]) -> None:
+def measure(request: CourseRequest, tell: Tell, finish: Callable[[Figures], None]) -> None:
     """Measure all that is requested; `finish` gets the figures, after Ctrl-C those that there are.
 
     Raises `UsageError` before anything is measured, and `KeyboardInterrupt` after `finish`.
@@ -77,16 +77,16 @@ def ours(numba: bool, prune: bool) -> Iterator[Ours]:
             yield Ours("numba", pruned)
 
 
-def programs_of(request: Request) -> list[Program]:
+def programs_of(request: CourseRequest) -> list[MeasuredProgram]:
     """The programs, which are there and have different names. Raises `UsageError`."""
-    found: list[Program] = []
+    found: list[MeasuredProgram] = []
     for path in request.programs:
         if not Path(path).is_file():
             raise UsageError(f"there is no file {path}")
         name = Path(path).stem
         if any(name == other.name for other in found):
             raise UsageError(f"two programs are called {name}")
-        found.append(Program(name, str(Path(path).resolve()), translation(path, request.released)))
+        found.append(MeasuredProgram(name, str(Path(path).resolve()), translation(path, request.released)))
     if found and request.released is not None and not any(p.released for p in found):
         raise UsageError(f"--released: {request.released} holds none of the programs", hint=f"it should hold {found[0].name}.scenic, for example")
     return found
@@ -98,7 +98,7 @@ def translation(path: str, directory: str | None) -> str | None:
     return str(other.resolve()) if other.is_file() else None
 
 
-def take_turns(program: Program, rivals: Sequence[Contender], request: Request, cells: list[Cell]) -> None:
+def take_turns(program: MeasuredProgram, rivals: Sequence[Contender], request: CourseRequest, cells: list[Cell]) -> None:
     """Measure a program by all implementations: each prepares it, then they draw in turns. `cells` gets the figures as they come."""
     with ExitStack() as stack:
         turns: list[tuple[Process, Cell]] = []
@@ -118,7 +118,7 @@ def take_turns(program: Program, rivals: Sequence[Contender], request: Request, 
                     cell.take(process.sample(request.seconds))
 
 
-def measure_growth(directory: Path, numba: bool, request: Request, figures: Figures, tell: Tell) -> None:
+def measure_growth(directory: Path, numba: bool, request: CourseRequest, figures: Figures, tell: Tell) -> None:
     """Measure the programs that grow."""
     for kind in WHAT:
         cells = figures.growth.setdefault(kind, [])

@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 
-from .contenders import Ours, Program
+from .contenders import MeasuredProgram, Ours
 
 OBJECTS = (2, 5, 10, 20, 50)
 POLYGONS = (50, 500, 5_000, 50_000)
@@ -21,12 +21,12 @@ WHAT = {
 }
 
 
-def programs(kind: str, directory: Path) -> Iterator[tuple[int, Program]]:
+def programs(kind: str, directory: Path) -> Iterator[tuple[int, MeasuredProgram]]:
     """The programs by size, written into `directory`."""
     for size in OBJECTS if kind == "objects" else POLYGONS:
         path = directory / f"{size}_{kind}.scenic"
         path.write_text(many_objects(size) if kind == "objects" else many_polygons(size), encoding="utf-8")
-        yield size, Program(path.stem, str(path), trust=True)
+        yield size, MeasuredProgram(path.stem, str(path), trust=True)
 
 
 def contenders(kind: str, size: int, numba: bool) -> list[Ours]:

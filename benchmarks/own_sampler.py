@@ -27,7 +27,7 @@ Draw = Callable[[int, int], tuple[int, int]]
 
 
 @dataclass(frozen=True, slots=True)
-class Task:
+class SamplingTask:
     """What a process draws: a program, by "interpreter", "numpy" or "numba", with or without pruning."""
 
     program: str
@@ -66,7 +66,7 @@ def by_blocks(batch: Batch, seed: int) -> Draw:
     return draw
 
 
-def prepare(task: Task) -> tuple[Draw, dict[str, float]]:
+def prepare(task: SamplingTask) -> tuple[Draw, dict[str, float]]:
     """The program ready to be drawn, and the seconds that its parts took. Raises `Skipped`, and the program's errors."""
     times = [time.process_time()]
     scenario = load(task.program, trust=task.trust)
@@ -97,7 +97,7 @@ def spent(times: list[float], *names: str) -> dict[str, float]:
     return {name: after - before for name, before, after in zip(names, times, times[1:])}
 
 
-class Sampler:
+class TimedSampler:
     """Draws for some seconds at a time, each time other scenes; blocks grow until they take long enough."""
 
     def __init__(self, draw: Draw, blocks: bool) -> None:
@@ -130,7 +130,7 @@ class Sampler:
         return {"scenes": scenes, "attempts": attempts, "seconds": used, "block": self.size, "peak": peak()}
 
 
-def serve(task: Task, out: TextIO) -> None:
+def serve(task: SamplingTask, out: TextIO) -> None:
     """Prepare, then answer the lines of standard input."""
 
     def say(answer: object) -> None:
@@ -139,7 +139,7 @@ def serve(task: Task, out: TextIO) -> None:
     try:
         draw, times = prepare(task)
         say({"prepare": sum(times.values()), "parts": times})
-        sampler = Sampler(draw, task.backend != "interpreter")
+        sampler = TimedSampler(draw, task.backend != "interpreter")
         for line in sys.stdin:
             say(sampler.sample(float(line)))
     except Skipped as reason:
@@ -152,4 +152,4 @@ def main() -> None:
     """The process; the task is its argument."""
     out = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)  # what the program prints is not an answer
-    serve(Task(**json.loads(sys.argv[1])), out)
+    serve(SamplingTask(**json.loads(sys.argv[1])), out)

@@ -15,7 +15,7 @@ from functools import partial
 import numpy as np
 import scenic_ref
 from scenic_ref.inference.statistics import compare
-from scenic_ref.inference.statistics.columns import Table
+from scenic_ref.inference.statistics.columns import FeatureTable
 from scenic_ref.inference.statistics.facts import Facts
 
 VIEWER = "v = Point at (0, 0), with viewDistance {}\nego = Object at (0, 0), with viewDistance 40\nObject visible from v\n"
@@ -86,7 +86,7 @@ def nulls(count: int = 10_000, scenes: int = 1_600, alpha: float = 0.01) -> dict
     return {"comparisons": count, "scenes of each side": scenes, "alpha": alpha, "false alarms": alarms, "seconds": seconds}
 
 
-def _drawn(source: np.random.Generator, n: int) -> Table:
+def _drawn(source: np.random.Generator, n: int) -> FeatureTable:
     """Scenes with continuous, discrete, circular, dependent and rare features."""
     x, y, turn = source.random(n), source.normal(size=n), source.uniform(-math.pi, math.pi, n)
     columns = {
@@ -94,7 +94,7 @@ def _drawn(source: np.random.Generator, n: int) -> Table:
         "params.kind": np.floor(source.random(n) * 5), "params.rare": (source.random(n) < 0.01).astype(float),
         "attempts": source.geometric(0.3, n).astype(float),
     }
-    return Table(columns, n)
+    return FeatureTable(columns, n)
 
 
 if __name__ == "__main__":

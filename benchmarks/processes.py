@@ -9,13 +9,13 @@ import tempfile
 from types import TracebackType
 from typing import Any
 
-from .contenders import Contender, Program
+from .contenders import Contender, MeasuredProgram
 
 
 class Process:
     """A program in the hands of one implementation; used in a `with`. `ready` tells what preparing took, or why it is skipped."""
 
-    def __init__(self, contender: Contender, program: Program, seed: int) -> None:
+    def __init__(self, contender: Contender, program: MeasuredProgram, seed: int) -> None:
         self.errors = tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace")  # noqa: SIM115 (closed with the process)
         self.running = subprocess.Popen(
             contender.command(program, seed), stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self.errors, text=True,

@@ -12,7 +12,7 @@ import typer
 from .options import DebugOption
 
 if TYPE_CHECKING:
-    from ..benchmarks.course import Request
+    from ..benchmarks.course import CourseRequest
     from ..benchmarks.figures import Figures
 
 
@@ -49,7 +49,7 @@ def bench(
     They take turns on one core, and scenes are counted per second of the processor. Ratios are to the first --against, else to the
     interpreter. Ctrl-C shows what is measured so far.
     """
-    from ..benchmarks.course import Request, measure
+    from ..benchmarks.course import CourseRequest, measure
     from ..semantics.kernel.errors import UsageError
     from .session import tell
 
@@ -61,7 +61,7 @@ def bench(
     if not 0 < seconds < float("inf"):
         raise UsageError("--seconds must be a positive number")
     check_outputs(programs or (), output, plot)
-    request = Request(tuple(programs or ()), seconds, repeat, tuple(against or ()), released, prune, growth, seed)
+    request = CourseRequest(tuple(programs or ()), seconds, repeat, tuple(against or ()), released, prune, growth, seed)
     measure(request, tell, lambda figures: finish(figures, request, output, plot))
 
 
@@ -78,7 +78,7 @@ def check_outputs(programs: Sequence[str], output: str | None, plot: str | None)
         check_ending("--plot", plot, "pictures", PICTURES)
 
 
-def finish(figures: Figures, request: Request, output: str | None, plot: str | None) -> None:
+def finish(figures: Figures, request: CourseRequest, output: str | None, plot: str | None) -> None:
     """The tables on standard output, the files."""
     from ..benchmarks.terminal import show
     from .files import write

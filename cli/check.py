@@ -98,7 +98,7 @@ def check(
         source.load().rehearse()
         print("ok")
         return
-    asked = Asked(samples, reference, alpha, detect_tv, tolerance, tuple(ignore or ()), dict(pairs(mapped, "--map", "A=B")), seed, workers)
+    asked = Compared(samples, reference, alpha, detect_tv, tolerance, tuple(ignore or ()), dict(pairs(mapped, "--map", "A=B")), seed, workers)
     verdict = compared(source, asked, report, junit)
     print(escaped(str(verdict)))
     raise typer.Exit(EXIT_CODES[verdict.kind])
@@ -110,7 +110,7 @@ def is_given(context: typer.Context, name: str) -> bool:
     return source is not None and source.name == "COMMANDLINE"
 
 
-class Asked(NamedTuple):
+class Compared(NamedTuple):
     """Which samples to compare, with what, and how."""
 
     samples: str
@@ -124,7 +124,7 @@ class Asked(NamedTuple):
     workers: int
 
 
-def compared(source: Source, asked: Asked, report: str | None, junit: str | None) -> Verdict:
+def compared(source: Source, asked: Compared, report: str | None, junit: str | None) -> Verdict:
     """The verdict on the samples, with its reports written. Raises `UsageError` and the program's errors."""
     from ..testing import judged
     from .check_reports import check_report_paths, write_junit, write_page

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ..conformance.implementation import Implementation
     from ..conformance.reports import Chapter
     from ..conformance.running import Result
-    from ..conformance.vector import Vector
+    from ..conformance.vector import ConformanceVector
 
 HEADING = ("vectors", "passed", "failed", "skipped", "errored", "chapter")
 
@@ -55,7 +55,7 @@ def conformance(
         raise typer.Exit(1)
 
 
-def selected(vectors: Sequence[Vector], chapter: str | None, names: list[str] | None) -> list[Vector]:
+def selected(vectors: Sequence[ConformanceVector], chapter: str | None, names: list[str] | None) -> list[ConformanceVector]:
     """The vectors that were asked for. Raises `UsageError` if there are none."""
     from ..semantics.kernel.errors import UsageError
 
@@ -84,7 +84,7 @@ def check_dialect(dialect: str | None) -> None:
     choose("", dialect)
 
 
-def judged(implementation: Implementation, vectors: Sequence[Vector], dialect: str | None, seed: int) -> Iterator[Result]:
+def judged(implementation: Implementation, vectors: Sequence[ConformanceVector], dialect: str | None, seed: int) -> Iterator[Result]:
     """The results, one after the other, with a progress bar on a terminal."""
     from ..conformance import judge
 

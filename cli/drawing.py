@@ -51,7 +51,7 @@ class Softness(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Drawn:
+class DrawnScene:
     """A scene as its line of JSON, the requirements at which attempts got stuck, and what the accepted attempt printed."""
 
     index: int
@@ -104,7 +104,7 @@ class Drawing:
 
     def draw(
         self, seed: int, index: int, max_attempts: int, printed: list[str], on_attempt: Callable[[int], None] | None = None
-    ) -> Drawn:
+    ) -> DrawnScene:
         """Scene number `index` of `seed`. `printed` gets what the latest attempt printed, also if that ends with an error."""
 
         def listening(attempt: int) -> Witness:
@@ -118,7 +118,7 @@ class Drawing:
         found = scenario.sampled(seed, index, max_attempts=max_attempts, on_attempt=on_attempt, witnessed=witnessed)
         attempts = found.scene.attempts
         soft = self.softness(seed, index, attempts) if self.has_soft_requirements else ()
-        return Drawn(index, attempts, found.scene.to_line(), found.stuck, tuple(printed), soft)
+        return DrawnScene(index, attempts, found.scene.to_line(), found.stuck, tuple(printed), soft)
 
     def again(self, seed: int, index: int, attempts: int) -> Scene | None:
         """The scene that is known to need `attempts` attempts, by the last of them alone; None if that attempt gets stuck."""

@@ -26,7 +26,7 @@ MOST_COLUMNS = 6
 EVERY = 200  # runs between two signs of life
 
 
-class Request(NamedTuple):
+class EnumerationRequest(NamedTuple):
     """What to enumerate, and where to write it."""
 
     max_runs: int
@@ -35,7 +35,7 @@ class Request(NamedTuple):
     plot: str | None
 
 
-def produce_enumeration(source: Source, request: Request, session: Session) -> None:
+def produce_enumeration(source: Source, request: EnumerationRequest, session: Session) -> None:
     """Enumerate the program and show or write what was found. Raises `UsageError`, `RunsExhausted`, and the program's errors."""
     check_paths(source, request)
     drawing = drawing_of(source)
@@ -84,7 +84,7 @@ class Life:
             self.status.update(f"{runs:,} runs, {float(covered):.1%} of the probability")
 
 
-def check_paths(source: Source, request: Request) -> None:
+def check_paths(source: Source, request: EnumerationRequest) -> None:
     """Find wrong paths before the work begins. Raises `UsageError`."""
     for path in (request.output, request.plot):
         if path is None or path == "-":

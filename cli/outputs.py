@@ -22,7 +22,7 @@ from ..formats.scenes import SCHEMA
 from ..formats.tables import SUFFIXES
 from ..inference.batch.jobs.blocks import uninterrupted
 from ..semantics.kernel.errors import UsageError
-from .drawing import Drawn
+from .drawing import DrawnScene
 
 if TYPE_CHECKING:
     from .portions import Form, Portion
@@ -71,7 +71,7 @@ class Output(ABC):
         raise UsageError("only a file of JSON Lines can be resumed")
 
     @abstractmethod
-    def write(self, drawn: Drawn) -> None:
+    def write(self, drawn: DrawnScene) -> None:
         """Add a scene. Raises `UsageError` if there is no room."""
 
     @abstractmethod
@@ -135,7 +135,7 @@ class LinesFile(Output):
             raise UsageError(f"{self.path} cannot be resumed: its line {number + 1} is scene {index}, not {number}")
         return Earlier(index, attempts, line)
 
-    def write(self, drawn: Drawn) -> None:
+    def write(self, drawn: DrawnScene) -> None:
         """One line, in full or not at all."""
         self._write(f"{drawn.line}\n".encode())
 
@@ -169,7 +169,7 @@ class LinesFile(Output):
 class Pipe(Output):
     """Standard output, as JSON Lines."""
 
-    def write(self, drawn: Drawn) -> None:
+    def write(self, drawn: DrawnScene) -> None:
         """One line, at once."""
         self._write(f"{drawn.line}\n".encode())
 
@@ -201,7 +201,7 @@ class TableOutput(Output):
         """Columns."""
         return "table"
 
-    def write(self, drawn: Drawn) -> None:
+    def write(self, drawn: DrawnScene) -> None:
         """One row per object."""
         self.table.add(json.loads(drawn.line))
 

@@ -15,11 +15,11 @@ from ..inference.batch import Batch, Block
 from ..inference.batch.evaluate.features import features_in
 from ..inference.batch.jobs.blocks import FIRST, Pace, Workers, block_of
 from ..inference.batch.jobs.lines import lines_of, table_of
-from ..inference.statistics.columns import Table as Features
+from ..inference.statistics.columns import FeatureTable
 from ..semantics.kernel.outcome import Requirement
 from .drawing import Drawing, Softness, drawing_of
 from .options import Source
-from .workers import Failed, Job, failed
+from .workers import FailedDraw, Job, failed
 
 Form = Literal["lines", "table", "features"]
 MOST_LOOKED_AT = 500
@@ -43,8 +43,8 @@ class Portion(NamedTuple):
     soft: tuple[Softness, ...]
     left: int
     seconds: float
-    failed: Failed | None
-    features: Features | None = None
+    failed: FailedDraw | None
+    features: FeatureTable | None = None
 
 
 class PortionJob(NamedTuple):

@@ -11,7 +11,7 @@ from ..formats.tables import SUFFIXES
 from ..inference.batch.jobs.blocks import Workers, cluster, processes
 from ..scenario import FEW
 from ..semantics.kernel.errors import ScenicError, UsageError
-from .drawing import Drawing, Drawn, drawing_of
+from .drawing import Drawing, DrawnScene, drawing_of
 from .files import LINES, PICTURES, check_ending, check_place
 from .options import Source
 from .outputs import Output, Resumed, open_output
@@ -19,13 +19,13 @@ from .portions import portions
 from .progress import Progress
 from .reports import Tally, summary
 from .session import Session, tell
-from .workers import Failed, Job, draw_here, drawn_by
+from .workers import FailedDraw, Job, draw_here, drawn_by
 
 MOST_PLOTTED = 16
 MOST_FINDINGS, MOST_PARTS = 16, 16
 
 
-class Request(NamedTuple):
+class SceneRequest(NamedTuple):
     """Which scenes to draw, with what, and what to do with them."""
 
     start: int
@@ -40,7 +40,7 @@ class Request(NamedTuple):
     cluster: str | None = None
 
 
-def produce(source: Source, request: Request, session: Session) -> None:
+def produce(source: Source, request: SceneRequest, session: Session) -> None:
     """Draw the scenes, write them, report on them. Raises the program's errors, `AttemptsExhausted` and `UsageError`."""
     check_paths(source, request)
     drawing = drawing_of(source)
@@ -75,7 +75,7 @@ def produce(source: Source, request: Request, session: Session) -> None:
         plot(drawing, request, known[: request.stop])
 
 
-def why_interpreted(drawing: Drawing, request: Request) -> str | None:
+def why_interpreted(drawing: Drawing, request: SceneRequest) -> str | None:
     """Why the interpreter draws the scenes one by one; None if the batch backend draws many at a time. Raises `AttemptsExhausted` if none can be."""
     if request.backend == "interpreter":
         return "as asked for"
@@ -118,7 +118,7 @@ def first_lines(lines: list[str], most: int) -> list[str]:
     return lines if len(lines) <= most else [*lines[: most - 1], f"... and {len(lines) - most + 1} more lines; `scenario.pruning` has all"]
 
 
-def workers_of(request: Request, scenes: int) -> AbstractContextManager[Workers] | None:
+def workers_of(request: SceneRequest, scenes: int) -> AbstractContextManager[Workers] | None:
     """Who draws the scenes, if not this process."""
     if request.cluster is not None:
         return cluster(request.cluster, request.workers if request.workers > 1 else None)
@@ -126,7 +126,7 @@ def workers_of(request: Request, scenes: int) -> AbstractContextManager[Workers]
 
 
 def produce_by_batch(
-    job: Job, request: Request, output: Output, tally: Tally, progress: Progress, known: list[tuple[int, int]], stack: ExitStack
+    job: Job, request: SceneRequest, output: Output, tally: Tally, progress: Progress, known: list[tuple[int, int]], stack: ExitStack
 ) -> None:
     """Draw many scenes at a time; `known` gets the attempts of the first ones. Raises the error that ends them."""
     found = portions(job.source, job, output.form, workers_of(request, job.stop - job.start), request.workers)
@@ -141,7 +141,8 @@ def produce_by_batch(
 
 
 def produce_one_by_one(
-    drawing: Drawing, job: Job, request: Request, output: Output, tally: Tally, progress: Progress, known: list[tuple[int, int]], stack: ExitStack
+    drawing: Drawing, job: Job, request: SceneRequest, output: Output, tally: Tally, progress: Progress, known: list[tuple[int, int]],
+    stack: ExitStack,
 ) -> None:
     """Draw the scenes with the interpreter; `known` gets the attempts of the first ones. Raises the error that ends them."""
     workers = workers_of(request, job.stop - job.start)
@@ -166,17 +167,17 @@ def rehearse(drawing: Drawing) -> None:
         raise
 
 
-def accepted(scenes: Iterator[Drawn | Failed], progress: Progress) -> Iterator[Drawn]:
+def accepted(scenes: Iterator[DrawnScene | FailedDraw], progress: Progress) -> Iterator[DrawnScene]:
     """The scenes; what each printed goes to standard error. Raises the error that ends them."""
     for drawn in scenes:
         for text in drawn.printed:
             progress.say(text)
-        if isinstance(drawn, Failed):
+        if isinstance(drawn, FailedDraw):
             raise drawn.error
         yield drawn
 
 
-def check_paths(source: Source, request: Request) -> None:
+def check_paths(source: Source, request: SceneRequest) -> None:
     """Find wrong paths before the work begins. Raises `UsageError`."""
     if request.resume and (request.output is None or request.output == "-"):
         raise UsageError("--resume needs a file to continue: -o PATH")
@@ -192,7 +193,7 @@ def check_paths(source: Source, request: Request) -> None:
         check_ending("--plot", request.plot, "pictures", PICTURES)
 
 
-def check_earlier(drawing: Drawing, request: Request, earlier: Resumed) -> None:
+def check_earlier(drawing: Drawing, request: SceneRequest, earlier: Resumed) -> None:
     """Check that the last scene of a resumed file is the one that this program gives. Raises `UsageError`."""
     last = earlier.last
     if last is None:
@@ -205,7 +206,7 @@ def check_earlier(drawing: Drawing, request: Request, earlier: Resumed) -> None:
         )
 
 
-def plot(drawing: Drawing, request: Request, known: list[tuple[int, int]]) -> None:
+def plot(drawing: Drawing, request: SceneRequest, known: list[tuple[int, int]]) -> None:
     """Draw the first scenes into one picture, each from the attempt that is known to give it."""
     from ..formats.pictures import save_picture
 

@@ -9,13 +9,13 @@ from itertools import islice
 from types import TracebackType
 
 from ..inference.batch.jobs.blocks import processes
-from ..inference.statistics.columns import Table, features_table
+from ..inference.statistics.columns import FeatureTable, features_table
 from ..inference.statistics.rounding import DEFAULT_TOLERANCE
-from .drawing import Drawing, Drawn, drawing_of
+from .drawing import Drawing, DrawnScene, drawing_of
 from .options import DEFAULT_ATTEMPTS, DEFAULT_FUEL, Source
 from .portions import portions
 from .progress import Progress
-from .workers import Failed, Job, draw_here, draw_in_processes
+from .workers import FailedDraw, Job, draw_here, draw_in_processes
 
 ONE_BY_ONE = 256
 """How many scenes that are drawn one by one become columns together."""
@@ -32,8 +32,8 @@ class References:
         self.workers = workers
         self.total = total
         self.progress = Progress(total)
-        self.tables: Generator[Table] | None = None
-        self.left: list[Table] = []
+        self.tables: Generator[FeatureTable] | None = None
+        self.left: list[FeatureTable] = []
 
     def __enter__(self) -> References:
         return self
@@ -48,7 +48,7 @@ class References:
         drawing = drawing_of(self.source)
         return (json.loads(drawn.line) for drawn in checked(draw_here(drawing, Job(self.source, seed, start, start + n, DEFAULT_ATTEMPTS))))
 
-    def feature_tables(self, n: int, seed: int = 0, *, start: int = 0) -> Iterator[Table]:
+    def feature_tables(self, n: int, seed: int = 0, *, start: int = 0) -> Iterator[FeatureTable]:
         """The features of scenes `start` to `start + n - 1` of `seed`, which must be the next ones. Raises the program's errors."""
         if self.tables is None:
             self.progress.__enter__()
@@ -60,7 +60,7 @@ class References:
             n -= table.n
             yield table
 
-    def drawn(self, job: Job) -> Generator[Table]:
+    def drawn(self, job: Job) -> Generator[FeatureTable]:
         """The features of the scenes of a job, some after the other. Raises the program's errors."""
         drawing = drawing_of(self.source)
         if drawing.scenario.impossible is not None:
@@ -80,7 +80,7 @@ class References:
         finally:
             found.close()
 
-    def drawn_one_by_one(self, drawing: Drawing, job: Job) -> Generator[Table]:
+    def drawn_one_by_one(self, drawing: Drawing, job: Job) -> Generator[FeatureTable]:
         """The same by the interpreter."""
         found = draw_here(drawing, job, self.progress.stuck) if self.workers == 1 else draw_in_processes(job, self.workers)
         try:
@@ -90,10 +90,10 @@ class References:
             found.close()
 
 
-def checked(found: Iterator[Drawn | Failed], progress: Progress | None = None) -> Iterator[Drawn]:
+def checked(found: Iterator[DrawnScene | FailedDraw], progress: Progress | None = None) -> Iterator[DrawnScene]:
     """The scenes that are drawn. Raises the error that ends them."""
     for drawn in found:
-        if isinstance(drawn, Failed):
+        if isinstance(drawn, FailedDraw):
             raise drawn.error
         if progress is not None:
             progress.drawn(drawn.attempts)

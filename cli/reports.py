@@ -12,7 +12,7 @@ from .errors import WORST, source_line
 if TYPE_CHECKING:
     from ..semantics.kernel.outcome import Requirement
     from ..semantics.syntax.nodes import Span
-    from .drawing import Drawn, Softness
+    from .drawing import DrawnScene, Softness
     from .portions import Portion
 
 LONGEST = 60
@@ -28,7 +28,7 @@ class Tally:
     soft: dict[Span, Softness] = field(default_factory=dict)
     left: int = 0
 
-    def add(self, drawn: Drawn) -> None:
+    def add(self, drawn: DrawnScene) -> None:
         """One more scene."""
         self.scenes += 1
         self.attempts += drawn.attempts

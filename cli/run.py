@@ -89,7 +89,7 @@ def run(
     --backend enumerate answers every draw with every value, and gives each outcome with its exact probability.
     """
     from ..semantics.kernel.errors import UsageError
-    from .production import Request, produce
+    from .production import SceneRequest, produce
 
     session = context.obj
     session.seed = seed
@@ -108,10 +108,9 @@ def run(
         limits=limits_of(limit_memory, limit_seconds), prune=prune
     )
     if backend == "enumerate":
-        from .enumerating import Request as EnumerationRequest
-        from .enumerating import produce_enumeration
+        from .enumerating import EnumerationRequest, produce_enumeration
 
         produce_enumeration(source, EnumerationRequest(max_runs, discretize, output, plot), session)
         return
     start, stop = (0, count) if scene is None else (scene, scene + 1)
-    produce(source, Request(start, stop, seed, max_attempts, output, plot, workers, resume, backend or "auto", cluster), session)
+    produce(source, SceneRequest(start, stop, seed, max_attempts, output, plot, workers, resume, backend or "auto", cluster), session)

@@ -91,7 +91,7 @@ def simulate(
     ones.
     """
     from ..semantics.kernel.errors import UsageError
-    from .simulating import Request, produce_simulations
+    from .simulating import SimulationRequest, produce_simulations
 
     session = context.obj
     session.seed = seed
@@ -108,4 +108,5 @@ def simulate(
         limits=limits_of(limit_memory, limit_seconds), scenario=scenario
     )
     first = 0 if run is None else run
-    produce_simulations(source, Request(first, first + count, seed, max_attempts, simulator, steps, timestep, output, html, gif, replay), session)
+    request = SimulationRequest(first, first + count, seed, max_attempts, simulator, steps, timestep, output, html, gif, replay)
+    produce_simulations(source, request, session)

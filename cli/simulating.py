@@ -18,7 +18,7 @@ from ..semantics.kernel.errors import InternalError
 from ..semantics.kernel.outcome import Requirement
 from ..simulators import by_name
 from ..simulators.simulating import Failed
-from .drawing import Drawn, drawing_of
+from .drawing import DrawnScene, drawing_of
 from .files import LINES, check_ending, check_place
 from .options import Source
 from .outputs import Output, open_output
@@ -30,7 +30,7 @@ from .reports import requirement_lines
 from .session import Session, escaped, tell
 
 
-class Request(NamedTuple):
+class SimulationRequest(NamedTuple):
     """Simulations `start` to `stop - 1`, or those of the file `replay`, in which simulator, and where they go."""
 
     start: int
@@ -47,7 +47,7 @@ class Request(NamedTuple):
 
 
 @dataclass
-class Tally:
+class SimulationTally:
     """What is kept of the simulations: how many there were, and those that a page or an animation shows."""
 
     count: int = 0
@@ -61,7 +61,7 @@ class Tally:
         self.stuck[how] += 1
 
 
-def produce_simulations(source: Source, request: Request, session: Session) -> None:
+def produce_simulations(source: Source, request: SimulationRequest, session: Session) -> None:
     """Run or replay the simulations, write or show them, report on them.
 
     Raises the errors of the program and simulator, `AttemptsExhausted`, `UsageError`.
@@ -73,7 +73,7 @@ def produce_simulations(source: Source, request: Request, session: Session) -> N
     rehearse(drawing)
     replays = None if request.replay is None else Replays(request.replay, drawing.scenario, request.simulator, request.timestep)
     begun = time.perf_counter()
-    tally = Tally()
+    tally = SimulationTally()
     interrupted: KeyboardInterrupt | None = None
     with ExitStack() as stack:
         output = None if shown_only(request) else stack.enter_context(open_output(request.output, resume=False))
@@ -95,7 +95,7 @@ def produce_simulations(source: Source, request: Request, session: Session) -> N
         raise interrupted
 
 
-def show(source: Source, request: Request, tally: Tally, replays: Replays | None, seconds: float, session: Session) -> None:
+def show(source: Source, request: SimulationRequest, tally: SimulationTally, replays: Replays | None, seconds: float, session: Session) -> None:
     """Make a page and an animation of the finished simulations, and report on all."""
     for line in replays.lines(seconds) if replays is not None else summary(request, tally, seconds, session):
         tell(line)
@@ -109,7 +109,7 @@ def show(source: Source, request: Request, tally: Tally, replays: Replays | None
         tell(f"{request.gif} shows the first simulation")
 
 
-def check_places(source: Source, request: Request) -> None:
+def check_places(source: Source, request: SimulationRequest) -> None:
     """Find wrong paths before the work begins. Raises `UsageError`."""
     read = {"the program itself": source.file, "the recording": request.replay}
     if request.output is not None and request.output != "-":
@@ -123,7 +123,7 @@ def check_places(source: Source, request: Request) -> None:
         check_ending("--gif", request.gif, "animations", (".gif",))
 
 
-def shown_only(request: Request) -> bool:
+def shown_only(request: SimulationRequest) -> bool:
     """Whether simulations are shown on a terminal, and not written as JSON."""
     return request.output is None and sys.stdout.isatty()
 
@@ -133,7 +133,7 @@ def told_so_far(count: int, output: Output | None) -> str:
     return f"{count:,} {'simulation was' if count == 1 else 'simulations were'} finished" + ("" if output is None else ", written as whole lines")
 
 
-def simulations(scenario: Scenario, request: Request, tally: Tally, progress: Progress) -> Iterator[SampledRun]:
+def simulations(scenario: Scenario, request: SimulationRequest, tally: SimulationTally, progress: Progress) -> Iterator[SampledRun]:
     """The simulations that are asked for, one after the other; attempts are counted as they are made."""
     simulator = by_name(request.simulator, request.timestep)
     for index in range(request.start, request.stop):
@@ -157,10 +157,10 @@ def write(output: Output | None, run: SampledRun) -> None:
         line = to_line(run.simulation, run.attempts)
     except ValueError as problem:
         raise InternalError(f"simulation {index} cannot be written: {problem}") from None
-    output.write(Drawn(index, run.attempts, line, Counter(), (), ()))
+    output.write(DrawnScene(index, run.attempts, line, Counter(), (), ()))
 
 
-def summary(request: Request, tally: Tally, seconds: float, session: Session) -> list[str]:
+def summary(request: SimulationRequest, tally: SimulationTally, seconds: float, session: Session) -> list[str]:
     """The lines that follow: how many, and the requirements that rejected most, with the time steps in which they failed."""
     runs = "1 simulation" if tally.count == 1 else f"{tally.count:,} simulations"
     tries = "1 attempt" if tally.attempts == 1 else f"{tally.attempts:,} attempts"

@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from .drawing import Drawn
+from .drawing import DrawnScene
 from .outputs import Output
 from .session import escaped
 
@@ -26,7 +26,7 @@ class Terminal(Output):
         self.scenes: list[dict[str, Any]] = []
         self.more = 0
 
-    def write(self, drawn: Drawn) -> None:
+    def write(self, drawn: DrawnScene) -> None:
         """Keep the scene if it is to be shown."""
         self._keep([drawn.line])
 

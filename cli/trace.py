@@ -70,7 +70,7 @@ def trace(
     from ..semantics.kernel.errors import UsageError
     from ..simulators import by_name
     from .files import check_ending, check_place
-    from .tracing import Asked, traced, traced_simulation, write_page, write_text
+    from .tracing import WhichRun, traced, traced_simulation, write_page, write_text
 
     session = context.obj
     session.seed = seed
@@ -81,7 +81,7 @@ def trace(
     if html is not None:
         check_place(html, {"the program itself": source.file})
         check_ending("--html", html, "pages", (".html", ".htm"))
-    asked = Asked(seed, scene, attempt, max_attempts)
+    asked = WhichRun(seed, scene, attempt, max_attempts)
     if steps is None:
         if simulator != "still" or timestep is not None:
             raise UsageError("--simulator and --dt are for simulations only", hint="give the number of time steps as well: --steps N")

@@ -27,7 +27,7 @@ from .options import Source
 from .session import escaped, tell
 
 
-class Asked(NamedTuple):
+class WhichRun(NamedTuple):
     """Which run to trace; `attempt` counts from 1, None for the accepted one."""
 
     seed: int
@@ -36,11 +36,11 @@ class Asked(NamedTuple):
     max_attempts: int
 
 
-class Traced(NamedTuple):
+class TracedRun(NamedTuple):
     """The trace of an attempt of a program, and the error that it ended with, if any; of a simulation, what came of it."""
 
     source: Source
-    asked: Asked
+    asked: WhichRun
     attempt: int
     trace: Trace
     error: ScenicError | None
@@ -68,7 +68,7 @@ class Traced(NamedTuple):
         return f"stuck: the run is discarded; up to there {product}"
 
 
-def traced(source: Source, asked: Asked) -> Traced:
+def traced(source: Source, asked: WhichRun) -> TracedRun:
     """Run the requested attempt once more, and keep every rule that fires. Raises `AttemptsExhausted`, `UsageError`."""
     scenario = drawing_of(source).scenario
 
@@ -82,11 +82,11 @@ def traced(source: Source, asked: Asked) -> Traced:
     try:
         found.follow(scenario.start(), from_stream(asked.seed, asked.scene, attempt - 1), fuel=scenario.fuel)
     except ScenicError as error:
-        return Traced(source, asked, attempt, found, error)
-    return Traced(source, asked, attempt, found, known)
+        return TracedRun(source, asked, attempt, found, error)
+    return TracedRun(source, asked, attempt, found, known)
 
 
-def traced_simulation(source: Source, asked: Asked, simulator: Simulator, steps: int) -> Traced:
+def traced_simulation(source: Source, asked: WhichRun, simulator: Simulator, steps: int) -> TracedRun:
     """As `traced`, for a simulation of at most `steps` time steps."""
     scenario = drawing_of(source).scenario
 
@@ -102,8 +102,8 @@ def traced_simulation(source: Source, asked: Asked, simulator: Simulator, steps:
     try:
         simulated, _ = next(islice(tried, attempt - 1, None))
     except ScenicError as error:
-        return Traced(source, asked, attempt, found, error)
-    return Traced(source, asked, attempt, found, known, simulated)
+        return TracedRun(source, asked, attempt, found, error)
+    return TracedRun(source, asked, attempt, found, known, simulated)
 
 
 def accepted_attempt(scenario: Scenario, draw: Callable[[Callable[[int], None]], int]) -> tuple[int, ScenicError | None]:
@@ -131,7 +131,7 @@ def accepted_attempt(scenario: Scenario, draw: Callable[[Callable[[int], None]],
         return stuck + 1, error
 
 
-def write_text(found: Traced, texts: Mapping[str, str], *, everything: bool) -> None:
+def write_text(found: TracedRun, texts: Mapping[str, str], *, everything: bool) -> None:
     """Print the trace: source lines, and below each the rules that fired there."""
     print(escaped(found.title))
     place = None
@@ -170,7 +170,7 @@ def shown_events(trace: Trace, *, everything: bool) -> Iterator[Event]:
             yield event
 
 
-def write_page(found: Traced, texts: Mapping[str, str], path: str) -> None:
+def write_page(found: TracedRun, texts: Mapping[str, str], path: str) -> None:
     """Write a self-contained page to step through the run. Raises `UsageError`."""
     sources = {file: text for file in dict.fromkeys(e.span.file for e in found.trace.events) if (text := source_text(file, texts)) is not None}
     rules = {

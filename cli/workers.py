@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from ..inference.batch.jobs.blocks import Workers, processes
 from ..semantics.kernel.errors import ScenicError
-from .drawing import Drawing, Drawn, drawing_of
+from .drawing import Drawing, DrawnScene, drawing_of
 from .options import Source
 
 LARGEST_CHUNK = 16
@@ -26,7 +26,7 @@ class Job(NamedTuple):
     max_attempts: int
 
 
-class Failed(NamedTuple):
+class FailedDraw(NamedTuple):
     """A program's error that ended a run of scenes, with what its attempt had printed; can be sent between processes."""
 
     kind: type[ScenicError]
@@ -41,10 +41,10 @@ class Failed(NamedTuple):
         return found
 
 
-def failed(error: ScenicError, printed: list[str]) -> Failed:
+def failed(error: ScenicError, printed: list[str]) -> FailedDraw:
     """The error as a record; attributes that cannot be sent are described in words."""
     attributes: dict[str, object] = {name: value if _can_be_sent(value) else RuntimeError(repr(value)) for name, value in vars(error).items()}
-    return Failed(type(error), attributes, tuple(printed))
+    return FailedDraw(type(error), attributes, tuple(printed))
 
 
 def _can_be_sent(value: object) -> bool:
@@ -55,12 +55,12 @@ def _can_be_sent(value: object) -> bool:
     return True
 
 
-def work(job: Job) -> list[Drawn | Failed]:
+def work(job: Job) -> list[DrawnScene | FailedDraw]:
     """The scenes of a job; a program's error is the last."""
     return list(draw_here(drawing_of(job.source), job))
 
 
-def draw_here(drawing: Drawing, job: Job, on_attempt: Listener | None = None) -> Generator[Drawn | Failed]:
+def draw_here(drawing: Drawing, job: Job, on_attempt: Listener | None = None) -> Generator[DrawnScene | FailedDraw]:
     """The scenes of a job, in this process; a program's error is the last."""
     printed: list[str] = []
     for index in range(job.start, job.stop):
@@ -71,7 +71,7 @@ def draw_here(drawing: Drawing, job: Job, on_attempt: Listener | None = None) ->
             return
 
 
-def drawn_by(workers: AbstractContextManager[Workers], job: Job, count: int) -> Generator[Drawn | Failed]:
+def drawn_by(workers: AbstractContextManager[Workers], job: Job, count: int) -> Generator[DrawnScene | FailedDraw]:
     """The scenes of a job, drawn by about `count` processes."""
     chunk = max(1, min(LARGEST_CHUNK, (job.stop - job.start) // (4 * count)))
     jobs = (job._replace(start=start, stop=min(start + chunk, job.stop)) for start in range(job.start, job.stop, chunk))
@@ -80,6 +80,6 @@ def drawn_by(workers: AbstractContextManager[Workers], job: Job, count: int) -> 
             yield from found
 
 
-def draw_in_processes(job: Job, count: int) -> Generator[Drawn | Failed]:
+def draw_in_processes(job: Job, count: int) -> Generator[DrawnScene | FailedDraw]:
     """The scenes of a job, drawn by `count` processes of this machine."""
     return drawn_by(processes(count), job, count)

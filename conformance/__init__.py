@@ -20,10 +20,24 @@ from .implementation import (
 from .loading import load_vectors
 from .ourselves import Ourselves
 from .running import Result, judge
-from .vector import Vector
-from .verdict import Verdict
+from .vector import ConformanceVector
+from .verdict import VectorVerdict
 
 __all__ = [
-    "Enumerated", "Enumerating", "EnumeratingSimulations", "Implementation", "NeverAccepted", "Ourselves", "Refused", "Result", "Simulating",
-    "Task", "Tracing", "TracingSimulations", "Vector", "Verdict", "judge", "load_vectors",
+    "ConformanceVector",
+    "Enumerated",
+    "Enumerating",
+    "EnumeratingSimulations",
+    "Implementation",
+    "NeverAccepted",
+    "Ourselves",
+    "Refused",
+    "Result",
+    "Simulating",
+    "Task",
+    "Tracing",
+    "TracingSimulations",
+    "VectorVerdict",
+    "judge",
+    "load_vectors",
 ]

@@ -11,7 +11,7 @@ from ..semantics.kernel.errors import UsageError
 MISSING = object()
 
 
-class Fields:
+class VectorFields:
     """A table of a vector file that is being read; `where` names it in errors. Every method raises `UsageError`."""
 
     def __init__(self, where: str, table: object) -> None:
@@ -85,13 +85,13 @@ class Fields:
             raise self.wrong(f"{key} must be a list with something in it, not {found!r}")
         return found
 
-    def table(self, key: str) -> Fields:
+    def table(self, key: str) -> VectorFields:
         """The value of a key that holds a table."""
-        return Fields(f"{self.where}, {key}", self.any(key))
+        return VectorFields(f"{self.where}, {key}", self.any(key))
 
-    def tables(self, key: str) -> tuple[Fields, ...]:
+    def tables(self, key: str) -> tuple[VectorFields, ...]:
         """The value of a key that holds a list of tables."""
-        return tuple(Fields(f"{self.where}, {key}[{number}]", item) for number, item in enumerate(self.items(key)))
+        return tuple(VectorFields(f"{self.where}, {key}[{number}]", item) for number, item in enumerate(self.items(key)))
 
     def probability(self, key: str) -> Fraction | float:
         """The value of a key that holds a probability."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from ..inference.statistics.laws import DEFAULT_ALPHA, BoundedMean, Continuous, evidence
-from .fields import Fields
+from .fields import VectorFields
 
 THRESHOLD = -math.log10(DEFAULT_ALPHA)
 """log10 of the e-value that contradicts a law: a statistical vector accuses a correct implementation with probability at most `DEFAULT_ALPHA`."""
@@ -49,14 +49,14 @@ def contradiction(values: Sequence[float], law: Law) -> float:
     return max(strongest, evidence([value**2 for value in values], BoundedMean(law.second, 0.0, most))) - math.log10(2)
 
 
-def read_law(fields: Fields) -> Law:
+def read_law(fields: VectorFields) -> Law:
     """The distribution function or the moments that a table holds. Raises `UsageError`."""
     if fields.has("cdf") == fields.has("moments"):
         raise fields.wrong("either cdf or moments is needed, and not both")
     return read_cdf(fields.table("cdf")) if fields.has("cdf") else read_moments(fields.table("moments"))
 
 
-def read_moments(fields: Fields) -> Moments:
+def read_moments(fields: VectorFields) -> Moments:
     """`{mean, low, high, second}`."""
     second = fields.number("second") if fields.has("second") else None
     law = Moments(fields.number("mean"), fields.number("low"), fields.number("high"), second)
@@ -66,7 +66,7 @@ def read_moments(fields: Fields) -> Moments:
     return law
 
 
-def read_cdf(fields: Fields) -> Continuous:
+def read_cdf(fields: VectorFields) -> Continuous:
     """`{name = "uniform", low = 0, high = 1}` and so on."""
     name = fields.text("name")
     if name not in FAMILIES:
@@ -76,7 +76,7 @@ def read_cdf(fields: Fields) -> Continuous:
     return Continuous(name, cdf, low, high)
 
 
-def interval(fields: Fields) -> tuple[float, float]:
+def interval(fields: VectorFields) -> tuple[float, float]:
     """`low` and `high`, in this order."""
     low, high = fields.number("low"), fields.number("high")
     if not low < high:
@@ -84,7 +84,7 @@ def interval(fields: Fields) -> tuple[float, float]:
     return low, high
 
 
-def deviation(fields: Fields) -> float:
+def deviation(fields: VectorFields) -> float:
     """`deviation`, above 0."""
     found = fields.number("deviation")
     if found <= 0:
@@ -102,19 +102,19 @@ def standard_normal(z: float) -> float:
     return 0.5 * math.erfc(-z / math.sqrt(2))
 
 
-def uniform(fields: Fields) -> Family:
+def uniform(fields: VectorFields) -> Family:
     """F(x) = (x - low) / (high - low)."""
     low, high = interval(fields)
     return lambda x: clipped((x - low) / (high - low)), low, high
 
 
-def normal(fields: Fields) -> Family:
+def normal(fields: VectorFields) -> Family:
     """F(x) = Φ((x - mean) / deviation)."""
     mean, std = fields.number("mean"), deviation(fields)
     return lambda x: standard_normal((x - mean) / std), -math.inf, math.inf
 
 
-def truncated_normal(fields: Fields) -> Family:
+def truncated_normal(fields: VectorFields) -> Family:
     """F(x) = (Φ(z(x)) - Φ(z(low))) / (Φ(z(high)) - Φ(z(low))) with z(x) = (x - mean) / deviation."""
     mean, std = fields.number("mean"), deviation(fields)
     low, high = interval(fields)
@@ -122,7 +122,7 @@ def truncated_normal(fields: Fields) -> Family:
     return lambda x: clipped((standard_normal((x - mean) / std) - below) / within), low, high
 
 
-def triangular(fields: Fields) -> Family:
+def triangular(fields: VectorFields) -> Family:
     """The density rises linearly from low to mode and falls linearly to high."""
     low, high = interval(fields)
     mode = fields.number("mode")
@@ -139,7 +139,7 @@ def triangular(fields: Fields) -> Family:
     return cdf, low, high
 
 
-def power(fields: Fields) -> Family:
+def power(fields: VectorFields) -> Family:
     """F(x) = ((x - low) / (high - low)) ** exponent."""
     low, high = interval(fields)
     exponent = fields.number("exponent")
@@ -148,7 +148,7 @@ def power(fields: Fields) -> Family:
     return lambda x: clipped((x - low) / (high - low)) ** exponent, low, high
 
 
-def piecewise_linear(fields: Fields) -> Family:
+def piecewise_linear(fields: VectorFields) -> Family:
     """F goes through the knots [x, F(x)] in straight lines, from [.., 0] to [.., 1]."""
     knots = fields.points("knots")
     rising = all(a[0] < b[0] and a[1] <= b[1] for a, b in pairwise(knots))
@@ -166,7 +166,7 @@ def piecewise_linear(fields: Fields) -> Family:
     return cdf, places[0], places[-1]
 
 
-FAMILIES: Mapping[str, Callable[[Fields], Family]] = {
+FAMILIES: Mapping[str, Callable[[VectorFields], Family]] = {
     "uniform": uniform,
     "normal": normal,
     "truncated-normal": truncated_normal,

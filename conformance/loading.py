@@ -11,16 +11,16 @@ from ..interpreter.dialects import DIALECTS
 from ..semantics.kernel.errors import UsageError
 from ..semantics.readings import READINGS
 from ..semantics.rules import RULES
-from .fields import Fields
+from .fields import VectorFields
 from .matchers import MATCHERS
 from .refusals import Error
-from .simulations import Rejected, Simulations
-from .vector import Vector
+from .simulations import AlwaysRejected, Simulations
+from .vector import ConformanceVector
 
 DEFAULT_DIALECT = "paper"
 
 
-def load_vectors() -> tuple[Vector, ...]:
+def load_vectors() -> tuple[ConformanceVector, ...]:
     """All vectors of the package, in the order of the chapters' folders. Raises `UsageError`."""
     folder = files("scenic_ref.conformance").joinpath("vectors")
     return read_all((str(name), text) for name, text in sorted(texts(folder, "")))
@@ -35,9 +35,9 @@ def texts(folder: Traversable, path: str) -> Iterator[tuple[str, str]]:
             yield path + entry.name, entry.read_text("utf-8")
 
 
-def read_all(named: Iterator[tuple[str, str]]) -> tuple[Vector, ...]:
+def read_all(named: Iterator[tuple[str, str]]) -> tuple[ConformanceVector, ...]:
     """The vectors of some files; names must be unique over all of them. Raises `UsageError`."""
-    found: dict[str, Vector] = {}
+    found: dict[str, ConformanceVector] = {}
     for file, text in named:
         for vector in read_file(file, text):
             if vector.name in found:
@@ -46,10 +46,10 @@ def read_all(named: Iterator[tuple[str, str]]) -> tuple[Vector, ...]:
     return tuple(found.values())
 
 
-def read_file(file: str, text: str) -> list[Vector]:
+def read_file(file: str, text: str) -> list[ConformanceVector]:
     """The vectors of one file. Raises `UsageError`, which names the file and the vector."""
     try:
-        fields = Fields(file, tomllib.loads(text))
+        fields = VectorFields(file, tomllib.loads(text))
     except tomllib.TOMLDecodeError as error:
         raise UsageError(f"{file}: {error}") from None
     chapter, tables = fields.text("chapter"), fields.items("vector")
@@ -57,18 +57,18 @@ def read_file(file: str, text: str) -> list[Vector]:
     return [read_vector(file, chapter, table, number) for number, table in enumerate(tables, 1)]
 
 
-def read_vector(file: str, chapter: str, table: object, number: int) -> Vector:
+def read_vector(file: str, chapter: str, table: object, number: int) -> ConformanceVector:
     """One `[[vector]]` table. Raises `UsageError`."""
     name = table.get("name") if isinstance(table, Mapping) else None
-    fields = Fields(f"{file}, vector {name if isinstance(name, str) else number}", table)
+    fields = VectorFields(f"{file}, vector {name if isinstance(name, str) else number}", table)
     kinds = [kind for kind in MATCHERS if fields.has(kind)]
     if len(kinds) != 1:
         raise fields.wrong(f"exactly one matcher is needed, and there are {len(kinds)}: {', '.join(kinds) or 'none'}")
     matcher = MATCHERS[kinds[0]](fields.table(kinds[0]))
-    vector = Vector(
+    vector = ConformanceVector(
         name=fields.text("name"), chapter=chapter, file=file, paper=fields.text("paper"), fires=rules(fields, "fires"),
         avoids=rules(fields, "avoids"), readings=read_readings(fields), texts=read_texts(fields), kind=kinds[0],
-        matcher=matcher, steps=matcher.steps if isinstance(matcher, (Simulations, Rejected, Error)) else None,
+        matcher=matcher, steps=matcher.steps if isinstance(matcher, (Simulations, AlwaysRejected, Error)) else None,
     )
     fields.done()
     if vector.fires & vector.avoids:
@@ -76,7 +76,7 @@ def read_vector(file: str, chapter: str, table: object, number: int) -> Vector:
     return vector
 
 
-def rules(fields: Fields, key: str) -> frozenset[str]:
+def rules(fields: VectorFields, key: str) -> frozenset[str]:
     """Ids of rules of the catalogue. Raises `UsageError`."""
     found = fields.texts(key, ())
     for rule in found:
@@ -85,9 +85,9 @@ def rules(fields: Fields, key: str) -> frozenset[str]:
     return frozenset(found)
 
 
-def read_readings(fields: Fields) -> Mapping[str, str]:
+def read_readings(fields: VectorFields) -> Mapping[str, str]:
     """The readings that the expectation depends on, with their alternatives. Raises `UsageError`."""
-    found = fields.table("readings") if fields.has("readings") else Fields("", {})
+    found = fields.table("readings") if fields.has("readings") else VectorFields("", {})
     chosen = {name: found.text(name) for name in list(found.rest)}
     for name, alternative in chosen.items():
         if name not in READINGS:
@@ -97,11 +97,11 @@ def read_readings(fields: Fields) -> Mapping[str, str]:
     return chosen
 
 
-def read_texts(fields: Fields) -> Mapping[str, str]:
+def read_texts(fields: VectorFields) -> Mapping[str, str]:
     """The program in each dialect in which it is given. Raises `UsageError`."""
     program = fields.text("program")
     found = dict.fromkeys(fields.texts("dialects", (DEFAULT_DIALECT,)), program)
-    variants = fields.table("variants") if fields.has("variants") else Fields("", {})
+    variants = fields.table("variants") if fields.has("variants") else VectorFields("", {})
     for dialect in list(variants.rest):
         if dialect in found:
             raise fields.wrong(f"the dialect {dialect} has both the program and a variant")

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from .fields import Fields
+from .fields import VectorFields
 from .refusals import read_error, read_rejection
 from .simulations import read_simulations
 from .statistical import read_distribution, read_probabilities, read_support
 from .values import read_values
 from .vector import Matcher
 
-MATCHERS: Mapping[str, Callable[[Fields], Matcher]] = {
+MATCHERS: Mapping[str, Callable[[VectorFields], Matcher]] = {
     "values": read_values,
     "probabilities": read_probabilities,
     "distribution": read_distribution,

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from .implementation import Implementation, NeverAccepted, Refused, SceneRecord, Task
 from .paths import NotThere, Path
-from .verdict import Verdict, failed
+from .verdict import VectorVerdict, failed
 
 ATTEMPTS = 100_000
 """The most attempts at one scene, where a vector does not say how many."""
@@ -42,6 +42,6 @@ def read(scenes: Sequence[SceneRecord], path: Path) -> list[object]:
         raise Disagreement(str(missing)) from None
 
 
-def disagreed(disagreement: Disagreement) -> Verdict:
+def disagreed(disagreement: Disagreement) -> VectorVerdict:
     """The verdict of a disagreement."""
     return failed(str(disagreement))

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeGuard
 
-from .fields import Fields
+from .fields import VectorFields
 from .implementation import SceneRecord
 
 STEP = re.compile(r"\.?([A-Za-z_][\w-]*)|\[(\d+)\]")
@@ -56,7 +56,7 @@ def child(value: object, step: str | int) -> object:
     return value[step] if step in value else further.get(step, NotThere)
 
 
-def read_path(fields: Fields, key: str = "of") -> Path:
+def read_path(fields: VectorFields, key: str = "of") -> Path:
     """The path under a key of a vector file. Raises `UsageError`."""
     text = fields.text(key)
     steps: list[str | int] = []

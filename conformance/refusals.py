@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 from ..semantics.kernel import errors
 from ..semantics.rules import RULES
-from .fields import Fields
+from .fields import VectorFields
 from .implementation import Implementation, NeverAccepted, Refused, SceneRecord, Simulating, Task
 from .matching import ATTEMPTS, requirements
-from .verdict import PASSED, Verdict, failed, skipped
+from .verdict import PASSED, VectorVerdict, failed, skipped
 
 PHASES = ("parse", "check", "resolve", "run")
 REQUIREMENTS = ("require", "containment", "collision", "visibility", "region", "field")
@@ -27,7 +27,7 @@ class Rejection:
     attempts: int
     requirement: str
 
-    def match(self, implementation: Implementation, task: Task) -> Verdict:
+    def match(self, implementation: Implementation, task: Task) -> VectorVerdict:
         """No scene in `attempts` attempts; an implementation that reports why must name that requirement and no other."""
         try:
             scenes = list(implementation.scenes(task, 1, seed=task.seed, attempts=self.attempts))
@@ -39,7 +39,7 @@ class Rejection:
         return failed(f"gave {len(scenes)} scenes, and no run may be accepted")
 
 
-def read_rejection(fields: Fields) -> Rejection:
+def read_rejection(fields: VectorFields) -> Rejection:
     """The table `rejection` of a vector. Raises `UsageError`."""
     found = Rejection(fields.count("attempts"), fields.text("requirement"))
     fields.done()
@@ -61,7 +61,7 @@ class Error:
     rule: str | None = None
     steps: int | None = None
 
-    def match(self, implementation: Implementation, task: Task) -> Verdict:
+    def match(self, implementation: Implementation, task: Task) -> VectorVerdict:
         """The first scene, or simulation, must not appear, for the right reason."""
         if self.steps is not None and not isinstance(implementation, Simulating):
             return skipped(f"{implementation.name} does not simulate")
@@ -85,7 +85,7 @@ class Error:
         """The phases in words."""
         return " or ".join(self.phases)
 
-    def compare(self, refused: Refused) -> Verdict:
+    def compare(self, refused: Refused) -> VectorVerdict:
         """An error against the expected one."""
         if refused.phase not in self.phases:
             return failed(f"refused in phase {refused.phase}, not {self.allowed}: {refused.message}")
@@ -96,7 +96,7 @@ class Error:
         return PASSED
 
 
-def read_error(fields: Fields) -> Error:
+def read_error(fields: VectorFields) -> Error:
     """The table `error` of a vector. Raises `UsageError`."""
     phases, line = fields.text_or_texts("phase"), fields.count("line") if fields.has("line") else None
     class_name = fields.text("class") if fields.has("class") else None

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from ..semantics.rules import RULES
 from .refusals import Error
 from .running import Result
-from .vector import Vector
+from .vector import ConformanceVector
 from .verdict import STATUSES, Status
 
 SCHEMA = "scenic-ref/conformance/1"
@@ -45,7 +45,7 @@ def total(results: Iterable[Result]) -> Counter[Status]:
     return Counter(result.verdict.status for result in results)
 
 
-def shows(vector: Vector) -> frozenset[str]:
+def shows(vector: ConformanceVector) -> frozenset[str]:
     """The rules that a vector shows when it passes: those that fire, and the one that refuses its program."""
     refusing = vector.matcher.rule if isinstance(vector.matcher, Error) else None
     return vector.fires if refusing is None else vector.fires | {refusing}

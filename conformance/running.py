@@ -5,20 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from .implementation import SEED, Implementation, Refused, Task, Tracing, TracingSimulations
-from .vector import Vector
-from .verdict import Verdict, errored, failed, skipped
+from .vector import ConformanceVector
+from .verdict import VectorVerdict, errored, failed, skipped
 
 
 @dataclass(frozen=True, slots=True)
 class Result:
     """The verdict of one vector, in the dialect in which it was run."""
 
-    vector: Vector
+    vector: ConformanceVector
     dialect: str
-    verdict: Verdict
+    verdict: VectorVerdict
 
 
-def judge(implementation: Implementation, vector: Vector, dialect: str | None = None, *, seed: int = SEED) -> Result:
+def judge(implementation: Implementation, vector: ConformanceVector, dialect: str | None = None, *, seed: int = SEED) -> Result:
     """The verdict; `dialect` is the one to use, or the first of the implementation's in which the program is given."""
     wanted = implementation.dialects if dialect is None else (dialect,)
     known = [d for d in wanted if d in vector.texts and d in implementation.dialects]
@@ -30,7 +30,7 @@ def judge(implementation: Implementation, vector: Vector, dialect: str | None = 
     return Result(vector, known[0], verdict_of(implementation, vector, replace(vector.task(known[0]), seed=seed)))
 
 
-def verdict_of(implementation: Implementation, vector: Vector, task: Task) -> Verdict:
+def verdict_of(implementation: Implementation, vector: ConformanceVector, task: Task) -> VectorVerdict:
     """The matcher's verdict, then that of the rules; a crash says nothing about the language."""
     try:
         verdict = vector.matcher.match(implementation, task)
@@ -39,7 +39,7 @@ def verdict_of(implementation: Implementation, vector: Vector, task: Task) -> Ve
         return errored(f"{type(crash).__name__}: {crash}")
 
 
-def rules_verdict(implementation: Implementation, vector: Vector, task: Task, passed: Verdict) -> Verdict:
+def rules_verdict(implementation: Implementation, vector: ConformanceVector, task: Task, passed: VectorVerdict) -> VectorVerdict:
     """Whether the rules fire that must, and none that must not, if the implementation reports them."""
     if not (vector.fires or vector.avoids):
         return passed
@@ -55,7 +55,7 @@ def rules_verdict(implementation: Implementation, vector: Vector, task: Task, pa
     return failed(f"these rules fired and must not: {', '.join(sorted(unwanted))}") if unwanted else passed
 
 
-def fired_in(implementation: Implementation, vector: Vector, task: Task) -> frozenset[str] | None:
+def fired_in(implementation: Implementation, vector: ConformanceVector, task: Task) -> frozenset[str] | None:
     """The rules that fire in what the vector is about, scenes or simulations; None if the implementation does not report them."""
     if vector.steps is not None:
         traces = isinstance(implementation, TracingSimulations)

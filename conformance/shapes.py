@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
 
-from .fields import Fields
+from .fields import VectorFields
 from .paths import is_number
 
 Place = tuple[float, float]
@@ -14,7 +14,7 @@ Shape = Callable[[object, float], bool]
 """Whether a decoded JSON value lies in the set, give or take a tolerance."""
 
 
-def read_shape(fields: Fields) -> Shape:
+def read_shape(fields: VectorFields) -> Shape:
     """`{interval = {low, high}}`, `{disc = {center, radius}}` and so on; `{any = [...]}` is a union. Raises `UsageError`."""
     name = next(iter(fields.rest), "")
     if name == "any":
@@ -51,19 +51,19 @@ def of_points(inside: Callable[[Place, float], bool]) -> Shape:
     return shape
 
 
-def interval(fields: Fields) -> Shape:
+def interval(fields: VectorFields) -> Shape:
     """The numbers from low to high."""
     low, high = fields.number("low"), fields.number("high")
     return lambda value, tolerance: is_number(value) and low - tolerance <= value <= high + tolerance
 
 
-def disc(fields: Fields) -> Shape:
+def disc(fields: VectorFields) -> Shape:
     """The points at most radius from center; at least `inner` from it, if that is given."""
     center, radius, inner = fields.point("center"), fields.number("radius"), fields.number("inner", 0.0)
     return of_points(lambda p, tolerance: inner - tolerance <= math.dist(p, center) <= radius + tolerance)
 
 
-def sector(fields: Fields) -> Shape:
+def sector(fields: VectorFields) -> Shape:
     """The points of a disc that lie within angle / 2 of the heading (radians, anticlockwise from North)."""
     center, radius, heading, angle = fields.point("center"), fields.number("radius"), fields.number("heading"), fields.number("angle")
 
@@ -76,7 +76,7 @@ def sector(fields: Fields) -> Shape:
     return of_points(inside)
 
 
-def rectangle(fields: Fields) -> Shape:
+def rectangle(fields: VectorFields) -> Shape:
     """The points at most width / 2 across the heading and length / 2 along it from center."""
     center, heading, width, length = fields.point("center"), fields.number("heading", 0.0), fields.number("width"), fields.number("length")
 
@@ -88,7 +88,7 @@ def rectangle(fields: Fields) -> Shape:
     return of_points(inside)
 
 
-def polygon(fields: Fields) -> Shape:
+def polygon(fields: VectorFields) -> Shape:
     """The points inside or on the boundary of a simple polygon."""
     corners = fields.points("points")
     edges = list(pairwise((*corners, corners[0])))
@@ -102,13 +102,13 @@ def polygon(fields: Fields) -> Shape:
     return of_points(inside)
 
 
-def polyline(fields: Fields) -> Shape:
+def polyline(fields: VectorFields) -> Shape:
     """The points on a chain of segments."""
     segments = list(pairwise(fields.points("points")))
     return of_points(lambda p, tolerance: any(distance_to_segment(p, a, b) <= tolerance for a, b in segments))
 
 
-def points(fields: Fields) -> Shape:
+def points(fields: VectorFields) -> Shape:
     """Some single points."""
     listed = fields.points("points")
     return of_points(lambda p, tolerance: any(math.dist(p, q) <= tolerance for q in listed))
@@ -122,7 +122,7 @@ def distance_to_segment(p: Place, a: Place, b: Place) -> float:
     return math.dist(p, (a[0] + share * dx, a[1] + share * dy))
 
 
-SHAPES: Mapping[str, Callable[[Fields], Shape]] = {
+SHAPES: Mapping[str, Callable[[VectorFields], Shape]] = {
     "interval": interval,
     "disc": disc,
     "sector": sector,

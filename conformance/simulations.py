@@ -11,13 +11,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from ..inference.statistics.laws import evidence
-from .fields import Fields
+from .fields import VectorFields
 from .implementation import Enumerated, EnumeratingSimulations, Implementation, NeverAccepted, Refused, Simulating, SimulationRecord, Task
 from .matching import ATTEMPTS, Disagreement, disagreed, requirements
 from .paths import close
 from .refusals import REQUIREMENTS, simulations_of
 from .statistical import SAME, agree, law_of, told_apart
-from .verdict import PASSED, Verdict, skipped
+from .verdict import PASSED, VectorVerdict, skipped
 
 TERMINATED, TIME_LIMIT = "terminated", "time limit"
 SIMULATIONS = 3
@@ -31,7 +31,7 @@ Actions = Mapping[str, object]
 
 
 @dataclass(frozen=True, slots=True)
-class History:
+class SimulationCourse:
     """The course of a simulation: the actions of each time step that passes, how it ends, and perhaps how many objects there are at each time."""
 
     actions: tuple[Actions, ...]
@@ -80,13 +80,13 @@ class Simulations:
     """
 
     steps: int
-    histories: tuple[History, ...]
+    histories: tuple[SimulationCourse, ...]
     probabilities: tuple[Fraction | float, ...]
     rival: tuple[Fraction | float, ...]
     acceptance: Fraction | float | None
     samples: int
 
-    def match(self, implementation: Implementation, task: Task) -> Verdict:
+    def match(self, implementation: Implementation, task: Task) -> VectorVerdict:
         """By enumeration where that is possible, by sampling elsewhere."""
         if not isinstance(implementation, Simulating):
             return skipped(f"{implementation.name} does not simulate")
@@ -145,14 +145,14 @@ class Simulations:
 
 
 @dataclass(frozen=True, slots=True)
-class Rejected:
+class AlwaysRejected:
     """No simulation of at most `steps` time steps is possible, because of requirements of these kinds."""
 
     steps: int
     kinds: frozenset[str]
     attempts: int
 
-    def match(self, implementation: Implementation, task: Task) -> Verdict:
+    def match(self, implementation: Implementation, task: Task) -> VectorVerdict:
         """No simulation in `attempts` attempts; an implementation that reports why must name these requirements and no other."""
         if not isinstance(implementation, Simulating):
             return skipped(f"{implementation.name} does not simulate")
@@ -170,7 +170,7 @@ class Rejected:
 # Reading
 
 
-def read_simulations(fields: Fields) -> Simulations | Rejected:
+def read_simulations(fields: VectorFields) -> Simulations | AlwaysRejected:
     """The table `simulations` of a vector: histories, a single one without its probability, or `rejected`. Raises `UsageError`."""
     steps = fields.count("steps")
     if fields.has("rejected"):
@@ -196,7 +196,7 @@ def read_simulations(fields: Fields) -> Simulations | Rejected:
     return found
 
 
-def read_rejected(fields: Fields, steps: int) -> Rejected:
+def read_rejected(fields: VectorFields, steps: int) -> AlwaysRejected:
     """`rejected`: the kind of requirement, or the kinds. Raises `UsageError`."""
     kinds, attempts = fields.text_or_texts("rejected"), fields.count("attempts", REJECTED_ATTEMPTS)
     fields.done()
@@ -205,10 +205,10 @@ def read_rejected(fields: Fields, steps: int) -> Rejected:
             raise fields.wrong(f"there is no requirement {kind!r}: there are {', '.join(KINDS)}")
     if not kinds:
         raise fields.wrong("rejected must name one kind of requirement or more")
-    return Rejected(steps, frozenset(kinds), attempts)
+    return AlwaysRejected(steps, frozenset(kinds), attempts)
 
 
-def read_history(fields: Fields, steps: int) -> History:
+def read_history(fields: VectorFields, steps: int) -> SimulationCourse:
     """`actions`, `result` and perhaps `objects`. Raises `UsageError`."""
     listed, result = fields.any("actions"), fields.text("result")
     if not isinstance(listed, list):
@@ -221,13 +221,13 @@ def read_history(fields: Fields, steps: int) -> History:
     actions = tuple(dict(read_actions(fields, entry)) for entry in listed)
     counts = fields.any("objects", None)
     if counts is None:
-        return History(actions, result, None)
+        return SimulationCourse(actions, result, None)
     if not isinstance(counts, list) or len(counts) != len(actions) + 1 or not all(type(count) is int and count >= 0 for count in counts):
         raise fields.wrong(f"objects must be a number for each of {len(actions) + 1} times, not {counts!r}")
-    return History(actions, result, tuple(counts))
+    return SimulationCourse(actions, result, tuple(counts))
 
 
-def read_actions(fields: Fields, entry: object) -> Iterator[tuple[str, object]]:
+def read_actions(fields: VectorFields, entry: object) -> Iterator[tuple[str, object]]:
     """One time step: the action of object 0, the list of its actions, or a table of lists by object number. Raises `UsageError`."""
     if isinstance(entry, Mapping) and "none" not in entry:
         for agent, taken in entry.items():

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from ..inference.statistics.laws import Categorical, evidence
-from .fields import Fields
+from .fields import VectorFields
 from .implementation import Enumerated, Enumerating, Implementation, NeverAccepted, Refused, Task
 from .laws import THRESHOLD, Law, contradiction, read_law
 from .matching import Disagreement, disagreed, draw, read, requirements
 from .paths import Path, close, is_number, read_path
 from .shapes import Shape, read_shape
-from .verdict import PASSED, Verdict
+from .verdict import PASSED, VectorVerdict
 
 SAME = 1e-9
 """How near a value must be to an outcome to count as that outcome."""
@@ -34,7 +34,7 @@ class Probabilities:
     acceptance: Fraction | float | None
     samples: int
 
-    def match(self, implementation: Implementation, task: Task) -> Verdict:
+    def match(self, implementation: Implementation, task: Task) -> VectorVerdict:
         """By enumeration where that is possible, by sampling elsewhere."""
         try:
             exact = enumerated(implementation, task) if self.is_exact else None
@@ -107,7 +107,7 @@ def enumerated(implementation: Implementation, task: Task) -> Enumerated | None:
         raise Disagreement(f"no run was accepted: {requirements(never)}") from None
 
 
-def read_probabilities(fields: Fields) -> Probabilities:
+def read_probabilities(fields: VectorFields) -> Probabilities:
     """The table `probabilities` of a vector. Raises `UsageError`."""
     of, outcomes = read_path(fields), fields.tables("outcomes")
     values = tuple(outcome.any("value") for outcome in outcomes)
@@ -124,7 +124,7 @@ def read_probabilities(fields: Fields) -> Probabilities:
 
 
 @dataclass(frozen=True, slots=True)
-class Distribution:
+class QuantityLaw:
     """The distribution of a real quantity: its distribution function, or moments of it; the same samples must contradict `rival`."""
 
     of: Path
@@ -132,7 +132,7 @@ class Distribution:
     rival: Law
     samples: int
 
-    def match(self, implementation: Implementation, task: Task) -> Verdict:
+    def match(self, implementation: Implementation, task: Task) -> VectorVerdict:
         """Samples against the law and against its rival."""
         try:
             values = [number(value, self.of) for value in read(draw(implementation, task, self.samples), self.of)]
@@ -149,18 +149,18 @@ def number(value: object, of: Path) -> float:
     return float(value)
 
 
-def read_distribution(fields: Fields) -> Distribution:
+def read_distribution(fields: VectorFields) -> QuantityLaw:
     """The table `distribution` of a vector. Raises `UsageError`."""
     of, law = read_path(fields), read_law(fields)
     rival = fields.table("rival")
-    found = Distribution(of, law, read_law(rival), fields.count("samples"))
+    found = QuantityLaw(of, law, read_law(rival), fields.count("samples"))
     rival.done()
     fields.done()
     return found
 
 
 @dataclass(frozen=True, slots=True)
-class Support:
+class QuantitySupport:
     """Where a quantity always lies, and sets that it must reach in `samples` samples."""
 
     of: Path
@@ -169,7 +169,7 @@ class Support:
     tolerance: float
     samples: int
 
-    def match(self, implementation: Implementation, task: Task) -> Verdict:
+    def match(self, implementation: Implementation, task: Task) -> VectorVerdict:
         """Every sample lies within; each set is reached by one."""
         try:
             values = read(draw(implementation, task, self.samples), self.of)
@@ -184,9 +184,9 @@ class Support:
         return PASSED
 
 
-def read_support(fields: Fields) -> Support:
+def read_support(fields: VectorFields) -> QuantitySupport:
     """The table `support` of a vector. Raises `UsageError`."""
     reaches = tuple(read_shape(table) for table in fields.tables("reaches"))
-    found = Support(read_path(fields), read_shape(fields.table("within")), reaches, fields.number("tolerance"), fields.count("samples"))
+    found = QuantitySupport(read_path(fields), read_shape(fields.table("within")), reaches, fields.number("tolerance"), fields.count("samples"))
     fields.done()
     return found

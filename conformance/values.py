@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from .fields import Fields
+from .fields import VectorFields
 from .implementation import Implementation, SceneRecord, Task
 from .matching import Disagreement, disagreed, draw
 from .paths import NotThere, child, close, turned
-from .verdict import PASSED, Verdict
+from .verdict import PASSED, VectorVerdict
 
 SCENES = 3
 
 
 @dataclass(frozen=True, slots=True)
-class Values:
+class SceneValues:
     """Parameters, objects by index with some of their properties, and how many objects there are; headings modulo a turn."""
 
     params: Mapping[str, object]
@@ -24,7 +24,7 @@ class Values:
     tolerance: float
     scenes: int
 
-    def match(self, implementation: Implementation, task: Task) -> Verdict:
+    def match(self, implementation: Implementation, task: Task) -> VectorVerdict:
         """Every scene must have the values."""
         try:
             for scene in draw(implementation, task, self.scenes):
@@ -53,12 +53,12 @@ class Values:
             raise Disagreement(f"{place} is {found!r}, not {expected!r} (tolerance {self.tolerance:g})")
 
 
-def read_values(fields: Fields) -> Values:
+def read_values(fields: VectorFields) -> SceneValues:
     """The table `values` of a vector. Raises `UsageError`."""
     params = fields.table("params") if fields.has("params") else None
     objects = [read_object(table) for table in fields.tables("objects")] if fields.has("objects") else []
     count = fields.count("count") if fields.has("count") else None
-    found = Values(dict(params.rest) if params else {}, tuple(objects), count, fields.number("tolerance"), fields.count("scenes", SCENES))
+    found = SceneValues(dict(params.rest) if params else {}, tuple(objects), count, fields.number("tolerance"), fields.count("scenes", SCENES))
     fields.done()
     if not found.params and not found.objects and found.count is None:
         raise fields.wrong("nothing is expected")
@@ -67,7 +67,7 @@ def read_values(fields: Fields) -> Values:
     return found
 
 
-def read_object(fields: Fields) -> tuple[int, Mapping[str, object]]:
+def read_object(fields: VectorFields) -> tuple[int, Mapping[str, object]]:
     """`{index = 0, position = [...], ...}`."""
     index = fields.any("index")
     if not isinstance(index, int) or isinstance(index, bool) or index < 0:

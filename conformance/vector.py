@@ -7,19 +7,19 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from .implementation import Implementation, Task
-from .verdict import Verdict
+from .verdict import VectorVerdict
 
 
 class Matcher(Protocol):
     """What is claimed about the scenes or simulations of a program; `conformance.matchers` holds the closed table of them."""
 
-    def match(self, implementation: Implementation, task: Task) -> Verdict:
+    def match(self, implementation: Implementation, task: Task) -> VectorVerdict:
         """Whether the implementation agrees. What it raises besides `Refused` and `NeverAccepted` goes through."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
-class Vector:
+class ConformanceVector:
     """One vector, with the chapter and the file it stands in.
 
     `fires` must fire and `avoids` must not, where the implementation reports which rules fire. `texts` maps each dialect in which

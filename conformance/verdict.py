@@ -10,7 +10,7 @@ STATUSES: tuple[Status, ...] = ("passed", "failed", "skipped", "errored")
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
+class VectorVerdict:
     """The result of a vector; `reason` says why it did not pass.
 
     failed: the implementation disagrees with the vector. skipped: the vector does not apply to it. errored: the implementation or
@@ -21,19 +21,19 @@ class Verdict:
     reason: str = ""
 
 
-PASSED = Verdict("passed")
+PASSED = VectorVerdict("passed")
 
 
-def failed(reason: str) -> Verdict:
+def failed(reason: str) -> VectorVerdict:
     """The implementation disagrees with the vector."""
-    return Verdict("failed", reason)
+    return VectorVerdict("failed", reason)
 
 
-def skipped(reason: str) -> Verdict:
+def skipped(reason: str) -> VectorVerdict:
     """The vector does not apply to the implementation."""
-    return Verdict("skipped", reason)
+    return VectorVerdict("skipped", reason)
 
 
-def errored(reason: str) -> Verdict:
+def errored(reason: str) -> VectorVerdict:
     """The implementation or the harness crashed."""
-    return Verdict("errored", reason)
+    return VectorVerdict("errored", reason)

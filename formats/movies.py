@@ -54,7 +54,7 @@ class Course(NamedTuple):
     poses: tuple[tuple[Vector, float] | None, ...]
 
 
-class Drawn(NamedTuple):
+class Artists(NamedTuple):
     """The artists of an object: they alone are drawn anew in each frame."""
 
     course: Course
@@ -160,7 +160,7 @@ def stage(window: Window, title: str, simulation: Simulated) -> tuple[FigureCanv
     return canvas, axes
 
 
-def artists_of(axes: Axes, course: Course, window: Window) -> Drawn:
+def artists_of(axes: Axes, course: Course, window: Window) -> Artists:
     """The box of an object, a mark from its middle to its front, a point if the box is small, and its name."""
     from matplotlib.colors import to_rgba
     from matplotlib.patches import Polygon
@@ -171,10 +171,10 @@ def artists_of(axes: Axes, course: Course, window: Window) -> Drawn:
     (point,) = axes.plot([], [], marker="o", markersize=3, color=course.colour, animated=True)
     towards = "left" if course.side == "right" else "right"
     name = axes.text(0, 0, course.label, ha=towards, va="center", fontsize=8, color=INK, clip_on=True, animated=True)
-    return Drawn(course, (box, mark, point, name))
+    return Artists(course, (box, mark, point, name))
 
 
-def place(one: Drawn, step: int, window: Window) -> None:
+def place(one: Artists, step: int, window: Window) -> None:
     """Put the artists of an object where it is in a time step."""
     box, mark, point, name = one.artists
     course = one.course

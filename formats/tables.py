@@ -147,7 +147,7 @@ def end_of_scene(scenes: np.ndarray, row: int) -> int:
 # Files
 
 
-class Table(ABC):
+class TableFile(ABC):
     """A file of a table being written: under another name until `finish`, so that `path` is only ever a complete table.
 
     Raises `UsageError` if it cannot be written.
@@ -210,7 +210,7 @@ class Table(ABC):
         """Remove what was written, unless it was finished."""
 
 
-class ParquetTable(Table):
+class ParquetTable(TableFile):
     """A Parquet file; a group of rows is a row group. Raises `UsageError` if pyarrow is not installed."""
 
     def __init__(self, path: Path) -> None:
@@ -251,7 +251,7 @@ class ParquetTable(Table):
             self.unfinished.unlink()
 
 
-class NpzTable(Table):
+class NpzTable(TableFile):
     """An npz file: NAME.npy for each column, and NAME.jsonl for one of texts, whose numbers in NAME.npy are those of lines in NAME.jsonl.
 
     Each column is a file of its own until all rows are there; then they are copied into one, so that memory stays bounded.
@@ -323,6 +323,6 @@ def numpy_kind(name: str) -> np.dtype[Any]:
     return np.dtype("int64" if kind == "string" else kind)
 
 
-def open_table(path: Path) -> Table:
+def open_table(path: Path) -> TableFile:
     """The table that the suffix asks for. Raises `UsageError`."""
     return ParquetTable(path) if path.suffix.lower() == ".parquet" else NpzTable(path)

@@ -27,7 +27,7 @@ DEFAULT_RUNS = 20_000
 Address = tuple[int, ...]
 
 
-class Outcome(NamedTuple):
+class PossibleScene(NamedTuple):
     """A scene that the program gives, and the exact probability of just this scene."""
 
     probability: Fraction
@@ -51,7 +51,7 @@ class Enumeration:
     `coins` has one entry, of probability 1, unless there are coins thrown once per scene (reading `soft=scene`).
     """
 
-    outcomes: tuple[Outcome, ...]
+    outcomes: tuple[PossibleScene, ...]
     acceptance: Fraction
     stuck: Mapping[Requirement, Fraction]
     coins: tuple[Coins, ...]
@@ -93,7 +93,7 @@ class Leaf(NamedTuple):
     requirement: Requirement | None
 
 
-class Choice(NamedTuple):
+class Taken(NamedTuple):
     """Which of how many values a draw was answered with."""
 
     taken: int
@@ -114,7 +114,7 @@ def enumerate_runs(
         raise UsageError("--discretize needs at least 1 value per draw")
     leaves: list[Leaf] = []
     covered = Fraction(0)
-    prefix: list[Choice] | None = []
+    prefix: list[Taken] | None = []
     approximated = False
     while prefix is not None:
         if len(leaves) == max_runs:
@@ -142,22 +142,22 @@ def product(shares: Iterable[Fraction]) -> Fraction:
     return result
 
 
-def following(choices: list[Choice]) -> list[Choice] | None:
+def following(choices: list[Taken]) -> list[Taken] | None:
     """The prefix of the next run: the last draw with a value left takes it; None when all are done."""
     for depth in range(len(choices) - 1, -1, -1):
         taken, among = choices[depth]
         if taken + 1 < among:
-            return [*choices[:depth], Choice(taken + 1, among)]
+            return [*choices[:depth], Taken(taken + 1, among)]
     return None
 
 
 class Runner:
     """One run whose first draws are answered as `prefix` says and the others with their first values; `choices` are all of them."""
 
-    def __init__(self, prefix: list[Choice], discretize: int | None) -> None:
+    def __init__(self, prefix: list[Taken], discretize: int | None) -> None:
         self.prefix = prefix
         self.discretize = discretize
-        self.choices: list[Choice] = []
+        self.choices: list[Taken] = []
         self.probability = Fraction(1)
         self.coins: dict[Address, tuple[bool, Fraction]] = {}
         self.approximated = False
@@ -174,7 +174,7 @@ class Runner:
         support = self.support(draw)
         depth = len(self.choices)
         taken = self.prefix[depth].taken if depth < len(self.prefix) else 0
-        self.choices.append(Choice(taken, len(support)))
+        self.choices.append(Taken(taken, len(support)))
         value, share = support[taken]
         if draw.per_scene:
             self.coins[draw.address] = (bool(value), share)
@@ -222,7 +222,7 @@ def summed(leaves: list[Leaf], discretized: int | None) -> Enumeration:
         )
     feasible = sum(masses.values())
     ranked = sorted(masses, key=lambda key: -masses[key])
-    outcomes = tuple(Outcome(masses[key] / feasible, numbered(scenes[key], i, masses[key] / feasible)) for i, key in enumerate(ranked))
+    outcomes = tuple(PossibleScene(masses[key] / feasible, numbered(scenes[key], i, masses[key] / feasible)) for i, key in enumerate(ranked))
     total = sum((c.probability * c.acceptance for c in coins), Fraction(0))
     return Enumeration(outcomes, total, dict(stuck), tuple(coins), len(leaves), discretized)
 

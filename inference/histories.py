@@ -15,7 +15,7 @@ from ..semantics.kernel.config import Config
 from ..semantics.kernel.errors import RunsExhausted, UsageError
 from ..simulators.protocol import Simulator
 from ..simulators.simulating import Failed, simulate_once
-from .enumeration import DEFAULT_RUNS, Choice, Runner, following
+from .enumeration import DEFAULT_RUNS, Runner, Taken, following
 from .simulation import exhausted
 
 
@@ -57,7 +57,7 @@ def enumerate_simulations(
     masses: dict[str, Fraction] = defaultdict(Fraction)
     simulations: dict[str, Simulated] = {}
     stuck: dict[Failed, Fraction] = defaultdict(Fraction)
-    prefix: list[Choice] | None = []
+    prefix: list[Taken] | None = []
     runs, covered = 0, Fraction(0)
     while prefix is not None:
         if runs == max_runs:

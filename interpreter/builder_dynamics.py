@@ -44,7 +44,7 @@ class Guard:
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class ScenarioPart:
     """The `setup` or `compose` block of a scenario."""
 
     span: Span
@@ -106,7 +106,7 @@ class DynamicsBuilder(BuilderBase):
                     hint = "move it to the head of the definition"
                     raise ParseError(f"`{part.kind}` lines must come first in their definition", part.span, hint=hint)
                 guards[part.kind].append(part.condition)
-            elif isinstance(part, Part):
+            elif isinstance(part, ScenarioPart):
                 if part.kind in blocks:
                     raise ParseError(f"a scenario has one `{part.kind}` block only", part.span)
                 if part.kind == "setup" and blocks:
@@ -124,11 +124,11 @@ class DynamicsBuilder(BuilderBase):
     def make_invariant(self, span: Span, parts: Parts) -> Guard:
         return Guard(span, "invariant", condition(parts[0]))
 
-    def make_setup(self, span: Span, parts: Parts) -> Part:
-        return Part(span, "setup", parts[0])
+    def make_setup(self, span: Span, parts: Parts) -> ScenarioPart:
+        return ScenarioPart(span, "setup", parts[0])
 
-    def make_compose(self, span: Span, parts: Parts) -> Part:
-        return Part(span, "compose", parts[0])
+    def make_compose(self, span: Span, parts: Parts) -> ScenarioPart:
+        return ScenarioPart(span, "compose", parts[0])
 
     # -- Requirements over time
 

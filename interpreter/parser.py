@@ -22,7 +22,7 @@ from .builder_statements import StatementBuilder
 from .dialects import Dialect
 from .indentation import Layout
 from .nesting import check_nesting
-from .tree_builder import Origin, Parts
+from .tree_builder import Parts, TextOrigin
 
 Start = Literal["program", "interpolation"]
 INTERPOLATION_LIMIT = 4
@@ -34,7 +34,7 @@ def parse(text: str, file: str = "<string>", dialect: str | None = None) -> Prog
     Every node's span names `file`. Raises ParseError if the text is not a program, UsageError for an unknown dialect.
     """
     chosen = dialects.choose(text, dialect)
-    origin = Origin(file)
+    origin = TextOrigin(file)
     source = normal(text, origin)
     tree = parse_tree(source, "program", origin)
     statements = TreeBuilder(origin, chosen).build(tree)
@@ -42,7 +42,7 @@ def parse(text: str, file: str = "<string>", dialect: str | None = None) -> Prog
     return Program(statements=statements, file=file, text=text, dialect=chosen.name)
 
 
-def normal(text: str, origin: Origin) -> str:
+def normal(text: str, origin: TextOrigin) -> str:
     """`text` with `\\n` as the only line break, ending in one, and without a byte order mark. Raises ParseError for NUL."""
     source = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
     place = source.find("\0")
@@ -52,7 +52,7 @@ def normal(text: str, origin: Origin) -> str:
     return source if source.endswith("\n") else source + "\n"
 
 
-def parse_tree(source: str, start: Start, origin: Origin) -> Tree[Token]:
+def parse_tree(source: str, start: Start, origin: TextOrigin) -> Tree[Token]:
     """Lark's tree of `source`. Raises ParseError, with its place in the file."""
     try:
         return tables().parse(source, start=start)
@@ -92,7 +92,7 @@ def cache_file() -> str | None:
 class TreeBuilder(ExpressionBuilder, ScenicBuilder, StatementBuilder, DynamicsBuilder):
     """The whole builder; strings are here because an f-string parses its interpolations."""
 
-    def __init__(self, origin: Origin, dialect: Dialect, interpolated: int = 0) -> None:
+    def __init__(self, origin: TextOrigin, dialect: Dialect, interpolated: int = 0) -> None:
         super().__init__(origin, dialect)
         self.interpolated = interpolated
 
@@ -133,7 +133,7 @@ class TreeBuilder(ExpressionBuilder, ScenicBuilder, StatementBuilder, DynamicsBu
         breaks = before.count("\n")
         column = len(before) - before.rfind("\n") if breaks else column + piece.offset
         start = self.origin.span(line + breaks, column, line + breaks, column)
-        origin = Origin(self.origin.file, start.line - 1, start.column - 2)  # the added "(" has column 1
+        origin = TextOrigin(self.origin.file, start.line - 1, start.column - 2)  # the added "(" has column 1
         source = f"({piece.expression})"
         builder = TreeBuilder(origin, self.dialect, self.interpolated + 1)
         value = builder.build(parse_tree(source, "interpolation", origin))

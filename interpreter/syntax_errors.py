@@ -10,7 +10,7 @@ from lark.parsers.lalr_parser_state import ParserState
 
 from ..semantics.kernel.errors import ParseError
 from . import repairs
-from .tree_builder import Origin
+from .tree_builder import TextOrigin
 
 EXPECTED_LIMIT = 8
 WORD = re.compile(r"[^\W\d]\w*|\d[\w.]*|\S")
@@ -43,7 +43,7 @@ HUMAN: dict[str, tuple[str, ...]] = {
 }
 
 
-def explain(fault: UnexpectedInput, source: str, origin: Origin) -> ParseError:
+def explain(fault: UnexpectedInput, source: str, origin: TextOrigin) -> ParseError:
     """The error for Lark's `fault` in `source`, which stands at `origin`."""
     line, column = place_of(fault, source)
     lines = source.split("\n")

@@ -19,7 +19,7 @@ Parts = list[Any]  # What the children of a rule were turned into: nodes, tokens
 
 
 @dataclass(frozen=True, slots=True)
-class Origin:
+class TextOrigin:
     """Where the parsed text stands: its file, and what to add to its lines and to the columns of its first line."""
 
     file: str
@@ -44,7 +44,7 @@ class Origin:
 class BuilderBase:
     """What every part of the builder knows: where the text stands and which dialect it is written in."""
 
-    def __init__(self, origin: Origin, dialect: Dialect) -> None:
+    def __init__(self, origin: TextOrigin, dialect: Dialect) -> None:
         self.origin = origin
         self.dialect = dialect
         self.without_new: dict[Span, ObjectDefinition] = {}

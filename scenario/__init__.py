@@ -23,7 +23,7 @@ from ..inference.histories import Histories, enumerate_simulations
 from ..inference.pruning import TECHNIQUES, Finding, Pruning, prune
 from ..inference.rejection import DEFAULT_ATTEMPTS, Sampled, exhausted, sample
 from ..inference.simulation import SampledRun, sample_simulation
-from ..inference.statistics.columns import Table, features_table
+from ..inference.statistics.columns import FeatureTable, features_table
 from ..inference.statistics.facts import Facts
 from ..interpreter.checks import check
 from ..interpreter.choosers import AS_THEY_ARE, Draws, from_stream
@@ -269,7 +269,7 @@ class Scenario:
 
     def feature_tables(
         self, n: int, seed: int = 0, *, start: int = 0, max_attempts: int = DEFAULT_ATTEMPTS
-    ) -> Iterator[Table]:  # fmt: skip
+    ) -> Iterator[FeatureTable]:  # fmt: skip
         """The features of scenes `start` to `start + n - 1` of `seed`, as columns of some scenes after the other; for comparisons."""
         if self.impossible is not None:
             raise self.impossible

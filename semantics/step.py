@@ -148,7 +148,7 @@ RESUME: Mapping[type, Resumption] = {
     termination.Checking: termination.resume_checking,
     guards.Guarding: guards.resume_guarding,
     initial.Finishing: initial.resume_finishing,
-    initial.Beginning: initial.resume_beginning,
+    initial.OpeningGuards: initial.resume_opening_guards,
     frames.Abortable: interrupts.resume_abortable,
     interrupts.Entering: interrupts.resume_entering,
     interrupts.Interrupting: interrupts.resume_interrupting,

@@ -40,7 +40,7 @@ LONGEST = 60.0
 """The longest time step in seconds: it has thousands of internal steps."""
 
 
-class Moving:
+class Controlled:
     """An object: its body, what kind it is, and how its controls are set."""
 
     def __init__(self, body: Any, length: float, vehicle: bool, pedestrian: bool) -> None:
@@ -82,7 +82,7 @@ class Physics:
             vehicle, pedestrian = a.drives(body), a.walks(body)
             made = self.body_of(width, length, still=not (vehicle or pedestrian or moves), turns=not pedestrian)
             made.position, made.angle = (position.x, position.y), heading  # type: ignore[union-attr]
-            moving = Moving(made, length, vehicle, pedestrian)
+            moving = Controlled(made, length, vehicle, pedestrian)
             if moves:
                 made.velocity = velocity
             if vehicle:
@@ -119,7 +119,7 @@ class Physics:
             self.space.step(self.timestep / count)
         return [f"collision of objects {one} and {other}" for one, other in dict.fromkeys(self.met)]
 
-    def take(self, moving: Moving, action: object) -> None:
+    def take(self, moving: Controlled, action: object) -> None:
         """The effect of an action on the controls of an object."""
         body = moving.body
         if moving.controls.set(action):
@@ -141,7 +141,7 @@ class Physics:
             case _:
                 raise AssertionError(action)
 
-    def push(self, moving: Moving, velocity: tuple[float, float]) -> None:
+    def push(self, moving: Controlled, velocity: tuple[float, float]) -> None:
         """Give an object a velocity; what stood still for good cannot have one."""
         if moving.body.body_type == self.pymunk.Body.STATIC:
             raise ValueError("an object that stands still cannot be given a velocity: let it begin with one")
@@ -163,7 +163,7 @@ class Physics:
         self.space.collision_slop = SLOP
         self.space.on_collision(begin=self.meet)
         self.ids: dict[Any, int] = {}
-        self.moving: dict[int, Moving] = {}
+        self.moving: dict[int, Controlled] = {}
         self.met: list[tuple[int, int]] = []
         self.smallest = math.inf
 
@@ -173,7 +173,7 @@ class Physics:
         self.met.append((min(one, other), max(one, other)))
 
 
-def drive(moving: Moving, dt: float) -> None:
+def drive(moving: Controlled, dt: float) -> None:
     """The change of a vehicle's velocity in `dt` seconds: engine, brake and drag along it, tyres across it, the yaw rate of a bicycle."""
     body, controls = moving.body, moving.controls
     sine, cosine = math.sin(body.angle), math.cos(body.angle)
@@ -190,7 +190,7 @@ def drive(moving: Moving, dt: float) -> None:
     body.angular_velocity += min(max(change, -YAWING * dt), YAWING * dt)
 
 
-def walk(moving: Moving, dt: float) -> None:
+def walk(moving: Controlled, dt: float) -> None:
     """The change of a pedestrian's velocity in `dt` seconds, towards that with which it wants to walk."""
     x, y = moving.body.velocity
     to_x, to_y = moving.walking or (0.0, 0.0)

@@ -19,7 +19,7 @@ from ..inference.statistics import DEFAULT_ALPHA, DEFAULT_TV, Sampler, Verdict, 
 from ..inference.statistics.columns import leaves
 from ..inference.statistics.comparison import check_settings
 from ..inference.statistics.facts import Facts
-from ..inference.statistics.names import Names
+from ..inference.statistics.names import SampleNames
 from ..inference.statistics.reading import scenes_in
 from ..inference.statistics.rounding import DEFAULT_TOLERANCE
 from ..inference.statistics.samples import AnyScene
@@ -46,7 +46,7 @@ def judged(
 ) -> Verdict:  # fmt: skip
     """The verdict of `same_distribution`; `draw` stands for the scenario where scenes are drawn."""
     check_settings(alpha, detect_tv, None, tolerance)
-    names = Names(tuple(ignore), dict(map or {}))
+    names = SampleNames(tuple(ignore), dict(map or {}))
     scenes, first = opened(samples)
     scenario.rehearse()
     again = replay or replay_of(samples, scenario, alpha, detect_tv, seed, tolerance, names, drawn=reference is None)
@@ -57,7 +57,7 @@ def judged(
         return without_comparison(f"the program has no scenes, but the samples do: {told}", alpha, detect_tv, seed, again)
     check_columns(first, scenario, names)
     classes = frozenset(str(value) for name, value in scenario.constants.items() if name.endswith(".class"))
-    names = Names(names.ignore, names.map, classes)
+    names = SampleNames(names.ignore, names.map, classes)
     facts = scenario.facts.without(names.ignored)
     given = Given(scenes, seed, facts=facts, names=names, tolerance=tolerance)
     law = None if reference is not None else enumerated(scenario)
@@ -87,7 +87,7 @@ def checked(samples: Iterable[AnyScene]) -> Iterable[AnyScene]:
         yield scene
 
 
-def check_columns(first: AnyScene, scenario: Scenario, names: Names) -> None:
+def check_columns(first: AnyScene, scenario: Scenario, names: SampleNames) -> None:
     """The columns of a CSV file must be features of the program's scenes. Raises `UsageError`."""
     columns = first.get("columns") if isinstance(first, Mapping) else None
     if isinstance(columns, Mapping):
@@ -100,7 +100,7 @@ def check_columns(first: AnyScene, scenario: Scenario, names: Names) -> None:
             raise UsageError(f"scenes of the program have no {wrong[0]}", hint=hint)
 
 
-def known_reference(reference: Reference, given: Given, facts: Facts, names: Names, seed: int, tolerance: float) -> Sampler | Given:
+def known_reference(reference: Reference, given: Given, facts: Facts, names: SampleNames, seed: int, tolerance: float) -> Sampler | Given:
     """The reference, which must be scenes of the program, and not the samples themselves. Raises `UsageError`."""
     if not isinstance(reference, (str, Path, Sequence)):
         return reference
@@ -151,7 +151,7 @@ def without_comparison(line: str, alpha: float, detect_tv: float, seed: int, rep
 
 
 def replay_of(
-    samples: object, scenario: Scenario, alpha: float, detect_tv: float, seed: int, tolerance: float, names: Names, *, drawn: bool
+    samples: object, scenario: Scenario, alpha: float, detect_tv: float, seed: int, tolerance: float, names: SampleNames, *, drawn: bool
 ) -> str:  # fmt: skip
     """The command that makes the comparison again, where there is one; else the call, for the reader to fill in."""
     options = f"alpha={alpha:g}, detect_tv={detect_tv:g}, seed={seed}"

@@ -273,3 +273,13 @@ def test_one_loop_drives_the_machine():
 
 TIME = {"simulators/physics.py", "testing/simulators.py"}
 """Their loops go from one time step of a simulator to the next."""
+
+
+def test_a_class_name_means_one_thing():
+    homes: dict[str, list[str]] = {}
+    for path in modules():
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ClassDef):
+                homes.setdefault(node.name, []).append(str(path.relative_to(ROOT)))
+    assert len(homes) > 300
+    assert not {name: places for name, places in homes.items() if len(places) > 1}

@@ -25,7 +25,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from scenic_ref.conformance.vector import Vector
+    from scenic_ref.conformance.vector import ConformanceVector
 
 ROOT = Path(__file__).resolve().parent.parent
 SEEDS = (0, 7)
@@ -116,14 +116,14 @@ def command(*words: str) -> str:
 
 
 @cache
-def vectors(programs: Path) -> dict[str, Vector]:
+def vectors(programs: Path) -> dict[str, ConformanceVector]:
     """The vectors of a tree, by name."""
     from scenic_ref.conformance.loading import read_all, texts
 
     return {v.name: v for v in read_all(sorted(texts(programs / "conformance" / "vectors", "")))}  # type: ignore[arg-type]
 
 
-def of_vector(vector: Vector, scenes: int) -> Iterator[tuple[str, str]]:
+def of_vector(vector: ConformanceVector, scenes: int) -> Iterator[tuple[str, str]]:
     """Scenes of both backends, simulations, the exact distribution and the rules of the first run, or the error."""
     from scenic_ref.conformance.ourselves import Ourselves, loaded, traced
 

@@ -16,7 +16,7 @@ STEPS = 3
 MOST_DEPTH = 2
 
 
-class Writer:
+class ProgramWriter:
     """The text of a program, from a random generator."""
 
     def __init__(self, random: np.random.Generator) -> None:
@@ -126,7 +126,7 @@ def indented(lines: list[str]) -> list[str]:
 
 def dynamic_program(seed: int, number: int) -> str:
     """Program `number` of `seed`: its text."""
-    return Writer(np.random.default_rng([fold(seed), mix(number)])).program()
+    return ProgramWriter(np.random.default_rng([fold(seed), mix(number)])).program()
 
 
 def dynamic_programs(count: int, seed: int) -> Iterator[str]:

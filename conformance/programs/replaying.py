@@ -15,14 +15,14 @@ from ...semantics.kernel.outcome import Draw, Outcome
 Address = tuple[int, ...]
 
 
-class Chosen(NamedTuple):
+class WhichValue(NamedTuple):
     """An answer to a draw with finitely many values: which of them."""
 
     place: int
 
 
 @dataclass
-class Recording:
+class Answers:
     """The answers of a run by address, in order, and the sum of the logarithms of their densities."""
 
     answers: dict[Address, object] = field(default_factory=dict)
@@ -39,16 +39,16 @@ class Recording:
             self.log_density += outcome.distribution.log_density(answer)
 
 
-def recorded(scenario: Scenario, choose: Chooser) -> Recording:
+def recorded(scenario: Scenario, choose: Chooser) -> Answers:
     """One run with everything that was drawn; its scene is None if it was rejected."""
-    recording = Recording()
+    recording = Answers()
     result = run(scenario.start(), choose, fuel=scenario.fuel, witness=recording.witness)
     if isinstance(result, Accepted):
         recording.scene = scene_of(result.state, 0, 0, 1)
     return recording
 
 
-def first_accepted(scenario: Scenario, seed: int, attempts: int) -> Recording | None:
+def first_accepted(scenario: Scenario, seed: int, attempts: int) -> Answers | None:
     """The first accepted run of scene 0, if there is one among the attempts."""
     for attempt in range(attempts):
         recording = recorded(scenario, from_stream(seed, 0, attempt))
@@ -57,7 +57,7 @@ def first_accepted(scenario: Scenario, seed: int, attempts: int) -> Recording | 
     return None
 
 
-def replayed(scenario: Scenario, answers: Mapping[Address, object]) -> Recording:
+def replayed(scenario: Scenario, answers: Mapping[Address, object]) -> Answers:
     """The run that these answers give. Raises `LookupError` at a draw that has none."""
 
     def refuse(draw: Draw) -> object:
@@ -70,12 +70,12 @@ def replayed(scenario: Scenario, answers: Mapping[Address, object]) -> Recording
 def as_recorded(draw: Draw, answer: object) -> object:
     """The answer as it is kept: by its place among finitely many values, which may be objects that belong to their run."""
     support = draw.distribution.support() or ()
-    return next((Chosen(place) for place, (value, _) in enumerate(support) if value is answer), answer)
+    return next((WhichValue(place) for place, (value, _) in enumerate(support) if value is answer), answer)
 
 
 def as_answered(draw: Draw, kept: object) -> object:
     """The value of this run that a kept answer stands for."""
-    if not isinstance(kept, Chosen):
+    if not isinstance(kept, WhichValue):
         return kept
     support = draw.distribution.support() or ()
     return support[kept.place][0]

@@ -16,7 +16,7 @@ Side = Literal["left", "right", "ahead", "behind"]
 SIDES: tuple[Side, ...] = ("ahead", "behind", "left", "right")
 
 
-class Place(NamedTuple):
+class PlaceSpecifier(NamedTuple):
     """A position specifier, if any; whether it depends on the heading, so that no heading may depend on the position."""
 
     specifier: Specifier | None
@@ -46,7 +46,7 @@ def overlapping(draft: Draft, place: Specifier | None) -> float:
             return 0.9 if draft.repeats > 1 else 0.15
 
 
-def position(draft: Draft, depth: int) -> Place:
+def position(draft: Draft, depth: int) -> PlaceSpecifier:
     """A position specifier of any form that can be written here."""
     reach = draft.settings.area
     forms: list[tuple[int, str]] = [(6, "at"), (1, "none"), (1, "beside a vector")]
@@ -63,25 +63,25 @@ def position(draft: Draft, depth: int) -> Place:
         forms += [(5, "visible")] if draft.allows("visibility") and draft.has_ego else []
     match draft.choices.weighted(forms):
         case "at":
-            return Place(q.AtSpecifier(vector=vectors.vector(draft, reach, depth)))
+            return PlaceSpecifier(q.AtSpecifier(vector=vectors.vector(draft, reach, depth)))
         case "beside a vector":
-            return Place(beside(draft, vectors.vector(draft, reach, 1)), needs_heading=True)
+            return PlaceSpecifier(beside(draft, vectors.vector(draft, reach, 1)), needs_heading=True)
         case "beside":
-            return Place(beside(draft, name(draft.choices.pick(draft.known("object", "point")).name)))
+            return PlaceSpecifier(beside(draft, name(draft.choices.pick(draft.known("object", "point")).name)))
         case "offset by":
-            return Place(q.OffsetBySpecifier(offset=vectors.vector(draft, reach / 2, depth)))
+            return PlaceSpecifier(q.OffsetBySpecifier(offset=vectors.vector(draft, reach / 2, depth)))
         case "offset along":
-            return Place(q.OffsetAlongSpecifier(direction=vectors.direction(draft, 1), offset=vectors.vector(draft, reach / 2, 1)))
+            return PlaceSpecifier(q.OffsetAlongSpecifier(direction=vectors.direction(draft, 1), offset=vectors.vector(draft, reach / 2, 1)))
         case "beyond" | "beyond from" as form:
-            return Place(beyond(draft, from_ego=form == "beyond"))
+            return PlaceSpecifier(beyond(draft, from_ego=form == "beyond"))
         case "following" | "following from" as form:
-            return Place(following(draft, from_ego=form == "following"))
+            return PlaceSpecifier(following(draft, from_ego=form == "following"))
         case "in":
-            return Place(q.InSpecifier(keyword=draft.choices.pick(["in", "on"]), region=regions.argument(draft)))
+            return PlaceSpecifier(q.InSpecifier(keyword=draft.choices.pick(["in", "on"]), region=regions.argument(draft)))
         case "visible":
-            return Place(visible(draft))
+            return PlaceSpecifier(visible(draft))
         case _:
-            return Place(None)
+            return PlaceSpecifier(None)
 
 
 def can_sample(draft: Draft) -> bool:

@@ -15,12 +15,12 @@ from ...interpreter.running import DEFAULT_FUEL
 from ...semantics.kernel.config import Config, State
 from ...semantics.space.fields import PolygonalVectorField
 from ...semantics.space.regions import PolygonalRegion, Region
-from ..batch.trace.graph import Event, Graph, RowCall
+from ..batch.trace.graph import Graph, GraphEvent, RowCall
 from . import applicability as apply
 from .facts import Located, Truth, contained, limits, located, shape_of, truths
 from .recording import DrawnPoint, Recorded, record
 from .report import TECHNIQUES, Finding, Pruned, Pruning, Technique
-from .scene_facts import Apart, default_containers, default_distances, is_mutated, name_of, position_of
+from .scene_facts import Near, default_containers, default_distances, is_mutated, name_of, position_of
 from .shapes import Shape, common_part, dilate
 
 LEAST_SAVING = 1e-6
@@ -58,7 +58,7 @@ def obstacle_of(graph: Graph) -> str | None:
     return None
 
 
-def is_finiteness(event: Event) -> bool:
+def is_finiteness(event: GraphEvent) -> bool:
     """Whether a guard says that a number is finite, as it is unless the program is wrong."""
     node = event.node
     return event.expected and node.function is np.less and node.arguments[1] == np.inf
@@ -86,7 +86,7 @@ class Knowledge(NamedTuple):
     facts: list[Truth]
     boxes: list[apply.Contained]
     located: list[Located]
-    apart: list[Apart]
+    apart: list[Near]
 
 
 def knowledge_of(recorded: Recorded) -> Knowledge:

@@ -12,12 +12,12 @@ from typing import Protocol
 import numpy as np
 
 from ...semantics.space.fields import PolygonalVectorField
-from ..batch.trace.graph import Graph, Node
+from ..batch.trace.graph import Graph, GraphNode
 from .algorithms import Cell, prune_by_containment, prune_by_heading, prune_by_offset, prune_by_width
 from .facts import Contained, Located, Truth, limits, points_apart, truths
 from .forms import Aligned, Offset, Operand, Point, aligned, bounds_of_terms, field_looked_up, offset, terms
 from .intervals import ZERO, Interval
-from .scene_facts import Apart
+from .scene_facts import Near
 from .shapes import Shape, common_part, erode, union_of
 
 SHARP = 2.0
@@ -36,7 +36,7 @@ class Known(Protocol):
     @property
     def located(self) -> list[Located]: ...
     @property
-    def apart(self) -> list[Apart]: ...
+    def apart(self) -> list[Near]: ...
 
 
 Applied = tuple[Shape | None, str]
@@ -95,15 +95,15 @@ def relative_headings(point: Point, known: Known, facts: list[Truth] | None = No
             yield first, second, [-i for i in differences]
 
 
-def difference_of_headings(node: Node) -> tuple[Aligned, Aligned, float] | None:
+def difference_of_headings(node: GraphNode) -> tuple[Aligned, Aligned, float] | None:
     """A number as the first heading minus the second plus a constant: two that are aligned to fields, if it is that."""
-    if node.function is np.subtract and all(isinstance(a, (Node, float)) for a in node.arguments):
+    if node.function is np.subtract and all(isinstance(a, (GraphNode, float)) for a in node.arguments):
         first, second = (aligned(a) for a in node.arguments)  # type: ignore[arg-type]
         if first is not None and second is not None:
             return first, second, 0.0
     sum_ = terms(node)
     less = sum_.pop(1.0, 0.0)
-    plus, minus = ([p for p, s in sum_.items() if isinstance(p, Node) and s == sign and field_looked_up(p) is not None] for sign in (1.0, -1.0))
+    plus, minus = ([p for p, s in sum_.items() if isinstance(p, GraphNode) and s == sign and field_looked_up(p) is not None] for sign in (1.0, -1.0))
     if len(plus) != 1 or len(minus) != 1:
         return None
     first, second = aligned(plus[0]), aligned(minus[0])
@@ -120,13 +120,13 @@ def distance_between(x: Aligned, y: Aligned, known: Known) -> float:
     return min([*known_bounds, *(o.distance for o in offsets if o is not None)], default=math.inf)
 
 
-def required_distances(known_limits: Mapping[Node, list[Interval]]) -> Iterator[Apart]:
+def required_distances(known_limits: Mapping[GraphNode, list[Interval]]) -> Iterator[Near]:
     """The distances that requirements bound."""
     for node, intervals in known_limits.items():
         points = points_apart(node)
         high = max((i.high for i in intervals), default=math.inf)
         if points is not None and math.isfinite(high):
-            yield Apart(*points, max(high, 0.0))
+            yield Near(*points, max(high, 0.0))
 
 
 def headings_at(point: Point, known: Known) -> list[Operand]:
@@ -136,7 +136,7 @@ def headings_at(point: Point, known: Known) -> list[Operand]:
     """
     fields = {id(there.field) for there in known.located if there.point == point}
     angles = {node.arguments[0]: None for node in known.graph.nodes if node.function in (np.sin, np.cos)}
-    headings = [angle for angle in angles if isinstance(angle, Node)]
+    headings = [angle for angle in angles if isinstance(angle, GraphNode)]
     return [angle for angle in headings if (found := aligned(angle)) is not None and found.point == point and id(found.field) in fields]
 
 

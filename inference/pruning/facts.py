@@ -14,7 +14,7 @@ from ...semantics.space.boundaries import widened
 from ...semantics.space.fields import PolygonalVectorField
 from ...semantics.space.regions import PolygonalRegion, RectangularRegion, Region, Workspace
 from ...semantics.space.regions.approximation import box_shape
-from ..batch.trace.graph import Graph, Node, RowCall
+from ..batch.trace.graph import Graph, GraphNode, RowCall
 from ..batch.trace.structures import symbols_in
 from .forms import Operand, Point, bounds, bounds_of_value, field_looked_up, point_of
 from .intervals import Interval
@@ -24,7 +24,7 @@ from .shapes import Shape, polygons_of
 class Truth(NamedTuple):
     """A node for truth values that is `holds` in every accepted run."""
 
-    node: Node
+    node: GraphNode
     holds: bool
 
 
@@ -53,9 +53,9 @@ def truths(graph: Graph, *, soft: bool = False) -> Iterator[Truth]:
 def _parts(truth: Truth) -> Iterator[Truth]:
     node, holds = truth
     if node.function is np.logical_not:
-        yield from (part for a in node.arguments if isinstance(a, Node) for part in _parts(Truth(a, not holds)))
+        yield from (part for a in node.arguments if isinstance(a, GraphNode) for part in _parts(Truth(a, not holds)))
     elif node.function is (np.logical_and if holds else np.logical_or):
-        yield from (part for a in node.arguments if isinstance(a, Node) for part in _parts(Truth(a, holds)))
+        yield from (part for a in node.arguments if isinstance(a, GraphNode) for part in _parts(Truth(a, holds)))
     else:
         yield truth
 
@@ -108,9 +108,9 @@ def shape_of(region: object) -> Shape | None:
             return None
 
 
-def limits(facts: list[Truth]) -> dict[Node, list[Interval]]:
+def limits(facts: list[Truth]) -> dict[GraphNode, list[Interval]]:
     """Intervals, one of which holds each number that is compared with another in a requirement."""
-    found: dict[Node, list[Interval]] = {}
+    found: dict[GraphNode, list[Interval]] = {}
     for node, holds in facts:
         for number, interval in _compared(node, holds):
             for inner, intervals in _inside(number, [interval]):
@@ -118,27 +118,27 @@ def limits(facts: list[Truth]) -> dict[Node, list[Interval]]:
     return found
 
 
-def _compared(node: Node, holds: bool) -> Iterator[tuple[Node, Interval]]:
+def _compared(node: GraphNode, holds: bool) -> Iterator[tuple[GraphNode, Interval]]:
     """Both sides of a comparison, and where they are."""
     if node.function not in (np.less, np.less_equal, np.greater, np.greater_equal) or len(node.arguments) != 2:
         return
     left, right = node.arguments
     if (node.function in (np.less, np.less_equal)) is not holds:
         left, right = right, left
-    if isinstance(left, Node):
+    if isinstance(left, GraphNode):
         yield left, Interval(-np.inf, _bounds(right).high)
-    if isinstance(right, Node):
+    if isinstance(right, GraphNode):
         yield right, Interval(_bounds(left).low, np.inf)
 
 
 def _bounds(operand: object) -> Interval:
-    return bounds(operand) if isinstance(operand, Node) else Interval(float(operand), float(operand))  # type: ignore[arg-type]
+    return bounds(operand) if isinstance(operand, GraphNode) else Interval(float(operand), float(operand))  # type: ignore[arg-type]
 
 
-def _inside(node: Node, intervals: list[Interval]) -> Iterator[tuple[Node, list[Interval]]]:
+def _inside(node: GraphNode, intervals: list[Interval]) -> Iterator[tuple[GraphNode, list[Interval]]]:
     """The node, and what an absolute value says about the number in it."""
     yield node, intervals
-    if node.function is np.absolute and isinstance(node.arguments[0], Node):
+    if node.function is np.absolute and isinstance(node.arguments[0], GraphNode):
         yield node.arguments[0], [inner for interval in intervals if interval.high >= 0 for inner in _without_sign(interval)]
 
 
@@ -147,12 +147,12 @@ def _without_sign(interval: Interval) -> tuple[Interval, ...]:
     return (Interval(-interval.high, interval.high),) if interval.low <= 0 else (interval, -interval)
 
 
-def points_apart(node: Node) -> tuple[Point, Point] | None:
+def points_apart(node: GraphNode) -> tuple[Point, Point] | None:
     """The two points whose distance |V2 - V1| the node is, or None."""
     if node.function is not np.hypot:
         return None
     match node.arguments:
-        case (Node(function=np.subtract, arguments=(x2, x1)), Node(function=np.subtract, arguments=(y2, y1))):
+        case (GraphNode(function=np.subtract, arguments=(x2, x1)), GraphNode(function=np.subtract, arguments=(y2, y1))):
             return (x1, y1), (x2, y2)  # type: ignore[return-value]
         case _:
             return None

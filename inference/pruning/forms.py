@@ -12,12 +12,12 @@ import numpy as np
 
 from ...semantics.space.fields import PolygonalVectorField
 from ...semantics.space.vectors import Vector
-from ..batch.trace.graph import Node, RowCall
+from ..batch.trace.graph import GraphNode, RowCall
 from ..batch.trace.symbols import Choice, Traced
 from .intervals import ALL, ZERO, Interval
 
 UNIT = Interval(-1.0, 1.0)
-Operand = Node | float
+Operand = GraphNode | float
 Terms = Mapping[Operand, float]
 """A sum: the factor of each node; of the number 1.0, the constant."""
 
@@ -42,7 +42,7 @@ def bounds_of_value(value: object) -> Interval:
 
 def bounds(operand: Operand) -> Interval:
     """Bounds that hold in every run, infinite where none are known."""
-    if not isinstance(operand, Node):
+    if not isinstance(operand, GraphNode):
         return Interval(operand, operand)
     if operand.bounds is not None:
         return Interval(*operand.bounds)
@@ -54,16 +54,16 @@ def bounds(operand: Operand) -> Interval:
     return _bounds_of_operation(operand)
 
 
-def _bounds_of_operation(node: Node) -> Interval:
+def _bounds_of_operation(node: GraphNode) -> Interval:
     if node.function not in (np.add, np.subtract, np.multiply, np.negative):
         return ALL
-    first, *rest = (bounds(a) if isinstance(a, (Node, float)) else ALL for a in node.arguments)
+    first, *rest = (bounds(a) if isinstance(a, (GraphNode, float)) else ALL for a in node.arguments)
     if node.function is np.negative:
         return -first
     return first.times(rest[0]) if node.function is np.multiply else first + (rest[0] if node.function is np.add else -rest[0])
 
 
-def field_looked_up(node: Node) -> PolygonalVectorField | None:
+def field_looked_up(node: GraphNode) -> PolygonalVectorField | None:
     """The field whose value at some point the node is, if it has a constant heading in each polygon and none outside."""
     call = node.function
     if isinstance(call, RowCall) and call.function is PolygonalVectorField._value_at and is_constant(call.structure[0]):  # pyright: ignore[reportPrivateUsage]
@@ -95,15 +95,15 @@ def terms(operand: Operand, factor: float = 1.0) -> dict[Operand, float]:
     while waiting:
         part, share = waiting.pop()
         match part:
-            case Node(function=np.add, arguments=(a, b)):
+            case GraphNode(function=np.add, arguments=(a, b)):
                 waiting += [(a, share), (b, share)]
-            case Node(function=np.subtract, arguments=(a, b)):
+            case GraphNode(function=np.subtract, arguments=(a, b)):
                 waiting += [(a, share), (b, -share)]
-            case Node(function=np.negative, arguments=(a,)):
+            case GraphNode(function=np.negative, arguments=(a,)):
                 waiting.append((a, -share))
-            case Node(function=np.multiply, arguments=(float() as number, a)) | Node(function=np.multiply, arguments=(a, float() as number)):
+            case GraphNode(function=np.multiply, arguments=(float() as number, a) | (a, float() as number)):
                 waiting.append((a, share * number))
-            case Node():
+            case GraphNode():
                 found[part] = found.get(part, 0.0) + share
             case _:
                 found[1.0] = found.get(1.0, 0.0) + share * float(part)  # type: ignore[arg-type]
@@ -151,7 +151,7 @@ class Aligned(NamedTuple):
 def aligned(heading: Operand) -> Aligned | None:
     """A heading as that of a field and a bounded deviation, if it is one."""
     sum_ = terms(heading)
-    lookups = [part for part, share in sum_.items() if isinstance(part, Node) and share == 1.0 and field_looked_up(part) is not None]
+    lookups = [part for part, share in sum_.items() if isinstance(part, GraphNode) and share == 1.0 and field_looked_up(part) is not None]
     if len(lookups) != 1:
         return None
     call = lookups[0].function
@@ -217,11 +217,11 @@ def _kept(sum_: Terms) -> Terms:
 def _factor_of(part: Operand) -> tuple[Operand, object, object]:
     """u, the function and the angle, for u sin(angle) and u cos(angle)."""
     match part:
-        case Node(function=np.sin | np.cos as function, arguments=(angle,)):
+        case GraphNode(function=np.sin | np.cos as function, arguments=(angle,)):
             return 1.0, function, angle
-        case Node(function=np.multiply, arguments=(u, Node(function=np.sin | np.cos as function, arguments=(angle,)))):
+        case GraphNode(function=np.multiply, arguments=(u, GraphNode(function=np.sin | np.cos as function, arguments=(angle,)))):
             return u, function, angle  # type: ignore[return-value]
-        case Node(function=np.multiply, arguments=(Node(function=np.sin | np.cos as function, arguments=(angle,)), u)):
+        case GraphNode(function=np.multiply, arguments=(GraphNode(function=np.sin | np.cos as function, arguments=(angle,)), u)):
             return u, function, angle  # type: ignore[return-value]
         case _:
             return part, None, None

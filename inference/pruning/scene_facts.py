@@ -17,7 +17,7 @@ from .facts import Contained, container_of, min_radius
 from .forms import Point, bounds_of_value, point_of
 
 
-class Apart(NamedTuple):
+class Near(NamedTuple):
     """Two points are at most `distance` metres apart in every accepted run."""
 
     first: Point
@@ -57,7 +57,7 @@ def default_containers(state: State) -> Iterator[Contained]:
                 yield Contained(point, shape, min_radius(*(property_of(state, o, n) for n in ("width", "length"))))
 
 
-def default_distances(state: State) -> Iterator[Apart]:
+def default_distances(state: State) -> Iterator[Near]:
     """An object that ego must see is no farther than ego sees, and half the diagonal of its own box."""
     for premise in default_requirements(state):
         if premise.holds is not visible:
@@ -68,7 +68,7 @@ def default_distances(state: State) -> Iterator[Apart]:
             sizes = [bounds_of_value(property_of(state, o, n)).largest / 2 for n in ("width", "length")]
             distance = bounds_of_value(property_of(state, ego, "viewDistance")).high + math.hypot(*sizes)
             if math.isfinite(distance):
-                yield Apart(viewer, seen, max(distance, 0.0))
+                yield Near(viewer, seen, max(distance, 0.0))
 
 
-__all__ = ["Apart", "default_containers", "default_distances", "is_mutated", "name_of", "position_of", "property_of"]
+__all__ = ["Near", "default_containers", "default_distances", "is_mutated", "name_of", "position_of", "property_of"]

@@ -62,7 +62,7 @@ def last_part(name: str) -> str:
     return name.partition("(")[0].rpartition(".")[2].partition("[")[0]
 
 
-class Table:
+class FeatureTable:
     """The features of `n` scenes by name; all columns have that length. `numbers` are those of the scenes, counted from 1."""
 
     def __init__(self, columns: Mapping[str, Array], n: int, numbers: Array | None = None) -> None:
@@ -75,27 +75,27 @@ class Table:
         """The columns by name."""
         return {name: Column(name, values) for name, values in self.arrays.items()}
 
-    def rows(self, start: int, stop: int) -> Table:
+    def rows(self, start: int, stop: int) -> FeatureTable:
         """Some of the scenes, one after the other."""
         return self.chosen(slice(start, max(start, min(stop, self.n))))
 
-    def chosen(self, which: Array | slice) -> Table:
+    def chosen(self, which: Array | slice) -> FeatureTable:
         """Some of the scenes."""
         numbers = self.numbers[which]
-        return Table({name: values[which] for name, values in self.arrays.items()}, len(numbers), numbers)
+        return FeatureTable({name: values[which] for name, values in self.arrays.items()}, len(numbers), numbers)
 
-    def plus(self, columns: Mapping[str, Array]) -> Table:
+    def plus(self, columns: Mapping[str, Array]) -> FeatureTable:
         """The scenes with further features."""
-        return Table({**self.arrays, **columns}, self.n, self.numbers)
+        return FeatureTable({**self.arrays, **columns}, self.n, self.numbers)
 
 
 # From scenes
 
 
-def features_table(scenes: Iterable[Scene | Mapping[str, object]]) -> Table:
+def features_table(scenes: Iterable[Scene | Mapping[str, object]]) -> FeatureTable:
     """The table of the features that stand in scenes as they are; the scenes are given as such or as JSON objects in the scene format."""
     written = [scene.to_json() if isinstance(scene, Scene) else scene for scene in scenes]
-    return Table(arrays_of(features_of(written)), len(written))
+    return FeatureTable(arrays_of(features_of(written)), len(written))
 
 
 def arrays_of(features: Iterable[tuple[str, list[object]]]) -> dict[str, Array]:
@@ -218,7 +218,7 @@ def text_of(value: object) -> str:
 # Tables one after the other
 
 
-def stacked(tables: Sequence[Table]) -> Table:
+def stacked(tables: Sequence[FeatureTable]) -> FeatureTable:
     """The scenes of some tables, one after the other; a feature that some lack is absent there."""
     if len(tables) == 1:
         return tables[0]
@@ -233,10 +233,10 @@ def stacked(tables: Sequence[Table]) -> Table:
         else:
             columns[name] = np.concatenate([v if v.dtype == np.float64 else np.full(len(v), math.nan) for v in found])
             columns[name + OTHERWISE] = np.concatenate([otherwise(table, name) for table in known])
-    return Table(columns, sum(table.n for table in known), np.concatenate([np.zeros(0, dtype=int), *(table.numbers for table in known)]))
+    return FeatureTable(columns, sum(table.n for table in known), np.concatenate([np.zeros(0, dtype=int), *(table.numbers for table in known)]))
 
 
-def otherwise(table: Table, name: str) -> Array:
+def otherwise(table: FeatureTable, name: str) -> Array:
     """What a feature is where it is not a number."""
     values = table.arrays.get(name)
     if values is None or values.dtype != np.float64:

@@ -19,12 +19,12 @@ from ...formats.scenes import Scene
 from ...semantics.kernel.errors import UsageError
 from ..enumeration import Enumeration
 from .betting import combined
-from .columns import Table, features_table, is_relation, stacked
+from .columns import FeatureTable, features_table, is_relation, stacked
 from .facts import Facts, WithFacts
 from .features import Cut, FeatureTest, assigned, learn, one_sided, tests_between, tests_of_laws
 from .impossible import MOST_LISTED, Findings, constants_of
 from .laws import DEFAULT_ALPHA, Categorical, Continuous
-from .names import Names
+from .names import SampleNames
 from .outcomes import TOGETHER, Outcomes
 from .power import Hardest, detectable, needed
 from .relations import related
@@ -52,7 +52,7 @@ class Sampler(Protocol):
 class WithTables(Protocol):
     """A sampler that gives the features of many scenes at a time."""
 
-    def feature_tables(self, n: int, seed: int = 0, *, start: int = 0) -> Iterable[Table]:
+    def feature_tables(self, n: int, seed: int = 0, *, start: int = 0) -> Iterable[FeatureTable]:
         """The features of scenes `start` to `start + n - 1` of `seed`, some scenes after the other."""
         ...
 
@@ -61,12 +61,12 @@ Laws = Mapping[str, Continuous | Categorical]
 """Exact laws of features in closed form, by the features' names."""
 
 Scenes = Sequence[Scene] | Sequence[Mapping[str, object]]
-Source = Scenes | Table | Sampler | Samples
+Source = Scenes | FeatureTable | Sampler | Samples
 
 
 def compare(
     a: Source, b: Source | Enumeration | Laws, *, alpha: float = DEFAULT_ALPHA, detect_tv: float = DEFAULT_TV, budget: int | None = None,
-    seeds: tuple[int, int] = (0, 1), facts: Facts | None = None, names: Names | None = None, tolerance: float = DEFAULT_TOLERANCE,
+    seeds: tuple[int, int] = (0, 1), facts: Facts | None = None, names: SampleNames | None = None, tolerance: float = DEFAULT_TOLERANCE,
     replay: str = "",
 ) -> Verdict:  # fmt: skip
     """Whether the draws `a` have the distribution of the draws `b`, or an exact one: an enumeration, or laws of features in closed form.
@@ -79,13 +79,13 @@ def compare(
     Raises `UsageError` for settings or scenes that cannot be compared.
     """
     check_settings(alpha, detect_tv, budget, tolerance)
-    names = names or Names()
+    names = names or SampleNames()
     known = facts if facts is not None else b.facts if isinstance(b, WithFacts) else Facts()
     again = replay or f"compare(a, b, alpha={alpha:g}, detect_tv={detect_tv:g}, budget={budget}, seeds={seeds})"
     terms = Terms(alpha, detect_tv, known.without(names.ignored), names, tolerance, seeds, again)
     if isinstance(b, (Enumeration, Mapping)):
         return _with_law(a, b, budget, terms)
-    return _two_samples(Stream(a, seeds[0], terms), Stream(b, seeds[1], terms, theirs=False), budget, terms)
+    return _two_samples(SceneStream(a, seeds[0], terms), SceneStream(b, seeds[1], terms, theirs=False), budget, terms)
 
 
 def check_settings(alpha: float, detect_tv: float, budget: int | None, tolerance: float = DEFAULT_TOLERANCE) -> None:
@@ -106,13 +106,13 @@ class Terms(NamedTuple):
     alpha: float
     detect_tv: float
     facts: Facts
-    names: Names
+    names: SampleNames
     tolerance: float
     seeds: tuple[int, int]
     replay: str
 
 
-class Stream:
+class SceneStream:
     """The scenes of a source, block by block; `length` is None if there is no end to them. `theirs`: these are the samples.
 
     `found` is what cannot be among the scenes that were taken, or among all if they are given; what is given is looked at as a whole.
@@ -126,9 +126,9 @@ class Stream:
         self.sampler: Sampler | None = None
         self.length: int | None = None
         self.found = Findings(terms.facts, terms.tolerance)
-        self.tables: Iterator[Table] = iter(())
-        self.left: list[Table] = []
-        if isinstance(source, (Samples, Table, Sequence)):
+        self.tables: Iterator[FeatureTable] = iter(())
+        self.left: list[FeatureTable] = []
+        if isinstance(source, (Samples, FeatureTable, Sequence)):
             facts = terms.facts if theirs else Facts()
             given = source if isinstance(source, Samples) else Samples(
                 source, seed, facts=facts, names=terms.names, tolerance=terms.tolerance, theirs=theirs
@@ -137,18 +137,18 @@ class Stream:
         else:
             self.sampler = source
 
-    def take(self, n: int) -> Table:
+    def take(self, n: int) -> FeatureTable:
         """The next `n` scenes, or as many as are left."""
         if self.sampler is not None:
             start, self.at = self.at, self.at + n
             return self.drawn(n, start)
         while sum(table.n for table in self.left) < n and (more := next(self.tables, None)) is not None:
             self.left.append(more)
-        whole = stacked(self.left) if self.left else Table({}, 0)
+        whole = stacked(self.left) if self.left else FeatureTable({}, 0)
         self.left = [whole.rows(n, whole.n)]
         return whole.rows(0, n)
 
-    def drawn(self, n: int, start: int) -> Table:
+    def drawn(self, n: int, start: int) -> FeatureTable:
         """Scenes from `start` on, drawn now."""
         sampler = self.sampler
         if isinstance(sampler, WithTables):
@@ -156,7 +156,7 @@ class Stream:
         else:
             assert sampler is not None
             table = features_table(sampler.sample_many(n, self.seed, start=start))
-        table = Table(table.arrays, table.n, np.arange(start + 1, start + 1 + table.n))
+        table = FeatureTable(table.arrays, table.n, np.arange(start + 1, start + 1 + table.n))
         if not self.theirs:
             return self.terms.names.kept(table)
         table = self.terms.names.translated(table)
@@ -165,26 +165,26 @@ class Stream:
 
 
 @dataclass(frozen=True)
-class View:
+class SceneView:
     """What is compared of scenes: their features, rounded alike on both sides, and what follows from them."""
 
     facts: Facts = field(default_factory=Facts)
     roundings: Mapping[str, Rounding] = field(default_factory=dict)
 
-    def __call__(self, table: Table) -> Table:
+    def __call__(self, table: FeatureTable) -> FeatureTable:
         """The table with all features."""
         found = related(rounded(table, self.roundings))
         return found.plus(self.facts.derived(found))
 
 
-def _two_samples(a: Stream, b: Stream, budget: int | None, terms: Terms) -> Verdict:
+def _two_samples(a: SceneStream, b: SceneStream, budget: int | None, terms: Terms) -> Verdict:
     known = [n for n in (a.length, b.length, budget) if n is not None]
     available = min(known, default=None)
     if available == 0:
         raise UsageError("there are no scenes to compare")
     burned = FIRST_BLOCK[1] if available is None else min(max(available // BURNED_SHARE, min(FIRST_BLOCK[0], (available + 1) // 2)), FIRST_BLOCK[1])
     first = a.take(burned), b.take(burned)
-    view = View(terms.facts, roundings_of(*first, terms.tolerance))
+    view = SceneView(terms.facts, roundings_of(*first, terms.tolerance))
     one, other = map(view, first)
     own = view.facts.derived(one)
     skipped = one_sided(*first, terms.facts.constants)
@@ -207,11 +207,11 @@ def _with_law(a: Source, law: Enumeration | Laws, budget: int | None, terms: Ter
     if isinstance(law, Enumeration):
         always = constants_of(terms.names.kept(features_table(law.scenes)))
         terms = terms._replace(facts=replace(terms.facts, constants={**always, **terms.facts.constants}))
-    stream = Stream(a, terms.seeds[0], terms)
+    stream = SceneStream(a, terms.seeds[0], terms)
     if stream.length == 0:
         raise UsageError("there are no scenes to compare")
     block = stream.take(FIRST_BLOCK[0])
-    view: Callable[[Table], Table] = related
+    view: Callable[[FeatureTable], FeatureTable] = related
     skipped: list[str] = []
     if isinstance(law, Enumeration):
         outcomes = Outcomes(law, block, terms.facts, terms.names, terms.tolerance)
@@ -261,7 +261,7 @@ class Collected:
         """Whether a difference was found."""
         return bool(self.found.lines) or self.evidence >= -math.log10(self.terms.alpha)
 
-    def count(self, a: Table, b: Table | None) -> None:
+    def count(self, a: FeatureTable, b: FeatureTable | None) -> None:
         """Count some scenes of both sides (or of one, against a law)."""
         one, other = assigned(self.cuts, a), None if b is None else assigned(self.cuts, b)
         self.n += a.n

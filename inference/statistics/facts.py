@@ -11,7 +11,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 from .betting import Array
-from .columns import ABSENT, Table, text_of
+from .columns import ABSENT, FeatureTable, text_of
 
 
 @dataclass(frozen=True)
@@ -62,11 +62,11 @@ def equal(column: Array, value: object, tolerance: float, *, angle: bool = False
     return column == text_of(value) if column.dtype != np.float64 else np.zeros(len(column), dtype=bool)
 
 
-Derived = Callable[[Table], Mapping[str, Array]]
+Derived = Callable[[FeatureTable], Mapping[str, Array]]
 """Features that follow from others, each a function of the columns of a table: none where these are missing."""
 
 
-def nothing(table: Table) -> Mapping[str, Array]:
+def nothing(table: FeatureTable) -> Mapping[str, Array]:
     """No derived features."""
     return {}
 

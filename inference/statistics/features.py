@@ -13,7 +13,7 @@ from ...semantics.kernel.errors import UsageError
 from ..enumeration import Enumeration
 from .betting import Array, one_sample_wealth, two_sample_wealth
 from .cells import QUARTERS, Cells, Intervals, OfLaw, Repeated, Values, cells_of
-from .columns import ABSENT, Column, Table, is_relation
+from .columns import ABSENT, Column, FeatureTable, is_relation
 from .laws import Categorical, Continuous
 from .verdict import Feature
 
@@ -35,12 +35,12 @@ class Cut:
     column: str = ""
     whole: bool = False
 
-    def column_of(self, table: Table) -> Column:
+    def column_of(self, table: FeatureTable) -> Column:
         """The column that is cut."""
         name = self.column or self.name
         return table.columns.get(name) or Column(name, np.full(table.n, ABSENT, dtype=object))
 
-    def assign(self, table: Table) -> tuple[Array, Array]:
+    def assign(self, table: FeatureTable) -> tuple[Array, Array]:
         """The fine and the coarse cell of each scene."""
         column = self.column_of(table)
         fine = self.fine.assign(column)
@@ -50,7 +50,7 @@ class Cut:
 Assigned = Mapping[str, tuple[Array, Array]]
 
 
-def assigned(cuts: Sequence[Cut], table: Table) -> Assigned:
+def assigned(cuts: Sequence[Cut], table: FeatureTable) -> Assigned:
     """The cells of all features in the scenes of a table."""
     return {cut.name: cut.assign(table) for cut in cuts}
 
@@ -118,7 +118,9 @@ class FeatureTest:
         return Feature(self.name, self.best / math.log(10.0), labels, tuple(self.counts.tolist()), tuple(expected.tolist()))
 
 
-def tests_between(a: Table, b: Table, constants: Mapping[str, object], stated: Callable[[str], bool], tolerance: float) -> list[FeatureTest]:
+def tests_between(
+    a: FeatureTable, b: FeatureTable, constants: Mapping[str, object], stated: Callable[[str], bool], tolerance: float
+) -> list[FeatureTest]:
     """The tests for two samples, cut by their first blocks; the stated power is that for the features that `stated` says."""
     shared = [name for name in a.columns if name in b.columns and name not in constants]
     cuts: list[Cut] = []
@@ -147,14 +149,14 @@ def repeated(cut: Cut) -> Cut | None:
     return Cut(f"repeated values of {cut.name}", cells, cells, cut.name)
 
 
-def learn(cuts: Sequence[Cut], table: Table) -> None:
+def learn(cuts: Sequence[Cut], table: FeatureTable) -> None:
     """Remember the repeated values in a block of the samples, for the bets on later blocks."""
     for cut in cuts:
         if isinstance(cut.fine, Repeated):
             cut.fine.learn(cut.column_of(table))
 
 
-def one_sided(a: Table, b: Table, constants: Mapping[str, object]) -> list[str]:
+def one_sided(a: FeatureTable, b: FeatureTable, constants: Mapping[str, object]) -> list[str]:
     """The features that only one of the sides has, those that the samples `a` lack first; constants count as features of the other."""
     missing = [name for name in (*b.columns, *constants) if name not in a.columns]
     return list(dict.fromkeys([*missing, *(name for name in a.columns if name not in b.columns and name not in constants)]))
@@ -185,7 +187,7 @@ def pairs_of(cuts: Sequence[Cut]) -> Iterator[tuple[Cut, Cut]]:
     yield from ((varying[i], varying[j]) for i, j in found[:MOST_PAIRS])
 
 
-def tests_of_laws(a: Table, laws: Mapping[str, Continuous | Categorical]) -> list[FeatureTest]:
+def tests_of_laws(a: FeatureTable, laws: Mapping[str, Continuous | Categorical]) -> list[FeatureTest]:
     """The tests of a sample against laws of its features in closed form. Raises `UsageError` for a feature that it does not have."""
     missing = [name for name in laws if name not in a.columns]
     if missing:

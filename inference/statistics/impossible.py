@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from .betting import Array
-from .columns import A_NUMBER, ABSENT, OTHERWISE, Table, is_angle, text_of
+from .columns import A_NUMBER, ABSENT, OTHERWISE, FeatureTable, is_angle, text_of
 from .facts import Facts, Support, equal, missing
 from .features import FeatureTest, assigned
 
@@ -36,7 +36,7 @@ class Findings:
         """The first of them."""
         return list(self.found.values())[:MOST_LISTED]
 
-    def look(self, table: Table) -> None:
+    def look(self, table: FeatureTable) -> None:
         """Look at the features of further scenes that stand in them."""
         if "objects" in self.found:
             return  # the features of a missing object are wrong as well
@@ -45,7 +45,7 @@ class Findings:
             if name == "objects":
                 return
 
-    def look_derived(self, table: Table) -> None:
+    def look_derived(self, table: FeatureTable) -> None:
         """Look at features that follow from others."""
         for name, support in self.facts.supports.items():
             if name not in self.found and "(" in name and name in table.arrays:
@@ -53,7 +53,7 @@ class Findings:
                 if row is not None:
                     self.found[name] = f"{name} is {support}, but {seen(table, name, row)} in {self.place(int(table.numbers[row]))}"
 
-    def look_at_law(self, table: Table, tests: Sequence[FeatureTest]) -> None:
+    def look_at_law(self, table: FeatureTable, tests: Sequence[FeatureTest]) -> None:
         """Look for what has probability 0 under the laws of the tests: in one feature, or else in all together."""
         single = [test for test in tests if len(test.cuts) == 1 and test.law is not None]
         cells = assigned([test.cuts[0] for test in single], table)
@@ -70,7 +70,7 @@ class Findings:
                 self.found[test.name] = f"{test.name} is {seen(table, test.name, row)} in {where}, which has probability 0"
 
 
-def impossible_in(table: Table, facts: Facts, tolerance: float) -> Iterator[tuple[str, int, str]]:
+def impossible_in(table: FeatureTable, facts: Facts, tolerance: float) -> Iterator[tuple[str, int, str]]:
     """Each feature with a value that cannot be, the first row of it, and what is wrong there; the number of objects comes first."""
     for name in sorted(facts.constants, key=lambda name: name != "objects"):
         values = table.arrays.get(name)
@@ -90,7 +90,7 @@ def impossible_in(table: Table, facts: Facts, tolerance: float) -> Iterator[tupl
             yield name, row, f"{name} is {support}, but {seen(table, name, row)}"
 
 
-def outside(table: Table, name: str, support: Support, tolerance: float) -> Array:
+def outside(table: FeatureTable, name: str, support: Support, tolerance: float) -> Array:
     """Where a feature is outside its support; a scene without it is not."""
     values = table.arrays[name]
     wrong = support.outside(values, tolerance)
@@ -103,7 +103,7 @@ def outside(table: Table, name: str, support: Support, tolerance: float) -> Arra
     return wrong & ~missing(values)
 
 
-def not_finite(table: Table, name: str) -> Array:
+def not_finite(table: FeatureTable, name: str) -> Array:
     """Where a feature is a number that is infinite, or NaN."""
     values = table.arrays[name]
     if values.dtype != np.float64:
@@ -118,7 +118,7 @@ def first(where: Array) -> int | None:
     return int(found[0]) if len(found) else None
 
 
-def seen(table: Table, name: str, row: int) -> str:
+def seen(table: FeatureTable, name: str, row: int) -> str:
     """The value of a feature in a scene, for people; its text where it is not a number though others are."""
     value = table.arrays[name][row]
     otherwise = table.arrays.get(name + OTHERWISE)
@@ -130,7 +130,7 @@ def shown(value: object) -> str:
     return f"{value:.9g}" if isinstance(value, float) else text_of(value)
 
 
-def constants_of(table: Table) -> dict[str, object]:
+def constants_of(table: FeatureTable) -> dict[str, object]:
     """The features that have one value in all scenes."""
     columns = [c for c in table.columns.values() if not c.is_relation and c.name != "attempts" and len(set(c.values.tolist())) == 1]
     return {c.name: float(c.values[0]) if c.is_number else c.values[0] for c in columns}

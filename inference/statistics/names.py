@@ -15,7 +15,7 @@ from fnmatch import fnmatchcase
 from ...formats.scenes import OWN_FIELDS
 from ...semantics.kernel.errors import UsageError
 from .betting import Array
-from .columns import OTHERWISE, Table, last_part
+from .columns import OTHERWISE, FeatureTable, last_part
 
 SHORT = re.compile(r"(\d+)\.(\w+)((?:\[\d+\])*)")
 OWN = ("class", *OWN_FIELDS[1:])
@@ -47,7 +47,7 @@ def matching(feature: str) -> Callable[[str], bool]:
 
 
 @dataclass(frozen=True)
-class Names:
+class SampleNames:
     """Features that are not compared, and what the samples call features and classes: by their name, that of the program."""
 
     ignore: Sequence[str] = ()
@@ -58,19 +58,19 @@ class Names:
         """Whether a column is not compared."""
         return any(matching(feature)(name) for feature in self.ignore)
 
-    def kept(self, table: Table) -> Table:
+    def kept(self, table: FeatureTable) -> FeatureTable:
         """The table without the features that are ignored."""
         if not self.ignore:
             return table
-        return Table({name: v for name, v in table.arrays.items() if not self.ignored(name)}, table.n, table.numbers)
+        return FeatureTable({name: v for name, v in table.arrays.items() if not self.ignored(name)}, table.n, table.numbers)
 
-    def translated(self, table: Table) -> Table:
+    def translated(self, table: FeatureTable) -> FeatureTable:
         """Samples under the program's names, without the features that are ignored."""
         columns: dict[str, Array] = {}
         for name, values in table.arrays.items():
             new = self.feature(name)
             columns[new] = self.with_classes(values) if new.endswith(".class") and values.dtype == object else values
-        return self.kept(Table(columns, table.n, table.numbers))
+        return self.kept(FeatureTable(columns, table.n, table.numbers))
 
     def feature(self, name: str) -> str:
         """The program's name for a feature of the samples."""
@@ -95,7 +95,7 @@ class Names:
             changed[k] = known.get(v, v)
         return changed
 
-    def check(self, samples: Table, known: Sequence[str]) -> None:
+    def check(self, samples: FeatureTable, known: Sequence[str]) -> None:
         """Raise `UsageError` for names that neither side has: in the first samples, or among the features `known` of the program."""
         there = [*samples.arrays, *known]
         classes = {str(v) for name, values in samples.arrays.items() if name.endswith(".class") for v in values}

@@ -8,10 +8,10 @@ from ...semantics.kernel.errors import UsageError
 from ..enumeration import Enumeration
 from .betting import Array
 from .cells import MOST_EXACT, Codes, all_values
-from .columns import Table, is_relation
+from .columns import FeatureTable, is_relation
 from .facts import Facts
 from .features import Cut, FeatureTest, assigned, attempts_test, cut_of, pairs_of
-from .names import Names
+from .names import SampleNames
 from .relations import related, table_of
 
 TOGETHER = "all features together"
@@ -25,7 +25,7 @@ class Outcomes:
     enumeration that is an approximation.
     """
 
-    def __init__(self, law: Enumeration, features: Table, facts: Facts, names: Names, tolerance: float) -> None:
+    def __init__(self, law: Enumeration, features: FeatureTable, facts: Facts, names: SampleNames, tolerance: float) -> None:
         if law.discretized is not None:
             raise UsageError("a discretized enumeration is an approximation, so nothing can be tested against it")
         self.law = law
@@ -49,7 +49,7 @@ class Outcomes:
         _, first, classes = np.unique(code, return_index=True, return_inverse=True)
         return first, classes
 
-    def class_of(self, table: Table) -> Array:
+    def class_of(self, table: FeatureTable) -> Array:
         """The class of each scene, `IMPOSSIBLE` where there is none with its values."""
         code, alive = np.zeros(table.n, dtype=np.int64), np.ones(table.n, dtype=bool)
         for name, cells, different in zip(self.known, self.cells, self.steps, strict=True):
@@ -58,15 +58,15 @@ class Outcomes:
             alive &= different[code] == key
         return np.where(alive, code, IMPOSSIBLE)
 
-    def complete(self, table: Table) -> Table:
+    def complete(self, table: FeatureTable) -> FeatureTable:
         """The scenes with their class, and the relations between objects in the outcome that they are."""
         classes = self.class_of(table)
-        there = related(Table({name: v[:0] for name, v in table.arrays.items()}, 0))
+        there = related(FeatureTable({name: v[:0] for name, v in table.arrays.items()}, 0))
         relations = {name: self.table.arrays[name] for name in there.arrays if is_relation(name) and name in self.table.arrays}
         found = {name: np.where(classes < 0, np.nan, values[self.first_of[classes]]) for name, values in relations.items()}
         return table.plus({**found, TOGETHER: classes.astype(float)})
 
-    def tests(self, first: Table) -> list[FeatureTest]:
+    def tests(self, first: FeatureTable) -> list[FeatureTest]:
         """The tests of samples, of which `first` are some."""
         there = self.complete(first.rows(0, 0))
         shown = [name for name in self.table.arrays if name in self.known or (is_relation(name) and name in there.arrays)]

@@ -14,17 +14,17 @@ from ...formats.scenes import Scene
 from ...semantics.space.geometry import boxes_intersect, corners, distance_to_box
 from ...semantics.space.vectors import Vector
 from .betting import Array
-from .columns import Table, features_table
+from .columns import FeatureTable, features_table
 
 MOST_RELATED = 12  # the number of objects, from the first on, whose relations are compared
 
 
-def table_of(scenes: Iterable[Scene | Mapping[str, object]]) -> Table:
+def table_of(scenes: Iterable[Scene | Mapping[str, object]]) -> FeatureTable:
     """The table of scenes, with the relations between their objects."""
     return related(features_table(scenes))
 
 
-def related(table: Table) -> Table:
+def related(table: FeatureTable) -> FeatureTable:
     """The table with the relations between all pairs of (the first) objects whose poses are numbers throughout."""
     with np.errstate(invalid="ignore"):  # an infinite position is a finding, not an error
         return table.plus(relations(table.arrays))

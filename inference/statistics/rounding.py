@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .betting import Array
-from .columns import Table
+from .columns import FeatureTable
 
 DEFAULT_TOLERANCE = 5e-6
 """Half a unit in the sixth significant digit of a number, at the worst (of 1.00000): what `%g` or `%.6f` do to one, and float32 does not reach."""
@@ -48,7 +48,7 @@ ROUNDINGS = sorted(
 """Coarsest first."""
 
 
-def roundings_of(a: Table, b: Table | None, tolerance: float) -> dict[str, Rounding]:
+def roundings_of(a: FeatureTable, b: FeatureTable | None, tolerance: float) -> dict[str, Rounding]:
     """How the numbers of each feature were rounded, on the side where that was more coarsely: at most by the tolerance.
 
     Both sides are then rounded in this way before they are compared. The scenes that show it are used for nothing else.
@@ -65,7 +65,7 @@ def roundings_of(a: Table, b: Table | None, tolerance: float) -> dict[str, Round
     return found
 
 
-def rounded(table: Table, roundings: Mapping[str, Rounding]) -> Table:
+def rounded(table: FeatureTable, roundings: Mapping[str, Rounding]) -> FeatureTable:
     """The table with its numbers rounded."""
     changed = {name: r(table.arrays[name]) for name, r in roundings.items() if name in table.arrays and table.arrays[name].dtype == np.float64}
-    return Table({**table.arrays, **changed}, table.n, table.numbers)
+    return FeatureTable({**table.arrays, **changed}, table.n, table.numbers)

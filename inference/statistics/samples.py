@@ -10,10 +10,10 @@ import numpy as np
 
 from ...formats.scenes import Scene
 from .betting import Array
-from .columns import Table, features_table
+from .columns import FeatureTable, features_table
 from .facts import Facts
 from .impossible import Findings
-from .names import Names
+from .names import SampleNames
 from .reading import scenes_in
 from .rounding import DEFAULT_TOLERANCE
 from .shuffled import Shuffled
@@ -23,7 +23,7 @@ CHUNK = 512
 
 AnyScene = Scene | Mapping[str, object]
 """A scene, or the JSON object of one."""
-Given = Table | Iterable[AnyScene] | str | Path
+Given = FeatureTable | Iterable[AnyScene] | str | Path
 """Scenes as a table, as such, or in a file."""
 
 
@@ -35,12 +35,12 @@ class Samples:
     """
 
     def __init__(
-        self, given: Given, seed: int = 0, *, facts: Facts | None = None, names: Names | None = None, tolerance: float = DEFAULT_TOLERANCE,
+        self, given: Given, seed: int = 0, *, facts: Facts | None = None, names: SampleNames | None = None, tolerance: float = DEFAULT_TOLERANCE,
         theirs: bool = True,
     ) -> None:
-        self.names = names or Names()
+        self.names = names or SampleNames()
         self.kept = Shuffled(seed)
-        self.first: Table | None = None
+        self.first: FeatureTable | None = None
         self.drawn: dict[object, list[Array]] = {}
         self.lines: list[Array] = []
         self.found = Findings(facts or Facts(), tolerance, self.place)
@@ -58,7 +58,7 @@ class Samples:
         """How many scenes there are."""
         return self.kept.n
 
-    def tables(self) -> Iterator[Table]:
+    def tables(self) -> Iterator[FeatureTable]:
         """The scenes in random order, table by table."""
         return self.kept.tables()
 
@@ -68,9 +68,9 @@ class Samples:
             return f"sample {number}"
         return f"sample {number} (line {self.lines[(number - 1) // CHUNK][(number - 1) % CHUNK]})"
 
-    def tables_of(self, given: Given) -> Iterator[Table]:
+    def tables_of(self, given: Given) -> Iterator[FeatureTable]:
         """The scenes as they are given, table by table, numbered from 1; the seeds and numbers that they say are noted."""
-        if isinstance(given, Table):
+        if isinstance(given, FeatureTable):
             yield from (given.rows(start, start + CHUNK) for start in range(0, given.n, CHUNK))
             return
         scenes = iter(scenes_in(given) if isinstance(given, (str, Path)) else zip(count(1), given, strict=False))
@@ -80,7 +80,7 @@ class Samples:
             if isinstance(given, (str, Path)):
                 self.lines.append(np.array([line for line, _ in chunk]))
             table = features_table(scene for _, scene in chunk)
-            yield Table(table.arrays, table.n, np.arange(start, start + table.n))
+            yield FeatureTable(table.arrays, table.n, np.arange(start, start + table.n))
             start += table.n
 
     def note(self, scenes: Iterable[AnyScene]) -> None:

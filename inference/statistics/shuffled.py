@@ -12,7 +12,7 @@ from tempfile import SpooledTemporaryFile
 import numpy as np
 
 from .betting import Array
-from .columns import Table, stacked
+from .columns import FeatureTable, stacked
 
 HEAPS = 32
 KEPT = 64 << 20
@@ -30,11 +30,11 @@ class Shuffled:
         self.source = np.random.Generator(np.random.Philox(seed % (1 << 64)))
         self.file = SpooledTemporaryFile(max_size=KEPT)  # noqa: SIM115 - it is closed, and gone, with the object
         self.heaps: list[list[tuple[int, int]]] = [[] for _ in range(HEAPS)]
-        self.waiting: list[Table] = []
+        self.waiting: list[FeatureTable] = []
         self.kinds: dict[str, Array] = {}
         self.n = 0
 
-    def add(self, table: Table) -> None:
+    def add(self, table: FeatureTable) -> None:
         """Further scenes."""
         self.n += table.n
         self.waiting.append(table)
@@ -57,21 +57,21 @@ class Shuffled:
         for name, values in table.arrays.items():
             self.kinds.setdefault(name, values[:0])
 
-    def tables(self) -> Iterator[Table]:
+    def tables(self) -> Iterator[FeatureTable]:
         """All scenes, table by table, in random order; every table has all features, absent or not."""
         if self.waiting:
             self.deal()
         for heap in self.heaps:
             if heap:
-                whole = stacked([*map(self.read, heap), Table(self.kinds, 0)])
+                whole = stacked([*map(self.read, heap), FeatureTable(self.kinds, 0)])
                 yield whole.chosen(self.source.permutation(whole.n))
 
-    def read(self, place: tuple[int, int]) -> Table:
+    def read(self, place: tuple[int, int]) -> FeatureTable:
         """A piece of a heap: only what `deal` has written is ever read."""
         start, length = place
         self.file.seek(start)
         n, numbers, columns = pickle.loads(self.file.read(length))
-        return Table({name: unpacked(values) for name, values in columns.items()}, n, numbers)
+        return FeatureTable({name: unpacked(values) for name, values in columns.items()}, n, numbers)
 
 
 def packed(values: Array) -> Packed:

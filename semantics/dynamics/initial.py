@@ -37,7 +37,7 @@ def scenarios_in(state: State) -> dict[str, Dynamic]:
     return {name: v for name, v in defined.items() if isinstance(v, Dynamic) and isinstance(v.definition, d.ScenarioDefinition)}
 
 
-class Beginning(NamedTuple):
+class OpeningGuards(NamedTuple):
     """Frame: precondition number `i` of the initial scenario is being checked; σ is `outer` afterwards."""
 
     scenario: Dynamic
@@ -52,10 +52,10 @@ def begin_initial(main: Dynamic, stack: Stack, state: State) -> Outcome:
     """
     scenario = main if main.arguments is not None else invocation(main, (), {})
     assert scenario.space is not None
-    return check_preconditions(Beginning(scenario, 0, state.sigma), stack, state._replace(initial=scenario, sigma=scenario.space))
+    return check_preconditions(OpeningGuards(scenario, 0, state.sigma), stack, state._replace(initial=scenario, sigma=scenario.space))
 
 
-def check_preconditions(frame: Beginning, stack: Stack, state: State) -> Outcome:
+def check_preconditions(frame: OpeningGuards, stack: Stack, state: State) -> Outcome:
     """Reduce the next precondition; after the last, the setup block."""
     definition = frame.scenario.definition
     assert isinstance(definition, d.ScenarioDefinition)
@@ -73,12 +73,12 @@ def precondition(requirement: Requirement, result: object, stack: Stack, state: 
     return observed("D-Initial", requirement, holding(result, requirement.span, state, "a precondition", "D-Initial"), stack, state)
 
 
-def resume_beginning(frame: Beginning, result: object, stack: Stack, state: State) -> Outcome:
+def resume_opening_guards(frame: OpeningGuards, result: object, stack: Stack, state: State) -> Outcome:
     """A precondition holds: the next one."""
     return check_preconditions(frame._replace(i=frame.i + 1), stack, state)
 
 
-def enter_initial(frame: Beginning, definition: d.ScenarioDefinition, stack: Stack, state: State) -> Outcome:
+def enter_initial(frame: OpeningGuards, definition: d.ScenarioDefinition, stack: Stack, state: State) -> Outcome:
     """The preconditions hold: the setup block, in the scope of the scenario."""
     return setup(definition, Node(span=definition.span), (InScope(frame.outer), stack), state)
 

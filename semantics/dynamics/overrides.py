@@ -7,7 +7,7 @@ from ..kernel.errors import RunError
 from ..kernel.kinds import is_object, kind_name
 from ..kernel.outcome import Change, Next, Outcome
 from ..kernel.premises import premises
-from ..kernel.simulation import Agent, Override, Running, Setting, simulation_of, with_agent, with_scenario, with_simulation
+from ..kernel.simulation import Agent, Overridden, Running, Setting, simulation_of, with_agent, with_scenario, with_simulation
 from ..kernel.values import Instance, plain
 from ..syntax import dynamics as d
 from ..syntax import specifiers as q
@@ -46,12 +46,12 @@ def conclude_override(node: d.Override, values: list[object], stack: Stack, stat
     agent = simulation_of(state).agents.get(target.number, Agent(target)) if "behavior" in changes else None
     order = simulation_of(state).overrides
     state = with_simulation(state, overrides=order + 1)
-    state = remembered(Override(target, old, agent, order), stack, state.with_properties(target, changes))
+    state = remembered(Overridden(target, old, agent, order), stack, state.with_properties(target, changes))
     state = with_agent(state, Agent(target)) if agent is not None else state
     return Next("D-Override", Config(PASS, stack, state), node, Change("O", repr(target), changes, target))
 
 
-def remembered(override: Override, stack: Stack, state: State) -> State:
+def remembered(override: Overridden, stack: Stack, state: State) -> State:
     """The override belongs to the scenario that is set up, or whose compose block runs."""
     while stack:
         frame, stack = stack
@@ -65,7 +65,7 @@ def remembered(override: Override, stack: Stack, state: State) -> State:
     raise RunError("`override` stands in no scenario", rule="D-Override")
 
 
-def reverted(override: Override, number: int, state: State) -> State:
+def reverted(override: Overridden, number: int, state: State) -> State:
     """The object has its properties again, and goes on with the behavior that was suspended.
 
     Where another scenario has overridden them since, which is still running, they come back when that one ends.
@@ -84,7 +84,7 @@ def reverted(override: Override, number: int, state: State) -> State:
     return state
 
 
-def later_overrides(override: Override, number: int, name: str, state: State) -> list[tuple[Running, int]]:
+def later_overrides(override: Overridden, number: int, name: str, state: State) -> list[tuple[Running, int]]:
     """Overrides of the same property by other scenarios that were made after this one, the earliest first: the scenario, and the place in it."""
     found = [
         (other.order, running, place)

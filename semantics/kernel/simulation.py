@@ -48,7 +48,7 @@ class Declared(NamedTuple):
     scope: Scope
 
 
-class Override(NamedTuple):
+class Overridden(NamedTuple):
     """What `override` replaced: properties of an object, and the course of its behavior if that is one of them; `order` counts overrides."""
 
     object: Instance
@@ -73,7 +73,7 @@ class Running(NamedTuple):
     terminations: tuple[Declared, ...] = ()
     monitors: tuple[Suspended | None, ...] = ()
     satisfied: frozenset[int] = frozenset()
-    overrides: tuple[Override, ...] = ()
+    overrides: tuple[Overridden, ...] = ()
     ran: bool = False
     over: bool = False
 

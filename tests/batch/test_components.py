@@ -10,7 +10,7 @@ from scenic_ref.conformance.programs import ProgramSettings, random_programs
 from scenic_ref.inference.batch import Batch, NotLifted
 from scenic_ref.inference.batch.evaluate import sampling
 from scenic_ref.inference.batch.evaluate.components import Component, components, obstacle, worthwhile
-from scenic_ref.inference.batch.evaluate.sampling import Drawing
+from scenic_ref.inference.batch.evaluate.sampling import BlockDrawing
 from scenic_ref.inference.batch.trace.graph import Site
 from scenic_ref.inference.batch.trace.running import trace
 from scenic_ref.inference.enumeration import content_of
@@ -125,7 +125,7 @@ def test_the_distribution_is_the_enumerated_one(always):
 
 def test_to_draw_again_only_the_object_that_collides_is_found_out(always, monkeypatch):
     """The mutant: the first part of a scene is drawn once, and only the other one again after a collision."""
-    right = Drawing.settled
+    right = BlockDrawing.settled
     kept: dict[tuple[int, int], dict[int, object]] = {}
 
     def settled(self, stage, places):
@@ -137,7 +137,7 @@ def test_to_draw_again_only_the_object_that_collides_is_found_out(always, monkey
                     column[k] = first[name]
         return columns
 
-    monkeypatch.setattr(Drawing, "settled", settled)
+    monkeypatch.setattr(BlockDrawing, "settled", settled)
     scenario = scenic_ref.loads(NEIGHBOURS)
     assert against_the_law(factorised(scenario), scenario, 6000) > -math.log10(LEVEL)
 

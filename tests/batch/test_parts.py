@@ -14,8 +14,8 @@ from scenic_ref.inference.batch.evaluate.columns import ACCEPTED, LEFT, evaluate
 from scenic_ref.inference.batch.evaluate.numbers import Numbers
 from scenic_ref.inference.batch.evaluate.plan import plan, segments
 from scenic_ref.inference.batch.evaluate.polygons import FieldTests, PolygonTests
-from scenic_ref.inference.batch.trace.graph import Node, Site, bounds_of, decided
-from scenic_ref.inference.batch.trace.recording import Trace
+from scenic_ref.inference.batch.trace.graph import GraphNode, Site, bounds_of, decided
+from scenic_ref.inference.batch.trace.recording import Recorder
 from scenic_ref.inference.batch.trace.running import trace
 from scenic_ref.interpreter.choosers import PER_SCENE
 from scenic_ref.interpreter.streams import Stream, philox
@@ -73,7 +73,7 @@ def test_compiled_numbers_are_those_of_the_streams(key, counter):
 
 @pytest.fixture
 def symbols() -> tuple:
-    made = Trace(lambda site: 0.25 + site.index / 10, Budget())
+    made = Recorder(lambda site: 0.25 + site.index / 10, Budget())
     return made, made.site((0,), 0, False), made.site((0,), 1, False)
 
 
@@ -109,14 +109,14 @@ def test_bounds_hold(symbols):
 
 
 def test_comparisons_within_bounds_are_decided():
-    half = Node(0, None, (), "float", 0.1, (0.0, 0.5))
+    half = GraphNode(0, None, (), "float", 0.1, (0.0, 0.5))
     assert decided(np.less, (half, 0.6)) is True
     assert decided(np.less, (half, 0.5)) is None
     assert decided(np.less_equal, (half, 0.5)) is True
     assert decided(np.greater, (half, 0.5)) is False
     assert decided(np.equal, (half, 0.7)) is False
     assert decided(np.less, (half, math.inf)) is True
-    assert decided(np.less, (Node(0, None, (), "float", 0.1), math.inf)) is None
+    assert decided(np.less, (GraphNode(0, None, (), "float", 0.1), math.inf)) is None
 
 
 def test_a_guard_says_what_was_so_in_the_traced_run(symbols):

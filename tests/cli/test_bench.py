@@ -12,7 +12,7 @@ from scenic_ref.benchmarks.bars import bars
 from scenic_ref.benchmarks.contenders import Ours
 from scenic_ref.benchmarks.figures import Cell, Figures, fitted
 from scenic_ref.benchmarks.growth import many_objects, many_polygons
-from scenic_ref.benchmarks.own_sampler import Sampler, Task, prepare
+from scenic_ref.benchmarks.own_sampler import SamplingTask, TimedSampler, prepare
 from scenic_ref.benchmarks.processes import Process
 
 from .conftest import Ask
@@ -172,7 +172,7 @@ def test_the_power_of_growth_is_found():
 def test_the_programs_that_grow_are_drawn_alike_by_the_backends_that_are_measured(text: str, tmp_path: Path):
     path = tmp_path / "5_things.scenic"
     path.write_text(text)
-    counts = {backend: prepare(Task(str(path), backend, trust=True))[0](0, 20) for backend in ("interpreter", "numpy")}
+    counts = {backend: prepare(SamplingTask(str(path), backend, trust=True))[0](0, 20) for backend in ("interpreter", "numpy")}
     assert len(set(counts.values())) == 1
     assert counts["numpy"][0] == 20
 
@@ -184,7 +184,7 @@ def test_each_measurement_draws_other_scenes():
         asked.extend(range(start, start + count))
         return count, 2 * count
 
-    sampler = Sampler(draw, blocks=False)
+    sampler = TimedSampler(draw, blocks=False)
     first = sampler.sample(0.0)
     assert (first["scenes"], first["attempts"]) == (1, 2)
     sampler.sample(0.0)

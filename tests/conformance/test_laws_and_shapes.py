@@ -6,7 +6,7 @@ import math
 import tomllib
 
 import pytest
-from scenic_ref.conformance.fields import Fields
+from scenic_ref.conformance.fields import VectorFields
 from scenic_ref.conformance.laws import FAMILIES, THRESHOLD, Moments, contradiction, read_cdf
 from scenic_ref.conformance.paths import close, read_path
 from scenic_ref.conformance.shapes import SHAPES, read_shape
@@ -25,13 +25,13 @@ CDFS = [
 
 @pytest.mark.parametrize(("text", "values"), CDFS)
 def test_distribution_functions_have_the_values_of_their_closed_form(text: str, values: dict[float, float]) -> None:
-    law = read_cdf(Fields("f", tomllib.loads(text)))
+    law = read_cdf(VectorFields("f", tomllib.loads(text)))
     assert {x: law.cdf(x) for x in values} == pytest.approx(values, abs=1e-12)
 
 
 @pytest.mark.parametrize(("text", "values"), CDFS)
 def test_values_outside_of_the_support_contradict_a_law_at_once(text: str, values: dict[float, float]) -> None:
-    law = read_cdf(Fields("f", tomllib.loads(text)))
+    law = read_cdf(VectorFields("f", tomllib.loads(text)))
     bounded = 'name = "normal"' not in text
     assert (math.isfinite(law.low), math.isfinite(law.high)) == (bounded, bounded)
     median = min(values, key=lambda x: abs(values[x] - 0.5))
@@ -64,7 +64,7 @@ SHAPE_CASES = [
 
 @pytest.mark.parametrize(("text", "inside", "outside"), SHAPE_CASES)
 def test_shapes_hold_what_they_should(text: str, inside: list, outside: list) -> None:
-    shape = read_shape(Fields("f", tomllib.loads(text)))
+    shape = read_shape(VectorFields("f", tomllib.loads(text)))
     assert all(shape(value, 1e-9) for value in inside)
     assert not any(shape(value, 1e-9) for value in outside)
 
@@ -94,7 +94,7 @@ SCENE = {"params": {"r": 1}, "ego": 1, "objects": [{"heading": 0.5, "properties"
     ("path", "value"), [("params.r", 1), ("objects[0].v", 7), ("objects[0].properties.v", 7), ("objects[0].heading", 0.5), ("ego.heading", 1.5)]
 )
 def test_paths_find_their_place(path: str, value: object) -> None:
-    assert read_path(Fields("f", {"of": path})).read(SCENE) == value
+    assert read_path(VectorFields("f", {"of": path})).read(SCENE) == value
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from fractions import Fraction
 
 import pytest
-from scenic_ref.conformance import Enumerated, NeverAccepted, Ourselves, Refused, Task, Vector, judge, load_vectors
+from scenic_ref.conformance import ConformanceVector, Enumerated, NeverAccepted, Ourselves, Refused, Task, judge, load_vectors
 from scenic_ref.conformance.implementation import SceneRecord
 from scenic_ref.conformance.loading import read_file
 
@@ -251,7 +251,7 @@ def test_every_matcher_has_an_implementation_that_fails_it_and_one_that_passes(k
     assert {"passed", "failed"} <= seen
 
 
-def vector(more: str) -> Vector:
+def vector(more: str) -> ConformanceVector:
     (found,) = read_file("f.toml", 'chapter = "C"\n[[vector]]\nname = "v"\npaper = "p"\nprogram = "ego = Object with v Range(0, 1)"\n' + more)
     return found
 

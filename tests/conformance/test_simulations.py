@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from fractions import Fraction
 
 import pytest
-from scenic_ref.conformance import Enumerated, NeverAccepted, Ourselves, Refused, Task, Vector, judge, load_vectors
+from scenic_ref.conformance import ConformanceVector, Enumerated, NeverAccepted, Ourselves, Refused, Task, judge, load_vectors
 from scenic_ref.conformance.implementation import SceneRecord, SimulationRecord
 from scenic_ref.conformance.loading import read_file
-from scenic_ref.conformance.simulations import Rejected, Simulations
+from scenic_ref.conformance.simulations import AlwaysRejected, Simulations
 from scenic_ref.semantics.kernel.errors import UsageError
 from scenic_ref.semantics.readings import READINGS
 from scenic_ref.semantics.rules import RULES
@@ -32,7 +32,7 @@ NEVER = "simulations = { steps = 2, rejected = ['always', 'guard'] }"
 FAILS = "error = { phase = 'run', line = 3, steps = 2 }"
 
 
-def vector(more: str) -> Vector:
+def vector(more: str) -> ConformanceVector:
     (found,) = read_file("f.toml", HEAD + more)
     return found
 
@@ -225,7 +225,7 @@ SAMPLED = [v for v in VECTORS if isinstance(v.matcher, Simulations) and len(v.ma
 
 
 @pytest.mark.parametrize("vector", SAMPLED, ids=lambda v: v.name)
-def test_the_vector_holds_by_sampling_and_tells_its_rival(vector: Vector) -> None:
+def test_the_vector_holds_by_sampling_and_tells_its_rival(vector: ConformanceVector) -> None:
     verdict = judge(Samples(), vector).verdict
     assert (verdict.status, verdict.reason) == ("passed", "")
 
@@ -260,4 +260,4 @@ def test_the_alternatives_of_a_reading_are_told_apart(name: str) -> None:
 
 @pytest.mark.parametrize("kind", ["always", "eventually", "guard", "precondition", "require", "collision"])
 def test_every_kind_of_requirement_rejects_the_simulations_of_a_vector(kind: str) -> None:
-    assert [v for v in VECTORS if isinstance(v.matcher, Rejected) and kind in v.matcher.kinds]
+    assert [v for v in VECTORS if isinstance(v.matcher, AlwaysRejected) and kind in v.matcher.kinds]

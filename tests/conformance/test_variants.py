@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import fields, is_dataclass, replace
 
 import pytest
-from scenic_ref.conformance import Vector, load_vectors
+from scenic_ref.conformance import ConformanceVector, load_vectors
 from scenic_ref.interpreter.parser import parse
 from scenic_ref.semantics.syntax import Node
 from scenic_ref.semantics.syntax.expressions import InInitialScenario, ObjectDefinition, ObjectOrOperator, ObjectOrValue
@@ -55,7 +55,7 @@ def tree_of(text: str, dialect: str) -> object:
     return settled(tree, classes_of(tree) if dialect != "scenic-3" else set())
 
 
-def is_parsed(vector: Vector) -> bool:
+def is_parsed(vector: ConformanceVector) -> bool:
     return not (vector.kind == "error" and getattr(vector.matcher, "phases", ()) == ("parse",))
 
 
@@ -63,7 +63,7 @@ SEVERAL = [v for v in load_vectors() if "paper" in v.texts and len(v.texts) > 1 
 
 
 @pytest.mark.parametrize("vector", SEVERAL, ids=lambda v: v.name)
-def test_the_program_is_the_same_tree_in_every_dialect(vector: Vector) -> None:
+def test_the_program_is_the_same_tree_in_every_dialect(vector: ConformanceVector) -> None:
     trees = {dialect: tree_of(text, dialect) for dialect, text in vector.texts.items()}
     assert all(tree == trees["paper"] for tree in trees.values())
 

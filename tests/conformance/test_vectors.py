@@ -9,11 +9,11 @@ from collections.abc import Iterator
 from dataclasses import fields
 
 import pytest
-from scenic_ref.conformance import Ourselves, Vector, judge, load_vectors
+from scenic_ref.conformance import ConformanceVector, Ourselves, judge, load_vectors
 from scenic_ref.conformance.refusals import REQUIREMENTS, Error, Rejection
 from scenic_ref.conformance.reports import UNREACHABLE, shows
-from scenic_ref.conformance.statistical import Distribution, Probabilities, Support
-from scenic_ref.conformance.values import Values
+from scenic_ref.conformance.statistical import Probabilities, QuantityLaw, QuantitySupport
+from scenic_ref.conformance.values import SceneValues
 from scenic_ref.interpreter.parser import parse
 from scenic_ref.semantics.kernel.classes import OBJECT_CLASS, ORIENTED_POINT_CLASS, POINT_CLASS
 from scenic_ref.semantics.python.builtins import CONSTRUCTORS
@@ -27,16 +27,16 @@ OURSELVES = Ourselves()
 
 
 @pytest.mark.parametrize("vector", VECTORS, ids=lambda v: v.name)
-def test_the_vector_holds_on_ourselves(vector: Vector) -> None:
+def test_the_vector_holds_on_ourselves(vector: ConformanceVector) -> None:
     verdict = judge(OURSELVES, vector).verdict
     assert (verdict.status, verdict.reason) == ("passed", "")
 
 
-SAMPLED = [v for v in VECTORS if isinstance(v.matcher, (Distribution, Support))]
+SAMPLED = [v for v in VECTORS if isinstance(v.matcher, (QuantityLaw, QuantitySupport))]
 
 
 @pytest.mark.parametrize("vector", SAMPLED[::3], ids=lambda v: v.name)
-def test_the_vector_holds_on_the_batch_backend(vector: Vector) -> None:
+def test_the_vector_holds_on_the_batch_backend(vector: ConformanceVector) -> None:
     verdict = judge(Ourselves.by_batch(), vector).verdict
     assert (verdict.status, verdict.reason) == ("passed", "")
 
@@ -90,7 +90,7 @@ def nodes(tree: object) -> Iterator[Node]:
             yield from nodes(getattr(tree, f.name))
 
 
-def holds(vector: Vector) -> bool:
+def holds(vector: ConformanceVector) -> bool:
     return not isinstance(vector.matcher, Error) and "paper" in vector.texts
 
 
@@ -122,7 +122,7 @@ def test_every_syntactic_form_of_every_specifier_has_a_vector(form: str) -> None
 @pytest.mark.parametrize("name", CONSTRUCTORS)
 def test_every_distribution_has_vectors_that_draw_and_one_that_is_refused(name: str) -> None:
     using = [v for v in VECTORS if f"{name}(" in v.texts.get("paper", "")]
-    assert any(isinstance(v.matcher, (Probabilities, Distribution)) and "E-Distributions" in v.fires for v in using)
+    assert any(isinstance(v.matcher, (Probabilities, QuantityLaw)) and "E-Distributions" in v.fires for v in using)
     assert any(isinstance(v.matcher, Error) and v.matcher.rule == "E-Distributions" for v in using)
 
 
@@ -130,7 +130,7 @@ def test_every_distribution_has_vectors_that_draw_and_one_that_is_refused(name: 
 def test_every_property_default_has_a_vector(class_) -> None:
     name = {"Point": "defaults-of-point", "OrientedPoint": "defaults-of-oriented-point", "Object": "defaults-of-object"}[class_.name]
     matcher = BY_NAME[name].matcher
-    assert isinstance(matcher, Values)
+    assert isinstance(matcher, SceneValues)
     stated = {key for _, properties in matcher.objects for key in properties}
     read = set(re.findall(r"p\.(\w+)", BY_NAME[name].texts["paper"]))
     assert set(class_.own_defaults) <= stated | read
@@ -184,4 +184,4 @@ def test_every_rule_with_a_condition_has_a_vector_in_which_it_must_not_fire(rule
 
 def test_every_statistical_vector_has_a_rival_and_every_support_something_to_reach() -> None:
     assert all(v.matcher.rival != v.matcher.probabilities for v in VECTORS if isinstance(v.matcher, Probabilities))
-    assert all(v.matcher.reaches for v in VECTORS if isinstance(v.matcher, Support))
+    assert all(v.matcher.reaches for v in VECTORS if isinstance(v.matcher, QuantitySupport))

@@ -12,8 +12,8 @@ import pytest
 import scenic_ref
 from scenic_ref.inference.statistics import compare
 from scenic_ref.inference.statistics.cells import Repeated
-from scenic_ref.inference.statistics.columns import Column, Table, features_table, stacked
-from scenic_ref.inference.statistics.names import Names, matching
+from scenic_ref.inference.statistics.columns import Column, FeatureTable, features_table, stacked
+from scenic_ref.inference.statistics.names import SampleNames, matching
 from scenic_ref.inference.statistics.rounding import ROUNDINGS, Rounding
 from scenic_ref.inference.statistics.samples import Samples
 from scenic_ref.testing import same_distribution
@@ -114,9 +114,9 @@ def test_joint_laws_ignore_what_is_not_compared():
 # Values that come again
 
 
-def clamped(seed: int, n: int, share: float) -> Table:
+def clamped(seed: int, n: int, share: float) -> FeatureTable:
     source = np.random.Generator(np.random.Philox(seed))
-    return Table({"x": np.where(source.random(n) < share, 0.7310585786, source.random(n))}, n)
+    return FeatureTable({"x": np.where(source.random(n) < share, 0.7310585786, source.random(n))}, n)
 
 
 def test_an_atom_where_the_law_has_none_is_found():
@@ -221,7 +221,7 @@ def test_features_are_named_in_short_or_in_full(feature, yes, no):
 
 
 def test_a_mapped_name_keeps_what_is_below_it():
-    names = Names((), {"vel": "velocity", "1.w": "1.width"})
+    names = SampleNames((), {"vel": "velocity", "1.w": "1.width"})
     assert names.feature("objects[0].properties.vel[1]") == "objects[0].properties.velocity[1]"
     assert names.feature("objects[1].properties.w") == "objects[1].width"
     assert names.feature("objects[1].properties.velo") == "objects[1].properties.velo"

@@ -10,7 +10,7 @@ import scenic_ref
 from scenic_ref.inference.statistics import BoundedMean, Categorical, Continuous, compare, compare_invariance, contradicts, evidence
 from scenic_ref.inference.statistics.betting import combined, one_sample_wealth, two_sample_wealth
 from scenic_ref.inference.statistics.cells import cells_of, opening_of
-from scenic_ref.inference.statistics.columns import Column, Table
+from scenic_ref.inference.statistics.columns import Column, FeatureTable
 from scenic_ref.inference.statistics.facts import Facts
 from scenic_ref.inference.statistics.power import Hardest, detectable, needed
 from scenic_ref.inference.statistics.relations import gap, table_of
@@ -178,9 +178,9 @@ def test_the_stated_power_is_reached(law: list[float], tv: float, exact: bool):
 # Verdicts
 
 
-def table(seed: int, n: int, *, shift: float = 0.0, coupled: bool = False) -> Table:
+def table(seed: int, n: int, *, shift: float = 0.0, coupled: bool = False) -> FeatureTable:
     x, y, h = numbers(seed, n), numbers(seed + 1, n), math.pi * (2 * numbers(seed + 2, n) - 1)
-    return Table({"x": x + shift * (x < shift), "y": x if coupled else y, "objects[0].heading": h}, n)
+    return FeatureTable({"x": x + shift * (x < shift), "y": x if coupled else y, "objects[0].heading": h}, n)
 
 
 def test_samples_of_one_distribution_are_equivalent_within_the_stated_power():
@@ -212,21 +212,21 @@ def test_a_gap_at_the_end_of_a_range_is_found():
 def test_headings_are_compared_modulo_a_turn():
     one, other = table(1, 3_000), table(11, 3_000)
     columns = {name: column.values for name, column in other.columns.items()}
-    turned = Table({**columns, "objects[0].heading": columns["objects[0].heading"] % math.tau}, 3_000)
+    turned = FeatureTable({**columns, "objects[0].heading": columns["objects[0].heading"] % math.tau}, 3_000)
     assert compare(one, turned).kind == "inconclusive"
 
 
 def test_constants_are_compared_exactly():
-    one = Table({"x": np.append(np.full(999, 2.0), 2.1)}, 1000)
-    verdict = compare(one, Table({"x": np.full(1000, 2.0)}, 1000), facts=Facts({"x": 2.0}))
+    one = FeatureTable({"x": np.append(np.full(999, 2.0), 2.1)}, 1000)
+    verdict = compare(one, FeatureTable({"x": np.full(1000, 2.0)}, 1000), facts=Facts({"x": 2.0}))
     assert verdict.kind == "different"
     assert "2.1 in sample 1000" in str(verdict)
-    assert compare(one, Table({"x": np.full(1000, 2.0)}, 1000)).kind == "inconclusive"
+    assert compare(one, FeatureTable({"x": np.full(1000, 2.0)}, 1000)).kind == "inconclusive"
 
 
 def test_features_of_one_side_only_are_listed():
-    one = Table({"x": numbers(1, 500), "y": numbers(2, 500)}, 500)
-    verdict = compare(one, Table({"x": numbers(3, 500)}, 500))
+    one = FeatureTable({"x": numbers(1, 500), "y": numbers(2, 500)}, 500)
+    verdict = compare(one, FeatureTable({"x": numbers(3, 500)}, 500))
     assert verdict.skipped == ("y",)
     assert "not compared, since only one side has them: y" in str(verdict)
 
@@ -299,7 +299,7 @@ def test_settings_that_are_none_are_refused(wrong):
 @pytest.mark.parametrize("n", [1, 2, 50])
 def test_few_scenes_are_inconclusive_but_one_wrong_value_is_still_a_proof(n):
     assert compare(table(1, n), table(2, n)).kind == "inconclusive"
-    assert compare(Table({"x": np.ones(n)}, n), table(2, n), facts=Facts({"x": 2.0})).kind == "different"
+    assert compare(FeatureTable({"x": np.ones(n)}, n), table(2, n), facts=Facts({"x": 2.0})).kind == "different"
 
 
 def test_no_scenes_are_refused():
@@ -310,7 +310,7 @@ def test_no_scenes_are_refused():
 def test_the_order_of_the_scenes_does_not_matter():
     one = table(1, 4_000)
     order = np.argsort(one.columns["x"].values)
-    by_x = Table({name: column.values[order] for name, column in one.columns.items()}, 4_000)
+    by_x = FeatureTable({name: column.values[order] for name, column in one.columns.items()}, 4_000)
     assert compare(by_x, table(11, 4_000)).kind == "inconclusive"
     law = {"x": UNIFORM}
     assert compare(by_x, law).kind == "inconclusive"

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scenic_ref.inference.batch.evaluate.columns import evaluate
 from scenic_ref.inference.batch.evaluate.plan import plan
-from scenic_ref.inference.batch.trace.graph import Event, Node
+from scenic_ref.inference.batch.trace.graph import GraphEvent, GraphNode
 from scenic_ref.inference.pruning.facts import limits, located, min_radius, truths
 from scenic_ref.inference.pruning.forms import Operand, Point, aligned, bounds, offset
 from scenic_ref.inference.pruning.intervals import ALL, TAU, Interval, angles_meet
@@ -36,7 +36,7 @@ def runs(request: pytest.FixtureRequest) -> tuple[Recorded, dict[int, np.ndarray
 
 
 def value(operand: Operand, columns: dict[int, np.ndarray]) -> np.ndarray:
-    return columns[operand.number] if isinstance(operand, Node) else np.array(operand)
+    return columns[operand.number] if isinstance(operand, GraphNode) else np.array(operand)
 
 
 def coordinates(point: Point, columns: dict[int, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
@@ -107,7 +107,7 @@ def test_conjunctions_are_taken_apart_and_soft_requirements_are_left_out():
     assert found[x.node] == [Interval(-math.inf, 4.0)] or found[x.node] == [Interval(-math.inf, 4)]
     assert found[y.node] == [Interval(2.0, math.inf)]
     assert limits(list(truths(recorded.graph, soft=True)))[y.node] == [Interval(8.0, math.inf)]
-    assert all(isinstance(e, Event) for e in recorded.graph.events)
+    assert all(isinstance(e, GraphEvent) for e in recorded.graph.events)
 
 
 def test_the_radius_of_a_box_is_half_its_smaller_side():

@@ -17,7 +17,7 @@ from scenic_ref.conformance.implementation import Refused
 from scenic_ref.conformance.ourselves import Ourselves
 from scenic_ref.conformance.reports import UNREACHABLE
 from scenic_ref.conformance.running import fired_in, judge
-from scenic_ref.conformance.vector import Vector
+from scenic_ref.conformance.vector import ConformanceVector
 from scenic_ref.interpreter import running
 from scenic_ref.semantics.kernel.config import Config
 from scenic_ref.semantics.kernel.outcome import Draw, Fault, Outcome
@@ -100,7 +100,7 @@ def stepping(instead: Callable[[Config], Outcome]) -> Iterator[None]:
         running.step = before  # type: ignore[assignment]
 
 
-def watch(vectors: tuple[Vector, ...]) -> Watched:
+def watch(vectors: tuple[ConformanceVector, ...]) -> Watched:
     """What fires in the vectors, watched."""
     found = Watched()
     ours = Ourselves()

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 import scenic_ref
-from scenic_ref.conformance import Task, Vector, load_vectors
+from scenic_ref.conformance import ConformanceVector, Task, load_vectors
 from scenic_ref.conformance.ourselves import load, traced
 from scenic_ref.conformance.refusals import Error, Rejection
 from scenic_ref.conformance.reports import UNREACHABLE, shows
@@ -98,7 +98,7 @@ def test_a_docstring_that_begins_otherwise_is_found(name: str, text: str) -> Non
     assert not begins_with_the_rule(replace(RULES[name], function=function))
 
 
-def rules_of(vector: Vector) -> set[str]:
+def rules_of(vector: ConformanceVector) -> set[str]:
     """The rules that fire in one run of a vector's program."""
     return {event.rule for event in traced(load(Task(vector.texts["paper"], "paper", vector.readings)), 0, 0).events}
 

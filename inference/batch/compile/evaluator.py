@@ -17,7 +17,7 @@ BUDGET = 1 << 22
 """Runs between which Python is asked whether it was interrupted."""
 
 
-class Drawn(NamedTuple):
+class BlockResult(NamedTuple):
     """Which scenes of a block were accepted, left to others, or had all attempts at a part of theirs."""
 
     accepted: np.ndarray
@@ -43,7 +43,7 @@ class Fused:
         """Arrays for the results of `count` scenes: floats, and whole numbers and truth values."""
         return np.empty((self.floats, count)), np.empty((len(self.outputs) - self.floats, count), dtype=np.int64)
 
-    def draw(self, seed: int, start: int, first: np.ndarray, live: np.ndarray, most: int, room: tuple[np.ndarray, np.ndarray]) -> Drawn:
+    def draw(self, seed: int, start: int, first: np.ndarray, live: np.ndarray, most: int, room: tuple[np.ndarray, np.ndarray]) -> BlockResult:
         """Scenes `start + live`, each from the attempts `first[:, live]` on, a row for each stage; `first` says afterwards where they stand."""
         fate, counts = self.blank(first.shape[1])
         runs = 0
@@ -54,7 +54,7 @@ class Fused:
         for event, count in zip(self.events, counts.tolist(), strict=True):
             if event.requirement is not None and count:
                 stuck[event.requirement] += count
-        return Drawn(fate == ACCEPTED, fate == LEFT, fate == EXHAUSTED, stuck, runs)
+        return BlockResult(fate == ACCEPTED, fate == LEFT, fate == EXHAUSTED, stuck, runs)
 
     def blank(self, count: int) -> tuple[np.ndarray, np.ndarray]:
         """For `count` scenes, of which nothing is known: their fates, and how often each event rejected."""

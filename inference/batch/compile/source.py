@@ -21,7 +21,7 @@ from ..evaluate.clipped import curve_tests, largest_radius
 from ..evaluate.components import Stage
 from ..evaluate.polygons import tests_of
 from ..evaluate.rows import constant_cells, field_of, has_columns, is_clipped
-from ..trace.graph import AsFloat, Event, Macro, Node, Part, RowCall, RowDraw, Search, Site, Table
+from ..trace.graph import AsFloat, GraphEvent, GraphNode, Lookup, Macro, Part, RowCall, RowDraw, Search, Site
 from ..trace.symbols import Traced
 from . import kernels
 
@@ -75,14 +75,14 @@ class Writer:
 
     # Nodes
 
-    def write(self, node: Node) -> None:
+    def write(self, node: GraphNode) -> None:
         """The computation of a node."""
         function, name = node.function, f"v{node.number}"
         operands = [self.operand(a) for a in node.arguments]
         match function:
             case Site():
                 self.site(name, function)
-            case Table(values=values):
+            case Lookup(values=values):
                 self.add(f"{name} = {self.array(values)}[{operands[0]}]")
             case Search(cumulative=cumulative):
                 self.add(f"{name} = bisect_right({self.array(cumulative)}, {operands[0]})")
@@ -94,14 +94,14 @@ class Writer:
                 self.call(name, function)
             case RowDraw():
                 self.draw(name, function)
-            case Part(name=part) if isinstance(node.arguments[0], Node) and isinstance(node.arguments[0].function, RowDraw):
+            case Part(name=part) if isinstance(node.arguments[0], GraphNode) and isinstance(node.arguments[0].function, RowDraw):
                 self.add(f"{name} = {operands[0]}_{part}")
             case _:
                 self.add(f"{name} = {self.expression(function, operands)}")
 
     def operand(self, value: object) -> str:
         """A node's variable, or a constant."""
-        if isinstance(value, Node):
+        if isinstance(value, GraphNode):
             return f"v{value.number}"
         if isinstance(value, bool):
             return repr(value)
@@ -228,7 +228,7 @@ class Writer:
 
     # Events
 
-    def event(self, event: Event, number: int) -> None:
+    def event(self, event: GraphEvent, number: int) -> None:
         """What becomes of the run."""
         name = f"v{event.node.number}"
         if event.kind == "call":
@@ -248,7 +248,7 @@ class Writer:
 
     # Stages
 
-    def attempts(self, stage: Stage, events: list[Event], found: Callable[[], None]) -> None:
+    def attempts(self, stage: Stage, events: list[GraphEvent], found: Callable[[], None]) -> None:
         """A loop over the attempts at a stage, its parts in loops of their own; `found` writes what is done with the first that is accepted."""
         number, over = stage.number, "" if stage.number else " or runs >= budget"
         self.add("while True:")
@@ -276,13 +276,13 @@ class Writer:
         self.depth -= 1
 
 
-def fuse(stage: Stage) -> tuple[Callable[..., tuple[int, int]], tuple[np.ndarray, ...], list[Event]]:
+def fuse(stage: Stage) -> tuple[Callable[..., tuple[int, int]], tuple[np.ndarray, ...], list[GraphEvent]]:
     """The evaluator of a plan, the arrays that it is called with, and the events that it counts.
 
     evaluator(seed, start, first, live, most, budget, fate, floats, ints, counts, *arrays) -> (runs, scenes looked at)
     """
     writer = Writer()
-    events: list[Event] = []
+    events: list[GraphEvent] = []
 
     def results() -> None:
         places = {"floats": 0, "ints": 0}
@@ -320,9 +320,9 @@ def fuse(stage: Stage) -> tuple[Callable[..., tuple[int, int]], tuple[np.ndarray
 
 def compiled_macro(macro: Macro) -> Callable[..., object]:
     """A macro's function, compiled: traced on symbols for its arguments, and written as code."""
-    from ..trace.recording import Trace
+    from ..trace.recording import Recorder
 
-    trace = Trace(lambda site: 0.37 + 0.01 * site.index, Budget())
+    trace = Recorder(lambda site: 0.37 + 0.01 * site.index, Budget())
     symbols = [trace.site((), i, False) for i in range(sum(macro.shape))]
     for symbol in symbols:
         symbol.node.bounds = None

@@ -23,11 +23,11 @@ from ....semantics.space.regions import (
     UnionRegion,
     Workspace,
 )
-from ..trace.graph import Node
+from ..trace.graph import GraphNode
 from ..trace.symbols import Choice, Opaque, Traced
 from .polygons import tests_of
 
-ColumnOf = Callable[[Node], np.ndarray]
+ColumnOf = Callable[[GraphNode], np.ndarray]
 Array = np.ndarray
 COMBINED = (IntersectionRegion, UnionRegion, DifferenceRegion)
 

@@ -13,13 +13,13 @@ from ....interpreter.streams import Stream
 from ....semantics.space.fields import OutsideField
 from ....semantics.space.regions import EmptyRegion
 from ....semantics.space.symbols import Elementary, NotLifted
-from ..trace.graph import AsFloat, Graph, Macro, Node, Part, RowCall, RowDraw, Search, Site, Table
+from ..trace.graph import AsFloat, Graph, GraphNode, Lookup, Macro, Part, RowCall, RowDraw, Search, Site
 from ..trace.structures import in_row, symbols_in
 from .clipped import Clipped, curve_tests, largest_radius
 from .numbers import Numbers
-from .plan import Step, cone, roots_of
+from .plan import PlanStep, cone, roots_of
 from .proposed import Proposed, proposed_in, proposed_points
-from .rows import Columns, Failed, has_columns, is_clipped, values_of
+from .rows import Columns, FailedRows, has_columns, is_clipped, values_of
 
 ACCEPTED, LEFT = -1, -2
 """What became of a run: one that is left must be done by the interpreter; one that is rejected has the number of the step that did it."""
@@ -32,13 +32,13 @@ class Evaluated(NamedTuple):
     columns: Columns
 
 
-def evaluate(steps: Sequence[Step], seed: int, scenes: np.ndarray, attempts: np.ndarray, known: Columns = MappingProxyType({})) -> Evaluated:
+def evaluate(steps: Sequence[PlanStep], seed: int, scenes: np.ndarray, attempts: np.ndarray, known: Columns = MappingProxyType({})) -> Evaluated:
     """Evaluate the runs of attempt `attempts[k]` at scene `scenes[k]` of `seed`; the columns `known` are there already."""
     fate = np.full(len(scenes), ACCEPTED, dtype=np.int32)
     rows = np.arange(len(scenes))
     numbers = Numbers(seed, scenes, attempts)
     columns = dict(known)
-    failed: dict[int, Failed] = {}
+    failed: dict[int, FailedRows] = {}
     for number, step in enumerate(steps):
         for node in step.nodes:
             columns[node.number] = column(node, columns, numbers, failed)
@@ -68,22 +68,22 @@ def evaluate(steps: Sequence[Step], seed: int, scenes: np.ndarray, attempts: np.
             rows = rows[kept]
             numbers.keep(kept)
             columns = {name: values[kept] for name, values in columns.items()}
-            failed = {name: Failed(f.rejected[kept], f.left[kept]) for name, f in failed.items()}
+            failed = {name: FailedRows(f.rejected[kept], f.left[kept]) for name, f in failed.items()}
     return Evaluated(fate, columns)
 
 
-def without_value(column: np.ndarray) -> Failed | None:
+def without_value(column: np.ndarray) -> FailedRows | None:
     """The rows of a node that was computed elsewhere in which it has no value, which rejects them; truth values are always there."""
     if column.dtype.kind != "f":
         return None
     missing = np.isnan(column if column.ndim == 1 else column[:, 0])
-    return Failed(missing, np.zeros(len(missing), dtype=bool))
+    return FailedRows(missing, np.zeros(len(missing), dtype=bool))
 
 
 def rejection_rates(graph: Graph, runs: int, seed: int = 0) -> dict[int, float]:
     """How often each event would reject a run if it were the only one, estimated from `runs` runs."""
     scenes = np.arange(runs, dtype=np.uint64)
-    numbers, columns, failed = Numbers(seed, scenes, np.zeros_like(scenes)), dict[int, np.ndarray](), dict[int, Failed]()
+    numbers, columns, failed = Numbers(seed, scenes, np.zeros_like(scenes)), dict[int, np.ndarray](), dict[int, FailedRows]()
     rates: dict[int, float] = {}
     done: set[int] = set()
     for place, event in enumerate(graph.events):
@@ -98,10 +98,10 @@ def rejection_rates(graph: Graph, runs: int, seed: int = 0) -> dict[int, float]:
     return rates
 
 
-def column(node: Node, columns: Columns, numbers: Numbers, failed: dict[int, Failed]) -> np.ndarray:
+def column(node: GraphNode, columns: Columns, numbers: Numbers, failed: dict[int, FailedRows]) -> np.ndarray:
     """The column of a node, those of its arguments being known."""
     function = node.function
-    operands: list[Any] = [columns[a.number] if isinstance(a, Node) else a for a in node.arguments]
+    operands: list[Any] = [columns[a.number] if isinstance(a, GraphNode) else a for a in node.arguments]
     match function:
         case Site():
             return numbers.column(function)
@@ -113,7 +113,7 @@ def column(node: Node, columns: Columns, numbers: Numbers, failed: dict[int, Fai
                 return np.broadcast_to(np.asarray(function.call(operands)), len(numbers.scenes))
         case Elementary():
             return function(*operands)
-        case Table(values=values):
+        case Lookup(values=values):
             return values[operands[0]]
         case Search(cumulative=cumulative):
             return np.searchsorted(cumulative, operands[0], side="right")
@@ -149,18 +149,18 @@ def part_of(objects: np.ndarray, name: str) -> np.ndarray:
     return np.fromiter((getattr(v, name) for v in objects), dtype=float, count=len(objects))
 
 
-def _clipped(node: Node, draw: RowDraw, found: Clipped, columns: Columns, numbers: Numbers, failed: dict[int, Failed]) -> np.ndarray:
+def _clipped(node: GraphNode, draw: RowDraw, found: Clipped, columns: Columns, numbers: Numbers, failed: dict[int, FailedRows]) -> np.ndarray:
     count = len(numbers.scenes)
     values = values_of((found.x, found.y, found.radius, found.heading), columns, count)
     tests = curve_tests(found.curve, largest_radius(found.radius))
     points = tests.sample(*values, found.angle, numbers.column(Site(draw.address, 0, draw.per_scene)))  # type: ignore[call-arg]
     empty = np.isnan(points[:, 0])
     if empty.any():
-        failed[node.number] = Failed(empty, np.zeros(count, dtype=bool))
+        failed[node.number] = FailedRows(empty, np.zeros(count, dtype=bool))
     return points
 
 
-def _proposed(node: Node, draw: RowDraw, found: Proposed, columns: Columns, numbers: Numbers, failed: dict[int, Failed]) -> np.ndarray:
+def _proposed(node: GraphNode, draw: RowDraw, found: Proposed, columns: Columns, numbers: Numbers, failed: dict[int, FailedRows]) -> np.ndarray:
     """The points that are found soon, and the others one by one."""
     points = proposed_points(found, columns, numbers, draw)
     rest = np.flatnonzero(np.isnan(points[:, 0]))
@@ -170,7 +170,7 @@ def _proposed(node: Node, draw: RowDraw, found: Proposed, columns: Columns, numb
     return points
 
 
-def _called(call: RowCall, resolve: Callable[[Node], object]) -> object:
+def _called(call: RowCall, resolve: Callable[[GraphNode], object]) -> object:
     call.budget.renew()
     result = call.function(*in_row(call.structure, resolve), **in_row(call.keywords, resolve))  # type: ignore[misc]
     result = float(result) if call.converts and type(result) is not bool else result  # type: ignore[arg-type]
@@ -179,14 +179,14 @@ def _called(call: RowCall, resolve: Callable[[Node], object]) -> object:
     return result
 
 
-def _drawn(draw: RowDraw, resolve: Callable[[Node], object], numbers: Numbers, row: int) -> object:
+def _drawn(draw: RowDraw, resolve: Callable[[GraphNode], object], numbers: Numbers, row: int) -> object:
     attempt = PER_SCENE if draw.per_scene else int(numbers.attempts[row])
     stream = Stream(numbers.seed, int(numbers.scenes[row]), attempt)
     return in_row(draw.distribution, resolve).sample(stream.at(draw.address))  # type: ignore[attr-defined]
 
 
 def rows_of(
-    node: Node, function: Callable[[Callable[[Node], object], int], object], columns: Columns, failed: dict[int, Failed], count: int,
+    node: GraphNode, function: Callable[[Callable[[GraphNode], object], int], object], columns: Columns, failed: dict[int, FailedRows], count: int,
     rows: Iterable[int] | None = None,
 ) -> np.ndarray:  # fmt: skip
     """A column made by calling a Python function for one row after the other, or for some rows."""
@@ -200,7 +200,7 @@ def rows_of(
         except (NotLifted, Exception):  # whatever it is, the interpreter will say it where it belongs
             left[row], result[row] = True, node.example
     if rejected.any() or left.any():
-        failed[node.number] = Failed(rejected, left)
+        failed[node.number] = FailedRows(rejected, left)
     return result
 
 

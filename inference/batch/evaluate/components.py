@@ -13,9 +13,9 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count
 
-from ..trace.graph import Graph, Node, RowDraw, Site
+from ..trace.graph import Graph, GraphNode, RowDraw, Site
 from ..trace.structures import children
-from .plan import LEAST_REJECTED, Step, cone, cost, only_rejects, plan, roots_of
+from .plan import LEAST_REJECTED, PlanStep, cone, cost, only_rejects, plan, roots_of
 
 Address = tuple[int, ...]
 
@@ -64,7 +64,7 @@ def joined(own: frozenset[Address], events: tuple[int, ...], parts: Sequence[Com
     return Component(own, events, tuple(parts))
 
 
-def drawn_at(nodes: Sequence[Node]) -> set[Address]:
+def drawn_at(nodes: Sequence[GraphNode]) -> set[Address]:
     """The draws among the nodes that differ from attempt to attempt."""
     return {n.function.address for n in nodes if isinstance(n.function, (Site, RowDraw)) and not n.function.per_scene}
 
@@ -134,8 +134,8 @@ class Stage:
 
     number: int
     own: frozenset[Address]
-    steps: tuple[Step, ...]
-    outputs: tuple[Node, ...]
+    steps: tuple[PlanStep, ...]
+    outputs: tuple[GraphNode, ...]
     parts: tuple[Stage, ...]
 
     @property
@@ -144,11 +144,11 @@ class Stage:
         return [self, *(inner for part in self.parts for inner in part.all)]
 
 
-def stages(graph: Graph, whole: Component, outputs: Sequence[Node], rejects: Mapping[int, float]) -> Stage:
+def stages(graph: Graph, whole: Component, outputs: Sequence[GraphNode], rejects: Mapping[int, float]) -> Stage:
     """The plan of each component. `rejects` says how often an event rejects a run."""
     numbers = count()
 
-    def make(component: Component, outputs: Sequence[Node]) -> Stage:
+    def make(component: Component, outputs: Sequence[GraphNode]) -> Stage:
         number = next(numbers)
         inside = [computed(graph, [part]) | sites(graph, part.addresses) for part in component.parts]
         known = set[int]().union(*inside)
@@ -165,7 +165,7 @@ def sites(graph: Graph, addresses: Collection[Address]) -> set[int]:
     return {n.number for n in drawn if n.function.address in addresses}  # type: ignore[union-attr]
 
 
-def frontier(roots: Sequence[Node], known: Collection[int]) -> list[Node]:
+def frontier(roots: Sequence[GraphNode], known: Collection[int]) -> list[GraphNode]:
     """The known nodes that the roots are computed from, or are."""
     found = {n.number: n for n in (*roots, *(child for node in cone(list(roots), set(known)) for child in children(node)))}
     return [found[number] for number in sorted(found) if number in known]
@@ -174,7 +174,7 @@ def frontier(roots: Sequence[Node], known: Collection[int]) -> list[Node]:
 # Report
 
 
-def report(graph: Graph, chosen: Component, places: Sequence[tuple[str, Sequence[Node]]]) -> list[str]:
+def report(graph: Graph, chosen: Component, places: Sequence[tuple[str, Sequence[GraphNode]]]) -> list[str]:
     """What is drawn apart, or why nothing is. `places` has each object's name, and the nodes that its position is made of."""
     off = "factorised rejection is off"
     if not chosen.parts:

@@ -13,10 +13,10 @@ import numpy as np
 from ....formats.scenes import json_value
 from ....semantics.kernel.values import Random
 from ....semantics.space.vectors import Vector
-from ...statistics.columns import OTHERWISE, Table, arrays_of, below, columns_of, features_table, spread, stacked
+from ...statistics.columns import OTHERWISE, FeatureTable, arrays_of, below, columns_of, features_table, spread, stacked
 from ...statistics.facts import Support
 from ..jobs.lines import attempts_of, others, own_fields
-from ..trace.graph import Node
+from ..trace.graph import GraphNode
 from ..trace.structures import symbols_in
 from ..trace.symbols import Choice, Opaque, Traced
 from ..trace.templates import Template, listed
@@ -26,21 +26,21 @@ from .sampling import Block
 Arrays = Iterator[tuple[str, np.ndarray]]
 
 
-def features_in(template: Template, block: Block) -> Table:
+def features_in(template: Template, block: Block) -> FeatureTable:
     """The features of the scenes of a block, in order."""
     made = _features(template, block)
     if not block.others:
         return made
     whole = stacked([made, *(features_table([scene]) for scene in block.others.values())])
     order = np.argsort(np.concatenate([block.rows, np.fromiter(block.others, dtype=np.int64, count=len(block.others))]), kind="stable")
-    return Table(whole.chosen(order).arrays, whole.n)
+    return FeatureTable(whole.chosen(order).arrays, whole.n)
 
 
-def _features(template: Template, block: Block) -> Table:
+def _features(template: Template, block: Block) -> FeatureTable:
     """The features of the scenes in the columns of a block."""
     count, columns = len(block.rows), block.columns
     if not count:
-        return Table({}, 0)
+        return FeatureTable({}, 0)
     made: dict[str, np.ndarray] = {"attempts": attempts_of(block).astype(float)}
     made |= constant("ego", str(template.ego_id), count)
     for name, value in template.params.items():
@@ -54,7 +54,7 @@ def _features(template: Template, block: Block) -> Table:
         made |= {f"{place}.heading": as_floats(heading), f"{place}.width": as_floats(width), f"{place}.length": as_floats(length)}
         for name, value in others(o).items():
             made |= leaves_of(f"{place}.properties.{name}", value, columns, count)
-    return Table(made, count)
+    return FeatureTable(made, count)
 
 
 def as_floats(values: np.ndarray | list[object]) -> np.ndarray:
@@ -131,7 +131,7 @@ def _parts(name: str, value: object) -> Iterator[tuple[str, object]]:
             yield name, value
 
 
-def nodes_by_feature(template: Template) -> dict[str, Node]:
+def nodes_by_feature(template: Template) -> dict[str, GraphNode]:
     """The nodes of the features that are numbers; of a heading only up to whole turns."""
     return {name: v.node for name, v in features_by_name(template) if not isinstance(v, (Choice, Opaque)) and v.node.kind == "float"}  # type: ignore[attr-defined]
 

@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from ..trace.graph import Event, Graph, Macro, Node, RowCall, RowDraw, Site
+from ..trace.graph import Graph, GraphEvent, GraphNode, Macro, RowCall, RowDraw, Site
 from ..trace.structures import children
 from .rows import always_gives_a_value
 
@@ -24,24 +24,24 @@ LEAST_REJECTED = 0.002
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class PlanStep:
     """Compute `nodes` in order, then look at `event` (None: these are the results); then `forget` is no longer needed."""
 
-    nodes: tuple[Node, ...]
-    event: Event | None
-    forget: tuple[Node, ...]
+    nodes: tuple[GraphNode, ...]
+    event: GraphEvent | None
+    forget: tuple[GraphNode, ...]
 
 
 def plan(
-    graph: Graph, outputs: Sequence[Node], rejects: Mapping[int, float] = MappingProxyType({}), events: Sequence[int] | None = None,
+    graph: Graph, outputs: Sequence[GraphNode], rejects: Mapping[int, float] = MappingProxyType({}), events: Sequence[int] | None = None,
     known: Collection[int] = (),
-) -> tuple[Step, ...]:  # fmt: skip
+) -> tuple[PlanStep, ...]:  # fmt: skip
     """The steps of an evaluation, of all events or of those at some places of the graph, where the nodes `known` need not be computed.
 
     `rejects` says how often an event rejects a run, by its place in the graph; half of the time if not known.
     """
     done = set(known)
-    order: list[tuple[list[Node], Event | None]] = []
+    order: list[tuple[list[GraphNode], GraphEvent | None]] = []
     for segment in segments(graph.events, range(len(graph.events)) if events is None else sorted(events)):
         pending = list(segment)
         while pending:
@@ -59,13 +59,13 @@ def plan(
             last[root.number] = position
     for node in outputs:
         last[node.number] = len(order)
-    forgotten: dict[int, list[Node]] = {}
+    forgotten: dict[int, list[GraphNode]] = {}
     for number, position in last.items():
         forgotten.setdefault(position, []).append(graph.nodes[number])
-    return tuple(Step(tuple(nodes), event, tuple(forgotten.get(i, ()))) for i, (nodes, event) in enumerate(order))
+    return tuple(PlanStep(tuple(nodes), event, tuple(forgotten.get(i, ()))) for i, (nodes, event) in enumerate(order))
 
 
-def segments(events: Sequence[Event], places: Iterable[int]) -> list[list[int]]:
+def segments(events: Sequence[GraphEvent], places: Iterable[int]) -> list[list[int]]:
     """Runs of events, by their places, that may be looked at in any order: those that only reject. Any other event is alone."""
     result: list[list[int]] = []
     for place in places:
@@ -76,19 +76,19 @@ def segments(events: Sequence[Event], places: Iterable[int]) -> list[list[int]]:
     return result
 
 
-def only_rejects(event: Event) -> bool:
+def only_rejects(event: GraphEvent) -> bool:
     """Whether the runs that an event ends are rejected; those that a guard or a function of Python ends take another course."""
     return event.kind == "require" or (event.kind == "call" and always_gives_a_value(event.node.function))
 
 
-def roots_of(event: Event) -> list[Node]:
+def roots_of(event: GraphEvent) -> list[GraphNode]:
     """The nodes that decide about an event."""
     return [event.node] if event.condition is None else [event.condition, event.node]
 
 
-def cone(roots: list[Node], done: set[int]) -> list[Node]:
+def cone(roots: list[GraphNode], done: set[int]) -> list[GraphNode]:
     """What must be computed for the roots, in order."""
-    found: dict[int, Node] = {}
+    found: dict[int, GraphNode] = {}
     waiting = list(roots)
     while waiting:
         node = waiting.pop()
@@ -98,12 +98,12 @@ def cone(roots: list[Node], done: set[int]) -> list[Node]:
     return [found[number] for number in sorted(found)]
 
 
-def cost(nodes: Sequence[Node]) -> float:
+def cost(nodes: Sequence[GraphNode]) -> float:
     """A guess at the cost of computing the nodes; an operation on numbers costs 1."""
     return sum(map(cost_of, nodes))
 
 
-def cost_of(node: Node) -> float:
+def cost_of(node: GraphNode) -> float:
     """A guess at the cost of computing a node."""
     match node.function:
         case RowDraw() | RowCall() as function:

@@ -12,7 +12,7 @@ import numpy as np
 from ....semantics.space.fields import PolygonalVectorField
 from ....semantics.space.regions.polygons import PolygonalRegion
 from ....semantics.space.vectors import Vector
-from ..trace.graph import Node, RowCall, RowDraw
+from ..trace.graph import GraphNode, RowCall, RowDraw
 from ..trace.structures import symbols_in
 from ..trace.symbols import Traced
 from .clipped import Clipped, clipped_curve, largest_radius
@@ -22,14 +22,14 @@ from .proposed import proposed_in
 Columns = Mapping[int, np.ndarray]
 
 
-class Failed(NamedTuple):
+class FailedRows(NamedTuple):
     """Rows of a node that is computed row by row: where a requirement failed, and where the interpreter must see what happens."""
 
     rejected: np.ndarray
     left: np.ndarray
 
 
-Fast = Callable[[Node, RowCall, Columns, dict[int, Failed], int], np.ndarray]
+Fast = Callable[[GraphNode, RowCall, Columns, dict[int, FailedRows], int], np.ndarray]
 
 
 def has_columns(call: RowCall) -> Fast | None:
@@ -79,22 +79,22 @@ def values_of(structure: Sequence[object], columns: Columns, count: int) -> list
     return found
 
 
-def _heading(node: Node, call: RowCall, columns: Columns, failed: dict[int, Failed], count: int) -> np.ndarray:
+def _heading(node: GraphNode, call: RowCall, columns: Columns, failed: dict[int, FailedRows], count: int) -> np.ndarray:
     field, v = call.structure
     tests, headings = field_of(field)  # type: ignore[arg-type]
     result = headings[tests.first(*values_of((v,), columns, count))]
     outside = np.isnan(result)
     if outside.any():
-        failed[node.number] = Failed(outside, np.zeros(count, dtype=bool))
+        failed[node.number] = FailedRows(outside, np.zeros(count, dtype=bool))
     return result
 
 
-def _point_in(node: Node, call: RowCall, columns: Columns, failed: dict[int, Failed], count: int) -> np.ndarray:
+def _point_in(node: GraphNode, call: RowCall, columns: Columns, failed: dict[int, FailedRows], count: int) -> np.ndarray:
     region, v = call.structure
     return tests_of(region).contains_point(*values_of((v,), columns, count))  # type: ignore[arg-type]
 
 
-def _box_in(node: Node, call: RowCall, columns: Columns, failed: dict[int, Failed], count: int) -> np.ndarray:
+def _box_in(node: GraphNode, call: RowCall, columns: Columns, failed: dict[int, FailedRows], count: int) -> np.ndarray:
     region, *box = call.structure
     return tests_of(region).contains_box(*values_of(box, columns, count))  # type: ignore[arg-type]
 

@@ -157,7 +157,7 @@ class Batch:
         if self.may_compile and self.spent > PACE_KNOWN * compiling and self.spent + self.pace * ahead > compiling:
             self.compile()
         begun = time.thread_time()
-        drawing = Drawing(self, seed, start, stop, max_attempts)
+        drawing = BlockDrawing(self, seed, start, stop, max_attempts)
         while len(drawing.pending):
             if self.fused is not None:
                 drawing.compiled(self.fused)
@@ -169,7 +169,7 @@ class Batch:
         return drawing.block()
 
 
-class Drawing:
+class BlockDrawing:
     """The drawing of a block: which scenes are pending, at which attempt they are, and what is done."""
 
     def __init__(self, batch: Batch, seed: int, start: int, stop: int, max_attempts: int) -> None:

@@ -17,10 +17,10 @@ from ....semantics.space.distributions import PointIn
 from ....semantics.space.geometry import corners, distance_to_box
 from ....semantics.space.regions import Region, everywhere
 from ....semantics.space.vectors import Vector
-from ...statistics.columns import Table
+from ...statistics.columns import FeatureTable
 from ...statistics.facts import Support
 from ...statistics.relations import MOST_RELATED, box_of, pose_of
-from ..trace.graph import Event, Graph, Node, RowDraw, Site
+from ..trace.graph import Graph, GraphEvent, GraphNode, RowDraw, Site
 from ..trace.symbols import Choice, Opaque, Traced
 from ..trace.templates import Template
 from .boundaries import inside_by, is_known, numbers_in, reach_of, sectors_in, within_arc
@@ -31,7 +31,7 @@ from .plan import cone
 
 MOST_SUGGESTED = 40
 SLOW = (Site, RowDraw)
-Values = Callable[[Table], "np.ndarray | None"]
+Values = Callable[[FeatureTable], "np.ndarray | None"]
 
 
 class Suggestion(NamedTuple):
@@ -56,7 +56,7 @@ class Suggested:
         """The known supports by name."""
         return {s.name: s.support for s in self.all if s.support is not None}
 
-    def __call__(self, table: Table) -> Mapping[str, np.ndarray]:
+    def __call__(self, table: FeatureTable) -> Mapping[str, np.ndarray]:
         """The features that follow from those of a table."""
         with np.errstate(all="ignore"):
             found = {s.name: s.values(table) for s in self.all}
@@ -64,32 +64,32 @@ class Suggested:
 
     # Requirements
 
-    def of_requirements(self, events: Sequence[Event]) -> Iterator[Suggestion]:
+    def of_requirements(self, events: Sequence[GraphEvent]) -> Iterator[Suggestion]:
         """By how much each comparison that is required holds."""
         number = 0
         for event in events:
             if event.kind == "require" and event.condition is None and event.requirement is not None:
                 for smaller, larger in comparisons(event.node, event.expected):
-                    parts = [part for part in (smaller, larger) if isinstance(part, Node)]
+                    parts = [part for part in (smaller, larger) if isinstance(part, GraphNode)]
                     if self.follows(parts):
                         number += 1
                         name = f"margin({number}, {event.requirement.text})"
                         yield Suggestion(name, partial(self.margin, smaller, larger))
 
-    def follows(self, nodes: Sequence[Node]) -> bool:
+    def follows(self, nodes: Sequence[GraphNode]) -> bool:
         """Whether nodes can be computed from the features of a scene."""
         known = {node.number for node in self.nodes.values()}
         return all(not isinstance(node.function, SLOW) for node in cone(list(nodes), known))
 
-    def margin(self, smaller: object, larger: object, table: Table) -> np.ndarray | None:
+    def margin(self, smaller: object, larger: object, table: FeatureTable) -> np.ndarray | None:
         """The difference of two numbers of the graph."""
-        found = self.evaluated([n for n in (smaller, larger) if isinstance(n, Node)], table)
+        found = self.evaluated([n for n in (smaller, larger) if isinstance(n, GraphNode)], table)
         if found is None:
             return None
-        low, high = (found[n.number] if isinstance(n, Node) else n for n in (smaller, larger))
+        low, high = (found[n.number] if isinstance(n, GraphNode) else n for n in (smaller, larger))
         return np.broadcast_to(np.asarray(high, dtype=float) - np.asarray(low, dtype=float), table.n).copy()  # type: ignore[arg-type]
 
-    def evaluated(self, nodes: Sequence[Node], table: Table) -> dict[int, np.ndarray] | None:
+    def evaluated(self, nodes: Sequence[GraphNode], table: FeatureTable) -> dict[int, np.ndarray] | None:
         """The columns of nodes, None if the table lacks a feature that they follow from."""
         known = {node.number: table.arrays[name] for name, node in self.nodes.items() if is_numeric(table, name)}
         needed = cone(list(nodes), set(known))
@@ -127,7 +127,7 @@ class Suggested:
             for sector in sectors_in(region):
                 yield Suggestion(name.replace(")", ", from its arc)"), partial(self.depth, i, sector, within_arc))
 
-    def depth(self, i: int, region: Region, how_far: Callable[..., np.ndarray], table: Table) -> np.ndarray | None:
+    def depth(self, i: int, region: Region, how_far: Callable[..., np.ndarray], table: FeatureTable) -> np.ndarray | None:
         """The values of `inside`: how far, by a function of the region, the position and the columns of its numbers."""
         pose = pose_of(table.arrays, i)
         found = self.evaluated([v.node for v in numbers_in(region) if isinstance(v, Traced)], table)
@@ -140,7 +140,7 @@ class Suggested:
             for i in range(min(len(self.template.objects), MOST_RELATED)):
                 yield Suggestion(f"boundaryDistance({i}, workspace)", partial(self.corner_depth, i, region))
 
-    def corner_depth(self, i: int, region: Region, table: Table) -> np.ndarray | None:
+    def corner_depth(self, i: int, region: Region, table: FeatureTable) -> np.ndarray | None:
         """The least depth of the corners of object `i`."""
         pose = pose_of(table.arrays, i)
         if pose is None or len(pose) < 5:
@@ -155,7 +155,7 @@ class Suggested:
             if i != self.template.ego_id and o.properties.get("requireVisible") is not False:
                 yield Suggestion(f"viewMargin({i})", partial(self.view_margin, i))
 
-    def view_margin(self, i: int, table: Table) -> np.ndarray | None:
+    def view_margin(self, i: int, table: FeatureTable) -> np.ndarray | None:
         """View distance less distance from ego to the box."""
         ego, pose = pose_of(table.arrays, self.template.ego_id), pose_of(table.arrays, i)
         reach = table.arrays.get(f"objects[{self.template.ego_id}].properties.viewDistance")
@@ -164,26 +164,26 @@ class Suggested:
         return reach - np.asarray(distance_to_box(*box_of(pose), Vector(ego[0], ego[1])))  # type: ignore[arg-type]
 
 
-def no_column(node: Node) -> np.ndarray:
+def no_column(node: GraphNode) -> np.ndarray:
     """For regions without symbols."""
     raise AssertionError(node)
 
 
-def is_numeric(table: Table, name: str) -> bool:
+def is_numeric(table: FeatureTable, name: str) -> bool:
     """Whether a table has that feature, as numbers."""
     return name in table.arrays and table.arrays[name].dtype == np.float64
 
 
-def comparisons(node: Node, expected: bool) -> Iterator[tuple[object, object]]:
+def comparisons(node: GraphNode, expected: bool) -> Iterator[tuple[object, object]]:
     """The comparisons a < b that must all hold, or fail to be wrong, for a condition to be as expected: pairs of a and b."""
     function = node.function
     if function in (np.less, np.less_equal, np.greater, np.greater_equal):
         a, b = node.arguments
         yield (a, b) if (function in (np.less, np.less_equal)) == expected else (b, a)
     elif function is np.logical_not:
-        yield from (pair for part in node.arguments if isinstance(part, Node) for pair in comparisons(part, not expected))
+        yield from (pair for part in node.arguments if isinstance(part, GraphNode) for pair in comparisons(part, not expected))
     elif function in (np.logical_and, np.logical_or) and (function is np.logical_and) == expected:
-        yield from (pair for part in node.arguments if isinstance(part, Node) for pair in comparisons(part, expected))
+        yield from (pair for part in node.arguments if isinstance(part, GraphNode) for pair in comparisons(part, expected))
 
 
 def is_same(position: object, drawn: object) -> bool:

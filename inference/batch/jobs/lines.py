@@ -13,7 +13,7 @@ import numpy as np
 
 from ....formats.scenes import FINITE_IN_JSON, OWN_FIELDS, in_json, json_value, object_entry, scene_entry
 from ....formats.tables import COLUMNS, Texts, chosen, columns_of, joined
-from ....formats.tables import Columns as Table
+from ....formats.tables import Columns as TableColumns
 from ....semantics.kernel.values import Random
 from ....semantics.space.geometry import normalise_heading
 from ....semantics.space.vectors import Vector
@@ -176,7 +176,7 @@ def numbers(column: np.ndarray) -> list[str]:
 # Tables
 
 
-def table_of(template: Template, block: Block, seed: int) -> Table:
+def table_of(template: Template, block: Block, seed: int) -> TableColumns:
     """The columns of a table with the objects of the scenes of a block, one row for each, in order."""
     made = _table(template, block, seed)
     if not block.others:
@@ -185,13 +185,13 @@ def table_of(template: Template, block: Block, seed: int) -> Table:
     return chosen(whole, np.argsort(whole["scene"], kind="stable"))  # type: ignore[arg-type]
 
 
-def _table(template: Template, block: Block, seed: int) -> Table:
+def _table(template: Template, block: Block, seed: int) -> TableColumns:
     """The rows of the scenes in the columns of a block."""
     count, columns, objects = len(block.rows), block.columns, template.objects
     own = [own_fields(o, columns, count) for o in objects]
     by_scene = {"scene": block.rows, "attempts": attempts_of(block), "weight": np.ones(count)}
     by_object = {"object": np.arange(len(objects)), "ego": np.arange(len(objects)) == template.ego_id}
-    made: Table = {name: np.repeat(values, len(objects)) for name, values in by_scene.items()}
+    made: TableColumns = {name: np.repeat(values, len(objects)) for name, values in by_scene.items()}
     made |= {name: np.tile(values, count) for name, values in by_object.items()}
     made |= {name: interleaved([np.array(o[i], dtype=float) for o in own]) for i, name in enumerate(("x", "y", "heading", "width", "length"))}
     made |= {"seed": texts([str(seed)] * len(objects), count), "name": texts([o.name for o in objects], count)}

@@ -24,7 +24,7 @@ Bounds = tuple[float, float]
 
 
 @dataclass(eq=False, slots=True)
-class Node:
+class GraphNode:
     """`function(*arguments)`; `example` is its value in the run that was traced, `bounds` hold in all (None if not known, or if NaN may be)."""
 
     number: int
@@ -45,7 +45,7 @@ class Site:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Table:
+class Lookup:
     """The element of a constant array at the position that is the argument."""
 
     values: np.ndarray
@@ -108,7 +108,7 @@ class Part:
     name: str
 
 
-class Event(NamedTuple):
+class GraphEvent(NamedTuple):
     """What decides a run, in the order of the program.
 
     "require": the run is rejected unless `node` is `expected`. "guard": the trace speaks for the run only if `node` is `expected`.
@@ -116,24 +116,24 @@ class Event(NamedTuple):
     """
 
     kind: Literal["require", "guard", "call"]
-    node: Node
+    node: GraphNode
     expected: bool = True
     requirement: Requirement | None = None
-    condition: Node | None = None
+    condition: GraphNode | None = None
 
 
 @dataclass
 class Graph:
     """Nodes in the order in which they were made, events, and the points that are drawn: by address, the region and the point."""
 
-    nodes: list[Node] = field(default_factory=list)
-    events: list[Event] = field(default_factory=list)
+    nodes: list[GraphNode] = field(default_factory=list)
+    events: list[GraphEvent] = field(default_factory=list)
     points: dict[tuple[int, ...], tuple[Region, object]] = field(default_factory=dict)
 
 
 def bounds_of(function: object, arguments: tuple[object, ...]) -> Bounds | None:
     """Bounds of a result, from those of the arguments; sound in floating point, since the operations are monotone there too."""
-    known = [a.bounds if isinstance(a, Node) else _constant_bounds(a) for a in arguments]
+    known = [a.bounds if isinstance(a, GraphNode) else _constant_bounds(a) for a in arguments]
     if any(b is None for b in known):
         return None
     rule = _RULES.get(function)  # type: ignore[call-overload]
@@ -189,8 +189,8 @@ def decided(function: object, arguments: tuple[object, ...]) -> bool | None:
     """The result of a comparison that is the same for all values within the bounds of the arguments, or None."""
     if function not in (np.less, np.less_equal, np.greater, np.greater_equal, np.equal, np.not_equal):
         return None
-    left, right = (a.bounds if isinstance(a, Node) else _constant_bounds(a) for a in arguments)
-    infinite = arguments[1] == math.inf if not isinstance(arguments[1], Node) else False
+    left, right = (a.bounds if isinstance(a, GraphNode) else _constant_bounds(a) for a in arguments)
+    infinite = arguments[1] == math.inf if not isinstance(arguments[1], GraphNode) else False
     if left is None or (right is None and not infinite):
         return None
     low, high = (math.inf, math.inf) if right is None else right

@@ -13,7 +13,7 @@ from ....semantics.python.calls import invoke, vector
 from ....semantics.space.regions import CircularRegion, RectangularRegion, Region, SectorRegion, Workspace
 from ....semantics.space.symbols import NotLifted, negation
 from ....semantics.space.vectors import Vector
-from .recording import Trace
+from .recording import Recorder
 from .structures import symbols_in
 from .symbols import OPERATORS, Choice, Scalar, Traced
 
@@ -35,7 +35,7 @@ DIRECT = (CircularRegion, SectorRegion, RectangularRegion, Workspace)
 STATEFUL = (Function, Method, Dynamic, Module, Instance, ScenicClass)
 
 
-def lift(trace: Trace, operation: Callable[..., object], arguments: list[object], keywords: dict[str, object]) -> object:
+def lift(trace: Recorder, operation: Callable[..., object], arguments: list[object], keywords: dict[str, object]) -> object:
     """`operation(*arguments, **keywords)` where there are symbols in the arguments."""
     found = symbols_in((arguments, keywords))
     if not found:
@@ -78,7 +78,7 @@ def lift(trace: Trace, operation: Callable[..., object], arguments: list[object]
     return trace.call(operation, tuple(arguments), keywords)
 
 
-def extreme(trace: Trace, operation: Callable[..., object], first: object, second: object) -> object:
+def extreme(trace: Recorder, operation: Callable[..., object], first: object, second: object) -> object:
     """The smaller or larger of two numbers, the first of equal ones: itself, so that a whole number stays one."""
     replaces: object = second < first if operation is min else second > first  # type: ignore[operator]
     replaces = replaces.number() if isinstance(replaces, Traced) else replaces
@@ -135,7 +135,7 @@ def _is_float(value: object) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
-def _operator(trace: Trace, operation: Callable[..., object], arguments: list[object]) -> object:
+def _operator(trace: Recorder, operation: Callable[..., object], arguments: list[object]) -> object:
     if operation in ZERO_DIVIDES and bool(trace.operate(operator.eq, (arguments[1], 0.0))):
         raise ZeroDivisionError("float division by zero" if operation is operator.truediv else "float modulo")
     return trace.operate(operation, tuple(arguments))

@@ -17,7 +17,7 @@ from ....semantics.space.regions import EmptyRegion
 from ....semantics.space.symbols import Elementary, NotLifted, is_macro, position_in
 from ....semantics.space.vectors import Vector
 from ....semantics.syntax.nodes import NOWHERE
-from .graph import AsFloat, Event, Graph, Kind, Macro, Node, Part, RowCall, Search, Site, Table, bounds_of, decided
+from .graph import AsFloat, Graph, GraphEvent, GraphNode, Kind, Lookup, Macro, Part, RowCall, Search, Site, bounds_of, decided
 from .structures import in_row, symbols_in
 from .symbols import OPERATORS, Choice, Opaque, Scalar, Traced
 
@@ -34,29 +34,29 @@ class Retry(Exception):
     """The run that is traced got stuck where no value can go on: another run must be traced."""
 
 
-class Trace:
+class Recorder:
     """The graph of one run on symbols, while it is made; `conditions` are the nodes that say which runs come to what is being evaluated."""
 
     def __init__(self, number_at: Callable[[Site], float], budget: Budget) -> None:
         self.graph = Graph()
         self.budget = budget
         self.number_at = number_at
-        self.known: dict[object, Node] = {}
-        self.conditions: list[Node] = []
-        self.counted: set[tuple[int, Node | None]] = set()
+        self.known: dict[object, GraphNode] = {}
+        self.conditions: list[GraphNode] = []
+        self.counted: set[tuple[int, GraphNode | None]] = set()
         self.place: Callable[[str], Requirement] = lambda text: Requirement("", NOWHERE, text)
         self.open = True
 
     # Nodes
 
-    def node(self, function: object, arguments: tuple[object, ...], kind: Kind, example: object, key: object = None) -> Node:
+    def node(self, function: object, arguments: tuple[object, ...], kind: Kind, example: object, key: object = None) -> GraphNode:
         """The node of `function(*arguments)`: a known one if there is one."""
         if not self.open:
             raise NotLifted("a random value outlived its run")
-        key = (function, *(a if isinstance(a, Node) else (type(a), a) for a in arguments)) if key is None else key
+        key = (function, *(a if isinstance(a, GraphNode) else (type(a), a) for a in arguments)) if key is None else key
         found = self.known.get(key)
         if found is None:
-            found = Node(len(self.graph.nodes), function, arguments, kind, example, bounds_of(function, arguments))
+            found = GraphNode(len(self.graph.nodes), function, arguments, kind, example, bounds_of(function, arguments))
             self.graph.nodes.append(found)
             self.known[key] = found
         return found
@@ -68,11 +68,11 @@ class Trace:
         node.bounds = (0.0, 1.0 - 2.0**-53)
         return Scalar(self, node, node.example)
 
-    def table(self, index: Node, values: np.ndarray) -> Scalar:
+    def table(self, index: GraphNode, values: np.ndarray) -> Scalar:
         """The element of a constant array."""
         kind: Kind = "bool" if values.dtype == bool else "float"
         example = values[index.example].item()  # type: ignore[index]
-        node = self.node(Table(values), (index,), kind, example, ("table", values.tobytes(), values.dtype.str, index))
+        node = self.node(Lookup(values), (index,), kind, example, ("table", values.tobytes(), values.dtype.str, index))
         if kind == "float" and np.isfinite(values).all():
             node.bounds = (float(values.min()), float(values.max()))
         return Scalar(self, node, example)
@@ -82,18 +82,18 @@ class Trace:
     def apply_ufunc(self, function: np.ufunc, arguments: Sequence[object]) -> Any:
         """A function of NumPy or SciPy, or an operator, on numbers and truth values."""
         operands = [self.operand(a) for a in arguments]
-        if not any(isinstance(a, Node) for a in operands):
+        if not any(isinstance(a, GraphNode) for a in operands):
             result = function(*operands)
             return result.item() if isinstance(result, np.generic) else result
         constant = decided(function, tuple(operands))
         if constant is not None:
             return constant
-        if function in (np.logical_and, np.logical_or) and not all(isinstance(a, Node) for a in operands):
-            fixed = operands[0] if not isinstance(operands[0], Node) else operands[1]
+        if function in (np.logical_and, np.logical_or) and not all(isinstance(a, GraphNode) for a in operands):
+            fixed = operands[0] if not isinstance(operands[0], GraphNode) else operands[1]
             if isinstance(fixed, bool):
                 return fixed if fixed is (function is np.logical_or) else next(a for a in arguments if isinstance(a, Traced))
         with np.errstate(all="ignore"):
-            example = function(*(a.example if isinstance(a, Node) else a for a in operands))
+            example = function(*(a.example if isinstance(a, GraphNode) else a for a in operands))
         truth = function in TRUTH
         node = self.node(function, tuple(operands), "bool" if truth else "float", bool(example) if truth else float(example))
         return Scalar(self, node, node.example)
@@ -147,11 +147,11 @@ class Trace:
             stride *= len(choice.values)
         return self.merge(next(iter(choices.values())).node if len(choices) == 1 else self.whole(index), results)
 
-    def whole(self, index: Scalar) -> Node:
+    def whole(self, index: Scalar) -> GraphNode:
         """A float that is a whole number as a position."""
         return self.node(int, (index.node,), "int", int(index.example))  # type: ignore[arg-type]
 
-    def as_float_node(self, node: Node) -> Scalar:
+    def as_float_node(self, node: GraphNode) -> Scalar:
         """A whole number or truth value as a float."""
         made = self.node(AS_FLOAT, (node,), "float", float(node.example))  # type: ignore[arg-type]
         return Scalar(self, made, made.example)
@@ -181,8 +181,8 @@ class Trace:
             return then if condition else otherwise
         operands = tuple(self.operand(a) for a in (condition, then, otherwise))
         example = operands[1] if condition.example else operands[2]
-        example = example.example if isinstance(example, Node) else example
-        truth = all(isinstance(a, bool) or (isinstance(a, Node) and a.kind == "bool") for a in operands[1:])
+        example = example.example if isinstance(example, GraphNode) else example
+        truth = all(isinstance(a, bool) or (isinstance(a, GraphNode) and a.kind == "bool") for a in operands[1:])
         node = self.node(np.where, operands, "bool" if truth else "float", example)
         return Scalar(self, node, example)
 
@@ -193,7 +193,7 @@ class Trace:
         index = position.node if position.node.kind == "int" else self.whole(position)
         return self.merge(index, values)
 
-    def merge(self, index: Node, results: Sequence[Any]) -> Any:
+    def merge(self, index: GraphNode, results: Sequence[Any]) -> Any:
         """The result that the index chooses."""
         from ....semantics.kernel.values import unwrap
 
@@ -205,7 +205,7 @@ class Trace:
             return Vector(self.numbers(index, [r.x for r in results]), self.numbers(index, [r.y for r in results]))
         return Choice(self, index, results)
 
-    def numbers(self, index: Node, results: Sequence[Any]) -> Any:
+    def numbers(self, index: GraphNode, results: Sequence[Any]) -> Any:
         """The number that the index chooses."""
         merged = self.merge(index, results)
         return merged.number() if isinstance(merged, Traced) else merged
@@ -224,7 +224,7 @@ class Trace:
             cumulative, value = arguments
             array = np.array(cumulative, dtype=float)
             operand = self.operand(value)
-            assert isinstance(operand, Node)
+            assert isinstance(operand, GraphNode)
             example = int(np.searchsorted(array, operand.example, side="right"))  # type: ignore[arg-type]
             node = self.node(Search(array), (operand,), "int", example, ("search", array.tobytes(), operand))
             return Scalar(self, node, example)
@@ -233,7 +233,7 @@ class Trace:
     def elementary(self, function: Elementary, arguments: tuple[object, ...]) -> Any:
         """A function of the C library."""
         operands = tuple(self.operand(a) for a in arguments)
-        example = function.safely(*(a.example if isinstance(a, Node) else a for a in operands))  # type: ignore[misc]
+        example = function.safely(*(a.example if isinstance(a, GraphNode) else a for a in operands))  # type: ignore[misc]
         return Scalar(self, self.node(function, operands, "float", example), example)
 
     def macro(self, function: Callable[..., object], arguments: tuple[object, ...]) -> Any:
@@ -242,7 +242,7 @@ class Trace:
         parts = [part for a in arguments for part in (a if isinstance(a, Vector) else (a,))]
         operands = tuple(self.operand(part) for part in parts)
         made = Macro(function, shape)
-        example = bool(made.call([a.example if isinstance(a, Node) else a for a in operands]))
+        example = bool(made.call([a.example if isinstance(a, GraphNode) else a for a in operands]))
         return Scalar(self, self.node(made, operands, "bool", example), example)
 
     def as_numbers(self, value: object) -> object:
@@ -276,7 +276,7 @@ class Trace:
             node.bounds = bounds_of_field(*arguments) if kind == "float" else None
         if not self.counted & {(node.number, None), *((node.number, condition) for condition in self.conditions)}:
             self.counted.add((node.number, self.condition))
-            self.graph.events.append(Event("call", node, condition=self.condition, requirement=self.place(premise_of(arguments, text))))
+            self.graph.events.append(GraphEvent("call", node, condition=self.condition, requirement=self.place(premise_of(arguments, text))))
         if isinstance(example, Vector):
             return self.vector(node, example)
         return Opaque(self, node, example) if kind == "object" else Scalar(self, node, example)
@@ -293,11 +293,11 @@ class Trace:
 
         return ("call", function if not keywords else object(), *map(part, arguments))
 
-    def vector(self, node: Node, example: Vector) -> Vector:
+    def vector(self, node: GraphNode, example: Vector) -> Vector:
         """The vector that a node's object is."""
         return Vector(self.part(node, "x", example.x), self.part(node, "y", example.y))  # type: ignore[arg-type]
 
-    def part(self, node: Node, name: str, example: float) -> Scalar:
+    def part(self, node: GraphNode, name: str, example: float) -> Scalar:
         """A number that is an attribute of a node's object."""
         return Scalar(self, self.node(Part(name), (node,), "float", float(example)), float(example))
 
@@ -307,7 +307,7 @@ class Trace:
         """The truth of a symbol in the traced run; other runs, where it differs, are not what the graph describes."""
         truth = self.truth(symbol)
         if isinstance(truth, Traced):
-            self.graph.events.append(Event("guard", truth.node, bool(truth.example), condition=self.condition))
+            self.graph.events.append(GraphEvent("guard", truth.node, bool(truth.example), condition=self.condition))
             return bool(truth.example)
         return truth
 
@@ -326,13 +326,13 @@ class Trace:
         """The truth of a symbol decides a requirement: runs in which it is False are rejected. Its truth in the traced run."""
         truth = self.truth(symbol)
         if isinstance(truth, Traced):
-            self.graph.events.append(Event("require", truth.node, True, requirement, self.condition))
+            self.graph.events.append(GraphEvent("require", truth.node, True, requirement, self.condition))
             return bool(truth.example)
         return truth
 
     # What is evaluated in some runs only
 
-    def begin(self, condition: Node, expected: bool) -> None:
+    def begin(self, condition: GraphNode, expected: bool) -> None:
         """What comes is evaluated only in the runs in which the truth of `condition` is as expected; and those around it hold as well."""
         here: Any = Scalar(self, condition, condition.example)
         here = here if expected else ~here
@@ -343,7 +343,7 @@ class Trace:
         self.conditions.append(both.node)
 
     @property
-    def condition(self) -> Node | None:
+    def condition(self) -> GraphNode | None:
         """In which runs the machine reaches the place where it is: those in which this node is True, if there is one."""
         return self.conditions[-1] if self.conditions else None
 
@@ -373,4 +373,4 @@ def bounds_of_field(subject: object = None, *rest: object) -> tuple[float, float
     return min(headings), max(headings)
 
 
-__all__ = ["Retry", "Trace"]
+__all__ = ["Recorder", "Retry"]

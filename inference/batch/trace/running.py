@@ -35,9 +35,9 @@ from ....semantics.syntax import python_expressions as p
 from ....semantics.syntax import statements as s
 from ....semantics.syntax.nodes import Statement
 from ..evaluate.plan import only_rejects
-from .graph import Event, Graph, RowDraw, Site
+from .graph import Graph, GraphEvent, RowDraw, Site
 from .lifting import lift
-from .recording import Retry, Trace
+from .recording import Recorder, Retry
 from .structures import in_row
 from .symbols import Traced
 
@@ -96,9 +96,9 @@ def trace_run(config: Config, attempt: int, fuel: int, draws: Draws = AS_THEY_AR
         return numbers()
 
     door = config.state.settings.door
-    made = Trace(number_at, door.budget)
+    made = Recorder(number_at, door.budget)
     door.lift = partial(lift, made)
-    traced = Tracing(made, draws, config)
+    traced = SymbolicRun(made, draws, config)
     try:
         end, _ = drive_machine(traced.step, config, traced.answer, fuel, witness=traced.watch, beyond=traced.beyond)
         match end:
@@ -119,10 +119,10 @@ def trace_run(config: Config, attempt: int, fuel: int, draws: Draws = AS_THEY_AR
         door.lift = None
 
 
-class Tracing:
+class SymbolicRun:
     """What steps, answers and watches while a run is traced."""
 
-    def __init__(self, made: Trace, draws: Draws, config: Config) -> None:
+    def __init__(self, made: Recorder, draws: Draws, config: Config) -> None:
         self.made = made
         self.draws = draws
         self.config = config  # the one that makes the latest step, and how many events there were before it
@@ -176,11 +176,11 @@ class Tracing:
         return outcome.beyond
 
 
-def never_holds(requirement: Requirement, made: Trace) -> None:
+def never_holds(requirement: Requirement, made: Recorder) -> None:
     """A requirement fails whatever is drawn: no run is accepted, or of a soft one those whose coin shows tails. Raises `Impossible`, `Retry`."""
     if made.condition is None:
         raise Impossible(requirement) if all(map(only_rejects, made.graph.events)) else Retry(requirement.text)
-    made.graph.events.append(Event("require", made.condition, False, requirement))
+    made.graph.events.append(GraphEvent("require", made.condition, False, requirement))
 
 
 def check_pure(outcome: Next) -> None:
@@ -206,7 +206,7 @@ def check_unchanged(before: State, after: State) -> None:
         raise NotLifted("what is evaluated only in some runs changes the scene")
 
 
-def numbers_of(draw: Draw, made: Trace) -> Callable[[], Any]:
+def numbers_of(draw: Draw, made: Recorder) -> Callable[[], Any]:
     """The numbers of a draw, as symbols."""
     used = 0
 
@@ -218,7 +218,7 @@ def numbers_of(draw: Draw, made: Trace) -> Callable[[], Any]:
     return uniform
 
 
-def draw_symbol(draw: Draw, made: Trace) -> object:
+def draw_symbol(draw: Draw, made: Recorder) -> object:
     """What a draw gives: the distribution's own map of numbers, on symbols; or row by row where it takes no fixed number of them."""
     try:
         drawn = draw.distribution.sample(numbers_of(draw, made)) if is_mapped(draw.distribution) else draw_by_rows(draw, made)
@@ -241,7 +241,7 @@ def is_mapped(distribution: Distribution) -> bool:
     return isinstance(distribution, MAPPED)
 
 
-def draw_by_rows(draw: Draw, made: Trace) -> object:
+def draw_by_rows(draw: Draw, made: Recorder) -> object:
     """The draw as a single operation."""
     stream = Stream(0, 0, 0)
     distribution = in_row(draw.distribution, lambda node: node.example)
@@ -250,7 +250,7 @@ def draw_by_rows(draw: Draw, made: Trace) -> object:
         raise NotLifted("a draw that is made row by row gives no point")
     node = made.node(RowDraw(draw.distribution, draw.address, draw.per_scene), (), "object", example, object())
     requirement = Requirement("region", draw.node.span, "a region to draw a point from is not empty")
-    made.graph.events.append(Event("call", node, requirement=requirement, condition=made.condition))
+    made.graph.events.append(GraphEvent("call", node, requirement=requirement, condition=made.condition))
     return made.vector(node, example)
 
 

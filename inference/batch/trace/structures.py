@@ -12,10 +12,10 @@ from ....semantics.kernel.sets import FrozenSet, Set
 from ....semantics.kernel.values import Dynamic, Function, Instance, Method, Module, Pairs, Random, ScenicClass
 from ....semantics.space.symbols import NotLifted
 from ....semantics.space.vectors import Vector
-from .graph import Node, RowCall, RowDraw
+from .graph import GraphNode, RowCall, RowDraw
 from .symbols import Choice, Traced
 
-Resolve = Callable[[Node], object]
+Resolve = Callable[[GraphNode], object]
 
 
 def symbols_in(value: object) -> list[Traced]:
@@ -25,7 +25,7 @@ def symbols_in(value: object) -> list[Traced]:
     return found
 
 
-def nodes_in(value: object) -> list[Node]:
+def nodes_in(value: object) -> list[GraphNode]:
     """The nodes of these symbols."""
     return [symbol.node for symbol in symbols_in(value)]
 
@@ -100,9 +100,9 @@ def _like(container: object, content: Any) -> object:
     return kind(content)
 
 
-def children(node: Node) -> list[Node]:
+def children(node: GraphNode) -> list[GraphNode]:
     """The nodes that a node is computed from."""
     if isinstance(node.function, (RowCall, RowDraw)):
         called = node.function
         return nodes_in((called.structure, called.keywords) if isinstance(called, RowCall) else called.distribution)
-    return [a for a in node.arguments if isinstance(a, Node)]
+    return [a for a in node.arguments if isinstance(a, GraphNode)]

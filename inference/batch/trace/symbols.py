@@ -12,8 +12,8 @@ from ....semantics.space.symbols import NotLifted, Symbol
 
 if TYPE_CHECKING:
     from ....semantics.kernel.outcome import Requirement
-    from .graph import Node
-    from .recording import Trace
+    from .graph import GraphNode
+    from .recording import Recorder
 
 OPERATORS: dict[Callable[..., object], np.ufunc] = {
     operator.add: np.add, operator.sub: np.subtract, operator.mul: np.multiply, operator.truediv: np.true_divide, operator.mod: np.mod,
@@ -41,7 +41,7 @@ class Traced(Symbol):
 
     __slots__ = ("example", "node", "trace")
 
-    def __init__(self, trace: Trace, node: Node, example: object) -> None:
+    def __init__(self, trace: Recorder, node: GraphNode, example: object) -> None:
         self.trace = trace
         self.node = node
         self.example = example
@@ -109,7 +109,7 @@ class Choice(Traced):
 
     __slots__ = ("values",)
 
-    def __init__(self, trace: Trace, node: Node, values: Sequence[object]) -> None:
+    def __init__(self, trace: Recorder, node: GraphNode, values: Sequence[object]) -> None:
         self.values = tuple(values)
         chosen = self.values[node.example]  # type: ignore[index]
         super().__init__(trace, node, chosen.example if isinstance(chosen, Traced) else chosen)

@@ -17,7 +17,7 @@ from ....semantics.space.regions import Region
 from ....semantics.space.symbols import NotLifted
 from ....semantics.space.vectors import Vector
 from ..evaluate.rows import Columns
-from .graph import Node
+from .graph import GraphNode
 from .structures import in_row, nodes_in, symbols_in
 from .symbols import Choice, Opaque, Traced
 
@@ -40,7 +40,7 @@ class Template(NamedTuple):
     pruned: bool = False
 
     @property
-    def outputs(self) -> list[Node]:
+    def outputs(self) -> list[GraphNode]:
         """The nodes that a scene is made from."""
         return nodes_in([self.params, *(o.properties for o in self.objects)])
 

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 
 @dataclass(frozen=True, slots=True)
-class Model:
+class CarModel:
     """A car model: its name and its bounding box, in metres (`height` is the appendix's word for `length`)."""
 
     name: str
@@ -28,19 +28,19 @@ class Model:
 MODELS = {
     m.name: m
     for m in (
-        Model("ASEA", 1.83, 4.46),
-        Model("BALLER", 2.11, 5.10),
-        Model("BISON", 2.29, 5.48),
-        Model("BLISTA", 1.76, 4.10),
-        Model("BOBCATXL", 2.38, 5.78),
-        Model("BUFFALO", 2.04, 5.08),
-        Model("BUS", 2.90, 13.20),
-        Model("DOMINATOR", 1.94, 4.94),
-        Model("GRANGER", 3.03, 5.95),
-        Model("JACKAL", 2.00, 4.94),
-        Model("NINEF", 2.08, 4.51),
-        Model("ORACLE", 2.08, 5.13),
-        Model("PATRIOT", 2.27, 5.11),
+        CarModel("ASEA", 1.83, 4.46),
+        CarModel("BALLER", 2.11, 5.10),
+        CarModel("BISON", 2.29, 5.48),
+        CarModel("BLISTA", 1.76, 4.10),
+        CarModel("BOBCATXL", 2.38, 5.78),
+        CarModel("BUFFALO", 2.04, 5.08),
+        CarModel("BUS", 2.90, 13.20),
+        CarModel("DOMINATOR", 1.94, 4.94),
+        CarModel("GRANGER", 3.03, 5.95),
+        CarModel("JACKAL", 2.00, 4.94),
+        CarModel("NINEF", 2.08, 4.51),
+        CarModel("ORACLE", 2.08, 5.13),
+        CarModel("PATRIOT", 2.27, 5.11),
     )
 }
 
