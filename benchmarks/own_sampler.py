@@ -83,7 +83,7 @@ def prepare(task: SamplingTask) -> tuple[Draw, dict[str, float]]:
         raise Skipped(f"the batch backend cannot draw from this program: {scenario.not_lifted}")
     if task.backend == "numba":
         if not batch.compile():
-            raise Skipped(batch.not_fused)
+            raise Skipped(batch.not_compiled)
     else:
         batch.may_compile = False
     draw = by_blocks(batch, task.seed)

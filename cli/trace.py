@@ -70,7 +70,7 @@ def trace(
     from ..semantics.kernel.errors import UsageError
     from ..simulators import by_name
     from .files import check_ending, check_place
-    from .tracing import WhichRun, traced, traced_simulation, write_page, write_text
+    from .trace_output import WhichRun, traced, traced_simulation, write_page, write_text
 
     session = context.obj
     session.seed = seed

@@ -42,7 +42,7 @@ def test_without_numba_long_runs_are_drawn_on_columns(afresh, monkeypatch):
     assert len(list(scenario.sample_many(600, seed=3, backend="batch"))) == 600
     assert scenario.batch is not None
     assert not scenario.batch.compile()
-    assert scenario.batch.not_fused == "numba is not installed"
+    assert scenario.batch.not_compiled == "numba is not installed"
     assert not is_installed("numba")
 
 
@@ -53,7 +53,7 @@ def test_a_numba_that_does_not_fit_is_told_and_not_used(afresh, monkeypatch, tmp
     batch = scenic_ref.loads("ego = Object at (Range(0, 1), 0)").batch
     assert batch is not None
     assert not batch.compile()
-    assert batch.not_fused == "numba cannot be imported (Numba needs NumPy 1.0 or less)"
+    assert batch.not_compiled == "numba cannot be imported (Numba needs NumPy 1.0 or less)"
 
 
 def test_a_fault_of_ours_is_not_taken_for_a_missing_package(afresh, monkeypatch):

@@ -176,7 +176,7 @@ def test_interpreter_columns_and_compiled_code_give_the_same_scenes(text, always
     assert [scene.to_line() for scene in batch.scenes(5, 3, start=6)] == one_by_one[6:11]
     columns = batch.block(3, 0, 900)
     if not batch.compile():
-        assert batch.not_fused == "numba is not installed"
+        assert batch.not_compiled == "numba is not installed"
         return
     compiled = batch.block(3, 0, 900)
     assert compiled.attempts_by_stage.tolist() == columns.attempts_by_stage.tolist()
@@ -202,7 +202,7 @@ def test_a_part_that_cannot_be_drawn_is_an_error(always, compiled):
     batch = scenario.batch
     assert batch is not None
     if compiled:
-        assert batch.compile(), batch.not_fused
+        assert batch.compile(), batch.not_compiled
     with pytest.raises(AttemptsExhausted, match=r"no scene in 100 attempts.*line 5"):
         list(batch.scenes(5, 1, max_attempts=100))
     with pytest.raises(ScenicError, match=r"no scene in 100 attempts.*line 5"):
@@ -219,7 +219,7 @@ def test_ties_are_drawn_on_columns(always):
     scenario = scenic_ref.loads(text)
     columns, compiled = factorised(scenario), factorised(scenario)
     assert columns.stage.parts
-    assert compiled.compile(), compiled.not_fused
+    assert compiled.compile(), compiled.not_compiled
     assert [s.to_line() for s in compiled.scenes(300, 2)] == [s.to_line() for s in columns.scenes(300, 2)]
 
 # Found by reading
@@ -274,7 +274,7 @@ def test_columns_compiled_code_and_interpreter_agree_to_the_last_attempt(text, a
         if columns[k] != "exhausted":
             assert scenario.sample(1, k, max_attempts=attempts).to_line() == columns[k]
     if not batch.compile():
-        assert batch.not_fused == "numba is not installed"
+        assert batch.not_compiled == "numba is not installed"
         return
     assert lines(batch, 150, 1, attempts) == columns
 
@@ -287,7 +287,7 @@ def test_no_scene_is_lost_where_the_compiled_code_leaves_some(always):
     )
     scenario = scenic_ref.loads(text)
     columns, compiled = factorised(scenario), factorised(scenario)
-    assert compiled.compile(), compiled.not_fused
+    assert compiled.compile(), compiled.not_compiled
     for attempts in (1, 2, 4, 1000):
         for start in range(0, 120, 12):
             one, other = (b.block(5, start, start + 12, max_attempts=attempts) for b in (columns, compiled))

@@ -55,7 +55,7 @@ def test_gallery_programs_give_the_same_scenes(path):
 def test_compiled_code_gives_the_same_columns(name):
     scenario = scenic_ref.load(next(path for path in GALLERY if path.stem == name))
     columns, compiled = batch_of(scenario), batch_of(scenario)
-    assert compiled.compile(), compiled.not_fused
+    assert compiled.compile(), compiled.not_compiled
     for start in (0, 700):
         one, other = columns.block(5, start, start + 700), compiled.block(5, start, start + 700)
         assert one.attempts.tolist() == other.attempts.tolist()
@@ -155,7 +155,7 @@ ALSO_COMPILED = (
 def test_short_programs_give_the_same_scenes_compiled(name):
     scenario = scenic_ref.loads(SHORT[name])
     batch = batch_of(scenario)
-    assert batch.compile(), batch.not_fused
+    assert batch.compile(), batch.not_compiled
     assert from_batch(batch, 7, 40, 200) == one_by_one(scenario, 7, 40, 200)
 
 
@@ -177,7 +177,7 @@ def test_a_graph_that_would_take_minutes_is_not_compiled():
     text = "ego = Object at (0, 0)\nfor i in range(60):\n    Object at (Range(0, 900), Range(0, 9)), with requireVisible False\n"
     batch = batch_of(scenic_ref.loads(text))
     assert not batch.compile()
-    assert "take minutes to compile" in batch.not_fused
+    assert "take minutes to compile" in batch.not_compiled
 
 
 def test_runs_that_take_another_way_are_left_to_the_interpreter():

@@ -189,7 +189,7 @@ def test_every_backend_decides_a_boundary_alike(name: str, backend: str):
     else:
         scenario.rehearse()
         batch = Batch(scenario.start, fuel=scenario.fuel)
-        assert backend == "columns" or batch.compile(), batch.not_fused
+        assert backend == "columns" or batch.compile(), batch.not_compiled
         scenes = list(batch.scenes(300, 9))
     assert [scene.params["answer"] for scene in scenes] == [True] * len(scenes)
 

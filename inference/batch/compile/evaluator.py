@@ -11,7 +11,7 @@ from ....interpreter.streams import fold
 from ....semantics.kernel.outcome import Requirement
 from ..evaluate.components import Stage
 from ..evaluate.rows import Columns
-from .source import ACCEPTED, EXHAUSTED, LEFT, PENDING, NotFused, fuse
+from .source import ACCEPTED, EXHAUSTED, LEFT, PENDING, NotCompiled, compile_stage
 
 BUDGET = 1 << 22
 """Runs between which Python is asked whether it was interrupted."""
@@ -27,17 +27,17 @@ class BlockResult(NamedTuple):
     runs: int
 
 
-class Fused:
-    """A program's compiled evaluator. Raises `NotFused` if the graph has none; the first call takes seconds."""
+class CompiledStage:
+    """A program's compiled evaluator. Raises `NotCompiled` if the graph has none; the first call takes seconds."""
 
     def __init__(self, stage: Stage) -> None:
         self.outputs = stage.outputs
-        self.evaluator, self.arrays, self.events = fuse(stage)
+        self.evaluator, self.arrays, self.events = compile_stage(stage)
         self.floats = sum(node.kind == "float" for node in self.outputs)
         try:
             self.call(0, 0, np.zeros((len(stage.all), 1), dtype=np.int64), np.zeros(0, dtype=np.int64), 1, self.room(1), *self.blank(1))
         except Exception as problem:  # whatever the compiler cannot do, the columns can
-            raise NotFused(f"numba gives up ({type(problem).__name__})") from None
+            raise NotCompiled(f"numba gives up ({type(problem).__name__})") from None
 
     def room(self, count: int) -> tuple[np.ndarray, np.ndarray]:
         """Arrays for the results of `count` scenes: floats, and whole numbers and truth values."""

@@ -1,4 +1,4 @@
-"""What the fused evaluators call, compiled by numba: random numbers, and tests of points and boxes against polygons.
+"""What the compiled evaluators call, compiled by numba: random numbers, and tests of points and boxes against polygons.
 
 The tests are those of `polygons`, one point at a time. `UNSURE` means that an edge is too near for rounding: the run is then left to the
 interpreter.

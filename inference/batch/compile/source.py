@@ -1,6 +1,6 @@
 """A compiled evaluator of one program: its graph written as a function of one run after the other, which ends at the first thing that fails.
 
-It gives the same bits as the columns, which evaluate the same graph. `NotFused` says what of a graph it cannot do. To import this needs numba.
+It gives the same bits as the columns, which evaluate the same graph. `NotCompiled` says what of a graph it cannot do. To import this needs numba.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ EXHAUSTED: a part of it has had all attempts.
 """
 
 
-class NotFused(Exception):
+class NotCompiled(Exception):
     """A graph holds something that has no compiled form; the text says what."""
 
 
@@ -128,7 +128,7 @@ class Writer:
         elif name in SPECIAL:
             self.names.setdefault(name, kernels.from_scipy(SPECIAL[name]))
         else:
-            raise NotFused(f"the function {name}" if name else "a point drawn row by row")
+            raise NotCompiled(f"the function {name}" if name else "a point drawn row by row")
         return f"{name}({', '.join(operands)})"
 
     def site(self, name: str, site: Site) -> None:
@@ -153,7 +153,7 @@ class Writer:
         """A point of a curve inside a sector."""
         found = is_clipped(draw)
         if found is None:
-            raise NotFused("a point drawn row by row")
+            raise NotCompiled("a point drawn row by row")
         tests = curve_tests(found.curve, largest_radius(found.radius))
         self.site(f"{name}_u", Site(draw.address, 0, draw.per_scene))
         self.names["clipped_point"] = kernels.clipped_point
@@ -168,7 +168,7 @@ class Writer:
         """A test on a polygon or the value of a field."""
         rule = has_columns(call)
         if rule is None:
-            raise NotFused(call.text)
+            raise NotCompiled(call.text)
         subject, *rest = call.structure
         parts = [v for part in rest for v in (part if isinstance(part, Vector) else (part,))]
         values = [self.operand(v.node if isinstance(v, Traced) else v) for v in parts]
@@ -177,7 +177,7 @@ class Writer:
         elif constant_cells(subject):
             self.field(name, subject, values)
         else:
-            raise NotFused(call.text)
+            raise NotCompiled(call.text)
 
     def region(self, name: str, call: RowCall, region: PolygonalRegion, values: list[str]) -> None:
         """Whether a point or box lies in a polygonal region."""
@@ -276,7 +276,7 @@ class Writer:
         self.depth -= 1
 
 
-def fuse(stage: Stage) -> tuple[Callable[..., tuple[int, int]], tuple[np.ndarray, ...], list[GraphEvent]]:
+def compile_stage(stage: Stage) -> tuple[Callable[..., tuple[int, int]], tuple[np.ndarray, ...], list[GraphEvent]]:
     """The evaluator of a plan, the arrays that it is called with, and the events that it counts.
 
     evaluator(seed, start, first, live, most, budget, fate, floats, ints, counts, *arrays) -> (runs, scenes looked at)
@@ -288,7 +288,7 @@ def fuse(stage: Stage) -> tuple[Callable[..., tuple[int, int]], tuple[np.ndarray
         places = {"floats": 0, "ints": 0}
         for node in stage.outputs:
             if node.kind == "object":
-                raise NotFused("a property that is computed row by row")
+                raise NotCompiled("a property that is computed row by row")
             where = "floats" if node.kind == "float" else "ints"
             writer.add(f"{where}[{places[where]}, i] = v{node.number}")
             places[where] += 1
@@ -329,7 +329,7 @@ def compiled_macro(macro: Macro) -> Callable[..., object]:
     unwrapped = Macro(macro.function.__wrapped__, macro.shape)  # type: ignore[attr-defined]
     result = unwrapped.call(symbols)
     if trace.graph.events:
-        raise NotFused(macro.function.__name__)
+        raise NotCompiled(macro.function.__name__)
     writer = Writer()
     arguments = [f"v{s.node.number}" for s in symbols]
     for node in trace.graph.nodes:
@@ -345,4 +345,4 @@ def compiled_macro(macro: Macro) -> Callable[..., object]:
     return kernels.compile_(space["function"])
 
 
-__all__ = ["ACCEPTED", "EXHAUSTED", "LEFT", "PENDING", "NotFused", "fuse"]
+__all__ = ["ACCEPTED", "EXHAUSTED", "LEFT", "PENDING", "NotCompiled", "compile_stage"]

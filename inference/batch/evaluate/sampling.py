@@ -34,7 +34,7 @@ from .components import Component, Stage, components, report, stages, worthwhile
 from .rows import Columns
 
 if TYPE_CHECKING:
-    from ..compile.evaluator import Fused
+    from ..compile.evaluator import CompiledStage
 
 WAVE = 1 << 14
 """Runs that are evaluated at a time: their columns fit into the caches."""
@@ -99,26 +99,26 @@ class Batch:
         self.outputs = list({node.number: node for node in self.template.outputs}.values())
         self.whole = whole
         self.stage = stages(graph, whole, self.outputs, rejects)
-        self.fused: Fused | None = None
-        self.not_fused = ""
+        self.compiled: CompiledStage | None = None
+        self.not_compiled = ""
         self.spent, self.pace = 0.0, 0.0  # seconds of a processor on columns, and for a scene of the last block
 
     def compile(self) -> bool:
-        """Use the compiled evaluator from now on, if there is one; else `not_fused` says why. Takes seconds."""
+        """Use the compiled evaluator from now on, if there is one; else `not_compiled` says why. Takes seconds."""
         if len(self.graph.nodes) > LARGEST_COMPILED:
-            self.not_fused = f"{len(self.graph.nodes):,} operations take minutes to compile"
-        if self.fused is None and not self.not_fused:
+            self.not_compiled = f"{len(self.graph.nodes):,} operations take minutes to compile"
+        if self.compiled is None and not self.not_compiled:
             try:
-                from ..compile.evaluator import Fused
-                from ..compile.source import NotFused
+                from ..compile.evaluator import CompiledStage
+                from ..compile.source import NotCompiled
             except ImportError as problem:
-                self.not_fused = why_missing("numba", problem)
+                self.not_compiled = why_missing("numba", problem)
                 return False
             try:
-                self.fused = Fused(self.stage)
-            except NotFused as problem:
-                self.not_fused = str(problem)
-        return self.fused is not None
+                self.compiled = CompiledStage(self.stage)
+            except NotCompiled as problem:
+                self.not_compiled = str(problem)
+        return self.compiled is not None
 
     def scenes(self, n: int, seed: int, *, start: int = 0, max_attempts: int = DEFAULT_ATTEMPTS) -> Iterator[Scene]:
         """Scenes `start` to `start + n - 1` of `seed`. Raises the program's errors, and `AttemptsExhausted`."""
@@ -159,11 +159,11 @@ class Batch:
         begun = time.thread_time()
         drawing = BlockDrawing(self, seed, start, stop, max_attempts)
         while len(drawing.pending):
-            if self.fused is not None:
-                drawing.compiled(self.fused)
+            if self.compiled is not None:
+                drawing.on_compiled(self.compiled)
             else:
                 drawing.wave()
-        if self.fused is None:
+        if self.compiled is None:
             took = time.thread_time() - begun
             self.spent, self.pace = self.spent + took, took / max(stop - start, 1)
         return drawing.block()
@@ -263,28 +263,28 @@ class BlockDrawing:
 
     # Otherwise
 
-    def compiled(self, fused: Fused) -> None:
+    def on_compiled(self, compiled: CompiledStage) -> None:
         """All pending scenes, one after the other. Where only shapely can tell and there are parts, the scene is drawn on columns afterwards."""
-        room = fused.room(self.next.shape[1])
-        drawn = fused.draw(self.seed, self.start, self.next, self.pending, self.max_attempts, room)
+        room = compiled.room(self.next.shape[1])
+        drawn = compiled.draw(self.seed, self.start, self.next, self.pending, self.max_attempts, room)
         self.runs += drawn.runs
         self.stuck += drawn.stuck
         self.exhausted |= drawn.exhausted
-        self.accept(np.flatnonzero(drawn.accepted), fused.columns(room, drawn.accepted))
+        self.accept(np.flatnonzero(drawn.accepted), compiled.columns(room, drawn.accepted))
         left = np.flatnonzero(drawn.left)
         if len(self.stages) > 1:
-            self.on_columns(left, fused)
+            self.on_columns(left, compiled)
         else:
             for place in left.tolist():
                 self.interpret(place)
         self.go_on()
 
-    def on_columns(self, left: np.ndarray, fused: Fused) -> None:
+    def on_columns(self, left: np.ndarray, compiled: CompiledStage) -> None:
         """Draw scenes from the first attempt on again, which the compiled code has left; what it did for them does not count."""
         if not len(left):
             return
         self.next[:, left] = 0
-        before = fused.draw(self.seed, self.start, self.next.copy(), left, self.max_attempts, fused.room(self.next.shape[1]))
+        before = compiled.draw(self.seed, self.start, self.next.copy(), left, self.max_attempts, compiled.room(self.next.shape[1]))
         self.runs -= before.runs
         self.stuck -= before.stuck
         others = np.setdiff1d(self.pending, left)
