@@ -21,7 +21,7 @@ DYNAMIC: tuple[Home, ...] = ("a behavior", "a monitor", "a compose block")
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class StatementPlace:
     """Where a statement stands: the definition around it, and whether a loop, an interruptible `try` or a function is."""
 
     home: Home = "the top level"
@@ -53,12 +53,12 @@ HOMES: dict[type[Statement], tuple[str, tuple[Home, ...]]] = {
 
 def check(program: Program) -> None:
     """Raises CheckError for the first thing, in source order, that keeps `program` from running."""
-    faults = sorted(block_faults(program.statements, Place()), key=lambda fault: (fault.span.line, fault.span.column))
+    faults = sorted(block_faults(program.statements, StatementPlace()), key=lambda fault: (fault.span.line, fault.span.column))
     if faults:
         raise faults[0]
 
 
-def block_faults(statements: Iterable[Statement], place: Place) -> Iterator[CheckError]:
+def block_faults(statements: Iterable[Statement], place: StatementPlace) -> Iterator[CheckError]:
     """The faults of the statements of a block that stands at `place`."""
     for statement in statements:
         yield from _misplaced(statement, place)
@@ -70,7 +70,7 @@ def block_faults(statements: Iterable[Statement], place: Place) -> Iterator[Chec
             yield from block_faults(block, inner)
 
 
-def _blocks(statement: Statement, place: Place) -> Iterator[tuple[Block, Place]]:
+def _blocks(statement: Statement, place: StatementPlace) -> Iterator[tuple[Block, StatementPlace]]:
     """The blocks of a compound statement, each with its place."""
     match statement:
         case s.If():
@@ -83,21 +83,21 @@ def _blocks(statement: Statement, place: Place) -> Iterator[tuple[Block, Place]]
             yield from ((clause.body, inner) for clause in (*statement.interrupts, *statement.handlers))
             yield from ((statement.otherwise, inner), (statement.final, inner))
         case s.FunctionDefinition():
-            yield statement.body, Place("a function", in_function=True)
+            yield statement.body, StatementPlace("a function", in_function=True)
         case s.ClassDefinition():
-            yield statement.body, Place("a class body", in_function=place.in_function)
+            yield statement.body, StatementPlace("a class body", in_function=place.in_function)
         case d.BehaviorDefinition():
-            yield statement.body, Place("a behavior", in_function=True)
+            yield statement.body, StatementPlace("a behavior", in_function=True)
         case d.MonitorDefinition():
-            yield statement.body, Place("a monitor", in_function=True)
+            yield statement.body, StatementPlace("a monitor", in_function=True)
         case d.ScenarioDefinition():
-            yield statement.setup or (), Place("a setup block", in_function=True)
-            yield statement.compose or (), Place("a compose block", in_function=True)
+            yield statement.setup or (), StatementPlace("a setup block", in_function=True)
+            yield statement.compose or (), StatementPlace("a compose block", in_function=True)
         case _:
             pass
 
 
-def _misplaced(statement: Statement, place: Place) -> Iterator[CheckError]:
+def _misplaced(statement: Statement, place: StatementPlace) -> Iterator[CheckError]:
     """Faults of where `statement` stands."""
     word, homes = HOMES.get(type(statement), ("", ()))
     if homes and place.home not in homes:
@@ -154,7 +154,7 @@ def _probability_faults(statement: s.SoftRequire) -> Iterator[CheckError]:
         yield CheckError("the probability of a soft requirement must be a number from 0 to 1", statement.probability.span)
 
 
-def _expression_faults(root: Node, place: Place) -> Iterator[CheckError]:
+def _expression_faults(root: Node, place: StatementPlace) -> Iterator[CheckError]:
     """Faults in an expression, specifier or clause; blocks below it are not entered."""
     pending = [(root, False)]
     while pending:
