@@ -50,9 +50,9 @@ def drive_machine(
     from, and for a value that contains itself.
     """
     for steps in range(fuel):
-        if until is not None and until(config):
+        if until is not None and until(config):  # pyright: ignore[reportUnknownArgumentType]
             return Arrived(config), steps
-        outcome = machine(config)
+        outcome = machine(config)  # pyright: ignore[reportUnknownArgumentType]
         kind = type(outcome)
         if kind is Next or kind is Observe:
             config = outcome.config  # type: ignore[union-attr]
