@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import select
 import signal
+from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -21,6 +22,7 @@ PACKAGE_OF = {extra: package for package, extra in EXTRAS.items()}
 REASON = "needs the extra "
 REASONS = (REASON, "this system has no ")
 PROBLEMS = pytest.StashKey[list[str]]()
+SECONDS = pytest.StashKey[Counter[str]]()
 RUN = "SCENIC_REF_TEST_RUN"
 """The variable by which processes that tests started, and those that they started, are known."""
 ENDING = 60
@@ -30,17 +32,26 @@ settings.register_profile("whatever the clock says", deadline=None, suppress_hea
 settings.load_profile("whatever the clock says")
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """`--seconds`: what the tests of each folder took."""
+    parser.addoption("--seconds", action="store_true", help="tell what the tests of each folder took of the processor, with what they started")
+
+
 def pytest_configure(config: pytest.Config) -> None:
     """The marker; a list of what is wrong with the run as a whole; a mark on all that it, or this worker of it (`pytest -n 2`), starts."""
     config.addinivalue_line("markers", "extra(name): the test needs the packages of this extra of scenic-ref")
+    config.addinivalue_line("markers", "slow: the test takes long, and is left to `make test-all`")
     config.stash[PROBLEMS] = []
+    config.stash[SECONDS] = Counter()
     os.environ[RUN] = str(os.getpid())
 
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_testnodedown(node: Any) -> None:
     """Take over what a worker of the run found wrong; one that crashed has told nothing, and its test failed."""
-    node.config.stash[PROBLEMS] += getattr(node, "workeroutput", {}).get("problems", [])
+    told = getattr(node, "workeroutput", {})
+    node.config.stash[PROBLEMS] += told.get("problems", [])
+    node.config.stash[SECONDS].update(told.get("seconds", {}))
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
@@ -48,6 +59,17 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
     for mark in item.iter_markers("extra"):
         if not is_installed(PACKAGE_OF[mark.args[0]]):
             pytest.skip(REASON + mark.args[0])
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> Iterator[None]:
+    """Note what a test takes, with its fixtures and the processes that it started and waited for."""
+    begun = sum(os.times()[:4])
+    try:
+        return (yield)
+    finally:
+        folder = item.path.relative_to(Path(__file__).parent).parts[0]
+        item.config.stash[SECONDS][folder] += sum(os.times()[:4]) - begun  # type: ignore[assignment]
 
 
 @pytest.hookimpl(wrapper=True)
@@ -65,7 +87,9 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
     problems = session.config.stash[PROBLEMS]
     problems += [f"a process is left: {process}" for process in ended_here()]
     if hasattr(session.config, "workeroutput"):
-        session.config.workeroutput["problems"] = problems  # pyright: ignore[reportAttributeAccessIssue]
+        session.config.workeroutput |= {  # pyright: ignore[reportAttributeAccessIssue]
+            "problems": problems, "seconds": dict(session.config.stash[SECONDS]),
+        }
     elif problems and session.exitstatus == pytest.ExitCode.OK:
         session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
@@ -74,6 +98,11 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: p
     """Tell what was wrong with the run as a whole."""
     for problem in config.stash[PROBLEMS]:
         terminalreporter.write_line(f"FAILED {problem}", red=True)
+    if config.getoption("--seconds"):
+        seconds = config.stash[SECONDS]
+        for folder, taken in sorted(seconds.items()):
+            terminalreporter.write_line(f"{taken:7.0f} s  {folder}")
+        terminalreporter.write_line(f"{sum(seconds.values()):7.0f} s of the processor in all")
 
 
 def ended_here() -> Iterator[str]:

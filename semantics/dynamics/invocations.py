@@ -66,9 +66,9 @@ def limited(
     else:
         time = plain(amount)
         if not is_scalar(time):
-            raise RunError(f"the time of `for` is a number, not {kind_name(time)}", node.span, rule="D-Do")
+            raise RunError(f"the time of `for` must be a number, not {kind_name(time)}", node.span, rule="D-Do")
         if time < 0:  # type: ignore[operator]
-            raise RunError(f"the time of `for` is at least 0, not {time}", node.span, rule="D-Do")
+            raise RunError(f"the time of `for` must be at least 0, not {time}", node.span, rule="D-Do")
         condition = Deadline(float(time), limit.unit)  # type: ignore[arg-type]
     until = Clause(condition, (d.Abort(span=node.span),))
     if isinstance(task, Begin) and runner(stack).kind == "compose":
@@ -126,7 +126,7 @@ def check_kinds(task: Begin, runs: str) -> None:
     wanted, word = (d.ScenarioDefinition, "scenario") if runs == "compose" else (d.BehaviorDefinition, "behavior")
     for one in task.invocations:
         if not isinstance(one.definition, wanted):
-            raise RunError(f"{one!r} is no {word}: here `do` invokes {word}s", task.node.span, rule="D-Do")
+            raise RunError(f"{one!r} is not a {word}: here `do` invokes {word}s", task.node.span, rule="D-Do")
 
 
 def run_behavior(node: Node, behavior: Dynamic, who: Who, stack: Stack, state: State, *, enabled: bool = False) -> Outcome:

@@ -62,7 +62,7 @@ def remembered(override: Overridden, stack: Stack, state: State) -> State:
         if isinstance(frame, Coroutine) and frame.who.kind == "compose":
             running = simulation_of(state).scenarios[frame.who.number]
             return with_scenario(state, running._replace(overrides=(*running.overrides, override)))
-    raise RunError("`override` stands in no scenario", rule="D-Override")
+    raise RunError("`override` must stand in a scenario", rule="D-Override")
 
 
 def reverted(override: Overridden, number: int, state: State) -> State:

@@ -261,7 +261,7 @@ def first_step(behavior: object, span: object, state: State) -> Suspended:
     """The course of an agent's behavior before its first time step."""
     node = Node(span=span)  # type: ignore[arg-type]
     if not isinstance(behavior, Dynamic) or not isinstance(behavior.definition, d.BehaviorDefinition):
-        raise RunError(f"the property behavior is a behavior, not {kind_name(behavior)}", node.span, rule="D-Policy-5")
+        raise RunError(f"the property behavior must be a behavior, not {kind_name(behavior)}", node.span, rule="D-Policy-5")
     try:
         begun = Begin(node, (with_arguments(behavior, node, state),))
     except HostException as problem:

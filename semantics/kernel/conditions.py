@@ -123,7 +123,7 @@ def holding(result: object, span: Span, state: State, what: str, rule: str) -> o
     inner = plain(result)
     holds = plain(host(state.settings.door, state, bool, result)) if is_user_made(inner) else inner
     if not is_truth(holds):
-        raise RunError(f"{what} is a boolean, and this is {kind_name(result)}", span, rule=rule, hint="compare it with something")
+        raise RunError(f"{what} must be a boolean, not {kind_name(result)}", span, rule=rule, hint="compare it with something")
     return holds
 
 

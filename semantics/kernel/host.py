@@ -104,14 +104,14 @@ class Door:
 
         def on_symbols(outcome: Outcome, drawn: object) -> None:
             if isinstance(outcome, Next) and outcome.where is not None:
-                raise NotLifted(f"{function.name}, which library code calls, goes by a random value")
+                raise NotLifted(f"{function.name}, which library code calls, depends on a random value")
 
         end, _ = drive_machine(paid, config, refuse, DOOR_FUEL, witness=on_symbols, until=lambda config: not config.stack)
         match end:
             case Arrived(config=ended):
                 return ended
             case Unfinished():
-                raise FuelExhausted(f"{function.name} does not come to an end", function.span)
+                raise FuelExhausted(f"{function.name}, which library code calls, takes too many steps", function.span)
             case Fault(error=error):
                 raise error
             case Stuck() as outcome:
@@ -184,7 +184,7 @@ def settled(result: object, state: State) -> object:
 def check_value(result: object, state: State) -> None:
     """Refuse a value that is none of a program's (`allowed.is_value`)."""
     if type(result) not in PLAIN and not state.settings.trusted and not is_value(result):
-        raise RunError(f"a {type(result).__name__} is no value that a program may have", rule="E-Call-Host")
+        raise RunError(f"a program may not have a value of type {type(result).__name__}", rule="E-Call-Host")
 
 
 def raw(door: Door, state: State, operation: Callable[..., object], *arguments: object, **keywords: object) -> object:

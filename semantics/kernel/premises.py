@@ -111,7 +111,7 @@ def parameter(name: str, sigma: Scope) -> object:
     return MISSING
 
 
-LATER = {"DiscreteRange": "it is of later versions of Scenic: write Uniform(*range(low, high + 1))"}
+LATER = {"DiscreteRange": "later versions of Scenic have it: write Uniform(*range(low, high + 1))"}
 """Names of later versions, and what says the same."""
 
 
@@ -122,7 +122,7 @@ def unknown_variable(node: Name, state: State) -> RunError:
     while scope is not None:
         known.extend(scope.bindings)
         if node.name in scope.names.local:
-            hint = "" if state.simulation is None else "interrupts are looked at before their `try` begins: see `readings interrupt-first-step`"
+            hint = "" if state.simulation is None else "the conditions of interrupts are evaluated before their `try` begins: see `readings interrupt-first-step`"
             return RunError(f"the local variable {node.name} is used before it is assigned", node.span, rule="E-Variable", hint=hint)
         scope = scope.parent
     near = get_close_matches(node.name, known, n=1)

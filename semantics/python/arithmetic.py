@@ -55,7 +55,7 @@ def _shift(left: object, right: object) -> object:
 
 def _modulo(left: object, right: object) -> object:
     if isinstance(left, bytes):
-        raise TypeError("bytes are no format")
+        raise TypeError("bytes cannot be a format: use a text")
     if isinstance(left, str):
         check_percent(left, right)
     return left % right  # type: ignore[operator]

@@ -158,7 +158,7 @@ def check_call(function: object, arguments: tuple[object, ...], keywords: Mappin
     if function is Vector and not all(is_scalar(unwrap(a)[0]) for a in (*arguments, *keywords.values())):
         raise RunError(f"Vector(x, y) takes two scalars, not {', '.join(map(kind_name, (*inner, *named.values())))}", rule="E-Call-Host")
     if isinstance(function, type) and not state.settings.trusted and not is_known(function):
-        raise RunError(f"{function.__name__} is no class of this language", rule="E-Call-Host")
+        raise RunError(f"{function.__name__} is not a class of this language", rule="E-Call-Host")
 
 
 COMPARING = (sorted, min, max)

@@ -144,7 +144,7 @@ def public_names(module: object, node: Node) -> list[str]:
     if listed is MISSING:
         return members(module)
     if not isinstance(listed, (list, tuple)) or not all(isinstance(name, str) for name in listed):
-        raise RunError(f"`__all__` of {module!r} is no list of names", node.span, rule="S-Import")
+        raise RunError(f"`__all__` of {module!r} is not a list of names", node.span, rule="S-Import")
     return list(listed)
 
 

@@ -108,7 +108,7 @@ def hash_of(value: object) -> int:
         case _ if is_user_made(value) and any("__hash__" in c.__dict__ for c in type(value).__mro__ if MARK in c.__dict__):
             return python.hash(value)
         case _:
-            raise TypeError(f"the hash of {represented(value)} is not a matter of the program: compare it, or hash what it is made of")
+            raise TypeError(f"the hash of {represented(value)} depends on its address: compare it, or hash its parts")
 
 
 def listing(make: Callable[..., Iterable[object]]) -> Native:

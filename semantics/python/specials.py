@@ -105,7 +105,7 @@ def type_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack
     inner = plain(arguments[0])
     result = inner.class_ if isinstance(inner, Instance) else type(inner)
     if isinstance(result, type) and not is_known(result) and not state.settings.trusted:
-        raise RunError(f"type() of {kind_name(inner)} is no class of this language", node.span, rule="E-Call-Host")
+        raise RunError(f"type() of {kind_name(inner)} is not a class of this language", node.span, rule="E-Call-Host")
     origin = arguments[0].origin if type(arguments[0]) is Random else None
     return returned(node, wrap(result, origin), stack, state)
 
@@ -293,7 +293,7 @@ def call_container_method(
 def random_place(name: str, node: Node) -> RunError:
     """The error where a change of a container would make its shape random."""
     return RunError(
-        f"{name}() would make which element stands where random", node.span, rule="E-Call-Host",
+        f"{name}() would make it random which element stands where", node.span, rule="E-Call-Host",
         hint="make a new container, with sorted(...), a comprehension or an operator",
     )
 

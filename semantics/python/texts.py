@@ -49,7 +49,7 @@ def without_addresses(text: str) -> str:
 def formatted(value: object, specification: str = "") -> str:
     """`format(value, specification)`."""
     if not isinstance(specification, str):
-        raise TypeError("a format specification is a text")
+        raise TypeError("a format specification must be a text")
     check_written(value)
     text = format(value, check_specification(specification))
     return text if isinstance(value, str) else without_addresses(text)

@@ -80,7 +80,7 @@ def resume_class(frame: ClassOf, head: object, stack: Stack, state: State) -> Ou
     if isinstance(node, e.ObjectOrOperator):
         return Next("", Config(node.as_operator, stack, state))
     raise RunError(
-        f"specifiers must follow the name of a Scenic class, and this is {kind_name(head)}", node.span, rule="E-ObjectDefinition"
+        f"specifiers must follow the name of a Scenic class, not {kind_name(head)}", node.span, rule="E-ObjectDefinition"
     )
 
 

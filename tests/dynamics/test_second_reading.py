@@ -204,7 +204,7 @@ def test_errors_have_their_place():
 def test_names_of_later_versions_are_known():
     with pytest.raises(RunError, match="DiscreteRange is not defined") as found:
         simulated("ego = Object at (DiscreteRange(1, 3), 0)")
-    assert found.value.hint == "it is of later versions of Scenic: write Uniform(*range(low, high + 1))"
+    assert found.value.hint == "later versions of Scenic have it: write Uniform(*range(low, high + 1))"
 
 
 @pytest.mark.parametrize("change", [

@@ -20,7 +20,7 @@ class Workspace(Region):
 
     def __init__(self, region: Region = everywhere) -> None:
         if not isinstance(region, Region):
-            raise BadRegion(f"a workspace is a region, not {region!r}")
+            raise BadRegion(f"a workspace must be a region, not {region!r}")
         self.region = region
 
     def __repr__(self) -> str:
