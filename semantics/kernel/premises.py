@@ -122,7 +122,7 @@ def unknown_variable(node: Name, state: State) -> RunError:
     while scope is not None:
         known.extend(scope.bindings)
         if node.name in scope.names.local:
-            hint = "" if state.simulation is None else "the conditions of interrupts are evaluated before their `try` begins: see `readings interrupt-first-step`"
+            hint = "conditions of interrupts are evaluated before their `try` begins: see `readings interrupt-first-step`" if state.simulation else ""
             return RunError(f"the local variable {node.name} is used before it is assigned", node.span, rule="E-Variable", hint=hint)
         scope = scope.parent
     near = get_close_matches(node.name, known, n=1)
