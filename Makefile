@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 PLAIN ?= .venv-plain
 TESTS ?=
 
-.PHONY: demo test test-plain nightly mutants check docs bench clean
+.PHONY: demo test test-all test-plain nightly mutants check docs bench clean
 
 $(VENV)/.core: pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit("scenic-ref needs Python 3.11 or later" if sys.version_info < (3, 11) else 0)'
@@ -29,11 +29,15 @@ demo: $(VENV)/.core
 	$(BIN)/scenic-ref run examples/gallery/badly_parked_car.scenic -n 6 --seed 0 -o demo/badly_parked_car.jsonl --plot demo/badly_parked_car.png
 	@echo "The scenes are in demo/badly_parked_car.jsonl, their picture is demo/badly_parked_car.png"
 
-## The test suite
+## The tests of everything that a change is likely to break: some eight minutes of processor time
 test: $(VENV)/.test
-	$(BIN)/python -m pytest -n auto --dist worksteal $(TESTS)
+	$(BIN)/python -m pytest -n auto --dist worksteal -m "not slow" $(TESTS)
 
-## The test suite without any extra, in an environment of its own: what needs one is skipped, nothing else
+## All tests: also many seeds, what is killed at random moments, all machines that are wrong, big compilations
+test-all: $(VENV)/.test
+	$(BIN)/python -m pytest -n auto --dist worksteal --seconds $(TESTS)
+
+## All tests without any extra, in an environment of its own: what needs one is skipped, nothing else
 test-plain: $(PLAIN)/.test
 	$(PLAIN)/bin/python -m pytest -n auto --dist worksteal $(TESTS)
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-PACKAGES = ("semantics", "interpreter", "inference", "simulators", "scenario", "conformance", "testing", "benchmarks", "cli")
+PACKAGES = ("semantics", "interpreter", "formats", "inference", "simulators", "scenario", "conformance", "testing", "benchmarks", "cli")
 PURE = {
     "isinstance", "issubclass", "len", "type", "all", "any", "hasattr", "callable", "is_object", "set", "sum", "max", "min", "sorted", "map",
 }  # fmt: skip

@@ -11,7 +11,7 @@ from ..kernel.host import HostException, host
 from ..kernel.kinds import kind_name
 from ..kernel.outcome import Next, Outcome
 from ..kernel.premises import premises
-from ..kernel.values import Random, plain
+from ..kernel.values import Random, plain, unwrap
 from ..syntax import python_expressions as p
 from ..syntax import statements as s
 from ..syntax.nodes import Node, Span
@@ -242,7 +242,9 @@ def choose_handler(node: s.Try, index: int, abrupt: Abrupt, stack: Stack, state:
 
 def resume_choosing(frame: Choosing, result: object, stack: Stack, state: State) -> Outcome:
     """Does the handler catch the exception?"""
-    classes = plain(result)
+    classes, origin = unwrap(result)
+    if origin is not None and not state.runs:
+        raise random_branch(Random(classes, origin), frame.node.handlers[frame.position], "which exceptions this `except` catches")
     candidates = classes if isinstance(classes, tuple) else (classes,)
     if not all(isinstance(c, type) and issubclass(c, BaseException) for c in candidates):
         raise HostException(TypeError("except needs exception classes"))
