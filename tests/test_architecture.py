@@ -121,6 +121,7 @@ def test_modules_of_semantics_stand_in_a_room():
     assert {p.name for p in (ROOT / "semantics").iterdir() if (p / "__init__.py").exists()} == set(ROOMS) - {""}
 
 
+@pytest.mark.slow
 def test_no_circle_of_imports_spans_more_than_two_files():
     """Those inside functions count, those for types do not, nor what a package's `__init__` gathers. Invented programs nest in all directions."""
     graph: dict[str, set[str]] = {}
@@ -177,6 +178,7 @@ def test_imports_inside_the_package_are_relative():
     assert by_name == SCRIPTS
 
 
+@pytest.mark.slow
 def test_scripts_are_imported_by_nobody():
     names = {script.removesuffix(".py").replace("/", ".") for script in SCRIPTS}
     assert not [str(p) for p in modules() for _, module, _ in imports(p) if f"{p.parent.name}.{module}" in names or module.endswith(tuple(names))]
@@ -188,6 +190,7 @@ def test_scripts_can_be_run_by_their_paths(script):
     assert subprocess.run([sys.executable, "-c", code], check=False, capture_output=True, text=True).returncode == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("library", ONLY_IN)
 def test_heavy_libraries_are_imported_in_one_place(library):
     users = {str(p.relative_to(ROOT)) for p in modules() for level, module, _ in imports(p) if level == 0 and module.split(".")[0] == library}
@@ -227,6 +230,7 @@ def test_no_file_is_longer_than_400_lines():
     assert not long
 
 
+@pytest.mark.slow
 def test_the_wheel_holds_every_module_and_resource(tmp_path):
     subprocess.run(
         [sys.executable, "-m", "build", "--wheel", "--sdist", "--outdir", str(tmp_path), str(ROOT)], check=True, capture_output=True, text=True

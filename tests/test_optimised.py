@@ -52,6 +52,7 @@ def test_an_effect_is_seen(text):
     assert effects(ast.parse(text, mode="eval").body)
 
 
+@pytest.mark.slow
 def test_vectors_have_the_same_verdicts_without_assertions(tmp_path):
     verdicts = []
     for option in ((), ("-O",)):
@@ -63,6 +64,7 @@ def test_vectors_have_the_same_verdicts_without_assertions(tmp_path):
     assert verdicts[0]["totals"]["passed"] > 20
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", [("check",), ("run",), ("run", "-n", "12"), ("simulate",), ("run", "--backend", "enumerate")], ids=" ".join)
 def test_a_branch_on_a_random_value_is_refused_without_assertions_too(command, tmp_path):
     """It is found by running the program through first; the runs themselves would not see it."""

@@ -14,6 +14,7 @@ SKIPS = "import pytest\ndef test_one():\n    pytest.skip('not today')\n"
 ENDS = "import subprocess\ndef test_one():\n    subprocess.Popen(['sleep', '0.2'])\n"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("workers", [(), ("-n", "2")], ids=["alone", "workers"])
 @pytest.mark.parametrize(
     ("text", "code", "told"),

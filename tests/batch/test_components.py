@@ -142,6 +142,7 @@ def test_to_draw_again_only_the_object_that_collides_is_found_out(always, monkey
     assert against_the_law(factorised(scenario), scenario, 6000) > -math.log10(LEVEL)
 
 
+@pytest.mark.slow
 def test_finite_random_programs_have_the_enumerated_distribution(always):
     """Level: `LEVEL` for all programs together."""
     apart, count = 0, 150
@@ -163,6 +164,7 @@ def test_finite_random_programs_have_the_enumerated_distribution(always):
 # The same scenes, whoever draws them
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", [NEIGHBOURS, FOUR], ids=["neighbours", "four"])
 def test_interpreter_columns_and_compiled_code_give_the_same_scenes(text, always):
     scenario = scenic_ref.loads(text).pruned()
@@ -209,6 +211,7 @@ def test_a_part_that_cannot_be_drawn_is_an_error(always, compiled):
         scenario.sample(1, 0, max_attempts=100)
 
 
+@pytest.mark.slow
 @pytest.mark.extra("fast")
 def test_ties_are_drawn_on_columns(always):
     """Boxes whose edges lie on the border: the compiled evaluator cannot tell, and the same scenes come out."""
@@ -258,6 +261,7 @@ def lines(batch: Batch, count: int, seed: int, attempts: int) -> list[str]:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", [FIELD, SOME_NUMBERS, SUM], ids=["field", "some numbers", "sum"])
 @pytest.mark.parametrize("attempts", [3, 10_000])
 def test_columns_compiled_code_and_interpreter_agree_to_the_last_attempt(text, attempts, always):
@@ -279,6 +283,7 @@ def test_columns_compiled_code_and_interpreter_agree_to_the_last_attempt(text, a
     assert lines(batch, 150, 1, attempts) == columns
 
 
+@pytest.mark.slow
 @pytest.mark.extra("fast")
 def test_no_scene_is_lost_where_the_compiled_code_leaves_some(always):
     text = "workspace = Workspace(PolygonalRegion([(0, 0), (8, 0), (8, 4), (0, 4)]))\n" + "".join(

@@ -40,6 +40,7 @@ def from_batch(batch: Batch, seed: int, count: int, attempts: int) -> tuple[list
     return results(batch.scenes(count, seed, max_attempts=attempts))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", GALLERY, ids=lambda path: path.stem)
 def test_gallery_programs_give_the_same_scenes(path):
     scenario = scenic_ref.load(path)
@@ -50,6 +51,7 @@ def test_gallery_programs_give_the_same_scenes(path):
     assert [scene.to_line() for scene in batch.scenes(count - 3, 31, start=3)] == expected[3:]
 
 
+@pytest.mark.slow
 @pytest.mark.extra("fast")
 @pytest.mark.parametrize("name", COMPILED)
 def test_compiled_code_gives_the_same_columns(name):
@@ -65,6 +67,7 @@ def test_compiled_code_gives_the_same_columns(name):
             assert (one.columns[node.number] == other.columns[node.number]).all(), node
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("settings", [ProgramSettings(), ProgramSettings().as_finite()], ids=["any", "finite"])
 def test_random_programs_give_the_same_scenes(settings):
     lifted = 0
@@ -172,6 +175,7 @@ def test_what_depends_on_more_than_the_numbers_is_not_lifted():
             Batch(scenario.start, fuel=scenario.fuel)
 
 
+@pytest.mark.slow
 @pytest.mark.extra("fast")
 def test_a_graph_that_would_take_minutes_is_not_compiled():
     text = "ego = Object at (0, 0)\nfor i in range(60):\n    Object at (Range(0, 900), Range(0, 9)), with requireVisible False\n"

@@ -47,6 +47,7 @@ def test_a_soft_requirement_that_never_holds_is_met_by_the_coin(share):
     assert any(scene.attempts > 1 for scene in scenario.sample_many(40))
 
 
+@pytest.mark.slow
 def test_random_programs_that_are_said_to_have_no_scene_have_none():
     """A requirement on a parameter is added to 60 programs; of those that are said to have no scene, 40 runs are made each."""
     said = possible = 0

@@ -41,6 +41,7 @@ def test_both_backends_write_the_same_bytes(ask, program, suffix):
     assert not list(Path().glob(".*unfinished"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("workers", "suffix"), [(2, "npz"), (7, "jsonl")])
 def test_the_number_of_processes_changes_neither_a_byte_nor_the_report(ask, workers, suffix):
     one = ask("run", "random.scenic", "-n", 500, "-o", f"one.{suffix}")
@@ -50,6 +51,7 @@ def test_the_number_of_processes_changes_neither_a_byte_nor_the_report(ask, work
     assert one.err.splitlines()[0].split(",")[:2] == several.err.splitlines()[0].split(",")[:2]
 
 
+@pytest.mark.slow
 @pytest.mark.extra("cluster")
 def test_a_cluster_writes_what_this_process_writes(ask):
     ask("run", "random.scenic", "-n", 60, "-o", "one.jsonl")
@@ -65,6 +67,7 @@ def test_a_cluster_that_is_not_there_is_wrong_usage(ask, monkeypatch):
     assert "scenic-ref[cluster]" in found.err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kill", range(KILLS))
 def test_a_killed_run_resumes_to_the_same_bytes(ask, start, kill):
     """Killed with SIGKILL as soon as a random share of the file is there, resumed, killed again, and resumed to its end."""
@@ -85,6 +88,7 @@ def test_a_killed_run_resumes_to_the_same_bytes(ask, start, kill):
     assert Path("killed.jsonl").read_bytes() == whole
 
 
+@pytest.mark.slow
 def test_a_run_by_the_interpreter_is_resumed_by_the_batch_backend(ask):
     ask("run", "random.scenic", "-n", 40, "-o", "whole.jsonl", "--backend", "interpreter")
     whole = Path("whole.jsonl").read_bytes()
@@ -139,6 +143,7 @@ def test_errors_come_at_the_same_scene_in_the_same_words(ask, text, options, cod
     assert many == one_by_one
 
 
+@pytest.mark.slow
 def test_a_table_without_scenes_is_an_empty_table(ask):
     for backend in ("interpreter", "batch"):
         assert ask("run", "random.scenic", "-n", 0, "-o", f"{backend}.npz", "--backend", backend).code == 0
@@ -165,6 +170,7 @@ def test_soft_requirements_are_looked_at_in_the_first_scenes_of_many(ask, monkey
     assert f"held in {held} of 25 scenes" in found.err
 
 
+@pytest.mark.slow
 def test_an_interrupt_ends_several_processes_at_once_and_leaves_whole_lines(ask, start):
     command = [sys.executable, "-m", "scenic_ref", "run", "random.scenic", "-n", "10000000", "-o", "scenes.jsonl", "--workers", "2"]
     with start(command) as process:

@@ -56,6 +56,7 @@ def cells_of(path: Path) -> dict[tuple[str, str], dict]:
     return {(c["program"], c["implementation"]): c for c in json.loads(path.read_text())["cells"]}
 
 
+@pytest.mark.slow
 @pytest.mark.extra("fast")
 def test_all_backends_and_a_released_implementation_are_measured_side_by_side(ask: Ask, fake: Path, tmp_path: Path):
     answer = ask("bench", "random.scenic", *QUICK, "--against", f"scenic==3.9.9={fake}", "--prune", "--json", "out.json", "--plot", "out.png")
@@ -80,6 +81,7 @@ def test_all_backends_and_a_released_implementation_are_measured_side_by_side(as
     assert (tmp_path / "out.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("two_backends")
 def test_without_a_released_implementation_ratios_are_to_the_interpreter(ask: Ask, tmp_path: Path):
     assert ask("bench", "ok.scenic", "prints.scenic", *QUICK, "--json", "out.json").code == 0
@@ -89,6 +91,7 @@ def test_without_a_released_implementation_ratios_are_to_the_interpreter(ask: As
     assert cells["prints", "interpreter"]["scenes per second"]["median"] > 0
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("two_backends")
 def test_a_program_that_a_released_implementation_does_not_run_is_told(ask: Ask, fake: Path, tmp_path: Path):
     (tmp_path / "there").mkdir()
@@ -130,6 +133,7 @@ def test_wrong_usage_is_told_before_anything_is_measured(ask: Ask, fake: Path, t
         assert not answer.out
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("two_backends")
 def test_an_interrupt_shows_and_writes_what_is_measured_so_far(ask: Ask, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     asked = []

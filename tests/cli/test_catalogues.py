@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 
+import pytest
 from scenic_ref.semantics.readings import READINGS
 from scenic_ref.semantics.rules import CATALOGUE
 
@@ -37,6 +38,7 @@ def test_readings_mark_the_alternative_that_is_followed(ask):
     assert "run | scene*" in line("--reading", "soft=scene")
 
 
+@pytest.mark.slow
 def test_a_reading_is_explained(ask):
     for name, reading in READINGS.items():
         out = ask("readings", name).out

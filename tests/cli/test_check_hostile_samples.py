@@ -70,6 +70,7 @@ def test_a_difference_of_the_law_is_seen_through_rounding(files):
     assert files("check", "p.scenic", "--samples", "t.jsonl").code == 1
 
 
+@pytest.mark.slow
 def test_a_finite_program_is_compared_with_rounded_samples(ask):
     Path("p.scenic").write_text("a = Uniform(1/3, 2/3, 1)\nego = Object at (a, 100/7)\nObject at (a, 3 + a), with v 1/a, with requireVisible False\n")
     ask("run", "p.scenic", "-n", 2000, "--seed", 5, "-o", "s.jsonl")

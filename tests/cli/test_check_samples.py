@@ -70,6 +70,7 @@ def test_several_workers_give_the_same_verdict(files):
     assert files("check", "right.scenic", "--samples", "right.jsonl", "--workers", 2).out == alone.out
 
 
+@pytest.mark.slow
 def test_samples_are_not_compared_with_themselves(files):
     found = files("check", "right.scenic", "--samples", "right.jsonl", "--seed", 5)
     assert found.code == 2

@@ -43,6 +43,7 @@ def middle_of(picture, colour):
     return (columns.mean(), rows.mean()) if len(rows) > 10 else None
 
 
+@pytest.mark.slow
 def test_the_objects_move_as_the_simulator_says():
     found = frames(movie(simulated(), "title"))
     assert len(found) == 21
@@ -88,6 +89,7 @@ def test_coordinates_that_no_picture_can_show_are_an_error():
         movie(simulated(y=1e10, text="ego = Object at (0, 0), with velocity (0, {y})"), "")
 
 
+@pytest.mark.slow
 def test_two_hundred_steps_of_ten_objects_take_less_than_about_15_seconds_of_a_processor(effort):
     text = "ego = Object at (0, 0), with velocity (1, 0)\n" + "".join(f"Object at (0, {3 * k}), with velocity ({k}, 0)\n" for k in range(1, 10))
     simulation = simulated(200, text=text)
@@ -139,6 +141,7 @@ def test_a_full_disk_is_a_clear_error(ask, tmp_path, option):
     assert not Path("/dev/full.part").exists()
 
 
+@pytest.mark.slow
 def test_an_interrupt_leaves_whole_simulations_and_says_how_many(tmp_path, start):
     (tmp_path / "p.scenic").write_text(MOVING.replace("{y}", "Range(5, 8)"))
     command = [sys.executable, "-m", "scenic_ref", "simulate", "p.scenic", "-n", "1000000", "--steps", "20", "-o", "runs.jsonl", "--gif", "run.gif"]

@@ -33,6 +33,7 @@ def test_scene_k_alone_is_line_k_of_many(ask):
     assert ask("run", "random.scenic", "--scene", 3).out == many[3]
 
 
+@pytest.mark.slow
 def test_the_number_of_workers_does_not_change_a_byte(ask):
     ask("run", "random.scenic", "-n", 40, "-o", "one.jsonl")
     found = ask("run", "random.scenic", "-n", 40, "-o", "three.jsonl", "--workers", 3)
@@ -50,6 +51,7 @@ def test_an_error_in_a_worker_arrives_as_that_error(ask):
     assert alone.out == several.out != ""
 
 
+@pytest.mark.slow
 def test_resuming_gives_the_bytes_of_an_uninterrupted_run(ask):
     ask("run", "random.scenic", "-n", 9, "-o", "whole.jsonl")
     whole = Path("whole.jsonl").read_bytes()
@@ -166,6 +168,7 @@ def test_parameters_are_python_literals_or_text(ask):
     assert json.loads(found.out)["params"] == {"time": 12, "weather": "RAIN", "list": [1, 2]}
 
 
+@pytest.mark.slow
 def test_an_interrupt_leaves_whole_lines_and_says_one(ask, start):
     command = [sys.executable, "-m", "scenic_ref", "run", "random.scenic", "-n", "1000000", "-o", "scenes.jsonl"]
     with start(command) as process:

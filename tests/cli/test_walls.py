@@ -37,6 +37,7 @@ def command(folder: Path, text: str, *options: str, start: tuple[str, ...] = ("-
     return subprocess.run([sys.executable, *start, "run", "p.scenic", *options], cwd=folder, capture_output=True, text=True, check=False)
 
 
+@pytest.mark.slow
 @posix
 @pytest.mark.parametrize("deed", DEEDS)
 def test_a_hole_in_the_first_wall_leads_nowhere(deed, tmp_path):
@@ -59,6 +60,7 @@ def test_a_trusted_program_does_what_it_likes(tmp_path):
 ENDLESS = "ego = Object at (0, 0)\nx = []\nwhile True: x = [x, 1]\n"
 
 
+@pytest.mark.slow
 @posix
 @pytest.mark.parametrize("options", [(), ("-n", "20"), ("-n", "20", "--workers", "2"), ("--backend", "enumerate")], ids=" ".join)
 def test_the_processor_time_of_a_run_is_limited(options, tmp_path):
@@ -71,6 +73,7 @@ def test_the_processor_time_of_a_run_is_limited(options, tmp_path):
     assert not (tmp_path / file).exists() or not (tmp_path / file).read_bytes()
 
 
+@pytest.mark.slow
 @posix
 def test_many_runs_may_take_longer_than_one(tmp_path):
     text = "ego = Object at (Range(0, 1), 0)\nx = sum([i for i in range(3000)])\nimport math\n"
@@ -78,6 +81,7 @@ def test_many_runs_may_take_longer_than_one(tmp_path):
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.slow
 @posix
 @pytest.mark.parametrize("options", [(), ("-n", "20"), ("-n", "20", "--workers", "2")], ids=" ".join)
 def test_the_memory_of_a_program_is_limited(options, tmp_path):

@@ -246,6 +246,7 @@ FAULTS: dict[str, Fault] = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fault", FAULTS)
 def test_the_fault_is_found(fault: str) -> None:
     implementation, names = FAULTS[fault]

@@ -224,6 +224,7 @@ def test_a_single_history_is_written_without_histories() -> None:
 SAMPLED = [v for v in VECTORS if isinstance(v.matcher, Simulations) and len(v.matcher.histories) > 1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("vector", SAMPLED, ids=lambda v: v.name)
 def test_the_vector_holds_by_sampling_and_tells_its_rival(vector: ConformanceVector) -> None:
     verdict = judge(Samples(), vector).verdict

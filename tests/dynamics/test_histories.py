@@ -118,6 +118,7 @@ def against_the_law(number: int, text: str, **sampled: str) -> float | None:
     return evidence([whole(run) for run in runs], Categorical(exact.law(whole)))
 
 
+@pytest.mark.slow
 def test_random_programs_are_sampled_as_enumerated():
     """Level: `DEFAULT_ALPHA` for all programs together. `SCENIC_REF_PROGRAMS=500` runs 500."""
     found = [against_the_law(k, text) for k, text in enumerate(dynamic_programs(COUNT, 2026))]
@@ -126,6 +127,7 @@ def test_random_programs_are_sampled_as_enumerated():
     assert max(judged) < -math.log10(DEFAULT_ALPHA / COUNT)
 
 
+@pytest.mark.slow
 def test_another_reading_of_interrupts_is_told_apart():
     found = (against_the_law(k, text, **{"interrupt-first-step": "later-steps"}) for k, text in enumerate(dynamic_programs(150, 2026)))
     assert any(f is not None and f > -math.log10(DEFAULT_ALPHA / 150) for f in found)

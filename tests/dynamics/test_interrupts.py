@@ -60,6 +60,7 @@ def test_several_behaviors_at_a_time():
     assert actions(behavior("do Say('a'), Say('b', 3)\ntake 'end'", SAY), 5) == [("a", "b"), "b", "b", "end", None, LIMIT]
 
 
+@pytest.mark.slow
 def test_do_choose_picks_among_those_whose_preconditions_hold():
     options = "behavior P(n, ok):\n    precondition: ok\n    take n\n"
     text = behavior("do choose {P(1, True): 1, P(2, False): 100, P(3, True): 3}", options)

@@ -73,6 +73,7 @@ def test_setup_time_shows_in_the_number_of_objects():
     assert [len(moment.objects) for moment in run.moments] == [1, 2, 2]
 
 
+@pytest.mark.slow
 def test_choose_weights():
     """300 draws with probability 2/3: 6 standard deviations are 49; with the disabled option's weight it would be 1/4."""
     probe = READINGS["choose-weights"].probe

@@ -60,6 +60,7 @@ def unchanged(state: State) -> State:
     return state
 
 
+@pytest.mark.slow
 def test_random_programs_go_on_from_a_saved_state():
     courses = 0
     for text in dynamic_programs(60, seed=7):

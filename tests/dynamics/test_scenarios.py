@@ -172,6 +172,7 @@ def test_in_initial_scenario():
     assert steps_and_objects(main("do Sub()", both.replace("{}", "Sub")), 1) == [2, 2, LIMIT]
 
 
+@pytest.mark.slow
 def test_do_choose_of_the_paper():
     parts = "".join(f"scenario {n}():\n    precondition: {ok}\n    setup:\n        Object at ({10 * k}, 0)\n" for k, (n, ok) in enumerate(
         (("A", True), ("B", True), ("C", False)), 1))  # fmt: skip

@@ -29,6 +29,7 @@ ego = Object at (0, 0), with p p, with behavior Toss
 """Of the scenes with p = 0.75 three quarters survive, of those with 0.25 one quarter."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("profile", "share"), [("paper", 0.75), ("scenic-3", 0.5)])
 def test_a_rejected_simulation_discards_the_scene_as_well_or_under_retry_does_not(profile, share):
     """Among 600 simulations the counts are binomial: 6 standard deviations are 64 and 74; the other reading is 150 away (false alarm below 1e-8)."""
@@ -245,6 +246,7 @@ def test_collisions_are_reported_once_and_push_cars_apart():
     assert min(gaps) > 4.5 - 16.2 / 60  # no deeper than what an internal step covers
 
 
+@pytest.mark.slow
 @pytest.mark.extra("dynamics")
 def test_the_same_seed_gives_the_same_trajectory_in_another_process(tmp_path):
     (tmp_path / "p.scenic").write_text(TWO_CARS.replace("(50, 0)", "(Range(40, 60), 0)"))

@@ -47,6 +47,7 @@ def fault(request):
     return request.param
 
 
+@pytest.mark.slow
 def test_vectors_and_check_catch_the_fault(fault, tmp_path):
     machine = wrong_machine(fault, tmp_path)
     program = tmp_path / "program.scenic"

@@ -38,6 +38,7 @@ def stranger(found: type, known: frozenset[str] | set[str]) -> bool:
     return found.__name__ not in known or found.__module__ not in ("builtins", "types", "collections", "enum", "functools")
 
 
+@pytest.mark.slow
 def test_nothing_is_reached_that_is_not_in_the_table():
     crawl = crawling.Crawl(crawling.started())
     crawl.all()
@@ -126,6 +127,7 @@ def ends_of(text: str) -> str | list[object]:
     return list(ended.state.sigma.bindings["out"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", ACCESS)
 def test_no_way_of_access_gives_what_is_private(way):
     template, refused = ACCESS[way], 0
@@ -236,6 +238,7 @@ CHAINS = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_no_chain_of_values_ends_the_process(tmp_path):
     for name, text in CHAINS.items():
         (tmp_path / f"{name}.scenic").write_text(f"ego = Object at (0, 0)\nN = 200000\n{text}\nx = 1\n")

@@ -23,12 +23,14 @@ def refused(text: str, error: type[errors.ScenicError], message: str, **options:
     return caught.value
 
 
+@pytest.mark.slow
 def test_a_program_of_ten_thousand_lines_runs():
     lines = ["ego = Object at (0, 0)", "total = 0"] + [f"total += {i} % 7" for i in range(10_000)] + ["param total = total"]
     scene = scenic_ref.loads("\n".join(lines)).sample()
     assert scene.params["total"] == sum(i % 7 for i in range(10_000))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", [
     lambda n: "x = " + "(" * n + "1" + ")" * n, lambda n: "x = " + "-" * n + "1", lambda n: "x = " + " + ".join(["1"] * n), lambda n: "x = " + "[" * n + "]" * n,
     lambda n: "x = " + "f(" * n + ")" * n, lambda n: "x = y" + ".y" * n, lambda n: "x = y" + "[0]" * n, lambda n: "x = " + "not " * n + "1",
@@ -190,6 +192,7 @@ def test_flags_are_booleans():
     refused("ego = Object\nrequire 3\n", errors.RunError, "boolean")
 
 
+@pytest.mark.slow
 def test_random_and_mutated_programs_never_end_in_an_internal_error():
     ends = fuzz.attacks(seed=2026, count=1900, maps=100)
     assert ends.total() == 2000

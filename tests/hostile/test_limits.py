@@ -60,6 +60,7 @@ def test_a_number_that_changes_is_asked_for_once(use):
     assert scene.params["x"] < 10 and scene.params["n"] == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", LISTED + OTHERS + HASHED)
 def test_what_would_take_for_ever_is_an_error_soon(text, effort):
     def ends() -> None:
@@ -93,6 +94,7 @@ LONG_CALLS = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LONG_CALLS)
 def test_ctrl_c_is_heard_within_a_long_call(name, tmp_path):
     (tmp_path / "p.scenic").write_text("ego = Object at (0, 0)\n" + IMPORTS + USER + LONG_CALLS[name] + "\n")

@@ -21,6 +21,7 @@ USES = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("use", USES)
 @pytest.mark.parametrize("name", VALUES)
 def test_what_contains_itself_is_no_fault_of_ours(name, use, capsys):

@@ -116,6 +116,7 @@ def test_a_file_that_another_process_writes_is_refused_and_left_alone(tmp_path, 
     assert answer(["run", "p.scenic", "-n", "3", "-o", "x.jsonl"]) == 0
 
 
+@pytest.mark.slow
 def test_a_process_that_is_killed_gives_its_file_back(tmp_path):
     (tmp_path / "p.scenic").write_text("ego = Object at (Range(0, 1), 0)\n")
     command = [sys.executable, "-m", "scenic_ref", "run", "p.scenic", "-o", "x.jsonl", "-n"]

@@ -56,6 +56,7 @@ def test_features_in_columns_are_those_of_the_scenes(file: Path | None):
         np.testing.assert_array_equal(values, other.arrays[name], err_msg=name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("file", programs())
 def test_supports_hold_in_scenes(file: Path | None):
     scenario = scenic_ref.loads(ODD) if file is None else scenic_ref.load(file)
@@ -75,6 +76,7 @@ def test_scenes_of_different_forms_are_one_table():
     assert {n: list(map(str, v)) for n, v in whole.arrays.items()} == {n: list(map(str, v)) for n, v in both.arrays.items()}
 
 
+@pytest.mark.slow
 def test_samples_are_read_in_bounded_memory_in_a_random_order(tmp_path):
     """Three times as many scenes take hardly more memory than a part of them, whatever their order; all come back once."""
     path, peaks = tmp_path / "s.jsonl", []
@@ -192,6 +194,7 @@ def test_a_deviation_near_a_limit_is_found_by_what_the_program_suggests(right, w
 # False alarms
 
 
+@pytest.mark.slow
 def test_false_alarms_with_all_features_are_as_rare_as_stated():
     """60 comparisons of rounded samples at 1 in 20: more than 13 alarms have probability below 1e-5, if each has probability 1/20."""
     scenario, alarms = scenic_ref.loads(SECTOR + "Object at (Range(30, 31), 40), with v Uniform(1, 1/3), with requireVisible False\n"), 0

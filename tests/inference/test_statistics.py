@@ -272,6 +272,7 @@ def test_a_value_outside_the_exact_support_is_found_at_once():
     assert compare(list(rival.sample_many(20)), law).kind == "different"
 
 
+@pytest.mark.slow
 def test_a_kernel_that_keeps_the_distribution_passes_and_one_that_does_not_is_found():
     scenario = scenic_ref.loads("ego = Object with v Uniform(1, 2, 3)\n")
 

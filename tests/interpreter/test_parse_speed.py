@@ -27,6 +27,7 @@ def test_a_thousand_lines_parse_within_about_two_seconds_of_a_processor(effort: 
     assert effort(lambda: parse(text)) < 20
 
 
+@pytest.mark.slow
 def test_ten_thousand_lines_parse() -> None:
     program = parse("".join(BLOCK.replace("{i}", str(i)) for i in range(1000)))
     assert len(program.statements) == 3000

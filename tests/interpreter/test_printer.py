@@ -97,6 +97,7 @@ def compound(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
     )
 
 
+@pytest.mark.slow
 @settings(max_examples=300, deadline=None)
 @given(st.recursive(NAMES.map(lambda text: f"({text})"), compound, max_leaves=8), st.sampled_from(["paper", "pldi19"]))
 def test_random_expression_survives_printing(text: str, dialect: str) -> None:

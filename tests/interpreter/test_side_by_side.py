@@ -70,6 +70,7 @@ def test_two_threads_inside_host_calls_at_once_draw_the_scenes_of_one(scenario: 
         assert [features(scene) for scene in threads.map(lambda index: scenario.sample(0, index), range(4))] == alone
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("many", [False, True])
 def test_threads_that_switch_all_the_time_draw_the_scenes_of_one(many: bool) -> None:
     scenario = scenic_ref.loads(KEYS)

@@ -119,6 +119,7 @@ def test_branches_and_statements_are_removed(changed):
     } <= found
 
 
+@pytest.mark.slow
 def test_each_change_of_the_semantics_is_one_and_compiles():
     """In one file of each folder: the changed code is never the old one."""
     folders = {PurePath(f).parent: f for f in files()}
@@ -144,6 +145,7 @@ print(json.dumps([outcome(told, status)["by"] for _, told, status in each(trials
 """
 
 
+@pytest.mark.slow
 def test_a_vector_notices_that_the_function_of_its_rule_is_gone_and_others_do_not():
     """In processes of their own, into which the package was not imported before."""
     told = subprocess.run([sys.executable, "-c", PLANTED], cwd=changes.ROOT, check=True, capture_output=True, text=True).stdout

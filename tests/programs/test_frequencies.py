@@ -24,6 +24,7 @@ PROCESSES = min(2, os.cpu_count() or 1)
 COINS = ProgramSettings(soft=1.0, requirements=0.0, mutate=0.0, workspace=0.0, max_outcomes=16)
 
 
+@pytest.mark.slow
 @quick(60)
 @given(finite_programs())
 def test_probabilities_add_up_to_1_or_the_program_is_infeasible(program: Program):
@@ -37,6 +38,7 @@ def test_probabilities_add_up_to_1_or_the_program_is_infeasible(program: Program
     assert all(outcome.probability > 0 for outcome in exact.outcomes)
 
 
+@pytest.mark.slow
 def test_sampled_frequencies_agree_with_enumeration():
     found = agreement(COUNT, seed=SEED, processes=PROCESSES)
     assert not found.contradictions
@@ -44,6 +46,7 @@ def test_sampled_frequencies_agree_with_enumeration():
     assert sum(x.outcomes > 1 for x in found.examined) > COUNT // 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("rival", "settings"), [("first value twice as likely", ProgramSettings()), ("coins once per scene", COINS)])
 def test_a_wrong_sampler_is_found_out(rival: Rival, settings: ProgramSettings):
     assert agreement(max(60, COUNT // 10), seed=SEED, settings=settings, rival=rival, processes=PROCESSES).contradictions

@@ -53,6 +53,7 @@ def digest(count: int) -> str:
     return hashlib.sha256("".join(program.text for program in random_programs(count, SEED)).encode()).hexdigest()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hash_seed", ["0", "17"])
 def test_another_process_writes_the_same_programs(hash_seed: str):
     code = (
@@ -64,6 +65,7 @@ def test_another_process_writes_the_same_programs(hash_seed: str):
     assert done.stdout.strip() == digest(40)
 
 
+@pytest.mark.slow
 def test_a_program_is_a_function_of_seed_index_and_settings():
     assert [p.text for p in random_programs(20, 5)] == [random_program(5, index).text for index in range(20)]
     assert random_program(5, 1).text != random_program(5, 2).text != random_program(6, 2).text
@@ -86,6 +88,7 @@ def test_every_construct_that_is_never_written_exists():
     assert set(NEVER) <= known - vocabulary(False)
 
 
+@pytest.mark.slow
 def test_finite_programs_have_all_specifiers_of_position_and_heading():
     assert {name for name in concrete(specifiers, Node) if name not in ("InSpecifier", "VisibleSpecifier")} <= vocabulary(True)
 
@@ -117,6 +120,7 @@ def test_programs_keep_within_their_sizes():
         assert len(scene.objects) <= 3
 
 
+@pytest.mark.slow
 def test_half_of_the_programs_are_accepted_at_once_and_few_are_infeasible():
     attempts: list[int] = []
     for program in random_programs(100, SEED):
@@ -139,6 +143,7 @@ def test_the_simplest_choices_give_the_simplest_program():
     assert generate(Simplest()).text == "ego = Object at (0, 0)\nx1 = 0\n"
 
 
+@pytest.mark.slow
 def test_hypothesis_can_make_the_simplest_program():
     quiet = settings(derandomize=True, database=None, deadline=None, max_examples=5, suppress_health_check=list(HealthCheck))
     off = dict.fromkeys([name for name, _ in ProgramSettings().features()], 0.0)

@@ -40,6 +40,7 @@ def test_each_mistake_gives_its_error(mistake: Mistake):
     assert_gives_its_error(planted(choices, generate(choices, right(ProgramSettings())), mistake))
 
 
+@pytest.mark.slow
 @quick(150)
 @given(ill_formed_programs())
 def test_each_ill_formed_program_gives_its_error(wrong: IllFormed):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import given
 from scenic_ref.conformance.programs.strategies import finite_programs, programs
 from scenic_ref.interpreter.checks import check
@@ -12,6 +13,7 @@ from scenic_ref.semantics.syntax import Program
 from .cases import quick
 
 
+@pytest.mark.slow
 @quick(200)
 @given(programs())
 def test_parsing_what_is_printed_gives_the_same_tree(program: Program):
@@ -20,12 +22,14 @@ def test_parsing_what_is_printed_gives_the_same_tree(program: Program):
     assert to_source(again) == program.text
 
 
+@pytest.mark.slow
 @quick(100)
 @given(finite_programs())
 def test_finite_programs_are_the_trees_of_their_texts(program: Program):
     assert parse(program.text).statements == program.statements
 
 
+@pytest.mark.slow
 @quick(100)
 @given(programs())
 def test_programs_pass_the_static_checks(program: Program):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from scenic_ref.conformance.programs.replaying import first_accepted, replayed
@@ -28,6 +29,7 @@ def content(scene: Scene | None) -> object:
     return None if scene is None else scene.to_json()
 
 
+@pytest.mark.slow
 @quick(60)
 @given(programs(), st.integers(0, 2**64))
 def test_the_same_seed_gives_the_same_scene(program: Program, seed: int):
@@ -35,6 +37,7 @@ def test_the_same_seed_gives_the_same_scene(program: Program, seed: int):
     assert content(scene_or_none(one, seed)) == content(scene_or_none(other, seed))
 
 
+@pytest.mark.slow
 @quick(30)
 @given(programs(), st.integers(0, 1000))
 def test_a_scene_does_not_depend_on_those_drawn_before(program: Program, seed: int):
@@ -44,12 +47,14 @@ def test_a_scene_does_not_depend_on_those_drawn_before(program: Program, seed: i
     assert content(scene_or_none(used, seed, 3)) == content(scene_or_none(fresh, seed, 3))
 
 
+@pytest.mark.slow
 @quick(30)
 @given(programs())
 def test_the_tree_as_it_is_gives_the_scene_of_its_text(program: Program):
     assert content(scene_or_none(Scenario(program), 1)) == content(scene_or_none(loads(program.text), 1))
 
 
+@pytest.mark.slow
 @quick(80)
 @given(programs(), st.integers(0, 1000))
 def test_replaying_a_trace_gives_the_same_scene_and_density(program: Program, seed: int):

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 from fractions import Fraction
 
+import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from scenic_ref.conformance.programs import ProgramSettings, random_programs
@@ -37,6 +38,7 @@ def content(scene: Scene | None) -> str:
     return json.dumps(shown, sort_keys=True)
 
 
+@pytest.mark.slow
 @quick(40)
 @given(finite_programs(ProgramSettings(max_outcomes=32)), st.integers(0, 1000))
 def test_another_order_of_specifiers_gives_the_same_law(program: Program, seed: int):
@@ -46,6 +48,7 @@ def test_another_order_of_specifiers_gives_the_same_law(program: Program, seed: 
     assert law(other) == law(program)
 
 
+@pytest.mark.slow
 def test_another_order_of_specifiers_that_draw_nothing_gives_the_same_scene():
     compared = 0
     for index, program in enumerate(random_programs(250, 2026, ProgramSettings(max_depth=1, classes=0.3))):

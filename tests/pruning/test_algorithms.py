@@ -211,11 +211,13 @@ def lost_by_reachability(rng: np.random.Generator, *, share: float = 1.0, inside
     return missing(kept, np.array(starts))
 
 
+@pytest.mark.slow
 def test_reachability_keeps_every_start_of_a_path_to_the_goal():
     assert total(lost_by_reachability) == 0
     assert total(lost_by_reachability, inside=False) == 0
 
 
+@pytest.mark.slow
 def test_a_speed_that_is_too_small_is_caught():
     assert total(lost_by_reachability, share=0.5) > 0
 

@@ -47,6 +47,7 @@ def gallery(name: str) -> tuple[Scenario, Recorded, Pruning]:
 # No accepted run is lost
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(PRUNABLE))
 def test_no_accepted_run_of_the_gallery_has_a_point_outside_the_smaller_regions(name):
     _, recorded, pruning = gallery(name)
@@ -145,6 +146,7 @@ def refuse(draw: Draw) -> object:
     raise AssertionError(draw.address)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "program",
     [
@@ -183,6 +185,7 @@ def positions(scenes: list[Scene]) -> list[float]:
     return [c for scene in scenes for o in scene.objects for c in (o.position.x, o.position.y, o.heading)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["single_car", "simplest", "badly_parked_car", "oncoming_car"])
 def test_pruned_scenes_of_the_gallery_have_the_same_distribution(name):
     scenario, _, pruning = gallery(name)
@@ -205,6 +208,7 @@ def test_a_smaller_region_that_is_wrong_is_told_from_the_distribution():
 # The draws
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["single_car", "oncoming_car", "bumper_to_bumper"])
 def test_interpreter_and_batch_give_the_same_pruned_scenes(name):
     scenario, _, pruning = gallery(name)
@@ -214,6 +218,7 @@ def test_interpreter_and_batch_give_the_same_pruned_scenes(name):
     assert positions(by_batch) == positions(one_by_one)
 
 
+@pytest.mark.slow
 def test_pruning_saves_attempts():
     scenario, _, pruning = gallery("bumper_to_bumper")
     pruned = sum(scene.attempts for scene in Drawn(scenario, pruning).sample_many(400))

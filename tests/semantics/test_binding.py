@@ -120,6 +120,7 @@ def watched() -> Watched:
     return watch(load_vectors())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rule", sorted(RULES.keys() - UNREACHABLE))
 def test_the_function_that_the_catalogue_names_runs_when_the_rule_fires(rule: str, watched: Watched) -> None:
     assert watched.bound[rule] and not watched.unbound[rule], sorted(watched.unbound[rule])[:5]

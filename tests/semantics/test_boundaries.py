@@ -180,6 +180,7 @@ ANSWERS = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("backend", ["interpreter", "columns", pytest.param("compiled", marks=pytest.mark.extra("fast"))])
 @pytest.mark.parametrize("name", ANSWERS)
 def test_every_backend_decides_a_boundary_alike(name: str, backend: str):
@@ -202,6 +203,7 @@ def test_what_stands_side_by_side_never_collides_where_touching_is_allowed():
         forbidden.sample(2, 0, max_attempts=100)
 
 
+@pytest.mark.slow
 def test_rectangles_side_by_side_are_overlaid_rightly():
     """Their common edge is one line but for rounding, of which an overlay without a grid loses a whole rectangle, in some cases of a thousand."""
     chance = random.Random(8)

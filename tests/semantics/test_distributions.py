@@ -49,6 +49,7 @@ def values(distribution: Distribution, seed: int) -> list:
     return [distribution.sample(numbers) for _ in range(COUNT)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("distribution", "cdf", "rival"),
     [

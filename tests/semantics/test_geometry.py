@@ -152,6 +152,7 @@ def test_sector_contains_the_points_of_its_polygon(sector: Sector, v: Vector) ->
     assert found is outer.contains(Point(*v))
 
 
+@pytest.mark.slow
 @given(sectors, boxes)
 @settings(deadline=None, max_examples=500)
 def test_sector_meets_a_box_exactly_if_its_polygon_does(sector: Sector, box: Box) -> None:

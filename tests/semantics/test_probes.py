@@ -232,6 +232,7 @@ def test_every_reading_of_the_scene_has_an_expectation_for_every_alternative() -
     assert set(EXPECTED) <= set(READINGS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name, alternative", CASES, ids=[f"{n}={a}" for n, a in CASES])
 def test_probe_shows_what_the_reading_says(name: str, alternative: str) -> None:
     expectation = EXPECTED[name][alternative]

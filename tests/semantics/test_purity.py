@@ -283,6 +283,7 @@ VECTORS = load_vectors()
 PARTS = 8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", range(PARTS))
 def test_configurations_of_the_vectors_can_be_stepped_again(part: int) -> None:
     ours, compared = Ourselves(), 0

@@ -79,6 +79,7 @@ def test_rectangles_are_uniform() -> None:
     assert alarms(RectangularRegion(Vector(1.0, 2.0), 0.7, 5.0, 2.0).sample, cell, cells)
 
 
+@pytest.mark.slow
 def test_overlapping_polygons_are_one_area() -> None:
     """The rival chooses one of the two polygons first, and so favours their overlap."""
     parts = [PolygonalRegion(polygon=box(0, 0, 2, 2)), PolygonalRegion(polygon=box(1, 0, 3, 2))]
@@ -118,6 +119,7 @@ def test_intersections_of_discs_are_uniform() -> None:
     assert alarms(CircularRegion(Vector(0.5, 0.0), 1.7).sample, inside, cells)
 
 
+@pytest.mark.slow
 def test_the_remains_of_what_is_proposed_are_uniform_too() -> None:
     """Two rectangles with 1/200 of each in common: half of the points are found by proposing, half in the shape of the remains."""
     corner = RectangularRegion(ORIGIN, 0.0, 20.0, 10.0).intersect(RectangularRegion(Vector(18.0, 9.5), 0.0, 20.0, 10.0))
@@ -153,6 +155,7 @@ def test_unions_of_discs_are_uniform() -> None:
     assert alarms(lens.sample, lambda v: math.hypot(v.x, v.y) <= 2, cells)
 
 
+@pytest.mark.slow
 def test_the_visible_part_of_a_road_is_uniform() -> None:
     """A sector of a quarter turn on a cross of two roads, with the shares of its cells by close polygons."""
     road = PolygonalRegion(polygon=[box(-1, -9, 1, 9), box(-9, 3, 9, 5)])

@@ -73,6 +73,7 @@ def test_a_contained_box_has_its_points_inside_and_an_unmet_one_outside(region: 
         assert not any(map(region.contains_point, points))
 
 
+@pytest.mark.slow
 @given(regions, boxes)
 @settings(deadline=None, max_examples=300)
 def test_a_box_that_is_not_contained_has_a_point_outside(region: Region, region_box: Box) -> None:
@@ -112,6 +113,7 @@ def test_distance_is_that_to_close_polygons_and_zero_inside(region: Region, v: V
     assert distance == 0 or not region.contains_point(v)
 
 
+@pytest.mark.slow
 @given(regions, vectors, vectors)
 @settings(deadline=None, max_examples=300)
 def test_intervals_are_the_part_of_a_segment_inside(region: Region, start: Vector, end: Vector) -> None:
@@ -126,6 +128,7 @@ def test_intervals_are_the_part_of_a_segment_inside(region: Region, start: Vecto
         assert len(around) == 2 or around == {any(a < t < b for a, b in inside)}  # single points, where it touches, are left out
 
 
+@pytest.mark.slow
 @given(regions)
 @settings(deadline=None, max_examples=150)
 def test_samples_are_in_the_region_and_its_bounds(region: Region) -> None:

@@ -103,6 +103,7 @@ def rules_of(vector: ConformanceVector) -> set[str]:
     return {event.rule for event in traced(load(Task(vector.texts["paper"], "paper", vector.readings)), 0, 0).events}
 
 
+@pytest.mark.slow
 def test_every_rule_that_the_machine_names_is_in_the_catalogue() -> None:
     fired = {rule for v in VECTORS if "paper" in v.texts and not isinstance(v.matcher, (Error, Rejection)) for rule in rules_of(v)}
     assert fired <= set(RULES)

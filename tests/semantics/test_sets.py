@@ -42,6 +42,7 @@ def lines_with(hash_seed: str) -> str:
     return subprocess.run([sys.executable, "-c", WORKER], input=PROGRAM, capture_output=True, text=True, check=True, env=environment).stdout
 
 
+@pytest.mark.slow
 def test_a_scene_does_not_depend_on_how_python_hashes():
     first = lines_with("0")
     assert "apple" in first or "pear" in first or "plum" in first
