@@ -6,7 +6,7 @@ from functools import partial
 from typing import NamedTuple
 
 from ..semantics.kernel.config import Config, Stack, State, Value
-from ..semantics.kernel.driving import Chooser, Unfinished, Witness, drive_machine
+from ..semantics.kernel.driving import Chooser, Unfinished, Witness, drive_machine, taken_over
 from ..semantics.kernel.errors import FuelExhausted, RandomBranch, ScenicError
 from ..semantics.kernel.outcome import Act, Done, Draw, Fault, Finish, Next, Outcome, Requirement, Stuck
 from ..semantics.space.regions import EmptyRegion
@@ -36,9 +36,12 @@ Run = Accepted | Rejected
 
 @within()
 def drive(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL, witness: Witness | None = None) -> tuple[Done | Act | Finish | Stuck, int]:
-    """Drive the machine until it has something to say, and in how many steps. Raises the program's error, or `FuelExhausted` after `fuel` steps."""
+    """Drive the machine until it has something to say, and in how many steps; `config` is taken over, and cannot be stepped again.
+
+    Raises the program's error, or `FuelExhausted` after `fuel` steps.
+    """
     config.state.settings.door.budget.renew()
-    end, steps = drive_machine(step, config, choose, fuel, witness=witness)
+    end, steps = drive_machine(step, taken_over(config), choose, fuel, witness=witness)
     if isinstance(end, Fault):
         raise end.error
     if isinstance(end, Unfinished):
@@ -81,7 +84,9 @@ class Rehearsal:
     def run(self, config: Config, end: Stack | None = None) -> None:
         """Rehearse until the control is back at `end`, if there is one."""
         until = None if end is None else partial(is_back, end)
-        ended, _ = drive_machine(step, config, self.answer, self.fuel, witness=self.watch, beyond=self.beyond, until=until)
+        ended, _ = drive_machine(
+            step, taken_over(config) if end is None else config, self.answer, self.fuel, witness=self.watch, beyond=self.beyond, until=until,
+        )
         if isinstance(ended, Fault) and (not self.stuck or isinstance(ended.error, RandomBranch)):
             raise ended.error
         if isinstance(ended, Unfinished) and not self.stuck:

@@ -37,13 +37,22 @@ class Settings(NamedTuple):
     trusted: bool = False
 
 
+class Captured(NamedTuple):
+    """What holds at a requirement that waits for the end: a copy of σ, `ego` and `workspace`, O."""
+
+    sigma: Scope
+    ego: object
+    workspace: object
+    objects: Mapping[int, Properties]
+
+
 class State(NamedTuple):
     """(σ, π, O) and what the machine keeps beside them.
 
     `sigma` is σ, `params` is π, `objects` maps the number of every instance to its properties, `scene` lists the
     Objects among them in the order of creation (O proper). `ego` and `workspace` are the two variables that all modules
     share. `prefix` and `draws` address the next draw; `modules` holds what was imported in this run; `late` the
-    requirements that wait for the end, each with the state at its statement (reading `require-time=end`); `dynamic`
+    requirements that wait for the end, each with what held at its statement (reading `require-time=end`); `dynamic`
     those for the policy, with their scopes; `handling` the exceptions being handled, innermost last; `depth` counts open calls, `made` the
     instances. `initial` is the modular scenario that the run began with, if it is one, and `simulation` what there is while it runs (None:
     the scene is being generated). `version` is that of the scopes and containers, which are updated in place (`versions`).
@@ -61,7 +70,7 @@ class State(NamedTuple):
     prefix: tuple[int, ...] = ()
     draws: int = 0
     modules: Mapping[str, object] = {}
-    late: tuple[tuple[Node, State], ...] = ()
+    late: tuple[tuple[Node, Captured], ...] = ()
     dynamic: tuple[Declared, ...] = ()
     handling: tuple[BaseException, ...] = ()
     depth: int = 0

@@ -12,7 +12,7 @@ from ..space.regions import EmptyRegion, UnboundedRegion
 from .config import Config
 from .errors import RunError
 from .nesting import too_deep
-from .outcome import Act, Done, Draw, Fault, Finish, Next, Observe, Outcome, Requirement, Stuck
+from .outcome import Act, Done, Draw, Fault, Finish, Next, Observe, Outcome, Requirement, Stuck, in_version
 
 Machine = Callable[[Config], Outcome]
 """What one step of the machine says: `step`, or what does something besides."""
@@ -78,6 +78,17 @@ def drive_machine(
             return outcome, steps  # type: ignore[return-value]
         config = after
     return Unfinished(config), fuel
+
+
+def taken_over(config: Config) -> Config:
+    """The configuration from which a run is driven on: whoever still holds it, or older ones of its run, can step these no more.
+
+    Otherwise what it takes to go back would be kept as long as they are.
+    """
+    version = config.state.version
+    if version.undo:
+        version.versions.go_to(version)
+    return in_version(config, version.versions.begin_anew())
 
 
 def resumed(draw: Draw, drawn: object) -> Config:

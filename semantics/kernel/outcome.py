@@ -147,7 +147,9 @@ def dated(outcome: Outcome, version: Version) -> Outcome:
 
 
 def in_version_after(resume: Callable[[object], Config], version: Version, drawn: object) -> Config:
-    """What follows a draw, in that version."""
+    """What follows a draw, in that version, whatever was stepped since."""
+    if version.undo:
+        version.versions.go_to(version)
     return in_version(resume(drawn), version)
 
 

@@ -3,7 +3,7 @@
 Python's functions close over variables and its lists are shared, so scopes and containers of a program are updated in place. Each change is
 noted first. The states of a run form a tree of versions: the current one is what stands in memory, and every other knows what leads back to it
 from the next version on the way to the current one (the rerooting of Baker, "Shallow binding makes functional arrays fast", 1991). Going on
-costs one note per change; a version that no configuration holds any more is forgotten.
+costs one note per change; a version that no configuration holds any more is forgotten, and a run that is driven to its end forgets where it began.
 """
 
 # pyright: reportUnknownVariableType=false, reportUnknownArgumentType=false, reportUnknownMemberType=false
@@ -13,10 +13,13 @@ from __future__ import annotations
 
 from collections import OrderedDict, deque
 from collections.abc import Collection, Mapping
-from types import BuiltinFunctionType, FunctionType, MethodDescriptorType, MethodType
-from typing import Any, NamedTuple, Protocol
+from types import BuiltinFunctionType, FunctionType, GetSetDescriptorType, MemberDescriptorType, MethodDescriptorType, MethodType
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from .sets import Set
+
+if TYPE_CHECKING:
+    from .budget import Budget
 
 MISSING = object()
 
@@ -27,6 +30,10 @@ class Note(Protocol):
     def undo(self) -> Note:
         """Change it back; how it was before that."""
         ...
+
+
+class DrivenOn(RuntimeError):
+    """A configuration is stepped whose run was driven on, and forgot it."""
 
 
 class Version:
@@ -59,13 +66,21 @@ class Versions:
             current.newer = self.current = Version(self)
         return self.current
 
+    def begin_anew(self) -> Version:
+        """The version that stands in memory, with nothing behind it: older configurations are forgotten, and what it takes to step them again."""
+        left = self.settled()
+        self.current = Version(self)
+        left.undo = [Forgotten()]
+        return self.current
+
     def go_to(self, version: Version) -> None:
         """Change everything back, or forth again, to the given version."""
         self.settled()
         path: list[Version] = []
         found: Version | None = version
         while found is not self.current:
-            assert found is not None
+            if found is None:
+                raise DrivenOn("this configuration was driven on: it cannot be stepped again")
             path.append(found)
             found = found.newer
         for older in reversed(path):
@@ -73,6 +88,14 @@ class Versions:
             newer.undo = [note.undo() for note in reversed(older.undo)]
             newer.newer, older.newer, older.undo = older, None, []
             self.current = older
+
+
+class Forgotten(NamedTuple):
+    """That a version cannot be gone back to."""
+
+    def undo(self) -> Forgotten:
+        """Never asked for: nothing leads here."""
+        return self
 
 
 class Entry(NamedTuple):
@@ -136,10 +159,10 @@ class Content(NamedTuple):
                 deque.clear(items)
                 deque.extend(items, self.before)
             case Set() as items:
-                items.renewed(dict(self.before))
+                Set.renewed(items, dict(self.before))
             case OrderedDict() as items:
                 OrderedDict.clear(items)
-                for key, value in self.before.items():
+                for key, value in self.before:
                     OrderedDict.__setitem__(items, key, value)
             case dict() as items:
                 dict.clear(items)
@@ -159,6 +182,8 @@ class Slot(NamedTuple):
     def undo(self) -> Slot:
         """Assign what it was, or delete it."""
         now = Slot(self.subject, self.name, own(self.subject, self.name))
+        if self.before is now.before:  # the assignment was refused
+            return now
         if self.before is not MISSING:
             setattr(self.subject, self.name, self.before)
         elif now.before is not MISSING:
@@ -171,8 +196,8 @@ def own(subject: object, name: str) -> object:
     return vars(subject).get(name, MISSING) if isinstance(subject, type) else getattr(subject, name, MISSING)
 
 
-def content_of(container: object) -> object:
-    """A copy of what a container holds, made without asking a class of the program."""
+def content_of(container: object) -> Any:
+    """A copy of what a container holds, with a subclass's own ways of looking at it left out."""
     match container:
         case list():
             return list.copy(container)
@@ -181,7 +206,7 @@ def content_of(container: object) -> object:
         case Set():
             return dict(container.order)
         case OrderedDict():
-            return dict(OrderedDict.items(container))
+            return [*OrderedDict.items(container)]
         case dict():
             return dict.copy(container)
         case _:
@@ -190,7 +215,7 @@ def content_of(container: object) -> object:
 
 CHANGEABLE = (list, dict, Set, deque)
 SIMPLE = (str, int, float, bool, type(None))
-"""Keys that are looked up without asking the program."""
+"""Types of keys that are looked up by Python alone, but for keys of the program that have the same hash."""
 
 STORED: Mapping[str, Collection[int]] = {
     "append": {0}, "appendleft": {0}, "extend": {0}, "extendleft": {0}, "insert": {1}, "setdefault": {1}, "update": {0},
@@ -200,32 +225,45 @@ STORED: Mapping[str, Collection[int]] = {
 """Methods that change a container: which arguments become elements, which keep their randomness. All others are keys, indices, counts."""
 
 
-def note_container(versions: Versions, container: object) -> None:
+COPIED = 2
+"""What an element costs that is copied for a note."""
+
+
+def note_container(budget: Budget, container: object) -> None:
     """Whatever the container holds may change."""
     if isinstance(container, CHANGEABLE):
-        versions.note(Content(container, content_of(container)))
+        content = content_of(container)
+        budget.spend(COPIED * len(content))
+        budget.versions.note(Content(container, content))
 
 
-def note_item(versions: Versions, container: object, key: object) -> None:
+def note_end(budget: Budget, container: list[Any]) -> None:
+    """The last element of the list may be removed, or one may come after it."""
+    end = max(0, list.__len__(container) - 1)
+    budget.versions.note(Tail(container, end, list.__getitem__(container, slice(end, None))))
+
+
+def note_item(budget: Budget, container: object, key: object) -> None:
     """`container[key]` may change, or come to be."""
+    versions = budget.versions
     if type(container) is list and type(key) is int and -len(container) <= key < len(container):
         versions.note(Item(container, key, container[key]))
     elif isinstance(container, dict) and type(key) in SIMPLE and not isinstance(container, OrderedDict):
         versions.note(Entry(container, key, dict.get(container, key, MISSING)))
     else:
-        note_container(versions, container)
+        note_container(budget, container)
 
 
-def note_attribute(versions: Versions, subject: object, name: str) -> None:
+def note_attribute(budget: Budget, subject: object, name: str) -> None:
     """`subject.name` may change, or come to be."""
     attributes = getattr(subject, "__dict__", None)
-    if type(attributes) is dict and not (isinstance(subject, BaseException) and name == "args"):
-        versions.note(Entry(attributes, name, attributes.get(name, MISSING)))
+    if type(attributes) is dict and not isinstance(getattr(type(subject), name, None), (MemberDescriptorType, GetSetDescriptorType)):
+        budget.versions.note(Entry(attributes, name, attributes.get(name, MISSING)))
     else:
-        versions.note(Slot(subject, name, own(subject, name)))
+        budget.versions.note(Slot(subject, name, own(subject, name)))
 
 
-def note_call(versions: Versions, function: object, arguments: Collection[object]) -> None:
+def note_call(budget: Budget, function: object, arguments: Collection[object]) -> None:
     """A function of Python is about to be called: if it is a method that changes a container, note what that holds."""
     kind = type(function)
     if kind is BuiltinFunctionType or kind is MethodType:
@@ -235,7 +273,9 @@ def note_call(versions: Versions, function: object, arguments: Collection[object
     else:
         return
     if isinstance(owner, CHANGEABLE) and (name := getattr(function, "__name__", "")) in STORED:
-        if name == "append" and isinstance(owner, list):
-            versions.note(Tail(owner, list.__len__(owner), []))
+        if isinstance(owner, list) and (name == "append" or (name == "pop" and not arguments)):
+            note_end(budget, owner)
+        elif name == "setdefault" and arguments:
+            note_item(budget, owner, next(iter(arguments)))
         else:
-            note_container(versions, owner)
+            note_container(budget, owner)

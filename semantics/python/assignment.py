@@ -207,7 +207,7 @@ def set_attribute(subject: object, name: str, assigned: object, node: Node, stat
                 raise RunError(f"{name} is private to Python objects", node.span, rule="S-Assignment")
             if isinstance(inner, type) and name in OVERRIDES and not may_override(name, assigned):
                 raise RunError(f"{name} must be a function of the program", node.span, rule="S-Assignment")
-            note_attribute(state.version.versions, inner, name)
+            note_attribute(state.settings.door.budget, inner, name)
             raw(state.settings.door, state, setattr, inner, name, assigned)
             return state
         case _:
@@ -233,7 +233,7 @@ def set_item(container: object, index: object, assigned: object, node: Node, sta
         raise random_write(container, node)
     if isinstance(index, slice) and isinstance(container, list):
         assigned = elements(assigned, node, state)
-    note_item(state.version.versions, container, index)
+    note_item(state.settings.door.budget, container, index)
     raw(state.settings.door, state, python.setitem, container, index, assigned)
 
 
@@ -272,7 +272,7 @@ def change_in_place(node: s.AugmentedAssignment, operation: Callable[..., object
     door = state.settings.door
     if type(current) is Random:
         raise random_write(current, node)
-    note_container(state.version.versions, current)
+    note_container(state.settings.door.budget, current)
     if isinstance(current, list) and node.operator == "+" and not is_user_made(current):
         current.extend(elements(operand, node, state))
         return current
@@ -313,7 +313,7 @@ def conclude_delete(node: s.Delete, values: list[object], stack: Stack, state: S
                 container, *parts = (next(rest) for _ in target_premises(target))
                 if type(container) is Random:
                     raise random_write(container, target)
-                note_container(state.version.versions, container)
+                note_container(state.settings.door.budget, container)
                 raw(state.settings.door, state, python.delitem, container, place_of(target, parts))
             case _:
                 raise AssertionError(type(target))

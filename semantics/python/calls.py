@@ -127,7 +127,7 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
     if not callable(plain(function)):
         raise HostException(TypeError(f"{kind_name(function)} is not callable"))
     check_call(plain(function), arguments, keywords, state)
-    note_call(state.version.versions, plain(function), arguments)
+    note_call(state.settings.door.budget, plain(function), arguments)
     if "key" in keywords and type(keywords["key"]) is not Random and state.settings.door.lift is None:
         keywords = {**keywords, "key": as_callback(keywords["key"], state.settings.door.budget)}
     if container_method(plain(function)):

@@ -74,7 +74,7 @@ def advance(frame: Comprehending, stack: Stack, state: State) -> Outcome:
         bind_target(frame.node.clauses[index].target, source[position], state)
         return check_conditions(frame._replace(iterators=(*outer, (source, position + 1))), index, 0, stack, state)
     kinds = {"list": list, "generator": list, "set": Set, "dict": dict}
-    return value("E-Comprehension", host_container(kinds[frame.node.kind], in_order(frame.found)), stack, state, frame.node)
+    return value("E-Comprehension", host_container(kinds[frame.node.kind], in_order(frame.found), state), stack, state, frame.node)
 
 
 def in_order(found: tuple) -> list[object]:

@@ -62,6 +62,7 @@ def resume_class_body(frame: ClassBody, result: object, stack: Stack, state: Sta
     node = frame.node
     members = state.sigma.bindings
     outer = state._replace(sigma=frame.outer)
+    state.settings.door.state = state  # an enumeration may run functions of the program when it is made
     made = make_scenic_class(node, frame.superclass, members, frame.outer) if isinstance(frame.superclass, ScenicClass) else make_python_class(
         node, frame.superclass, members
     )

@@ -39,7 +39,7 @@ from ..kernel.values import (
     unwrap,
     wrap,
 )
-from ..kernel.versions import note_item
+from ..kernel.versions import note_call, note_item
 from ..space.symbols import Symbol
 from ..space.vectors import Vector
 from ..syntax import expressions as e
@@ -79,11 +79,13 @@ def conclude_display(node: p.TupleDisplay | p.ListDisplay | p.SetDisplay, values
 
 def displayed(kind: Callable[[list], object], items: list, node: Node, stack: Stack, state: State) -> Outcome:
     """If ⟨E_i⟩ → v_i then ⟨(E_1, ..., E_n)⟩ → (v_1, ..., v_n), and likewise for lists, sets and dictionaries."""
-    return value("E-Display", host_container(kind, items), stack, state, node)
+    return value("E-Display", host_container(kind, items, state), stack, state, node)
 
 
-def host_container(kind: Callable[[list], object], items: list) -> object:
+def host_container(kind: Callable[[list], object], items: list, state: State | None = None) -> object:
     """A container of the items, random as a whole if members of a set or keys of a dictionary are; an unhashable one is the program's mistake."""
+    if state is not None:
+        state.settings.door.state = state  # a class of the program may say how its instances are hashed
     keys = items if kind is Set else [key for key, _ in items] if kind is dict else []
     plain_keys, origin = unwrap(keys)
     check_keys(plain_keys)  # type: ignore[arg-type]
@@ -291,7 +293,8 @@ def get_item(node: p.Subscript, values: list[object], state: State) -> object:
     index = slice(*places) if isinstance(node.index, p.Slice) else places[0]  # type: ignore[misc, index]
     check_key(index)
     if isinstance(container, defaultdict):  # which makes what is missing
-        note_item(state.version.versions, container, index)
+        note_item(state.settings.door.budget, container, index)
+        note_call(state.settings.door.budget, container.default_factory, ())
     result = raw(state.settings.door, state, python.getitem, container, index)
     return result if origin is None else wrap(unwrap(result)[0], origin)
 

@@ -20,7 +20,7 @@ from ..kernel.allowed import BUILTINS, MARK, OURS_OF_MATH, is_user_made
 from ..kernel.budget import ITEM, Budget, Metered, length_of, refuse_too_large, refuse_too_long, size_of, whole
 from ..kernel.sets import FrozenSet, Set
 from ..kernel.values import Bound, Native
-from ..kernel.versions import note_container
+from ..kernel.versions import note_attribute, note_container
 from ..space.regions import PolygonalRegion
 from .arithmetic import BINARY
 from .prices import as_callback, with_callbacks
@@ -328,7 +328,7 @@ def initialise(budget: Budget, subject: object, *arguments: object, **keywords: 
     if not is_user_made(subject) or isinstance(subject, type):
         raise TypeError("__init__ is called for instances of classes of the program")
     ancestor = next(c for c in type(subject).__mro__ if MARK not in c.__dict__)
-    note_container(budget.versions, subject)
+    note_attribute(budget, subject, "args") if isinstance(subject, BaseException) else note_container(budget, subject)
     ancestor.__init__(subject, *arguments, **keywords)  # type: ignore[misc]
 
 

@@ -78,7 +78,7 @@ def priced(function: Callable[..., object], budget: Budget) -> Callable[..., obj
 
     def called(*arguments: object, **keywords: object) -> object:
         check_arguments(function, arguments, keywords, budget)
-        note_call(budget.versions, function, arguments)
+        note_call(budget, function, arguments)
         result = function(*arguments, **keywords)
         budget.spend(ITEM)
         budget.made(result)

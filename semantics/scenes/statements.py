@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from ..kernel.conditions import holding
-from ..kernel.config import PASS, Config, Stack, State, reduce
+from ..kernel.config import PASS, Captured, Config, Stack, State, reduce
 from ..kernel.draws import numbered_apart
 from ..kernel.errors import RunError
 from ..kernel.kinds import is_object, is_scalar, kind_name
@@ -69,7 +69,7 @@ def hard_requirement(node: s.Require, stack: Stack, state: State) -> Outcome:
 
 def capture(node: s.Require, stack: Stack, state: State) -> Outcome:
     """⟨require B, σ, π, O⟩ → ⟨pass, σ, π, O⟩, and ⟨require B⟩ is checked at the end, on what σ and O hold here (reading `requirement-capture`)."""
-    captured = state._replace(sigma=state.sigma.snapshot(), late=())
+    captured = Captured(state.sigma.snapshot(), state.ego, state.workspace, state.objects)
     return Next("S-Require-Capture", Config(PASS, stack, state._replace(late=(*state.late, (node, captured)))), node)
 
 

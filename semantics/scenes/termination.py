@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ..kernel.config import PASS, Config, Stack, State, Value
+from ..kernel.config import PASS, Captured, Config, Stack, State, Value
 from ..kernel.kinds import Reader
 from ..kernel.outcome import Done, Draw, Next, Observe, Outcome, Stuck
 from ..kernel.values import Origin, Random
@@ -82,7 +82,7 @@ def resume_late(frame: Late, result: object, stack: Stack, state: State) -> Outc
     return Next("", Config(PASS, (Checking(tuple(default_requirements(state, frame.since))), stack), state._replace(late=())))
 
 
-def as_captured(captured: State, state: State) -> State:
+def as_captured(captured: Captured, state: State) -> State:
     """`state` with the variables and properties of `captured`, except what mutation changed since (reading `requirement-capture`)."""
     reader = Reader(state)
     objects = {**state.objects, **captured.objects}

@@ -26,7 +26,7 @@ def test_a_random_precondition_of_the_initial_scenario_is_an_observation():
 
 @pytest.mark.parametrize("precondition", ["3", "'yes'", "x"])
 def test_a_precondition_of_the_initial_scenario_is_a_boolean(precondition):
-    with pytest.raises(RunError, match="a precondition is a boolean") as found:
+    with pytest.raises(RunError, match="a precondition must be a boolean") as found:
         scenic_ref.loads("x = Uniform(1, 2)\n" + MAIN.format(f"    precondition: {precondition}\n")).sample()
     assert found.value.span.line == 3
 

@@ -41,7 +41,7 @@ def test_without_all_a_star_imports_what_does_not_begin_with_an_underscore(tmp_p
 
 
 @pytest.mark.parametrize(("listed", "message"), [
-    ("3", "is not a list of names"), ("[1]", "is no list of names"), ("'x'", "is no list of names"), ("['w']", "the module lib has no w"),
+    ("3", "is not a list of names"), ("[1]", "is not a list of names"), ("'x'", "is not a list of names"), ("['w']", "the module lib has no w"),
     ("[Uniform('x', 'x')]", "is not a list of names"),
 ])  # fmt: skip
 def test_an_all_that_is_none(tmp_path, listed, message):
