@@ -203,7 +203,7 @@ def step_of_scenario(number: int, stack: Stack, state: State) -> Outcome:
 
 def resume_stepping(frame: Stepping, result: object, stack: Stack, state: State) -> Outcome:
     """Section "Semantics of Scenic", "Dynamic Constructs", step 1: "finishes its compose block (if any), one of its terminate when conditions is
-    true, or it executes terminate". So a scenario ends; while its block waits, it goes on unless a condition is true.
+    true, or it executes terminate". So any scenario ends, not the top-level one alone; while its block waits, it goes on unless a condition is true.
     """
     running = simulation_of(state).scenarios[frame.number]
     if isinstance(result, Yielded):

@@ -1,4 +1,4 @@
-"""The rule "Distributions" of Figure "expression-semantics": a distribution evaluates to a sample from it."""
+"""The rule "Distributions" of Figure "Semantics of expressions": a distribution evaluates to a sample from it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .values import Constructor, Origin, Random, unwrap
 
 
 def draw(node: Node, constructor: Constructor, arguments: tuple[object, ...], keywords: Mapping[str, object], stack: Stack, state: State) -> Outcome:
-    """⟨params⟩ → θ and v ∈ dom baseDist(θ) give ⟨baseDist(params)⟩ →^{P_θ(v)} v (Figure "expression-semantics", Distributions)."""
+    """⟨params⟩ → θ and v ∈ dom baseDist(θ) give ⟨baseDist(params)⟩ →^{P_θ(v)} v (Figure "Semantics of expressions", Distributions)."""
     try:
         if constructor.keeps_values:
             distribution = constructor.make(*arguments, **keywords)

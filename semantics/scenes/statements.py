@@ -1,4 +1,4 @@
-"""Scenic's static statements: Figure "statement-semantics" of the paper."""
+"""Scenic's static statements: Figure "Semantics of statements" of the paper."""
 
 from __future__ import annotations
 
