@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections import defaultdict
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
 from types import CodeType, FrameType
@@ -18,13 +17,14 @@ from scenic_ref.conformance.ourselves import Ourselves
 from scenic_ref.conformance.reports import UNREACHABLE
 from scenic_ref.conformance.running import fired_in, judge
 from scenic_ref.conformance.vector import ConformanceVector
-from scenic_ref.interpreter import running
 from scenic_ref.semantics.kernel.config import Config
 from scenic_ref.semantics.kernel.outcome import Draw, Fault, Outcome
 from scenic_ref.semantics.rules import RULES, Rule
 from scenic_ref.semantics.scenes import specifiers
 from scenic_ref.semantics.step import step
 from scenic_ref.semantics.syntax.specifiers import AtSpecifier, FacingSpecifier
+
+from .stepping import stepping
 
 
 def code_of(rule: Rule) -> CodeType:
@@ -87,17 +87,6 @@ def fired(outcome: Outcome) -> str:
     if isinstance(outcome, Fault):
         return outcome.error.rule if outcome.error.rule.startswith("R-") or outcome.error.rule == "E-Branch" else ""
     return outcome.rule
-
-
-@contextmanager
-def stepping(instead: Callable[[Config], Outcome]) -> Iterator[None]:
-    """Every run is driven with another step function."""
-    before = running.step
-    running.step = instead  # type: ignore[assignment]
-    try:
-        yield
-    finally:
-        running.step = before  # type: ignore[assignment]
 
 
 def watch(vectors: tuple[ConformanceVector, ...]) -> Watched:

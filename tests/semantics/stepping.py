@@ -1,0 +1,23 @@
+"""Runs that are driven with another step function, one that watches or compares."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from scenic_ref.interpreter import running
+from scenic_ref.semantics.kernel.config import Config
+from scenic_ref.semantics.kernel.outcome import Outcome
+
+Step = Callable[[Config], Outcome]
+
+
+@contextmanager
+def stepping(instead: Step) -> Iterator[None]:
+    """Every run is driven with another step function."""
+    before = running.step
+    running.step = instead  # type: ignore[assignment]
+    try:
+        yield
+    finally:
+        running.step = before  # type: ignore[assignment]
