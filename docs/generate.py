@@ -6,8 +6,8 @@ import re
 import textwrap
 from collections.abc import Iterator
 from pathlib import Path
+from typing import cast
 
-import click
 import typer
 from scenic_ref.cli.app import EXIT_CODES, app
 from scenic_ref.conformance import load_vectors
@@ -15,6 +15,7 @@ from scenic_ref.conformance.reports import shows
 from scenic_ref.semantics.kernel import allowed
 from scenic_ref.semantics.readings import PROFILES, READINGS, Reading, always_decided
 from scenic_ref.semantics.rules import CATALOGUE
+from typer.core import TyperCommand, TyperGroup
 
 HERE = Path(__file__).parent / "reference"
 WIDTH = 100
@@ -122,7 +123,7 @@ def allowed_page() -> str:
 
 def commands_page(application: typer.Typer = app) -> str:
     """What `--help` says of every command that the application has, then the exit codes."""
-    command = typer.main.get_command(application)
+    command = cast(TyperGroup, typer.main.get_command(application))  # what Typer draws its commands from is click, or a copy of it
     lines = ["# Command line", ""]
     for name, text in helps(command, "scenic-ref"):
         lines += [f"## `{name}`", "", "```text", text, "```", ""]
@@ -130,7 +131,7 @@ def commands_page(application: typer.Typer = app) -> str:
     return "\n".join(lines) + "\n"
 
 
-def helps(command: click.Command, name: str) -> Iterator[tuple[str, str]]:
+def helps(command: TyperCommand | TyperGroup, name: str) -> Iterator[tuple[str, str]]:
     """The name and the `--help` text of a command, then those of its commands."""
     context = command.make_context(name, [], resilient_parsing=True, terminal_width=WIDTH, max_content_width=WIDTH)
     yield name, command.get_help(context)

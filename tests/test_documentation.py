@@ -11,7 +11,6 @@ from pathlib import Path
 from types import ModuleType
 from typing import get_args
 
-import click
 import pytest
 import scenic_ref
 import typer
@@ -25,6 +24,7 @@ from scenic_ref.semantics.kernel.config import Config, Value
 from scenic_ref.semantics.kernel.outcome import Outcome
 from scenic_ref.semantics.readings import READINGS
 from scenic_ref.semantics.rules import CATALOGUE
+from typer.core import TyperCommand
 
 ROOT = Path(__file__).parent.parent
 WIDEST, LONG_WORD = 100, 80
@@ -54,7 +54,7 @@ def sections(page: str) -> dict[str, str]:
     return {part.partition("\n")[0].strip("`"): part for part in re.split(r"^## ", page, flags=re.MULTILINE)[1:]}
 
 
-def commands() -> dict[str, click.Command]:
+def commands() -> dict[str, TyperCommand]:
     """The commands of the application."""
     return getattr(typer.main.get_command(app), "commands")  # noqa: B009 (of a group alone)
 
