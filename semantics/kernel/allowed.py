@@ -20,7 +20,7 @@ from types import BuiltinFunctionType, EllipsisType, MethodDescriptorType, Metho
 
 from ..space.fields import PolygonalVectorField, VectorField
 from ..space.regions import CircularRegion, PolygonalRegion, PolylineRegion, RectangularRegion, Region, SectorRegion, Workspace
-from ..space.symbols import Symbol
+from ..space.symbols import NotLifted, Symbol
 from ..space.vectors import Vector
 from .budget import Metered
 from .queries import Clock, Closest
@@ -158,6 +158,8 @@ def is_hidden(name: str) -> bool:
 
 def may_ask(value: object, name: str) -> bool:
     """Whether a program may ask the value, which is none of the machine's types, for the attribute."""
+    if isinstance(value, Symbol):
+        raise NotLifted(f"the attribute {name} of a random value")
     if name == "__init__" and (isinstance(value, type) or not is_user_made(value)):
         return isinstance(value, type) and is_base(value)
     if isinstance(value, type):

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from functools import reduce as fold_left
 from typing import Any, NamedTuple
 
-from ..space.symbols import Symbol, is_truth
+from ..space.numeric import is_needed, is_truth
 from ..syntax import python_expressions as p
 from ..syntax.nodes import Node, Span
 from .allowed import is_user_made
@@ -16,9 +16,9 @@ from .draws import numbered_apart
 from .errors import RandomBranch, RunError
 from .host import host
 from .kinds import kind_name
-from .outcome import Next, Operand, Outcome
+from .outcome import Next, Outcome
 from .premises import describe_origin
-from .values import Random, plain, unwrap
+from .values import Random, plain
 
 
 class Boolean(NamedTuple):
@@ -62,15 +62,12 @@ def before_operands(operands: Sequence[p.Expression], stack: Stack, state: State
 
 def where_open(truth: object, going_on: bool, operand: Next, decided: Callable[[], Next]) -> Next:
     """Short-circuit on something random: the next operand is reduced where the truth so far leaves the answer open; else the answer is known."""
-    if isinstance(truth, Symbol):
-        return operand._replace(where=Operand(truth, going_on, operand.config.stack))
-    return operand if truth is going_on else decided()._replace(beyond=operand.config)
+    return operand if is_needed(truth, going_on, operand.config.stack) else decided()._replace(beyond=operand.config)
 
 
 def truth_of(result: object, state: State) -> object:
-    """The truth of a value, random or not, in this run; a symbol, if it is one."""
-    inner = unwrap(result)[0]
-    return inner.truth() if isinstance(inner, Symbol) else plain(host(state.settings.door, state, bool, result))
+    """The truth of a value, random or not, in this run."""
+    return plain(host(state.settings.door, state, bool, result))
 
 
 def combine(operator: str, operands: tuple[object, ...], state: State) -> object:

@@ -14,14 +14,13 @@ from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
-from ..space.symbols import NotLifted
 from .allowed import is_value
 from .budget import PLAIN, STEP, Budget
 from .config import Abrupt, Config, State, Value
 from .driving import Arrived, Machine, Unfinished, drive_machine
 from .errors import FuelExhausted, RunError, ScenicError
 from .nesting import too_deep
-from .outcome import Draw, Fault, Next, Outcome, Stuck
+from .outcome import Draw, Fault, Outcome, Stuck
 from .values import Function, Instance, Origin, unwrap, wrap
 from .versions import Slot
 
@@ -39,6 +38,10 @@ class HostException(Exception):
         super().__init__(str(exception))
         self.exception = exception
         self.origin = origin
+
+
+class Misapplied(HostException):
+    """The arguments of a call do not fit the parameters, whatever their values are."""
 
 
 class DoorStuck(Exception):
@@ -102,11 +105,7 @@ class Door:
                 hint="draw the value before the call and use it inside the function",
             )
 
-        def on_symbols(outcome: Outcome, drawn: object) -> None:
-            if isinstance(outcome, Next) and outcome.where is not None:
-                raise NotLifted(f"{function.name}, which library code calls, depends on a random value")
-
-        end, _ = drive_machine(paid, config, refuse, DOOR_FUEL, witness=on_symbols, until=lambda config: not config.stack)
+        end, _ = drive_machine(paid, config, refuse, DOOR_FUEL, until=lambda config: not config.stack)
         match end:
             case Arrived(config=ended):
                 return ended

@@ -13,11 +13,13 @@ from numbers import Real
 from typing import NamedTuple
 
 from ..space.fields import VectorField
+from ..space.numeric import is_finite_number, number
 from ..space.regions import Region
-from ..space.symbols import Symbol, is_finite_number, number
+from ..space.symbols import Symbol
 from ..space.vectors import Vector
+from .budget import PLAIN
 from .config import State
-from .values import Dynamic, Instance, Origin, Random, ScenicClass, unwrap, wrap
+from .values import Dynamic, Instance, Origin, Random, ScenicClass, each, plain, unwrap, wrap
 
 SCALAR, VECTOR, HEADING, FIELD, REGION = "scalar", "vector", "heading", "vector field", "region"
 POINT, ORIENTED_POINT, OBJECT = "Point", "OrientedPoint", "Object"
@@ -72,8 +74,6 @@ class View:
     @property
     def is_oriented(self) -> bool:
         """Whether the instance is an OrientedPoint, not only a Point."""
-        if isinstance(self.instance, Symbol):
-            return self.instance.always(is_oriented)  # type: ignore[arg-type]
         return is_oriented(self.instance)
 
 
@@ -94,15 +94,19 @@ class Reader:
 
     def property(self, instance: Instance, name: str) -> object:
         """O(instance.name), without randomness."""
-        if isinstance(instance, Symbol):
-            return instance.each(lambda one: self.property(one, name))
-        return self.plain(self.state.objects[instance.number][name])
+
+        def of_one(instance: Instance) -> object:
+            return self.plain(self.state.objects[instance.number][name])
+
+        return each(of_one, instance)
 
     def size(self, instance: Instance, name: str) -> float:
         """O(instance.width) or O(instance.length), 0 where the instance has none."""
-        if isinstance(instance, Symbol):
-            return instance.each(lambda one: self.size(one, name))
-        return self.plain(self.state.objects[instance.number].get(name, 0.0))  # type: ignore[return-value]
+
+        def of_one(instance: Instance) -> object:
+            return self.plain(self.state.objects[instance.number].get(name, 0.0))
+
+        return each(of_one, instance)
 
     def wrap(self, value: object) -> object:
         """`value` marked random if anything read was."""
@@ -110,22 +114,21 @@ class Reader:
 
     def read(self, value: object, kind: str) -> object:
         """The plain value as the given kind; the caller knows that it is one (`has_kind`)."""
-        if isinstance(value, Symbol) and kind in (VECTOR, HEADING):
-            if kind == HEADING and value.always(is_scalar):
-                return number(value)
-            found = value.each(lambda one: self.read(one, kind))
-            return number(found) if kind == HEADING else found
         match kind:
             case "vector":
-                return self.vector(value)
+                return each(self.vector, value)
             case "heading":
-                return self.property(value, "heading") if isinstance(value, Instance) else number(value)  # type: ignore[arg-type]
+                return number(value if is_scalar(value) else each(self.heading, value))
             case "Point" | "OrientedPoint" | "Object":
                 return View(value, self)  # type: ignore[arg-type]
             case "scalar":
                 return value
             case _:
                 return value
+
+    def heading(self, value: object) -> object:
+        """A scalar or an OrientedPoint as a heading."""
+        return self.property(value, "heading") if isinstance(value, Instance) else value
 
     def vector(self, value: object) -> Vector:
         """A vector, a pair of scalars or a Point as a vector."""
@@ -144,9 +147,24 @@ def is_scalar(value: object) -> bool:
     return isinstance(value, Real) or (isinstance(value, Symbol) and value.always(is_scalar))
 
 
+def is_pair(value: object) -> bool:
+    """Whether the value is a tuple of two scalars."""
+    inner = plain(value)
+    if type(inner) in PLAIN:
+        return False
+    if isinstance(inner, Symbol):
+        return inner.always(is_pair)
+    return type(inner) is tuple and len(inner) == 2 and all(is_scalar(plain(part)) for part in inner)  # pyright: ignore[reportUnknownArgumentType, reportUnknownVariableType]
+
+
+def is_sequence(value: object) -> bool:
+    """Whether the value is a tuple or list."""
+    return value.always(is_sequence) if isinstance(value, Symbol) else isinstance(value, (tuple, list))
+
+
 def is_oriented(instance: Instance) -> bool:
     """Whether the instance's class is OrientedPoint or below it."""
-    return instance.class_.built_in_name != "Point"
+    return instance.always(is_oriented) if isinstance(instance, Symbol) else instance.class_.built_in_name != "Point"
 
 
 def is_object(instance: Instance) -> bool:

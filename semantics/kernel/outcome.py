@@ -11,7 +11,7 @@ from .errors import ScenicError
 
 if TYPE_CHECKING:
     from ..space.distributions import Distribution
-    from .config import Config, Stack, State
+    from .config import Config, State
     from .values import Instance
     from .versions import Version
 
@@ -36,20 +36,11 @@ class Change(NamedTuple):
     instance: Instance | None = None
 
 
-class Operand(NamedTuple):
-    """On symbols: an operand that is reduced only in the runs in which the truth of `symbol` is `expected`; it ends in `stack`."""
-
-    symbol: object
-    expected: bool
-    stack: Stack
-
-
 class Next(NamedTuple):
     """A rule fired with probability 1; `rule` is "" for the bookkeeping between rules.
 
     Where something random decides whether an operand is reduced (reading `boolean-random`), `beyond` is the configuration that reduces it in
-    runs in which it is not needed; on symbols, `config` reduces it, and speaks for the runs in which `where` holds, until the control is back
-    at its stack.
+    runs in which it is not needed.
     """
 
     rule: str
@@ -57,7 +48,6 @@ class Next(NamedTuple):
     node: Node | None = None
     change: Change | None = None
     beyond: Config | None = None
-    where: Operand | None = None
 
 
 class Draw(NamedTuple):
@@ -132,7 +122,7 @@ def dated(outcome: Outcome, version: Version) -> Outcome:
     """The outcome with the version that stands in memory in its configurations or its state."""
     if type(outcome) is Next:
         beyond = None if outcome.beyond is None else in_version(outcome.beyond, version)
-        return Next(outcome.rule, in_version(outcome.config, version), outcome.node, outcome.change, beyond, outcome.where)
+        return Next(outcome.rule, in_version(outcome.config, version), outcome.node, outcome.change, beyond)
     match outcome:
         case Draw(resume=resume):
             return outcome._replace(resume=partial(in_version_after, resume, version))

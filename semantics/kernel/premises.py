@@ -16,9 +16,10 @@ from ..syntax.python_expressions import Call, Constant, Name
 from ..syntax.statements import Assignment, Return
 from .config import Config, Stack, State
 from .errors import RunError
+from .host import HostException, Misapplied
 from .outcome import Next, Outcome
 from .scopes import MISSING, Scope
-from .values import Origin, plain
+from .values import Origin, Random, plain
 
 Conclusion = Callable[..., Outcome]
 """Gets the node, the values of its premises, the stack and the state: `conclude(node, values, stack, state)`."""
@@ -39,7 +40,10 @@ class Premises(NamedTuple):
 def premises(
     node: Node, expressions: Sequence[Node | None], conclude: Conclusion, stack: Stack, state: State, values: list[object] | None = None
 ) -> Outcome:
-    """Reduce the premises from number len(values) on, then conclude; a missing (optional) premise has the value None."""
+    """Reduce the premises from number len(values) on, then conclude; a missing (optional) premise has the value None.
+
+    Where something random went in, whether the conclusion raises an exception is random as well.
+    """
     values = [] if values is None else values
     read = raw_axiom if not state.runs or type(node) in CARRIERS else axiom
     for index in range(len(values), len(expressions)):
@@ -49,7 +53,12 @@ def premises(
             frame = Premises(node, expressions, index, tuple(values), conclude)
             return Next("", Config(expression, (frame, stack), state))  # type: ignore[arg-type]
         values.append(result)
-    return conclude(node, values, stack, state)
+    try:
+        return conclude(node, values, stack, state)
+    except HostException as problem:
+        if problem.origin is None and not isinstance(problem, Misapplied):
+            problem.origin = next((v.origin for v in values if type(v) is Random), None)
+        raise
 
 
 def resume_premises(frame: Premises, result: object, stack: Stack, state: State) -> Outcome:

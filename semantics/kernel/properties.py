@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..space.symbols import is_truth
+from ..space.numeric import is_truth
 from ..space.vectors import Vector
 from ..syntax.nodes import Span
 from .classes import BOOLEAN_PROPERTIES, NON_NEGATIVE_PROPERTIES, SCALAR_PROPERTIES, VECTOR_PROPERTIES

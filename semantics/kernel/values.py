@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from ..space.symbols import Symbol
 from ..syntax.nodes import NOWHERE, Node, Span
 from ..syntax.python_expressions import Parameter
 from ..syntax.statements import Block
@@ -315,13 +316,39 @@ class Bound:
         return f"<built-in function {self.name}>"
 
 
-class Pairs(NamedTuple):
-    """The entries of a dictionary whose keys are symbols: weights of `Discrete`, and nothing else."""
-
-    pairs: list[tuple[object, object]]
-
-
 class Entries(dict[Any, Any]):
     """A dictionary with random keys, as it is in this run; `pairs` are its entries before equal keys became one."""
 
     pairs: list[tuple[object, object]]
+
+
+class Pairs(NamedTuple):
+    """The same, where no run is looked at: weights of `Discrete`, and nothing else."""
+
+    pairs: list[tuple[object, object]]
+
+
+def with_random_keys(pairs: list[tuple[object, object]]) -> Entries | Pairs:
+    """The dictionary of the pairs, some of whose keys are random. Raises TypeError for keys that are unhashable."""
+    symbols = [key for key, _ in pairs if isinstance(key, Symbol)]
+    if symbols:
+        if not all(key.always(is_hashable) for key in symbols):
+            raise TypeError("unhashable key")
+        return Pairs(pairs)
+    result = Entries(pairs)
+    result.pairs = pairs
+    return result
+
+
+def is_hashable(value: object) -> bool:
+    """Whether the value can be a key."""
+    try:
+        hash(value)
+    except TypeError:
+        return False
+    return True
+
+
+def each(function: Callable[..., Any], value: object, *arguments: object) -> Any:
+    """`function(value, *arguments)` for the value of something random; where that stands for many, of every one, as such a value again."""
+    return value.each(lambda one: each(function, one, *arguments)) if isinstance(value, Symbol) else function(value, *arguments)

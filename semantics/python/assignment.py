@@ -12,14 +12,13 @@ from ..kernel.classes import canonical
 from ..kernel.config import PASS, Config, Stack, State
 from ..kernel.errors import RunError
 from ..kernel.host import HostException, host, raw
-from ..kernel.kinds import is_object, kind_name
+from ..kernel.kinds import is_object, is_sequence, kind_name
 from ..kernel.outcome import Change, Next, Outcome
 from ..kernel.premises import SHARED, axiom, describe_origin, premises
 from ..kernel.properties import checked_property
 from ..kernel.scopes import MISSING
 from ..kernel.values import Function, Instance, Method, Module, Random, ScenicClass, plain, unwrap
 from ..kernel.versions import note_attribute, note_container, note_item
-from ..space.symbols import Symbol
 from ..syntax import python_expressions as p
 from ..syntax import statements as s
 from ..syntax.nodes import Node
@@ -133,11 +132,6 @@ def random_write(subject: Random, node: Node) -> RunError:
     )
 
 
-def is_sequence(value: object) -> bool:
-    """Whether the value is a tuple or list, or a symbol for these."""
-    return value.always(is_sequence) if isinstance(value, Symbol) else isinstance(value, (tuple, list))
-
-
 def unpack(items: tuple[Node, ...], assigned: object, node: Node, state: State) -> list[object]:
     """The values for the items of a target list, a starred one taking the rest as a list."""
     if type(assigned) is Random and is_sequence(assigned.value):
@@ -146,13 +140,13 @@ def unpack(items: tuple[Node, ...], assigned: object, node: Node, state: State) 
     else:
         found = elements(assigned, node, state)
     star = next((i for i, item in enumerate(items) if isinstance(item, p.Starred)), None)
+    least = len(items) if star is None else len(items) - 1
+    if len(found) < least or (star is None and len(found) > least):
+        problem = ValueError(f"{least} values {'or more ' if star is not None else ''}are needed to unpack into these names, not {len(found)}")
+        raise HostException(problem, assigned.origin if type(assigned) is Random else None)
     if star is None:
-        if len(found) != len(items):
-            raise HostException(ValueError(f"{len(items)} values are needed to unpack into these names, not {len(found)}"))
         return found
     after = len(items) - star - 1
-    if len(found) < star + after:
-        raise HostException(ValueError(f"at least {star + after} values are needed to unpack into these names, not {len(found)}"))
     return [*found[:star], found[star : len(found) - after], *found[len(found) - after :]]
 
 

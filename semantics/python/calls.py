@@ -22,8 +22,8 @@ from ..kernel.values import Constructor, Dynamic, Function, Instance, Method, Na
 from ..kernel.versions import STORED, note_call
 from ..space.distributions import BadParameters
 from ..space.fields import BadField, VectorField
+from ..space.numeric import number
 from ..space.regions import BadRegion, Region
-from ..space.symbols import number
 from ..space.vectors import Vector
 from ..syntax import python_expressions as p
 from ..syntax.dynamics import ScenarioDefinition
@@ -128,7 +128,7 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
         raise HostException(TypeError(f"{kind_name(function)} is not callable"))
     check_call(plain(function), arguments, keywords, state)
     note_call(state.settings.door.budget, plain(function), arguments)
-    if "key" in keywords and type(keywords["key"]) is not Random and state.settings.door.lift is None:
+    if "key" in keywords and type(keywords["key"]) is not Random:
         keywords = {**keywords, "key": as_callback(keywords["key"], state.settings.door.budget)}
     if container_method(plain(function)):
         if type(function) is Random and function.value.__name__ in STORED:  # type: ignore[attr-defined]

@@ -257,8 +257,8 @@ def handle(handler: s.Handler, abrupt: Abrupt, stack: Stack, state: State) -> Ou
     """If ⟨s1⟩ → ⟨raise v⟩ and v is an instance of C then ⟨try: s1 except C as x: s2, σ⟩ → ⟨s2, σ[x / v]⟩."""
     exception = abrupt.value
     assert isinstance(exception, BaseException)
-    if abrupt.origin is not None:
-        raise random_branch(Random(exception, abrupt.origin), handler, f"whether this {type(exception).__name__} is raised")
+    if abrupt.origin is not None and not state.runs:
+        raise random_branch(Random(exception, abrupt.origin), handler, f"the {type(exception).__name__} that this catches, or whether it is raised,")
     if handler.name is not None:
         state.sigma.bind(handler.name, exception)
     inner = state._replace(handling=(*state.handling, exception))
@@ -325,7 +325,7 @@ def conclude_raise(node: s.Raise, values: list[object], stack: Stack, state: Sta
         raise HostException(TypeError(f"only exceptions can be raised, not {kind_name(exception)}"))
     if isinstance(cause, BaseException):
         exception.__cause__ = cause
-    return Next("S-Raise", Config(Abrupt("raise", exception, node.span), stack, state), node)
+    return Next("S-Raise", Config(Abrupt("raise", exception, node.span, unwrap(values)[1]), stack, state), node)
 
 
 def assert_statement(node: s.Assert, stack: Stack, state: State) -> Outcome:
@@ -338,4 +338,4 @@ def conclude_assert(node: s.Assert, values: list[object], stack: Stack, state: S
     if truth(values[0], node.test, state, "the condition of this `assert`"):
         return done("S-Assert", node, stack, state)
     exception = AssertionError(*([] if node.message is None else [plain(values[1])]))
-    return Next("S-Assert", Config(Abrupt("raise", exception, node.span), stack, state), node)
+    return Next("S-Assert", Config(Abrupt("raise", exception, node.span, unwrap(values)[1]), stack, state), node)

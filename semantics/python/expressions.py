@@ -11,13 +11,13 @@ from collections import defaultdict
 from collections.abc import Callable, Mapping
 
 from ..kernel.allowed import is_user_made, may_ask
-from ..kernel.budget import LARGEST_SEQUENCE, PLAIN
+from ..kernel.budget import LARGEST_SEQUENCE
 from ..kernel.classes import canonical
 from ..kernel.conditions import random_branch
 from ..kernel.config import Stack, State, value
 from ..kernel.errors import RunError
 from ..kernel.host import HostException, host, raw
-from ..kernel.kinds import Reader, has_kind, is_scalar, kind_name
+from ..kernel.kinds import Reader, has_kind, is_pair, kind_name
 from ..kernel.outcome import Outcome
 from ..kernel.premises import premises, raw_axiom
 from ..kernel.queries import Clock, Closest, attribute_of_clock
@@ -26,21 +26,20 @@ from ..kernel.sets import Set
 from ..kernel.values import (
     Bound,
     Dynamic,
-    Entries,
     Function,
     Instance,
     Method,
     Module,
     Native,
-    Pairs,
     Random,
     ScenicClass,
+    each,
     plain,
     unwrap,
+    with_random_keys,
     wrap,
 )
 from ..kernel.versions import note_call, note_item
-from ..space.symbols import Symbol
 from ..space.vectors import Vector
 from ..syntax import expressions as e
 from ..syntax import python_expressions as p
@@ -93,14 +92,9 @@ def host_container(kind: Callable[[list], object], items: list, state: State | N
         if origin is None:
             return kind(items)
         plain_items = unwrap(items)[0]
-        if kind is dict and any(isinstance(key, Symbol) for key, _ in plain_items):  # type: ignore[attr-defined]
-            return wrap(Pairs(plain_items), origin)  # type: ignore[arg-type]
-        result = (Entries if kind is dict else kind)(plain_items)  # type: ignore[operator]
+        return wrap((with_random_keys if kind is dict else kind)(plain_items), origin)  # type: ignore[arg-type]
     except TypeError as exception:
         raise HostException(exception) from exception
-    if isinstance(result, Entries):
-        result.pairs = plain_items  # type: ignore[assignment]
-    return wrap(result, origin)
 
 
 def elements(iterable: object, node: Node, state: State) -> list[object]:
@@ -186,9 +180,7 @@ def conclude_attribute(node: p.Attribute, values: list[object], stack: Stack, st
     shared = shared_method(subject, node.name, state)
     if shared is not None:
         return attribute_is(node, shared, stack, state)
-    several = isinstance(subject.value, Symbol)
-    found = subject.value.each(lambda one: get_attribute(one, node, state)) if several else get_attribute(subject.value, node, state)  # type: ignore[attr-defined]
-    inner, origin = unwrap(found)
+    inner, origin = unwrap(each(get_attribute, subject.value, node, state))
     return attribute_is(node, wrap(inner, subject.origin or origin), stack, state)
 
 
@@ -241,12 +233,12 @@ def get_attribute(subject: object, node: p.Attribute, state: State) -> object:
 
 def get_host_attribute(subject: object, name: str, node: p.Attribute, state: State) -> object:
     """An attribute of the table, or of a class of the program; a container's methods stay those of the container itself, random elements and all."""
-    door = state.settings.door
-    if isinstance(subject, Symbol) or (state.settings.trusted and not name.startswith("_")):
+    door, is_open = state.settings.door, may_ask(subject, name)
+    if state.settings.trusted and not name.startswith("_"):
         return raw(door, state, getattr, subject, name)
     if name in ("x", "y") and is_pair(subject) and state.reading("pairs") == "vector":
         return subject["xy".index(name)]  # type: ignore[index]
-    if may_ask(subject, name):
+    if is_open:
         return raw(door, state, attribute_of, subject, name, door.budget)
     fallback = getattr(type(subject), "__getattr__", None) if is_user_made(subject) and not isinstance(subject, type) else None
     if isinstance(fallback, Function):
@@ -330,16 +322,6 @@ def conclude_binary(node: p.BinaryOperation, values: list[object], stack: Stack,
 def arithmetic(node: Node, operation: Callable[..., object], operands: list[object], stack: Stack, state: State) -> Outcome:
     """If ⟨E1⟩ → v1 and ⟨E2⟩ → v2 then ⟨E1 ⊕ E2⟩ → v1 ⊕ v2, and ⟨⊖E⟩ → ⊖v likewise, as in Python."""
     return apply_host("E-Arithmetic", node, operation, operands, stack, state)
-
-
-def is_pair(value: object) -> bool:
-    """Whether the value is a tuple of two scalars."""
-    inner = plain(value)
-    if type(inner) in PLAIN:
-        return False
-    if isinstance(inner, Symbol):
-        return inner.always(is_pair)
-    return type(inner) is tuple and len(inner) == 2 and all(is_scalar(plain(part)) for part in inner)
 
 
 def pairs_as_vectors(operator: str, operands: list[object], state: State) -> list[object]:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from ..kernel.config import Abrupt, Config, Stack, State, value
 from ..kernel.errors import RunError
-from ..kernel.host import HostException
+from ..kernel.host import Misapplied
 from ..kernel.outcome import Next, Outcome
 from ..kernel.premises import premises
 from ..kernel.scopes import Scope, function_names
@@ -61,11 +61,11 @@ def bind(
     positional = [q for q in parameters if q.kind in ("positional", "positional only")]
     star = next((q for q in parameters if q.kind == "*args"), None)
     if len(arguments) > len(positional) and star is None:
-        raise HostException(TypeError(f"{name}() takes {len(positional)} positional arguments but {len(arguments)} were given"))
+        raise Misapplied(TypeError(f"{name}() takes {len(positional)} positional arguments but {len(arguments)} were given"))
     for parameter, argument in zip(positional, arguments, strict=False):
         bound[parameter.name] = argument
         if parameter.kind == "positional" and parameter.name in rest:
-            raise HostException(TypeError(f"{name}() got two values for {parameter.name}"))
+            raise Misapplied(TypeError(f"{name}() got two values for {parameter.name}"))
     if star is not None and star.name:
         bound[star.name] = tuple(arguments[len(positional) :])
     for parameter in parameters:
@@ -76,12 +76,12 @@ def bind(
         elif parameter.name in defaults:
             bound[parameter.name] = defaults[parameter.name]
         else:
-            raise HostException(TypeError(f"{name}() needs a value for {parameter.name}"))
+            raise Misapplied(TypeError(f"{name}() needs a value for {parameter.name}"))
     extra = next((q for q in parameters if q.kind == "**kwargs"), None)
     if extra is not None:
         bound[extra.name] = rest
     elif rest:
-        raise HostException(TypeError(f"{name}() has no parameter {next(iter(rest))}"))
+        raise Misapplied(TypeError(f"{name}() has no parameter {next(iter(rest))}"))
     return bound
 
 

@@ -8,7 +8,7 @@ from typing import Any
 from ..kernel.allowed import KEY, is_user_class, names
 from ..kernel.budget import ITEM, LARGEST_SEQUENCE, Budget, length_of, refuse_too_large, refuse_too_long, size_of
 from ..kernel.errors import RunError
-from ..kernel.values import Function, Method, Native, Special
+from ..kernel.values import Bound, Function, Method, Special
 from ..kernel.versions import note_call
 from .keys import check_hashed
 from .texts import check_encoding
@@ -70,21 +70,17 @@ def as_callback(function: object, budget: Budget) -> object:
     """A function as library code may call it: one that is not the program's own pays as in a call by the program."""
     if not callable(function) or isinstance(function, (Function, Method, Special)) or is_user_class(function):
         return function
-    return Native(str(getattr(function, "name", getattr(function, "__name__", "function"))), priced(function, budget))
+    return Bound(str(getattr(function, "name", getattr(function, "__name__", "function"))), paid_call, budget, (function,))
 
 
-def priced(function: Callable[..., object], budget: Budget) -> Callable[..., object]:
-    """The function, each call of which is paid for."""
-
-    def called(*arguments: object, **keywords: object) -> object:
-        check_arguments(function, arguments, keywords, budget)
-        note_call(budget, function, arguments)
-        result = function(*arguments, **keywords)
-        budget.spend(ITEM)
-        budget.made(result)
-        return result
-
-    return called
+def paid_call(budget: Budget, function: Callable[..., object], *arguments: object, **keywords: object) -> object:
+    """`function(*arguments, **keywords)`, and the price of it paid."""
+    check_arguments(function, arguments, keywords, budget)
+    note_call(budget, function, arguments)
+    result = function(*arguments, **keywords)
+    budget.spend(ITEM)
+    budget.made(result)
+    return result
 
 
 def with_callbacks(arguments: Sequence[object], budget: Budget) -> list[object]:

@@ -11,8 +11,8 @@ from ..kernel.kinds import Reader, View, kind_name
 from ..kernel.outcome import Requirement
 from ..kernel.values import Instance, plain
 from ..space import geometry
+from ..space.numeric import met, negation
 from ..space.regions import Region, everywhere
-from ..space.symbols import met, negation
 from ..syntax.nodes import NOWHERE
 from .operators import can_see_object, object_is_in
 

@@ -11,7 +11,7 @@ from ..kernel.kinds import Reader, is_scalar
 from ..kernel.outcome import Stuck
 from ..kernel.values import Instance
 from ..space.distributions import BadParameters, Normal
-from ..space.symbols import larger, number, smaller
+from ..space.numeric import larger, number, smaller
 from ..space.vectors import Vector
 
 POSE = 3  # x, y and heading

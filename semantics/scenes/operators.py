@@ -15,8 +15,8 @@ from typing import NamedTuple
 from ..kernel.kinds import FIELD, HEADING, OBJECT, ORIENTED_POINT, POINT, REGION, SCALAR, VECTOR, OrientedPointAt, View
 from ..space import geometry
 from ..space.fields import VectorField
+from ..space.numeric import number
 from ..space.regions import CircularRegion, Region, SectorRegion
-from ..space.symbols import number
 from ..space.vectors import Vector
 from ..syntax import expressions as e
 from ..syntax.nodes import Node

@@ -17,7 +17,7 @@ from ..kernel.simulation import check_setup
 from ..kernel.values import Instance, Random, plain
 from ..python.assignment import done
 from ..space.distributions import BadParameters, Coin
-from ..space.symbols import is_finite_number, met
+from ..space.numeric import is_finite_number, met
 from ..syntax import statements as s
 
 

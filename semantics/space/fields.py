@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from numbers import Real
 from typing import TypeAlias
 
 import numpy as np
@@ -14,7 +13,7 @@ from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from .boundaries import all_widened
-from .symbols import Symbol, lifted
+from .numeric import is_real, lifted
 from .vectors import Vector
 
 Cell: TypeAlias = "tuple[Polygon | MultiPolygon, float | Callable[[Vector], float] | None]"
@@ -149,6 +148,6 @@ def cell_of(pair: Sequence[object]) -> Cell:
     shape = getattr(polygon, "polygon", polygon)
     if not isinstance(shape, (Polygon, MultiPolygon)):
         raise BadField(f"a cell of a vector field must be a pair of a polygonal region and a heading, not {pair!r}")
-    if not (heading is None or callable(heading) or isinstance(heading, (Real, Symbol))):
+    if not (heading is None or callable(heading) or is_real(heading)):
         raise BadField(f"the heading of a cell must be a number, a function of the point or None, not {heading!r}")
     return shape, heading  # type: ignore[return-value]

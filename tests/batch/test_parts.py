@@ -20,9 +20,10 @@ from scenic_ref.inference.batch.trace.running import trace
 from scenic_ref.interpreter.choosers import PER_SCENE
 from scenic_ref.interpreter.streams import Stream, philox
 from scenic_ref.semantics.kernel.budget import Budget
+from scenic_ref.semantics.space.numeric import arc_tangent, either, every, larger, search
 from scenic_ref.semantics.space.regions import CircularRegion, PolylineRegion, SectorRegion
 from scenic_ref.semantics.space.regions.approximation import box_shape
-from scenic_ref.semantics.space.symbols import NotLifted, arc_tangent, either, every, larger, search
+from scenic_ref.semantics.space.symbols import NotLifted
 from scenic_ref.semantics.space.vectors import Vector
 
 ADDRESSES = ((0,), (3, 1), (7, 2, 5))

@@ -14,8 +14,8 @@ import numpy as np
 from ....interpreter.choosers import PER_SCENE
 from ....interpreter.streams import site_code
 from ....semantics.kernel.budget import Budget
+from ....semantics.space.numeric import Elementary
 from ....semantics.space.regions import PolygonalRegion
-from ....semantics.space.symbols import Elementary
 from ....semantics.space.vectors import Vector
 from ..evaluate.clipped import curve_tests, largest_radius
 from ..evaluate.components import Stage

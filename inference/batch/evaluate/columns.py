@@ -11,8 +11,9 @@ import numpy as np
 from ....interpreter.choosers import PER_SCENE
 from ....interpreter.streams import Stream
 from ....semantics.space.fields import OutsideField
+from ....semantics.space.numeric import Elementary
 from ....semantics.space.regions import EmptyRegion
-from ....semantics.space.symbols import Elementary, NotLifted
+from ....semantics.space.symbols import NotLifted
 from ..trace.graph import AsFloat, Graph, GraphNode, Lookup, Macro, Part, RowCall, RowDraw, Search, Site
 from ..trace.structures import in_row, symbols_in
 from .clipped import Clipped, curve_tests, largest_radius

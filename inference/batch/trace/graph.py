@@ -15,8 +15,8 @@ import numpy as np
 
 from ....semantics.kernel.budget import Budget
 from ....semantics.kernel.outcome import Requirement
+from ....semantics.space.numeric import arc_tangent
 from ....semantics.space.regions import Region
-from ....semantics.space.symbols import arc_tangent
 from ....semantics.space.vectors import Vector
 
 Kind = Literal["float", "bool", "int", "object"]
@@ -106,6 +106,14 @@ class Part:
     """An attribute of the object that is the argument."""
 
     name: str
+
+
+class PartialRun(NamedTuple):
+    """What the machine reduces until the stack is `end`, only in the runs in which the truth of `condition` is `expected`."""
+
+    condition: GraphNode
+    expected: bool
+    end: object
 
 
 class GraphEvent(NamedTuple):

@@ -10,8 +10,9 @@ from functools import partial, reduce
 from ....semantics.kernel.values import Bound, Dynamic, Function, Instance, Method, Module, Random, ScenicClass
 from ....semantics.python.arithmetic import BINARY, UNARY
 from ....semantics.python.calls import invoke, vector
+from ....semantics.space.numeric import negation
 from ....semantics.space.regions import CircularRegion, RectangularRegion, Region, SectorRegion, Workspace
-from ....semantics.space.symbols import NotLifted, negation
+from ....semantics.space.symbols import NotLifted
 from ....semantics.space.vectors import Vector
 from .recording import Recorder
 from .structures import symbols_in
@@ -44,8 +45,9 @@ def lift(trace: Recorder, operation: Callable[..., object], arguments: list[obje
         operation, *arguments = arguments  # type: ignore[assignment]
     if isinstance(operation, Bound):
         operation = operation.afresh
-    if operation is UNARY["not"] and isinstance(arguments[0], Traced):
-        return negation(trace.truth(arguments[0]))
+    keywords = {name: value.afresh if isinstance(value, Bound) else value for name, value in keywords.items()}
+    if operation in (bool, UNARY["not"]) and isinstance(arguments[0], Traced):
+        return trace.truth(arguments[0]) if operation is bool else negation(trace.truth(arguments[0]))
     basic = LIFTED.get(operation)
     if basic is not None and _numeric(basic, arguments):
         return _operator(trace, basic, arguments)

@@ -13,11 +13,12 @@ from ....semantics.kernel.host import DoorStuck, HostException
 from ....semantics.kernel.outcome import Requirement
 from ....semantics.kernel.values import Bound, Native
 from ....semantics.space.fields import OutsideField, PolygonalVectorField, VectorField
+from ....semantics.space.numeric import Elementary, is_macro, position_in
 from ....semantics.space.regions import EmptyRegion
-from ....semantics.space.symbols import Elementary, NotLifted, is_macro, position_in
+from ....semantics.space.symbols import NotLifted
 from ....semantics.space.vectors import Vector
 from ....semantics.syntax.nodes import NOWHERE
-from .graph import AsFloat, Graph, GraphEvent, GraphNode, Kind, Lookup, Macro, Part, RowCall, Search, Site, bounds_of, decided
+from .graph import AsFloat, Graph, GraphEvent, GraphNode, Kind, Lookup, Macro, Part, PartialRun, RowCall, Search, Site, bounds_of, decided
 from .structures import in_row, symbols_in
 from .symbols import OPERATORS, Choice, Opaque, Scalar, Traced
 
@@ -43,6 +44,7 @@ class Recorder:
         self.number_at = number_at
         self.known: dict[object, GraphNode] = {}
         self.conditions: list[GraphNode] = []
+        self.partial: PartialRun | None = None  # what is reduced next
         self.counted: set[tuple[int, GraphNode | None]] = set()
         self.place: Callable[[str], Requirement] = lambda text: Requirement("", NOWHERE, text)
         self.open = True

@@ -155,14 +155,17 @@ class SymbolicRun:
 
     def watch(self, outcome: Outcome, drawn: object) -> None:
         """Refuse what a graph cannot say, and note where evaluation begins that only some runs need."""
+        found, self.made.partial = self.made.partial, None
         if isinstance(outcome, Next):
             if outcome.change is not None and outcome.change.where == "print":
                 raise NotLifted("the program prints")
             if self.made.conditions:
                 check_pure(outcome)
-            if outcome.where is not None:
-                self.made.begin(outcome.where.symbol.node, outcome.where.expected)  # type: ignore[attr-defined]
-                self.partial_runs.append((outcome.where.stack, outcome.config.state))
+        if found is not None:
+            if not isinstance(outcome, Next) or outcome.config.stack is not found.end:
+                raise NotLifted("a function that library code calls depends on a random value")
+            self.made.begin(found.condition, found.expected)
+            self.partial_runs.append((found.end, outcome.config.state))
 
     def beyond(self, outcome: Stuck) -> Config | None:
         """Where a run goes on whose requirement became an event, or fails whatever is drawn. Raises `Impossible`, `Retry`."""

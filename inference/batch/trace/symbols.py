@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....semantics.space.symbols import NotLifted, Symbol
+from .graph import PartialRun
 
 if TYPE_CHECKING:
     from ....semantics.kernel.outcome import Requirement
@@ -57,11 +58,11 @@ class Traced(Symbol):
     def __bool__(self) -> bool:
         return self.trace.guard(self)
 
-    def truth(self) -> Any:
-        return self.trace.truth(self)
-
     def met(self, requirement: Requirement) -> bool:
         return self.trace.require(requirement, self)
+
+    def where(self, expected: bool, end: object) -> None:
+        self.trace.partial = PartialRun(self.node, expected, end)
 
     def _say_nothing(self, *ignored: object) -> str:
         raise NotLifted("the text of a random value is needed")
@@ -91,7 +92,7 @@ class Scalar(Traced):
 
     __slots__ = ()
 
-    def always(self, predicate: Callable[[object], bool]) -> bool:
+    def always(self, predicate: Callable[[Any], bool]) -> bool:
         return predicate(self.example)
 
     def each(self, function: Callable[[Any], object]) -> Any:
@@ -114,7 +115,7 @@ class Choice(Traced):
         chosen = self.values[node.example]  # type: ignore[index]
         super().__init__(trace, node, chosen.example if isinstance(chosen, Traced) else chosen)
 
-    def always(self, predicate: Callable[[object], bool]) -> bool:
+    def always(self, predicate: Callable[[Any], bool]) -> bool:
         answers = {predicate(v) for v in self.values}
         if len(answers) != 1:
             raise NotLifted("a choice among values of different types")
@@ -144,7 +145,7 @@ class Opaque(Traced):
 
     __slots__ = ()
 
-    def always(self, predicate: Callable[[object], bool]) -> bool:
+    def always(self, predicate: Callable[[Any], bool]) -> bool:
         return predicate(self.example)
 
     def each(self, function: Callable[[Any], object]) -> Any:

@@ -9,8 +9,8 @@ from functools import cached_property
 
 from scipy import special
 
+from ..numeric import either, exponential, exponential_less_one, is_finite_number, larger, logarithm, logarithm_of_one_more, plain_float, smaller
 from ..regions.sampling import Numbers
-from ..symbols import either, exponential, exponential_less_one, is_finite_number, larger, logarithm, logarithm_of_one_more, plain_float, smaller
 from .distribution import LEAST, BadParameters, Named, Support
 
 _LOG_ROOT_TAU = math.log(2 * math.pi) / 2

@@ -6,8 +6,8 @@ from dataclasses import dataclass, fields
 from fractions import Fraction
 from typing import Protocol
 
+from ..numeric import is_finite_number, number
 from ..regions.sampling import Numbers
-from ..symbols import is_finite_number, number
 
 Support = tuple[tuple[object, Fraction], ...]
 

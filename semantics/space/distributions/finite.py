@@ -8,8 +8,8 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import accumulate
 
+from ..numeric import pick, search
 from ..regions.sampling import Numbers
-from ..symbols import pick, search
 from .distribution import BadParameters, Named, Support, exact
 
 

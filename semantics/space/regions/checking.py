@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from ..fields import VectorField
-from ..symbols import is_finite_number, number
+from ..numeric import is_finite_number, number
 from ..vectors import Vector
 from .errors import BadRegion
 

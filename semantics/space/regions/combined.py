@@ -16,7 +16,7 @@ from shapely.geometry import Point, Polygon
 
 from ..boundaries import METRES, common, without
 from ..fields import OutsideField, VectorField
-from ..symbols import every, lifted
+from ..numeric import every, lifted
 from ..vectors import Vector
 from . import intervals
 from .approximation import (

@@ -12,7 +12,7 @@ from shapely.geometry import LineString, MultiLineString, MultiPoint, Point, Pol
 from ..boundaries import METRES
 from ..fields import VectorField
 from ..geometry import angle_of
-from ..symbols import lifted, pick
+from ..numeric import lifted, pick
 from ..vectors import Vector
 from . import intervals
 from .approximation import NO_BOUNDS, Approximation, Bounds, window_around

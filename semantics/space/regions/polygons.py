@@ -12,7 +12,7 @@ from shapely.geometry.base import BaseGeometry
 
 from ..boundaries import GRID, united, widened
 from ..fields import VectorField
-from ..symbols import lifted
+from ..numeric import lifted
 from ..vectors import Vector
 from . import intervals
 from .approximation import Approximation, Bounds, box_shape

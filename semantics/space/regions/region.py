@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from shapely.geometry import Polygon
 
 from ..fields import VectorField
-from ..symbols import lifted
+from ..numeric import lifted
 from ..vectors import Vector
 from . import intervals
 from .approximation import NO_BOUNDS, Approximation, Bounds, box_shape, contains, distance, hull, meets, window_around

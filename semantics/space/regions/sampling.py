@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from ..symbols import pick, search, smaller, square_root
+from ..numeric import pick, search, smaller, square_root
 from ..vectors import Vector
 
 Numbers = Callable[[], float]  # the next number of a draw's own stream, uniform in [0, 1)

@@ -13,7 +13,7 @@ from shapely.geometry.base import BaseGeometry
 from .. import geometry
 from ..boundaries import METRES, RADIANS
 from ..geometry import TAU
-from ..symbols import every, larger, smaller, square_root
+from ..numeric import every, larger, smaller, square_root
 from ..vectors import Vector
 from . import intervals
 from .approximation import Approximation, Bounds, box_shape
