@@ -23,7 +23,7 @@ EXIT_CODES = {
     2: "wrong usage",
     3: "attempts exhausted",
     4: "internal error",
-    5: "inconclusive comparison",
+    5: "inconclusive: a comparison, or scenes that cannot be trusted",
     130: "interrupted",
 }
 """What the exit codes of all commands mean."""

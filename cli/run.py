@@ -28,7 +28,9 @@ from .options import (
     read_source,
 )
 
-BACKENDS = ("batch", "interpreter", "enumerate")
+BACKENDS = ("batch", "interpreter", "enumerate", "importance", "smc", "mcmc")
+RARE = ("importance", "smc", "mcmc")
+"""Those for requirements that few runs meet."""
 
 
 def run(
@@ -55,7 +57,7 @@ def run(
         typer.Option(
             "--backend", metavar="B", show_default=False,
             help="batch: draw many scenes at a time (the default for 10 or more); interpreter: draw the same scenes one by one; "
-            "enumerate: all outcomes with their exact probabilities.",
+            "enumerate: all outcomes with their exact probabilities; smc, mcmc, importance: where few runs are accepted.",
         ),
     ] = None,
     cluster: Annotated[
@@ -77,6 +79,10 @@ def run(
         int | None,
         typer.Option("--discretize", metavar="N", min=1, help="enumerate: replace each continuous draw by N values, an approximation."),
     ] = None,
+    report: Annotated[
+        str | None, typer.Option("--report", metavar="PATH", help="smc, mcmc, importance: write what the scenes are worth, as PATH.json.")
+    ] = None,
+    resample: Annotated[bool, typer.Option("--resample", help="importance: scenes of weight 1, in more runs.")] = False,
     limit_memory: LimitMemoryOption = DEFAULT_MEMORY,
     limit_seconds: LimitSecondsOption = DEFAULT_SECONDS,
     trust: TrustOption = False,
@@ -87,6 +93,7 @@ def run(
     On a terminal the objects of each scene are shown; into a pipe, or with -o, one scene is written per line as JSON.
     The scenes are the same whatever the backend, the number of processes, and the cluster; the report says which backend drew them.
     --backend enumerate answers every draw with every value, and gives each outcome with its exact probability.
+    Where few runs are accepted, smc and mcmc look for scenes step by step; these are other scenes, from the same distribution.
     """
     from ..semantics.kernel.errors import UsageError
     from .production import SceneRequest, produce
@@ -94,7 +101,7 @@ def run(
     session = context.obj
     session.seed = seed
     if backend not in (None, *BACKENDS):
-        raise UsageError(f"there is no backend {backend}", hint="the backends are batch, interpreter and enumerate")
+        raise UsageError(f"there is no backend {backend}", hint=f"the backends are {', '.join(BACKENDS[:-1])} and {BACKENDS[-1]}")
     if backend == "enumerate" and (count != 1 or scene is not None or resume or workers != 1 or cluster is not None):
         raise UsageError("an enumeration gives all outcomes at once: -n, --scene, --resume, --workers and --cluster cannot be given with it")
     if backend == "enumerate" and prune:
@@ -103,6 +110,12 @@ def run(
         raise UsageError("--discretize needs --backend enumerate")
     if scene is not None and count != 1:
         raise UsageError("--scene draws a single scene, so -n cannot be given as well")
+    if backend in RARE and (scene is not None or resume or workers != 1 or cluster is not None or prune or count == 0):
+        raise UsageError(f"{backend} draws all scenes together: --scene, --resume, --workers, --cluster, --prune and -n 0 cannot be given with it")
+    if backend not in RARE and report is not None:
+        raise UsageError("--report needs --backend smc, mcmc or importance")
+    if backend != "importance" and resample:
+        raise UsageError("--resample needs --backend importance")
     source = read_source(
         session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, fuel=fuel, trust=trust,
         limits=limits_of(limit_memory, limit_seconds), prune=prune
@@ -111,6 +124,11 @@ def run(
         from .enumerating import EnumerationRequest, produce_enumeration
 
         produce_enumeration(source, EnumerationRequest(max_runs, discretize, output, plot), session)
+        return
+    if backend in RARE:
+        from .inferring import InferenceRequest, produce_inference
+
+        produce_inference(source, InferenceRequest(str(backend), count, seed, max_attempts, output, plot, report, resample), session)
         return
     start, stop = (0, count) if scene is None else (scene, scene + 1)
     produce(source, SceneRequest(start, stop, seed, max_attempts, output, plot, workers, resume, backend or "auto", cluster), session)

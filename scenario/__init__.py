@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
@@ -20,9 +21,13 @@ from ..inference.batch.evaluate.features import features_in
 from ..inference.batch.jobs.blocks import Pace, block_of
 from ..inference.enumeration import DEFAULT_RUNS, Enumeration, enumerate_runs
 from ..inference.histories import Histories, enumerate_simulations
+from ..inference.importance import draw_importance
+from ..inference.inferred import Inferred
+from ..inference.mcmc import draw_mcmc
 from ..inference.pruning import TECHNIQUES, Finding, Pruning, prune
 from ..inference.rejection import DEFAULT_ATTEMPTS, Sampled, exhausted, sample
 from ..inference.simulation import SampledRun, sample_simulation
+from ..inference.smc import draw_smc
 from ..inference.statistics.columns import FeatureTable, features_table
 from ..inference.statistics.facts import Facts
 from ..interpreter.checks import check
@@ -266,6 +271,36 @@ class Scenario:
             if batch is not None:
                 return _by_batch(batch, n, seed, start, max_attempts)
         return (self.sample(seed, index, max_attempts=max_attempts) for index in range(start, start + n))
+
+    def infer(
+        self, backend: str, n: int, seed: int = 0, *, resample: bool = False, max_attempts: int = DEFAULT_ATTEMPTS,
+        on_progress: Callable[[str], None] | None = None,
+    ) -> Inferred:  # fmt: skip
+        """`n` scenes by "importance", "smc" or "mcmc", with an estimate of how likely the requirements are, and what the scenes are worth.
+
+        Points are drawn from the smaller regions of `pruning`. `resample` gives scenes of weight 1 by importance sampling, and
+        `max_attempts` bounds its runs for each scene. Raises `UsageError` for other backends, for programs that cannot be made a graph, and
+        with the reading `soft=scene`; `AttemptsExhausted` where no scene is found; and the program's errors.
+        """
+        check_whole(("n", n, 1), ("seed", seed, None), ("max_attempts", max_attempts, 1))
+        if backend not in ("importance", "smc", "mcmc"):
+            raise UsageError(f"there is no backend {backend}", hint="these backends are importance, smc and mcmc")
+        if self.impossible is not None:
+            raise self.impossible
+        if self.batch is None:
+            raise UsageError(f"{backend} cannot draw from this program: {self.not_lifted}", hint="the interpreter can: --backend interpreter")
+        batch = Batch(self.start, fuel=self.fuel, draws=self.pruning.draws)
+        share = math.prod(p.area_after / p.area_before for p in self.pruning.pruned)
+        tell = on_progress or (lambda text: None)
+        match backend:
+            case "importance":
+                return draw_importance(
+                    batch, n, seed, share=share, resample=resample, max_attempts=max_attempts, on_scenes=lambda found: tell(f"{found:,} scenes"),
+                )
+            case "smc":
+                return draw_smc(batch, n, seed, share=share, on_level=lambda part, level: tell(f"{part:.0%} accepted, violation {level:.3g}"))
+            case _:
+                return draw_mcmc(batch, n, seed, share=share, on_draw=lambda part: tell(f"{part:.0%}"))
 
     def feature_tables(
         self, n: int, seed: int = 0, *, start: int = 0, max_attempts: int = DEFAULT_ATTEMPTS

@@ -258,3 +258,29 @@ def clipped_point(
             break
     share = min((target - before) / length, 1.0)
     return found, sx + (ex - sx) * share, sy + (ey - sy) * share
+
+
+@compile_
+def point_away(x: float, y: float, edges: np.ndarray) -> float:
+    """How far a point is outside of the polygon with these edges; 0 inside."""
+    least, inside = np.inf, False
+    for k in range(len(edges)):
+        ax, ay, bx, by = edges[k, 0], edges[k, 1], edges[k, 2], edges[k, 3]
+        dx, dy = bx - ax, by - ay
+        squared = dx * dx + dy * dy
+        share = 0.0 if squared == 0 else min(max(((x - ax) * dx + (y - ay) * dy) / squared, 0.0), 1.0)
+        px, py = ax + share * dx - x, ay + share * dy - y
+        least = min(least, px * px + py * py)
+        if (ay > y) != (by > y) and x < ax + (y - ay) / dy * dx:
+            inside = not inside
+    return 0.0 if inside else math.sqrt(least)
+
+
+@compile_
+def box_away(x: float, y: float, heading: float, width: float, length: float, edges: np.ndarray) -> float:
+    """How far the farthest corner of a box is outside."""
+    c, s, most = math.cos(heading), math.sin(heading), 0.0
+    for a in (-width / 2, width / 2):
+        for b in (-length / 2, length / 2):
+            most = max(most, point_away(x + a * c - b * s, y + a * s + b * c, edges))
+    return most

@@ -230,21 +230,26 @@ class Writer:
 
     def event(self, event: GraphEvent, number: int) -> None:
         """What becomes of the run."""
-        name = f"v{event.node.number}"
-        if event.kind == "call":
-            if event.node.kind == "bool":
-                return
-            fails = f"not {name}" if isinstance(event.node.function, RowDraw) else f"math.isnan({name})"
-        else:
-            fails = f"{name} != {event.expected}"
-        if event.condition is not None:
-            fails = f"v{event.condition.number} and ({fails})"
+        fails = self.failing(event)
+        if fails is None:
+            return
         self.add(f"if {fails}:")
         if event.kind == "guard":
             self.leave()
             return
         self.add(f"counts[{number}] += 1", 1)
         self.add("continue", 1)
+
+    def failing(self, event: GraphEvent) -> str | None:
+        """When an event ends the run, if it ever does."""
+        name = f"v{event.node.number}"
+        if event.kind == "call":
+            if event.node.kind == "bool":
+                return None
+            fails = f"not {name}" if isinstance(event.node.function, RowDraw) else f"math.isnan({name})"
+        else:
+            fails = f"{name} != {event.expected}"
+        return fails if event.condition is None else f"v{event.condition.number} and ({fails})"
 
     # Stages
 
@@ -318,8 +323,8 @@ def compile_stage(stage: Stage) -> tuple[Callable[..., tuple[int, int]], tuple[n
     return kernels.compile_(space["evaluator"]), tuple(writer.arrays.values()), events  # type: ignore[return-value]
 
 
-def compiled_macro(macro: Macro) -> Callable[..., object]:
-    """A macro's function, compiled: traced on symbols for its arguments, and written as code."""
+def compiled_macro(macro: Macro, margin: Callable[[Writer, object], str] | None = None) -> Callable[..., object]:
+    """A macro's function, compiled: traced on symbols for its arguments, and written as code. `margin` may write something else of its result."""
     from ..trace.recording import Recorder
 
     trace = Recorder(lambda site: 0.37 + 0.01 * site.index, Budget())
@@ -338,7 +343,8 @@ def compiled_macro(macro: Macro) -> Callable[..., object]:
             operands = [writer.operand(a) for a in node.arguments]
             value = f"np.float64({operands[0]})" if isinstance(function, AsFloat) else writer.expression(function, operands)
             writer.add(f"{name} = {value}")
-    returned = writer.operand(result.node if isinstance(result, Traced) else result)
+    end = result.node if isinstance(result, Traced) else result
+    returned = writer.operand(end) if margin is None else margin(writer, end)
     source = "\n".join([f"def function({', '.join(arguments)}):", *writer.lines, f"    return {returned}"])
     space: dict[str, Any] = dict(writer.names)
     exec(source, space)  # our own text

@@ -8,8 +8,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ....interpreter.choosers import PER_SCENE
-from ....interpreter.streams import Stream
 from ....semantics.space.fields import OutsideField
 from ....semantics.space.numeric import Elementary
 from ....semantics.space.regions import EmptyRegion
@@ -111,7 +109,7 @@ def column(node: GraphNode, columns: Columns, numbers: Numbers, failed: dict[int
                 return function(*operands)
         case Macro():
             with np.errstate(all="ignore"):
-                return np.broadcast_to(np.asarray(function.call(operands)), len(numbers.scenes))
+                return np.broadcast_to(np.asarray(function.call(operands)), len(numbers))
         case Elementary():
             return function(*operands)
         case Lookup(values=values):
@@ -125,8 +123,8 @@ def column(node: GraphNode, columns: Columns, numbers: Numbers, failed: dict[int
         case RowCall():
             fast = has_columns(function)
             if fast is not None:
-                return fast(node, function, columns, failed, len(numbers.scenes))
-            return rows_of(node, lambda resolve, row: _called(function, resolve), columns, failed, len(numbers.scenes))
+                return fast(node, function, columns, failed, len(numbers))
+            return rows_of(node, lambda resolve, row: _called(function, resolve), columns, failed, len(numbers))
         case RowDraw():
             found = is_clipped(function)
             if found is not None:
@@ -134,7 +132,7 @@ def column(node: GraphNode, columns: Columns, numbers: Numbers, failed: dict[int
             proposed = proposed_in(function.distribution)
             if proposed is not None:
                 return _proposed(node, function, proposed, columns, numbers, failed)
-            return rows_of(node, lambda resolve, row: _drawn(function, resolve, numbers, row), columns, failed, len(numbers.scenes))
+            return rows_of(node, lambda resolve, row: _drawn(function, resolve, numbers, row), columns, failed, len(numbers))
         case _ if function is int:
             return operands[0].astype(np.int64)  # type: ignore[union-attr]
         case _ if function is np.where:
@@ -151,7 +149,7 @@ def part_of(objects: np.ndarray, name: str) -> np.ndarray:
 
 
 def _clipped(node: GraphNode, draw: RowDraw, found: Clipped, columns: Columns, numbers: Numbers, failed: dict[int, FailedRows]) -> np.ndarray:
-    count = len(numbers.scenes)
+    count = len(numbers)
     values = values_of((found.x, found.y, found.radius, found.heading), columns, count)
     tests = curve_tests(found.curve, largest_radius(found.radius))
     points = tests.sample(*values, found.angle, numbers.column(Site(draw.address, 0, draw.per_scene)))  # type: ignore[call-arg]
@@ -181,9 +179,7 @@ def _called(call: RowCall, resolve: Callable[[GraphNode], object]) -> object:
 
 
 def _drawn(draw: RowDraw, resolve: Callable[[GraphNode], object], numbers: Numbers, row: int) -> object:
-    attempt = PER_SCENE if draw.per_scene else int(numbers.attempts[row])
-    stream = Stream(numbers.seed, int(numbers.scenes[row]), attempt)
-    return in_row(draw.distribution, resolve).sample(stream.at(draw.address))  # type: ignore[attr-defined]
+    return in_row(draw.distribution, resolve).sample(numbers.stream(row, draw.address, draw.per_scene))  # type: ignore[attr-defined]
 
 
 def rows_of(

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ....interpreter.choosers import PER_SCENE
-from ....interpreter.streams import MULTIPLIER_0, MULTIPLIER_1, ROUNDS, UNIT, UNUSED_BITS, WEYL_0, WEYL_1, WORD, fold, site_code
+from ....interpreter.streams import MULTIPLIER_0, MULTIPLIER_1, ROUNDS, UNIT, UNUSED_BITS, WEYL_0, WEYL_1, WORD, Stream, fold, site_code
 from ..trace.graph import Site
 
 DENSE = 0.05
@@ -25,6 +27,17 @@ class Numbers:
         self.first = int(scenes.min()) if len(scenes) else 0
         self.span = int(scenes.max()) - self.first + 1 if len(scenes) else 0
         self.attempt = int(attempts[0]) if len(attempts) and (attempts == attempts[0]).all() else None
+
+    def copy(self) -> Numbers:
+        """The same numbers, from which rows can be left out apart."""
+        return Numbers(self.seed, self.scenes, self.attempts)
+
+    def stream(self, row: int, address: tuple[int, ...], per_scene: bool) -> Callable[[], float]:
+        """The numbers of one row at a draw site, one after the other."""
+        return Stream(self.seed, int(self.scenes[row]), PER_SCENE if per_scene else int(self.attempts[row])).at(address)
+
+    def __len__(self) -> int:
+        return len(self.scenes)
 
     def keep(self, kept: np.ndarray) -> None:
         """Leave out the rows where `kept` is False."""

@@ -48,8 +48,8 @@ def proposed_in(distribution: object) -> Proposed | None:
 
 def proposed_points(found: Proposed, columns: Mapping[int, np.ndarray], numbers: Numbers, draw: RowDraw) -> np.ndarray:
     """Points, (rows, 2); NaN where none of `PROPOSALS` candidates lies in both regions."""
-    points, rows = np.full((len(numbers.scenes), 2), np.nan), np.arange(len(numbers.scenes))
-    numbers = Numbers(numbers.seed, numbers.scenes, numbers.attempts)
+    points, rows = np.full((len(numbers), 2), np.nan), np.arange(len(numbers))
+    numbers = numbers.copy()
     used = 0
 
     def uniform() -> Any:

@@ -1,0 +1,123 @@
+"""`scenic-ref run --backend importance|smc|mcmc`: scenes where few runs are accepted, and what they are worth."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from types import TracebackType
+from typing import TYPE_CHECKING, NamedTuple
+
+import typer
+
+from ..formats.scenes import Scene, in_json
+from ..formats.tables import SUFFIXES
+from ..inference.inferred import Inferred
+from ..semantics.kernel.errors import UsageError
+from .drawing import DrawnScene, drawing_of
+from .files import LINES, PICTURES, check_ending, check_place, write
+from .options import Source
+from .outputs import open_output
+from .production import rehearse
+from .session import Session, tell
+
+if TYPE_CHECKING:
+    from rich.status import Status
+
+BACKENDS = ("importance", "smc", "mcmc")
+INCONCLUSIVE = 5
+MOST_PLOTTED = 16
+
+
+class InferenceRequest(NamedTuple):
+    """Which scenes to draw, by which backend, and where to write them and the report."""
+
+    backend: str
+    scenes: int
+    seed: int
+    max_attempts: int
+    output: str | None
+    plot: str | None
+    report: str | None
+    resample: bool
+
+
+def produce_inference(source: Source, request: InferenceRequest, session: Session) -> None:
+    """Draw the scenes, write them, report on them; exit code 5 if they cannot be trusted. Raises the program's errors and `UsageError`."""
+    check_paths(source, request)
+    drawing = drawing_of(source)
+    rehearse(drawing)
+    with Sign(request.backend) as sign, open_output(request.output, resume=False) as output:
+        found = drawing.scenario.infer(
+            request.backend, request.scenes, request.seed, resample=request.resample, max_attempts=request.max_attempts, on_progress=sign.show,
+        )
+        for scene in found.scenes:
+            output.write(DrawnScene(scene.index, scene.attempts, scene.to_line(), Counter(), (), ()))
+        output.finish()
+    for line in lines(found, request.seed):
+        tell(line)
+    if request.report is not None:
+        write(request.report, in_json(found.report(), indent=1) + "\n")
+    if request.plot is not None:
+        plot(found.scenes, request.plot)
+    if found.doubts:
+        raise typer.Exit(INCONCLUSIVE)
+
+
+def lines(found: Inferred, seed: int) -> list[str]:
+    """What is told of the scenes."""
+    p, d = found.acceptance, found.diagnosis
+    scenes = "1 scene" if len(found.scenes) == 1 else f"{len(found.scenes):,} scenes"
+    told = [
+        f"{scenes} of seed {seed} by {found.backend}: {found.attempts:,} runs, {found.seconds:.1f} s of a processor",
+        f"P(a run is accepted) = {p.estimate:.3g}, between {p.low:.3g} and {p.high:.3g} ({p.level:.1%})",
+        f"all draws are worth {d.bulk:,.0f} independent ones for means, {d.tail:,.0f} for quantiles; R-hat is at most {d.rhat:.3f}",
+    ]
+    return [*told, *(f"note: {note}" for note in found.notes), *(f"warning: not to be trusted: {doubt}" for doubt in found.doubts)]
+
+
+def check_paths(source: Source, request: InferenceRequest) -> None:
+    """Find wrong paths before the work begins. Raises `UsageError`."""
+    for path in (request.output, request.plot, request.report):
+        if path is not None and path != "-":
+            check_place(path, {"the program itself": source.file})
+    if request.output is not None:
+        check_ending("-o", request.output, "scenes", (*LINES, *SUFFIXES))
+    if request.plot is not None:
+        check_ending("--plot", request.plot, "pictures", PICTURES)
+    if request.report is not None:
+        check_ending("--report", request.report, "reports", (".json",))
+
+
+def plot(scenes: list[Scene], path: str) -> None:
+    """Draw the first scenes into one picture. Raises `UsageError`."""
+    from ..formats.pictures import save_picture
+
+    try:
+        save_picture(scenes[:MOST_PLOTTED], path)
+    except OSError as error:
+        raise UsageError(f"{path} cannot be written: {error.strerror or error}") from None
+
+
+class Sign:
+    """A sign of life on a terminal while scenes are sought."""
+
+    def __init__(self, backend: str) -> None:
+        self.backend = backend
+        self.status: Status | None = None
+
+    def __enter__(self) -> Sign:
+        if sys.stderr.isatty():
+            from rich.console import Console
+
+            self.status = Console(stderr=True).status(self.backend)
+            self.status.start()
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        if self.status is not None:
+            self.status.stop()
+
+    def show(self, text: str) -> None:
+        """How far the work is."""
+        if self.status is not None:
+            self.status.update(f"{self.backend}: {text}")

@@ -1,0 +1,162 @@
+"""Importance sampling: runs from the smaller regions of pruning, with the coins of soft requirements counted instead of thrown.
+
+A run that meets all hard requirements is kept, with the probability that the coins of the soft requirements which it violates show tails as its
+weight. So weights are exact: the scenes with their weights have the distribution of the program, and the mean weight of all runs is the
+probability that a run is accepted.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from scipy import stats
+
+from ..formats.scenes import Scene, scene_of
+from ..interpreter.streams import fold
+from ..semantics.kernel.outcome import Requirement
+from .batch import Batch
+from .batch.evaluate.columns import column
+from .batch.evaluate.plan import plan
+from .batch.evaluate.rows import FailedRows
+from .batch.trace.graph import GraphNode, Site
+from .batch.trace.templates import scenes_of
+from .diagnostics import Diagnosis
+from .inferred import Inferred, Probability
+from .rejection import DEFAULT_ATTEMPTS, exhausted
+from .sites.states import StateNumbers, States
+from .sites.target import Target
+from .smc import LEVEL
+
+BLOCK = 1 << 14
+OnScenes = Callable[[int], None]
+"""Is told how many scenes there are."""
+
+
+class Weighing:
+    """The runs of a batch with their weights."""
+
+    def __init__(self, batch: Batch, seed: int) -> None:
+        self.target = Target(batch, seed)
+        self.batch = batch
+        self.coins = {e.condition.number: p for e in batch.graph.events if e.condition is not None and (p := coin(e.condition)) is not None}
+        self.steps = plan(batch.graph, batch.outputs)
+        self.stuck: Counter[Requirement] = Counter()
+
+    def weigh(self, states: States) -> tuple[np.ndarray, np.ndarray, dict[int, np.ndarray]]:
+        """The weight of each run, the rows that the graph describes and whose weight is positive, and their columns."""
+        numbers = StateNumbers(self.target.space, states)
+        weights = np.ones(len(states))
+        left = np.zeros(len(states), dtype=bool)
+        violated = {condition: np.zeros(len(states), dtype=bool) for condition in self.coins}
+        columns: dict[int, np.ndarray] = {}
+        failed: dict[int, FailedRows] = {}
+        for step in self.steps:
+            for node in step.nodes:
+                columns[node.number] = column(node, columns, numbers, failed)
+            event, rows = step.event, numbers.rows
+            if event is None:
+                break
+            none = np.zeros(len(rows), dtype=bool)
+            found = failed.get(event.node.number, FailedRows(none, none)) if event.kind == "call" else None
+            lost = found.rejected if found is not None else columns[event.node.number] != event.expected
+            unsure = found.left if found is not None else lost if event.kind == "guard" else none
+            condition = None if event.condition is None else event.condition.number
+            if condition in self.coins and event.kind != "guard":
+                violated[condition][rows[lost]] = True
+                lost = none
+            elif event.condition is not None:
+                applies = columns[event.condition.number].astype(bool)
+                lost, unsure = lost & applies, unsure & applies
+            left[rows[unsure]] = True
+            lost = lost & ~unsure
+            if lost.any() or unsure.any():
+                weights[rows[lost]] = 0.0
+                if event.requirement is not None:
+                    self.stuck[event.requirement] += int(lost.sum())
+                kept = ~(lost | unsure)
+                numbers.keep(kept)
+                columns = {name: values[kept] for name, values in columns.items()}
+                failed = {name: FailedRows(f.rejected[kept], f.left[kept]) for name, f in failed.items()}
+        for condition, share in self.coins.items():
+            weights[violated[condition] & ~left] *= 1.0 - share
+        for row in np.flatnonzero(left).tolist():  # with the coins that the state throws
+            weights[row] = float(self.target.interpreted(states, row) is not None)
+        own = weights[numbers.rows] > 0
+        return weights, numbers.rows[own], {name: values[own] for name, values in columns.items()}
+
+
+def coin(node: GraphNode) -> float | None:
+    """The probability of heads, if the node is a coin with a constant one."""
+    if node.function is not np.less or not isinstance(node.arguments[0], GraphNode) or not isinstance(node.arguments[0].function, Site):
+        return None
+    return None if isinstance(node.arguments[1], GraphNode) else float(node.arguments[1])  # type: ignore[arg-type]
+
+
+def draw_importance(
+    batch: Batch, n: int, seed: int, *, share: float = 1.0, resample: bool = False, max_attempts: int = DEFAULT_ATTEMPTS,
+    on_scenes: OnScenes | None = None,
+) -> Inferred:  # fmt: skip
+    """`n` scenes with weights; with `resample`, scenes of weight 1 instead, each run being kept with its weight as the probability.
+
+    `share` is as in `smc.draw_smc`. Raises `AttemptsExhausted` after `max_attempts` runs for a scene, `UsageError`, and the program's errors.
+    """
+    begun = time.process_time()
+    weighing = Weighing(batch, seed)
+    target = weighing.target
+    random = np.random.Generator(np.random.Philox(np.random.SeedSequence(fold(seed))))
+    scenes: list[Scene] = []
+    totals = np.zeros(3)  # runs, and the sums of their weights and of the squares of these
+    is_simple = True
+    last = 0
+    while len(scenes) < n:
+        states = target.simulate(BLOCK, random)
+        target.evaluations += BLOCK
+        weights, rows, columns = weighing.weigh(states)
+        is_simple = is_simple and bool(np.isin(weights, (0.0, 1.0)).all())
+        totals += (BLOCK, weights.sum(), (weights**2).sum())
+        chosen = np.flatnonzero(random.random(BLOCK) < weights) if resample else np.flatnonzero(weights)
+        made = dict(zip(rows.tolist(), scenes_of(batch.template, columns, seed, rows, np.zeros_like(rows)), strict=True)) if len(chosen) else {}
+        for row in chosen[: n - len(scenes)].tolist():
+            found = made[row] if row in made else interpreted(weighing, states, row, seed)
+            runs = target.evaluations - BLOCK + row + 1
+            scenes.append(replace(found, index=len(scenes), attempts=runs - last, weight=1.0 if resample else float(weights[row])))
+            last = runs
+        if on_scenes is not None:
+            on_scenes(len(scenes))
+        if len(scenes) < n and target.evaluations - last >= max_attempts:
+            worst, count = weighing.stuck.most_common(1)[0]
+            text = f"no scene in {target.evaluations - last:,} runs: most often ({count:,} times) this failed: {worst.text}"
+            raise exhausted(text, target.evaluations, weighing.stuck)
+    acceptance = mean_weight(*totals.tolist(), share=share, is_simple=is_simple)
+    effective = float(totals[1] ** 2 / totals[2])
+    own = np.array([s.weight for s in scenes])
+    worth = own.sum() ** 2 / (own**2).sum()
+    notes = () if worth > 0.999 * n else (f"the {n:,} scenes have weights: they are worth {worth:.0f} of weight 1; --resample gives such ones",)
+    diagnosis = Diagnosis(1.0, effective, effective, 0)
+    return Inferred("importance", scenes, acceptance, target.evaluations, diagnosis, "", time.process_time() - begun, notes)
+
+
+def interpreted(weighing: Weighing, states: States, row: int, seed: int) -> Scene:
+    """The scene of a run that the interpreter did."""
+    ended = weighing.target.interpreted(states, row)
+    assert ended is not None
+    return scene_of(ended.state, seed, 0, 1, pruned=bool(weighing.batch.draws))
+
+
+def mean_weight(runs: float, total: float, squares: float, *, share: float, is_simple: bool) -> Probability:
+    """The mean weight of independent runs, times `share`: exact bounds (Clopper, Pearson) where weights are 0 and 1, else by the normal law."""
+    if runs == 0:
+        return Probability(math.nan, 0.0, share, LEVEL)
+    mean, rest = total / runs, (1 - LEVEL) / 2
+    if is_simple:
+        low = float(stats.beta.ppf(rest, total, runs - total + 1)) if total else 0.0
+        high = float(stats.beta.ppf(1 - rest, total + 1, runs - total)) if total < runs else 1.0
+    else:
+        half = float(stats.norm.ppf(1 - rest)) * math.sqrt(max(squares / runs - mean**2, 0.0) / runs)
+        low, high = max(mean - half, 0.0), min(mean + half, 1.0)
+    return Probability(mean * share, low * share, high * share, LEVEL)

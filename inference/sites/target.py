@@ -1,0 +1,237 @@
+"""The states of a program and how far each is from being an accepted run: `simulate`, `assess` and `update`, for many at a time.
+
+The contract, for the map T from states to runs, the uniform distribution U of states, and E(u), the violation of T(u)'s requirements together:
+
+    simulate(n)        n independent states from U
+    assess(u, level)   E(u), or infinity where that is more than `level`; E(u) = 0 if and only if the machine accepts T(u)
+    update(u, u')      u' where E(u') is at most the level, else u; it leaves the uniform distribution on {E <= level} as it is if the
+                       proposal of u' from u is symmetric
+
+A run that ends otherwise than by a requirement (an empty region, a point outside a field) has E = infinity, and so has one that the graph does
+not describe, unless the interpreter accepts it.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ...formats.scenes import Scene, scene_of
+from ...interpreter.extras import why_missing
+from ...interpreter.running import Accepted, run
+from ...semantics.kernel.errors import UsageError
+from ...semantics.kernel.outcome import Requirement
+from ..batch.evaluate.columns import column
+from ..batch.evaluate.margins import violation
+from ..batch.evaluate.plan import PlanStep, cone, only_rejects, plan
+from ..batch.evaluate.rows import Columns, FailedRows
+from ..batch.evaluate.sampling import COMPILE_LEAST, COMPILE_NODE, LARGEST_COMPILED, Batch
+from ..batch.trace.graph import GraphEvent
+from ..batch.trace.structures import nodes_in
+from ..batch.trace.templates import scenes_of
+from .states import ATTEMPT, Space, StateNumbers, States
+
+COLUMNS_PACE = 50_000.0
+"""Runs that columns do in a second, roughly."""
+if TYPE_CHECKING:
+    from ..batch.compile.violations import Violations
+
+SCALED_BY = 2_000
+"""So many runs tell what a typical violation of each requirement is."""
+
+
+class Assessed(NamedTuple):
+    """The violation of each state, infinity above the level; which runs the interpreter accepted; columns of those accepted by the graph."""
+
+    violation: np.ndarray
+    interpreted: np.ndarray
+    columns: Columns
+    accepted: np.ndarray
+    """The rows whose columns these are."""
+
+
+class Target:
+    """The program of a batch. Raises `UsageError` where coins are thrown once for a scene (reading `soft=scene`)."""
+
+    def __init__(self, batch: Batch, seed: int) -> None:
+        self.batch = batch
+        self.graph = batch.graph
+        self.space = Space(batch.graph, seed)
+        if any(site.per_scene for site in self.space.sites):
+            raise UsageError(
+                "with the reading soft=scene, coins are thrown before the scenes are drawn: this backend draws given the requirements, coins and all",
+                hint="choose --reading soft=run, or the backend batch",
+            )
+        self.steps: tuple[PlanStep, ...] = plan(batch.graph, batch.outputs)
+        self.scales: dict[int, float] = {}
+        self.evaluations = 0
+        self.compiled: Violations | None = None
+        self.may_compile = True
+
+    def simulate(self, count: int, random: np.random.Generator) -> States:
+        """Independent states."""
+        return self.space.draw(count, random)
+
+    def measure(self, random: np.random.Generator) -> None:
+        """Find out what a typical violation of each requirement is, which then counts as 1."""
+        seen: dict[int, list[np.ndarray]] = {}
+        self._evaluate(self.simulate(SCALED_BY, random), np.inf, seen)
+        for number, found in seen.items():
+            values = np.concatenate(found)
+            values = values[np.isfinite(values) & (values > 0)]
+            self.scales[number] = float(np.median(values)) if len(values) else 1.0
+
+    def assess(self, states: States, level: float | np.ndarray = 0.0, stuck: Counter[Requirement] | None = None) -> Assessed:
+        """The violation of each state, as far as it is at most `level`; `stuck` counts the requirements at which the others ended."""
+        self.evaluations += len(states)
+        return self._evaluate(states, level, None, stuck)
+
+    @property
+    def worth_compiling(self) -> float:
+        """So many runs take longer on columns than compiling does."""
+        return (COMPILE_LEAST + COMPILE_NODE * len(self.graph.nodes)) * COLUMNS_PACE
+
+    def feature_name(self, number: int) -> str:
+        """What a feature is of."""
+        wanted = [node for node in self.batch.outputs if node.kind != "object"]
+        for k, made in enumerate(self.batch.template.objects):
+            for name, value in made.properties.items():
+                if number < len(wanted) and wanted[number] in nodes_in(value):
+                    return f"the {name} of {made.name or f'{made.class_name} (object {k})'}"
+        for name, value in self.batch.template.params.items():
+            if number < len(wanted) and wanted[number] in nodes_in(value):
+                return f"the parameter {name}"
+        return f"random number {number}"
+
+    def compile(self) -> str:
+        """Compute violations by compiled code from now on; else why not. Takes seconds. What is accepted stays the same."""
+        try:
+            from ..batch.compile.violations import NotCompiled, compile_violations
+        except ImportError as problem:
+            return why_missing("numba", problem)
+        if len(self.graph.nodes) > LARGEST_COMPILED:
+            return f"{len(self.graph.nodes):,} operations take minutes to compile"
+        try:
+            self.compiled = compile_violations(self.steps, self.space.seed, self.space.number, self.space.word, ATTEMPT, self.scales)
+        except NotCompiled as problem:
+            return str(problem)
+        return ""
+
+    def violations(self, states: States, levels: np.ndarray) -> np.ndarray:
+        """The violation of each state, infinity above its level."""
+        if self.compiled is None and self.may_compile and self.evaluations > self.worth_compiling:
+            self.may_compile = not self.compile()
+        if self.compiled is None:
+            return self.assess(states, levels).violation
+        self.evaluations += len(states)
+        found, left = self.compiled(states.uniforms, states.words, levels)
+        if left.any():
+            found[left] = self._evaluate(states.at(left), levels[left], None).violation
+        return found
+
+    def update(self, states: States, violations: np.ndarray, proposed: States, level: np.ndarray) -> tuple[States, np.ndarray, np.ndarray]:
+        """The proposed states where they are at most at the level, else those that were; their violations; which were taken."""
+        found = self.violations(proposed, level)
+        taken = found <= level
+        return states.where(taken, proposed), np.where(taken, found, violations), taken
+
+    def _evaluate(
+        self, states: States, level: float | np.ndarray, seen: dict[int, list[np.ndarray]] | None, stuck: Counter[Requirement] | None = None
+    ) -> Assessed:
+        numbers = StateNumbers(self.space, states)
+        total, level = np.zeros(len(states)), np.broadcast_to(level, len(states))
+        left = np.zeros(len(states), dtype=bool)
+        columns: dict[int, np.ndarray] = {}
+        failed: dict[int, FailedRows] = {}
+        for step in self.steps:
+            for node in step.nodes:
+                columns[node.number] = column(node, columns, numbers, failed)
+            event, rows = step.event, numbers.rows
+            if event is None:
+                break
+            lost = self._look_at(event, columns, failed, total, left, rows, seen)
+            lost |= (total[rows] > level[rows]) | (left[rows] & (total[rows] > 0))
+            if lost.any() or left[rows].any():
+                if stuck is not None and event.requirement is not None:
+                    stuck[event.requirement] += int(lost.sum())
+                total[rows[lost]] = np.inf
+                kept = ~(lost | left[rows])
+                numbers.keep(kept)
+                columns = {name: values[kept] for name, values in columns.items()}
+                failed = {name: FailedRows(f.rejected[kept], f.left[kept]) for name, f in failed.items()}
+        for row in np.flatnonzero(left & (total == 0)).tolist():
+            total[row] = 0.0 if self.interpreted(states, row) is not None else np.inf
+        own = ~left[numbers.rows]
+        return Assessed(total, left & (total == 0), {name: values[own] for name, values in columns.items()}, numbers.rows[own])
+
+    def _look_at(
+        self, event: GraphEvent, columns: dict[int, np.ndarray], failed: dict[int, FailedRows], total: np.ndarray, left: np.ndarray,
+        rows: np.ndarray, seen: dict[int, list[np.ndarray]] | None,
+    ) -> np.ndarray:  # fmt: skip
+        """Add the violation of an event; which rows it ends, and, in `left`, which the interpreter must do."""
+        applies = np.ones(len(rows), dtype=bool) if event.condition is None else columns[event.condition.number].astype(bool)
+        if event.kind == "call":
+            found = failed.get(event.node.number)
+            if found is None:
+                return np.zeros(len(rows), dtype=bool)
+            left[rows[found.left & applies]] = True
+            return found.rejected & applies
+        wrong = (columns[event.node.number] != event.expected) & applies
+        if event.kind == "guard":
+            left[rows[wrong]] = True
+            return np.zeros(len(rows), dtype=bool)
+        if wrong.any():
+            by = violation(event, columns, wrong)
+            if seen is not None:
+                seen.setdefault(event.node.number, []).append(by)
+            total[rows[wrong]] += by / self.scales.get(event.node.number, 1.0)
+        return np.zeros(len(rows), dtype=bool)
+
+    def interpreted(self, states: States, row: int) -> Accepted | None:
+        """The interpreter's run of a state, if it is accepted. Raises the program's errors."""
+        ended = run(self.batch.start(), self.space.chooser(states, row, self.batch.draws), fuel=self.batch.fuel)
+        return ended if isinstance(ended, Accepted) else None
+
+    def scenes(self, states: States, seed: int, start: int = 0) -> Iterator[Scene]:
+        """The scenes of accepted states, numbered from `start` on."""
+        found = self.assess(states)
+        indices = np.arange(len(states)) + start
+        made = scenes_of(self.batch.template, found.columns, seed, indices[found.accepted], np.zeros(len(found.accepted), dtype=np.int64))
+        for row in range(len(states)):
+            if not found.interpreted[row]:
+                yield next(made)
+                continue
+            ended = self.interpreted(states, row)
+            assert ended is not None
+            yield scene_of(ended.state, seed, int(indices[row]), 1, pruned=bool(self.batch.draws))
+
+    def features(self, states: States) -> np.ndarray:
+        """The numbers and truth values of the scenes of accepted states, or their own numbers where the graph does not describe all of them.
+
+        The result is (features, states).
+        """
+        found = self.assess(states)
+        wanted = [node for node in self.batch.outputs if node.kind != "object"]
+        if len(found.accepted) < len(states) or not wanted:
+            return states.uniforms
+        return np.stack([found.columns[node.number].astype(float) for node in wanted])
+
+    def blocks(self) -> list[tuple[frozenset[int], frozenset[int]]]:
+        """The numbers and the words of each object: those that it alone is made of, or it first; those of the rest at the end."""
+        seen_numbers: set[int] = set()
+        seen_words: set[int] = set()
+        found: list[tuple[frozenset[int], frozenset[int]]] = []
+        for made in self.batch.template.objects:
+            numbers, words = self.space.of_nodes(cone(nodes_in(made.properties), set()))
+            own = (numbers - seen_numbers, words - seen_words)
+            seen_numbers |= numbers
+            seen_words |= words
+            if own[0] or own[1]:
+                found.append(own)
+        rest = frozenset(range(len(self.space.sites))) - seen_numbers
+        may_be_left = not all(only_rejects(event) for event in self.graph.events)
+        others = frozenset(range(len(self.space.drawn) + may_be_left)) - seen_words
+        return [*found, (rest, others)] if rest or others else found

@@ -1,0 +1,215 @@
+"""Sequential Monte Carlo by multilevel splitting: states that are allowed ever less violation, until all runs are accepted (Cérou, Del Moral,
+Furon, Guyader 2012; the relaxation is that of `sites.relaxation`).
+
+Of the states at a level the best part is kept, copied, and moved by a kernel that leaves the distribution at the new level as it is. The product
+of the parts that were kept estimates the probability that a run is accepted. Independent repetitions tell how much to trust it.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import Counter
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy import stats
+
+from ..interpreter.streams import fold
+from ..semantics.kernel.errors import AttemptsExhausted
+from ..semantics.kernel.outcome import Requirement
+from .batch import Batch
+from .diagnostics import nested
+from .inferred import Inferred, Probability
+from .rejection import exhausted
+from .sites.moves import NAMES, Moves
+from .sites.states import States
+from .sites.target import Target
+
+KEPT = 0.3
+"""The part of the states that is kept at each level, where violations differ."""
+REPETITIONS = 8
+"""Independent populations."""
+FEWEST_PARTICLES = 300
+LEVEL = 0.999
+"""Of the interval for the probability."""
+PASSES = 12
+"""How often each block is moved at a level, on average."""
+STALLED = 8
+"""So many levels in a row at which nothing gets better: no scene is to be found."""
+FEWEST_WITH_VALUES = 1e-5
+"""If fewer runs than this have values for all that they compute (no empty region, no point outside a field), no scene is to be found."""
+
+
+class Level(NamedTuple):
+    """A level of violation, the part of the states that met it, and by kind of move the part that was taken there, by all repetitions."""
+
+    violation: float
+    kept: float
+    taken: dict[str, float]
+
+
+OnLevel = Callable[[float, float], None]
+"""Is told which part of the states is accepted by now, and the level."""
+
+
+class Population(NamedTuple):
+    """States whose runs are accepted, equally likely, and the logarithm of the estimated probability of acceptance."""
+
+    states: States
+    log_probability: float
+    levels: tuple[Level, ...]
+
+
+def split(
+    target: Target, repetitions: int, count: int, random: np.random.Generator, *, passes: int = PASSES, on_level: OnLevel | None = None
+) -> list[Population]:
+    """Independent populations of `count` states of accepted runs each, all moved at the same time.
+
+    Raises `AttemptsExhausted` where none can be found, with the requirement that stays violated.
+    """
+    moves = moves_of(target)
+    states, violations, logs = begin(target, repetitions, count, random)
+    levels: list[list[Level]] = [[] for _ in range(repetitions)]
+    stalled = 0
+    while violations.any():
+        limits = np.zeros(repetitions)
+        order = np.arange(repetitions * count)
+        working = np.zeros(repetitions, dtype=bool)
+        kept = np.ones(repetitions)
+        for k in range(repetitions):
+            own = slice(k * count, (k + 1) * count)
+            if not violations[own].any():
+                continue
+            working[k] = True
+            limits[k] = next_level(violations[own])
+            met = violations[own] <= limits[k]
+            kept[k] = met.mean()
+            logs[k] += math.log(kept[k])
+            order[own] = k * count + np.resize(random.permutation(np.flatnonzero(met)), count)
+        stalled = stalled + 1 if (kept == 1).all() else 0
+        if stalled == STALLED:
+            raise infeasible(target, states)
+        rows = np.repeat(working, count)
+        states, violations = states.at(order), violations[order]
+        moved, found, taken = move(target, moves, states.at(rows), violations[rows], np.repeat(limits, count)[rows], passes, random)
+        states, violations = states.put(rows, moved), violations.copy()
+        violations[rows] = found
+        moves.adapt(taken.get("step"))
+        for k in np.flatnonzero(working).tolist():
+            levels[k].append(Level(float(limits[k]), float(kept[k]), taken))
+        if on_level is not None:
+            on_level(float(np.mean(violations == 0)), float(limits[working].mean()))
+    parts = [states.at(np.arange(k * count, (k + 1) * count)) for k in range(repetitions)]
+    return [Population(part, float(log), tuple(done)) for part, log, done in zip(parts, logs, levels, strict=True)]
+
+
+def moves_of(target: Target) -> Moves:
+    """The moves on the states of a target."""
+    return Moves(target.blocks(), len(target.space.sites), len(target.space.drawn) + 1)
+
+
+def begin(target: Target, repetitions: int, count: int, random: np.random.Generator) -> tuple[States, np.ndarray, np.ndarray]:
+    """States whose runs have values for all that they compute, their violations, and for each repetition the logarithm of the part of such runs."""
+    if not target.scales:
+        target.measure(random)
+    made: list[States] = []
+    of_all: list[np.ndarray] = []
+    logs = np.zeros(repetitions)
+    for k in range(repetitions):
+        parts: list[States] = []
+        found: list[np.ndarray] = []
+        drawn = alive = 0
+        while alive < count:
+            states = target.simulate(count, random)
+            violations = target.assess(states, np.inf).violation
+            fine = np.isfinite(violations)
+            parts.append(states.at(fine))
+            found.append(violations[fine])
+            drawn, alive = drawn + count, alive + int(fine.sum())
+            if alive < FEWEST_WITH_VALUES * drawn and drawn > 1 / FEWEST_WITH_VALUES:
+                raise infeasible(target, states)
+        made.append(States.joined(parts).at(np.arange(count)))
+        of_all.append(np.concatenate(found)[:count])
+        logs[k] = math.log(alive / drawn)
+    return States.joined(made), np.concatenate(of_all), logs
+
+
+def next_level(violations: np.ndarray) -> float:
+    """The level that the best part of the states meets; where too many are alike, the best value but the worst, if there is one."""
+    level = float(np.quantile(violations, KEPT, method="inverted_cdf"))
+    worst = float(violations.max())
+    return level if level < worst else float(violations[violations < worst].max(initial=0.0)) if (violations < worst).any() else worst
+
+
+def move(
+    target: Target, moves: Moves, states: States, violations: np.ndarray, levels: np.ndarray, passes: int, random: np.random.Generator
+) -> tuple[States, np.ndarray, dict[str, float]]:
+    """The states after `passes` moves of each block, on average, none of which leaves its level; the part of each kind of move that was taken."""
+    made, taken = np.zeros(len(NAMES)), np.zeros(len(NAMES))
+    for _ in range(passes * max(len(moves.uniforms), 1)):
+        proposed, kinds = moves.propose(states, random)
+        states, violations, accepted = target.update(states, violations, proposed, levels)
+        made += np.bincount(kinds, minlength=len(NAMES))
+        taken += np.bincount(kinds[accepted], minlength=len(NAMES))
+    return states, violations, {name: t / m for name, t, m in zip(NAMES, taken.tolist(), made.tolist(), strict=True) if m}
+
+
+def infeasible(target: Target, states: States) -> AttemptsExhausted:
+    """The error where no scene is to be found: no proof that there is none."""
+    stuck: Counter[Requirement] = Counter()
+    target.assess(states, 0.0, stuck)
+    worst, count = stuck.most_common(1)[0]
+    text = f"no scene can be found, as far as can be seen: of the best {len(states):,} runs, {count:,} fail here: {worst.text}"
+    return exhausted(text, target.evaluations, stuck)
+
+
+def probability(populations: Sequence[Population], share: float, level: float = LEVEL) -> Probability:
+    """From independent populations, by Student's t on the logarithms of their estimates; `share` is as in `draw_smc`.
+
+    The spread is at least that which each level would have if its states were independent: few populations may agree by chance.
+    """
+    logs = np.array([p.log_probability for p in populations])
+    largest, count = logs.max(), len(populations)
+    estimate = share * float(np.exp(largest) * np.exp(logs - largest).mean())
+    least = [sum((1 - part) / part for level in p.levels if (part := smoothed(level.kept, len(p.states)))) / len(p.states) for p in populations]
+    spread = math.sqrt(max(logs.var(ddof=1), float(np.mean(least))) / count)
+    half = float(stats.t.ppf((1 + level) / 2, count - 1)) * spread
+    return Probability(estimate, estimate * math.exp(-half), min(estimate * math.exp(half), 1.0), level)
+
+
+def smoothed(part: float, count: int) -> float:
+    """A part of `count` states, as if one more had been found and one more not."""
+    return (part * count + 1) / (count + 2)
+
+
+def draw_smc(
+    batch: Batch, n: int, seed: int, *, share: float = 1.0, particles: int = 0, on_level: OnLevel | None = None
+) -> Inferred:
+    """`n` scenes from independent populations of `particles` states (enough for `n`, if 0), in proportion to their probabilities.
+
+    `share` is the probability that a run is one of those that the batch draws, where it draws from smaller regions. Raises
+    `AttemptsExhausted` where no scene is found, `UsageError`, and the program's errors.
+    """
+    begun = time.process_time()
+    target = Target(batch, seed)
+    particles = particles or max(FEWEST_PARTICLES, math.ceil(2 * n / REPETITIONS))
+    random = np.random.Generator(np.random.Philox(np.random.SeedSequence(fold(seed))))
+    target.measure(random)
+    found = split(target, REPETITIONS, particles, random, on_level=on_level)
+    features = np.stack([target.features(p.states) for p in found], axis=1)
+    logs = np.array([p.log_probability for p in found])
+    weights = np.exp(logs - logs.max())
+    chosen = States.joined([p.states.at(random.permutation(particles)[:k]) for p, k in zip(found, shared(weights, n, random), strict=True)])
+    scenes = list(target.scenes(chosen.at(random.permutation(len(chosen))), seed))
+    diagnosis = nested(features)
+    return Inferred(
+        "smc", scenes, probability(found, share), target.evaluations, diagnosis, target.feature_name(diagnosis.worst), time.process_time() - begun
+    )
+
+
+def shared(weights: np.ndarray, n: int, random: np.random.Generator) -> list[int]:
+    """How many of `n` fall to each, in proportion to the weights: systematic resampling."""
+    edges, points = np.cumsum(weights) / weights.sum() * n, np.arange(n) + random.random()
+    return np.bincount(np.minimum(np.searchsorted(edges, points, side="right"), len(edges) - 1), minlength=len(edges)).tolist()

@@ -1,0 +1,223 @@
+"""Importance sampling, splitting and Markov chains: their scenes have the program's law, their estimates hold the truth, their doubts are right."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import scenic_ref
+from scenic_ref.conformance.programs import ProgramSettings
+from scenic_ref.conformance.programs.generate import random_program
+from scenic_ref.inference import diagnostics, smc
+from scenic_ref.inference.enumeration import content_of
+from scenic_ref.inference.importance import mean_weight
+from scenic_ref.inference.inferred import Inferred, Probability
+from scenic_ref.inference.sites.target import Target
+from scenic_ref.inference.statistics.laws import Categorical, Continuous, contradicts
+from scenic_ref.scenario import loads
+from scenic_ref.semantics.kernel.errors import AttemptsExhausted, ScenicError, UsageError
+
+BACKENDS = ("importance", "smc", "mcmc")
+FINITE = ProgramSettings().as_finite()
+RARE = """
+xs = [Range(0, 1) for i in range(4)]
+ego = Object at xs[0] @ 0
+s = xs[0] + xs[1] + xs[2] + xs[3]
+require s < 0.2
+param s = s
+"""
+"""The sum of four uniform numbers is below s < 1 with probability s⁴ / 24."""
+EXACT = 0.2**4 / 24
+SUM = Continuous("s", lambda s: (min(max(s, 0.0), 0.2) / 0.2) ** 4, 0.0, 0.2)
+SOFT = "x = Range(0, 1)\nego = Object at 0 @ 0, with requireVisible False\nrequire[0.5] x < 0.1\nrequire x > 0.05\nparam x = x\n"
+
+
+@pytest.mark.parametrize("index", [*range(4), *(pytest.param(k, marks=pytest.mark.slow) for k in range(4, 40))])
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_scenes_of_finite_programs_have_the_enumerated_law(backend: str, index: int) -> None:
+    scenario = loads(random_program(5, index, FINITE).text)
+    try:
+        exact = scenario.enumerate(max_runs=400)
+    except ScenicError:
+        return
+    try:
+        found = scenario.infer(backend, 400, 3, **({"resample": True} if backend == "importance" else {}))  # type: ignore[arg-type]
+    except UsageError:  # coins for a scene, or no graph
+        return
+    assert not contradicts([content_of(scene) for scene in found.scenes], Categorical(exact.law(content_of)), 1e-9 / 120)
+    if backend != "mcmc":  # which counts on its chains, not on its estimate
+        assert found.acceptance.low / 1.02 <= float(exact.acceptance) <= found.acceptance.high * 1.02
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_scenes_of_a_rare_event_have_their_law(backend: str) -> None:
+    found = scenic_ref.loads(RARE).infer(backend, 500, 2)
+    assert not found.doubts
+    assert len(found.scenes) == 500
+    assert [scene.index for scene in found.scenes] == list(range(500))
+    assert not contradicts([scene.params["s"] for scene in found.scenes], SUM)
+
+
+@pytest.mark.slow
+def test_the_interval_holds_the_probability_in_20_of_20_repetitions() -> None:
+    scenario = scenic_ref.loads(RARE)
+    for seed in range(20):
+        found = scenario.infer("smc", 10, seed).acceptance
+        assert found.low <= EXACT <= found.high
+        assert found.high < 6 * EXACT
+        assert found.low > EXACT / 6
+
+
+def test_an_estimate_without_the_weight_of_a_level_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The rival forgets the second level."""
+    scenario = scenic_ref.loads(RARE)
+    right = scenario.infer("smc", 10, 1).acceptance
+    assert right.low <= EXACT <= right.high
+    split = smc.split
+
+    def forgetful(*arguments: object, **keywords: object) -> list[smc.Population]:
+        return [p._replace(log_probability=p.log_probability - math.log(p.levels[1].kept)) for p in split(*arguments, **keywords)]  # type: ignore[arg-type]
+
+    monkeypatch.setattr(smc, "split", forgetful)
+    wrong = scenario.infer("smc", 10, 1).acceptance
+    assert wrong.estimate == pytest.approx(right.estimate / 0.3, rel=0.05)
+    assert not wrong.low <= EXACT <= wrong.high
+
+
+def test_levels_fall_to_0_and_their_parts_multiply_to_the_probability() -> None:
+    batch = scenic_ref.loads(RARE).batch
+    assert batch is not None
+    seen: list[tuple[float, float]] = []
+    found = smc.split(Target(batch, 1), 2, 300, np.random.Generator(np.random.Philox(1)), on_level=lambda *told: seen.append(told))
+    for population in found:
+        violations = [level.violation for level in population.levels]
+        assert violations == sorted(violations, reverse=True)
+        assert violations[-1] == 0
+        assert population.log_probability == pytest.approx(sum(math.log(level.kept) for level in population.levels))
+        assert all(0 < level.taken["redraw"] < 1 for level in population.levels)
+    assert seen[-1][0] == 1
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_the_same_seed_gives_the_same_scenes(backend: str) -> None:
+    scenario = scenic_ref.loads(SOFT)
+    lines = [[scene.to_line() for scene in scenario.infer(backend, 5, seed).scenes] for seed in (4, 4, 5)]
+    assert lines[0] == lines[1] != lines[2]
+
+
+def test_weights_count_the_coins_of_soft_requirements() -> None:
+    scenario = scenic_ref.loads(SOFT)
+    found = scenario.infer("importance", 4_000, 1)
+    assert {(scene.params["x"] < 0.1, scene.weight) for scene in found.scenes} == {(True, 1.0), (False, 0.5)}
+    exact = 0.05 + 0.9 * 0.5
+    assert found.acceptance.low < exact < found.acceptance.high < 1.1 * exact
+    weights = np.array([scene.weight for scene in found.scenes])
+    share = weights[[scene.params["x"] < 0.1 for scene in found.scenes]].sum() / weights.sum()
+    assert abs(share - 0.05 / exact) < 0.03
+    assert "--resample" in found.notes[0]
+    equal = scenario.infer("importance", 2_000, 1, resample=True)
+    assert {scene.weight for scene in equal.scenes} == {1.0}
+    assert not contradicts([scene.params["x"] < 0.1 for scene in equal.scenes], Categorical({True: 0.05 / exact, False: 1 - 0.05 / exact}))
+
+
+def test_the_bounds_of_a_mean_weight_are_exact_where_weights_are_0_and_1() -> None:
+    assert mean_weight(1000, 0, 0, share=0.5, is_simple=True)[:3] == (0.0, 0.0, pytest.approx(0.5 * (1 - 0.0005 ** (1 / 1000))))
+    found = mean_weight(1000, 500, 400, share=1.0, is_simple=False)
+    assert (found.high - found.low) / 2 == pytest.approx(3.2905 * math.sqrt((0.4 - 0.25) / 1000), rel=1e-4)
+
+
+ROOM = "workspace = Workspace(PolygonalRegion([0@0, 20@0, 20@10, 0@10]))\nego = Object in workspace, with width 4, with length 4\n"
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_smaller_regions_of_pruning_count(backend: str) -> None:
+    scenario = scenic_ref.loads(ROOM)
+    assert scenario.pruning.pruned
+    found = scenario.infer(backend, 50, 1)
+    exact = 16 * 6 / 200
+    assert found.acceptance.low <= exact * 1.0001
+    assert exact * 0.9999 <= found.acceptance.high
+    assert all(scene.pruned for scene in found.scenes)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_programs_without_a_graph_are_refused_with_the_reason(backend: str) -> None:
+    scenario = scenic_ref.loads("x = Range(0, 1)\nprint('a')\nego = Object at x @ 0\nrequire x < 0.2\n")
+    with pytest.raises(UsageError, match=f"{backend} cannot draw from this program: the program prints"):
+        scenario.infer(backend, 5, 1)
+
+
+LEFT = "x = Range(0, 1)\ny = 1 / int(x < 0.5)\nego = Object at 0 @ 0\nparam x = x\nrequire x < 0.4\n"
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_the_programs_errors_are_said(backend: str) -> None:
+    with pytest.raises(ScenicError, match="division by zero"):
+        scenic_ref.loads(LEFT).infer(backend, 5, 1)
+
+
+def test_that_nothing_can_be_found_is_said_with_what_stays_violated() -> None:
+    scenario = scenic_ref.loads("x = Normal(0, 1)\nego = Object at 0 @ 0\nrequire x > 60\n")
+    for backend in ("smc", "mcmc"):
+        with pytest.raises(AttemptsExhausted, match=r"as far as can be seen.*the requirement on line 3") as caught:
+            scenario.infer(backend, 5, 1)
+        assert caught.value.stuck
+    with pytest.raises(AttemptsExhausted, match=r"no scene in [\d,]+ runs"):
+        scenario.infer("importance", 5, 1, max_attempts=1000)
+    with pytest.raises(UsageError, match="no backend nuts"):
+        scenario.infer("nuts", 5, 1)
+    with pytest.raises(UsageError, match="n is a whole number"):
+        scenario.infer("smc", 0, 1)
+
+
+def test_chains_that_do_not_agree_are_doubted() -> None:
+    """Two islands, each of which the moves seldom leave: with few chains the estimate of their shares cannot be trusted."""
+    diagnosis = diagnostics.Diagnosis(1.3, 20.0, 10.0, 0)
+    found = Inferred("mcmc", [], Probability(0.1, 0.0, 1.0, 0.999), 10, diagnosis, "the position of ego", 1.0)
+    assert [doubt.split(":")[0] for doubt in found.doubts] == [
+        "independent parts of the work disagree about the position of ego", "the draws are worth 20 independent ones, fewer than 50",
+    ]
+    assert found.report()["warnings"] == found.doubts
+    assert not found._replace(diagnosis=diagnosis._replace(rhat=1.01, bulk=100.0)).doubts
+
+
+# Diagnostics
+
+
+def autoregressive(chains: int, draws: int, by: float, seed: int) -> np.ndarray:
+    random = np.random.Generator(np.random.Philox(seed))
+    found = np.empty((chains, draws))
+    found[:, 0] = random.standard_normal(chains)
+    for t in range(1, draws):
+        found[:, t] = by * found[:, t - 1] + math.sqrt(1 - by * by) * random.standard_normal(chains)
+    return found
+
+
+@pytest.mark.parametrize("by", [-0.5, 0.0, 0.5, 0.9])
+def test_effective_draws_of_autoregressive_chains(by: float) -> None:
+    """The effective number of draws of such chains is (1 - by) / (1 + by) of their number."""
+    draws = autoregressive(16, 4_000, by, 1)
+    assert diagnostics.bulk_ess(draws) / draws.size == pytest.approx((1 - by) / (1 + by), rel=0.15)
+    assert diagnostics.rhat(draws) == pytest.approx(1.0, abs=0.005)
+    assert 0.2 < diagnostics.tail_ess(draws) / diagnostics.bulk_ess(draws) < 3
+
+
+def test_chains_in_different_places_or_of_different_spread_do_not_agree() -> None:
+    draws = autoregressive(4, 500, 0.0, 2)
+    assert diagnostics.rhat(draws + 2 * np.arange(4)[:, None]) > 1.5
+    assert diagnostics.rhat(draws * np.array([[1.0], [1.0], [1.0], [4.0]])) > 1.1
+    assert diagnostics.rhat(np.ones((4, 10))) == 1.0
+    found = diagnostics.diagnose(np.stack([draws, draws + np.arange(4)[:, None]]))
+    assert found.worst == 1
+    assert found.rhat > 1.1
+    assert found.bulk < 100 < diagnostics.bulk_ess(draws)
+
+
+def test_independent_populations_are_worth_what_their_means_tell() -> None:
+    draws = np.random.Generator(np.random.Philox(3)).standard_normal((1, 40, 1_000))
+    assert diagnostics.nested(draws).rhat < 1.001
+    shifted = draws + np.random.Generator(np.random.Philox(4)).standard_normal((1, 40, 1)) * 0.5
+    assert diagnostics.nested(shifted).bulk == pytest.approx(40 / 0.25, rel=0.6)
+    assert diagnostics.nested(shifted).rhat > 1.08
+    assert diagnostics.nested(np.ones((1, 4, 10))) == (1.0, 40.0, 40.0, 0)
