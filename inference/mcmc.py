@@ -45,26 +45,29 @@ def draw_mcmc(batch: Batch, n: int, seed: int, *, share: float = 1.0, on_draw: O
     target = Target(batch, seed)
     random = np.random.Generator(np.random.Philox(np.random.SeedSequence(fold(seed))))
     target.measure(random)
+    target.expect(2 * FEWEST_DRAWS * len(target.blocks()), POPULATIONS * CHAINS)
     found = split(target, POPULATIONS, CHAINS, random, passes=PASSES)
     states, moves = States.joined([p.states for p in found]), moves_of(target)
     zeros = np.zeros(len(states))
     wanted = max(float(n), FEWEST_EFFECTIVE)
     draws: list[States] = []
+    features: list[np.ndarray] = []
     thinning, diagnosis = 1, Diagnosis(math.inf, 0.0, 0.0, 0)
     while target.evaluations < most_runs:
         taken: dict[str, float] = {}
         for _ in range(FEWEST_DRAWS):
             states, _, taken = move(target, moves, states, zeros, zeros, thinning, random)
             draws.append(states)
+            features.append(target.features(states))
         if thinning == 1:
             moves.adapt(taken.get("step"))
-        diagnosis = diagnose(np.stack([target.features(s) for s in draws[len(draws) // 2 :]], axis=2))
+        diagnosis = diagnose(np.stack(features[len(draws) // 2 :], axis=2))
         if on_draw is not None:
             on_draw(min(diagnosis.bulk / wanted, (LARGEST_RHAT - 1) / max(diagnosis.rhat - 1, 1e-9), 1.0))
         if diagnosis.bulk >= wanted and diagnosis.tail >= wanted / 2 and diagnosis.rhat <= LARGEST_RHAT:
             break
         if len(draws) >= MOST_DRAWS:
-            draws, thinning = draws[1::2], 2 * thinning
+            draws, features, thinning = draws[1::2], features[1::2], 2 * thinning
     kept = States.joined(draws[len(draws) // 2 :])
     chosen = kept.at(random.permutation(len(kept))[:n] if n <= len(kept) else random.integers(len(kept), size=n))
     notes = () if diagnosis.bulk >= n else (f"the {n:,} scenes are worth {diagnosis.bulk:.0f} independent ones",)

@@ -197,6 +197,7 @@ def draw_smc(
     particles = particles or max(FEWEST_PARTICLES, math.ceil(2 * n / REPETITIONS))
     random = np.random.Generator(np.random.Philox(np.random.SeedSequence(fold(seed))))
     target.measure(random)
+    target.expect(PASSES * len(target.blocks()), REPETITIONS * particles)
     found = split(target, REPETITIONS, particles, random, on_level=on_level)
     features = np.stack([target.features(p.states) for p in found], axis=1)
     logs = np.array([p.log_probability for p in found])

@@ -34,8 +34,9 @@ from ..batch.trace.structures import nodes_in
 from ..batch.trace.templates import scenes_of
 from .states import ATTEMPT, Space, StateNumbers, States
 
-COLUMNS_PACE = 50_000.0
-"""Runs that columns do in a second, roughly."""
+CALL_SECONDS, ROW_SECONDS = 30e-6, 15e-6
+"""What columns take for each node of the graph, and for each state, roughly."""
+
 if TYPE_CHECKING:
     from ..batch.compile.violations import Violations
 
@@ -70,6 +71,7 @@ class Target:
         self.evaluations = 0
         self.compiled: Violations | None = None
         self.may_compile = True
+        self.compiling, self.spent = COMPILE_LEAST + COMPILE_NODE * len(batch.graph.nodes), 0.0  # seconds, as far as can be guessed
 
     def simulate(self, count: int, random: np.random.Generator) -> States:
         """Independent states."""
@@ -89,10 +91,14 @@ class Target:
         self.evaluations += len(states)
         return self._evaluate(states, level, None, stuck)
 
-    @property
-    def worth_compiling(self) -> float:
-        """So many runs take longer on columns than compiling does."""
-        return (COMPILE_LEAST + COMPILE_NODE * len(self.graph.nodes)) * COLUMNS_PACE
+    def expect(self, calls: int, rows: int) -> None:
+        """Compile now, if so many evaluations of so many states each will probably take longer than that."""
+        if calls * self.cost(rows) > self.compiling:
+            self.may_compile = not self.compile()
+
+    def cost(self, rows: int) -> float:
+        """A guess at the seconds that columns take for so many states: no measurement, so that the scenes do not depend on the clock."""
+        return len(self.graph.nodes) * CALL_SECONDS + rows * ROW_SECONDS
 
     def feature_name(self, number: int) -> str:
         """What a feature is of."""
@@ -122,8 +128,10 @@ class Target:
 
     def violations(self, states: States, levels: np.ndarray) -> np.ndarray:
         """The violation of each state, infinity above its level."""
-        if self.compiled is None and self.may_compile and self.evaluations > self.worth_compiling:
-            self.may_compile = not self.compile()
+        if self.compiled is None and self.may_compile:
+            self.spent += self.cost(len(states))
+            if self.spent > self.compiling:
+                self.may_compile = not self.compile()
         if self.compiled is None:
             return self.assess(states, levels).violation
         self.evaluations += len(states)
