@@ -10,7 +10,7 @@ import sys
 
 from ..semantics.kernel.errors import UsageError
 
-EXTRAS = {"numba": "fast", "orjson": "fast", "pyarrow": "parquet", "distributed": "cluster", "pymunk": "dynamics"}
+EXTRAS = {"numba": "fast", "orjson": "fast", "pyarrow": "parquet", "distributed": "cluster", "pymunk": "dynamics", "pyro": "pyro", "torch": "pyro"}
 """The extra of each optional package."""
 
 

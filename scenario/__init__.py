@@ -11,7 +11,7 @@ from dataclasses import is_dataclass
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from ..formats.recorded import Recording, recording_of
 from ..formats.recordings import Simulated
@@ -32,6 +32,7 @@ from ..inference.statistics.columns import FeatureTable, features_table
 from ..inference.statistics.facts import Facts
 from ..interpreter.checks import check
 from ..interpreter.choosers import AS_THEY_ARE, Draws, from_stream
+from ..interpreter.extras import needed
 from ..interpreter.modules import library_of, module_named, read_text, with_old_imports
 from ..interpreter.parser import parse
 from ..interpreter.running import DEFAULT_FUEL, Accepted, Run, Witness, rehearse, run
@@ -47,6 +48,9 @@ from ..simulators.replays import replay_once
 from ..simulators.simulating import Failed
 from ..simulators.worlds import WORLDS
 from .constants import constants_of, facts_of
+
+if TYPE_CHECKING:
+    from ..inference.with_pyro import SceneKernel
 
 Backend = Literal["auto", "interpreter", "batch"]
 FEW = 10
@@ -301,6 +305,27 @@ class Scenario:
                 return draw_smc(batch, n, seed, share=share, on_level=lambda part, level: tell(f"{part:.0%} accepted, violation {level:.3g}"))
             case _:
                 return draw_mcmc(batch, n, seed, share=share, on_draw=lambda part: tell(f"{part:.0%}"))
+
+    def pyro_kernel(self, seed: int = 0) -> SceneKernel:
+        """The moves of `infer("mcmc")` as a kernel of `pyro.infer.MCMC`. Raises as `infer` does, and `UsageError` without the extra `pyro`."""
+        if self.impossible is not None:
+            raise self.impossible
+        if self.batch is None:
+            raise UsageError(f"Pyro's MCMC cannot draw from this program: {self.not_lifted}", hint="`pyro_model` can be used all the same")
+        try:
+            from ..inference.with_pyro import SceneKernel
+        except ImportError as problem:
+            raise needed("`pyro_kernel`", "pyro", problem) from None
+        return SceneKernel(Batch(self.start, fuel=self.fuel, draws=self.pruning.draws), seed)
+
+    def pyro_model(self) -> Callable[[], Scene | None]:
+        """The scenario as a model of Pyro: see `inference.with_pyro.model_of`. Raises `UsageError` without the extra `pyro`."""
+        self.rehearse()
+        try:
+            from ..inference.with_pyro import model_of
+        except ImportError as problem:
+            raise needed("`pyro_model`", "pyro", problem) from None
+        return model_of(self.start, self.fuel)
 
     def feature_tables(
         self, n: int, seed: int = 0, *, start: int = 0, max_attempts: int = DEFAULT_ATTEMPTS

@@ -33,7 +33,7 @@ ONLY_IN = {
     "matplotlib": {"formats/pictures.py", "formats/movies.py", "benchmarks/bars.py"},
     "PIL": {"formats/movies.py"}, "pyarrow": {"formats/tables.py"},
     "distributed": {"inference/batch/jobs/blocks.py"}, "hypothesis": {"conformance/programs/strategies.py"},
-    "pymunk": {"simulators/physics.py"},
+    "pymunk": {"simulators/physics.py"}, "pyro": {"inference/with_pyro.py"}, "torch": {"inference/with_pyro.py"},
     "numba": {"inference/batch/compile/kernels.py"}, "llvmlite": {"inference/batch/compile/kernels.py"},
 }
 

@@ -30,7 +30,7 @@ def afresh(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_the_table_of_extras_is_that_of_the_package():
     extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
-    ours = {package.split(">")[0]: name for name in EXTRAS.values() for package in extras[name]}
+    ours = {package.split(">")[0].removesuffix("-ppl"): name for name in EXTRAS.values() for package in extras[name]}
     assert ours == EXTRAS
     assert set(extras) == {*EXTRAS.values(), "test", "style", "docs", "all"}
 
@@ -65,10 +65,15 @@ def test_a_fault_of_ours_is_not_taken_for_a_missing_package(afresh, monkeypatch)
 
 
 @pytest.mark.parametrize(
-    ("package", "use"), [("pymunk", lambda place: by_name("pymunk")), ("pyarrow", lambda place: open_table(place / "x.parquet"))]
-)
+    ("package", "use"),
+    [
+        ("pymunk", lambda place: by_name("pymunk")), ("pyarrow", lambda place: open_table(place / "x.parquet")),
+        ("pyro", lambda place: scenic_ref.loads("ego = Object").pyro_model()), ("pyro", lambda place: scenic_ref.loads("ego = Object").pyro_kernel()),
+    ],
+)  # fmt: skip
 def test_what_needs_a_package_says_which_extra_has_it(package, use, monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, package, None)
+    monkeypatch.delitem(sys.modules, "scenic_ref.inference.with_pyro", raising=False)
     with pytest.raises(UsageError, match=f"needs the package {package}$") as caught:
         use(tmp_path)
     assert f"scenic-ref[{EXTRAS[package]}]" in caught.value.hint

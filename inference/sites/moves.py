@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .states import States
+from .states import WORD_BITS, States
 
 Block = tuple[frozenset[int], frozenset[int]]
 REDRAW, STEP, EXCHANGE = 0, 1, 2
@@ -68,7 +68,7 @@ class Moves:
         stepped[stepped >= 1.0] = 0.0
         uniforms = np.where(moved & (kinds == REDRAW), fresh, np.where(moved & (kinds == STEP), stepped, states.uniforms))
         renamed = self.words[block].T & (kinds == REDRAW) & ~alone.any(axis=0)
-        words = np.where(renamed, random.integers(0, 1 << 64, renamed.shape, dtype=np.uint64), states.words)
+        words = np.where(renamed, random.integers(0, 1 << WORD_BITS, renamed.shape, dtype=np.uint64), states.words)
         if len(self.exchanged):
             pair = random.integers(len(self.exchanged), size=rows)
             exchanging = kinds == EXCHANGE

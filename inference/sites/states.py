@@ -2,7 +2,7 @@
 
 A run is a function of these numbers (DESIGN, section 5), which are independent and uniform. So the distribution of the scenes is that of the
 uniform distribution on the points whose runs are accepted: there are no densities, and discrete draws, regions, truncated normal
-distributions and mixtures are all alike. A draw that takes no fixed number of numbers has a word of 64 bits instead, which names a stream of
+distributions and mixtures are all alike. A draw that takes no fixed number of numbers has a word instead, which names a stream of
 them; so have, all together, the draws of a run that the graph does not know of.
 """
 
@@ -22,6 +22,8 @@ from ..batch.evaluate.numbers import Numbers, philox
 from ..batch.trace.graph import Graph, GraphNode, RowDraw, Site
 
 Address = tuple[int, ...]
+WORD_BITS = 53
+"""Of a word, so that a float holds it."""
 ATTEMPT = (1 << 64) - 2
 """The attempt under which the streams of states are numbered, which no run has."""
 
@@ -71,7 +73,7 @@ class Space:
 
     def draw(self, count: int, random: np.random.Generator) -> States:
         """Independent states: those of runs as rejection makes them."""
-        words = random.integers(0, 1 << 64, (len(self.drawn) + 1, count), dtype=np.uint64)
+        words = random.integers(0, 1 << WORD_BITS, (len(self.drawn) + 1, count), dtype=np.uint64)
         return States(random.random((len(self.sites), count)), words)
 
     def stream(self, address: Address, word: int) -> Callable[[], float]:
