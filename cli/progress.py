@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from rich.progress import TaskID
 
 INTERVAL = 0.1
+LOOK_AFTER, LONG = 30.0, 1800.0
+"""After so many seconds it is looked at how many are left, and said if they are as many as this."""
+FEW_ACCEPTED = 1e-3
 
 
 class Progress:
@@ -28,6 +31,7 @@ class Progress:
         self.begun = self.shown = time.monotonic()
         self.bar: Bar | None = None
         self.task: TaskID | None = None
+        self.is_foretold = False
 
     def __enter__(self) -> Progress:
         if sys.stderr.isatty() and self.total > 1:
@@ -48,6 +52,7 @@ class Progress:
     def stuck(self, attempts: int) -> None:
         """How many attempts at the current scene got stuck."""
         self.pending = attempts
+        self.foretell()
         self.show()
 
     def drawn(self, attempts: int, scenes: int = 1) -> None:
@@ -55,7 +60,24 @@ class Progress:
         self.scenes += scenes
         self.attempts += attempts
         self.pending = 0
+        self.foretell()
         self.show()
+
+    def foretell(self) -> None:
+        """Say once that it will take long, and which backend would do better, if few runs are accepted."""
+        elapsed = time.monotonic() - self.begun
+        if self.is_foretold or elapsed < LOOK_AFTER:
+            return
+        new, attempts = self.scenes - self.begun_with, self.attempts + self.pending
+        left = elapsed / max(new, 1) * (self.total - self.scenes)
+        if left < LONG:
+            return
+        self.is_foretold = True
+        at_least = "" if new else "at least "
+        text = f"note: at this pace it will take {at_least}{left / 3600:.1f} hours more"
+        if new < FEW_ACCEPTED * attempts:
+            text += f": of {attempts:,} attempts {new:,} gave a scene; --backend smc or mcmc would do better"
+        self.say(text)
 
     def show(self) -> None:
         """Update the bar, not too often."""

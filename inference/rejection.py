@@ -18,6 +18,8 @@ from ..semantics.kernel.errors import AttemptsExhausted
 from ..semantics.kernel.outcome import Draw, Requirement
 
 DEFAULT_ATTEMPTS = 100_000
+SELDOM = 1_000
+"""After so many attempts without a scene, another backend may do better."""
 
 
 class Sampled(NamedTuple):
@@ -52,7 +54,8 @@ def sample(
         if not drawn:
             raise exhausted(f"no scene is possible, since nothing is drawn before this fails: {result.requirement.text}", attempt + 1, stuck)
     worst, count = stuck.most_common(1)[0]
-    raise exhausted(f"no scene in {max_attempts:,} attempts: most often ({count:,} times) this failed: {worst.text}", max_attempts, stuck)
+    text = f"no scene in {max_attempts:,} attempts: most often ({count:,} times) this failed: {worst.text}"
+    raise exhausted(text, max_attempts, stuck, seldom=True)
 
 
 def counting(choose: Chooser) -> tuple[Chooser, list[tuple[int, ...]]]:
@@ -68,10 +71,14 @@ def counting(choose: Chooser) -> tuple[Chooser, list[tuple[int, ...]]]:
     return answer, seen
 
 
-def exhausted(message: str, attempts: int, stuck: Counter[Requirement]) -> AttemptsExhausted:
-    """The error when no scene was found, with a hint where one is known."""
+def exhausted(message: str, attempts: int, stuck: Counter[Requirement], *, seldom: bool = False) -> AttemptsExhausted:
+    """The error when no scene was found, with hints where some are known; `seldom`: many runs were made at random."""
     worst, _ = stuck.most_common(1)[0]
     error = AttemptsExhausted(message, worst.span, attempts=attempts, stuck=tuple(stuck.most_common()))
+    hints: list[str] = []
     if worst.kind == "collision":
-        error.hint = "boxes that only touch also intersect (reading touching); leave a gap, or give one of them allowCollisions True"
+        hints.append("boxes that only touch also intersect (reading touching); leave a gap, or give one of them allowCollisions True")
+    if seldom and attempts >= SELDOM:
+        hints.append("if all requirements hold together, but seldom, try --backend smc, or more --max-attempts")
+    error.hint = "; ".join(hints)
     return error

@@ -327,7 +327,7 @@ class BlockDrawing:
         if len(out):
             worst, often = self.stuck.most_common(1)[0]
             text = f"no scene in {self.max_attempts:,} attempts: most often ({often:,} times in {self.runs:,} runs) this failed: {worst.text}"
-            self.fail(exhausted(text, self.max_attempts, self.stuck), int(out[0]) + self.start)
+            self.fail(exhausted(text, self.max_attempts, self.stuck, seldom=True), int(out[0]) + self.start)
         self.pending = pending[pending < self.stop - self.start]
 
     def block(self) -> Block:

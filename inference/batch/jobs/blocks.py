@@ -69,7 +69,7 @@ def block_of(batch: Batch, seed: int, start: int, stop: int, max_attempts: int =
     alone = batch.block(seed, index, index + 1, max_attempts=max_attempts)
     worst, count = alone.stuck.most_common(1)[0]
     told = f"no scene in {max_attempts:,} attempts: most often ({count:,} times) this failed: {worst.text}"
-    return block._replace(error=exhausted(told, max_attempts, alone.stuck))
+    return block._replace(error=exhausted(told, max_attempts, alone.stuck, seldom=True))
 
 
 # Results
