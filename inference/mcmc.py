@@ -19,7 +19,7 @@ from .diagnostics import Diagnosis, diagnose
 from .inferred import LARGEST_RHAT, Inferred
 from .sites.states import States
 from .sites.target import Target
-from .smc import move, moves_of, probability, split
+from .smc import move, moves_of, probability, some, split
 
 POPULATIONS, CHAINS = 4, 64
 """Independent populations in which chains begin, and the chains of each."""
@@ -69,7 +69,7 @@ def draw_mcmc(batch: Batch, n: int, seed: int, *, share: float = 1.0, on_draw: O
         if len(draws) >= MOST_DRAWS:
             draws, features, thinning = draws[1::2], features[1::2], 2 * thinning
     kept = States.joined(draws[len(draws) // 2 :])
-    chosen = kept.at(random.permutation(len(kept))[:n] if n <= len(kept) else random.integers(len(kept), size=n))
+    chosen = kept.at(some(len(kept), n, random))
     notes = () if diagnosis.bulk >= n else (f"the {n:,} scenes are worth {diagnosis.bulk:.0f} independent ones",)
     return Inferred(
         "mcmc", list(target.scenes(chosen, seed)), probability(found, share), target.evaluations, diagnosis, target.feature_name(diagnosis.worst),

@@ -29,6 +29,8 @@ from .sites.target import Target
 
 KEPT = 0.3
 """The part of the states that is kept at each level, where violations differ."""
+CHUNK = 1 << 15
+"""States that are moved at a time: for more, arrays would take much memory."""
 REPETITIONS = 8
 """Independent populations."""
 FEWEST_PARTICLES = 300
@@ -55,11 +57,18 @@ OnLevel = Callable[[float, float], None]
 
 
 class Population(NamedTuple):
-    """States whose runs are accepted, equally likely, and the logarithm of the estimated probability of acceptance."""
+    """States whose runs are accepted, equally likely, and the levels on the way to them.
+
+    The first, of any violation, is met by the runs that have values for all that they compute.
+    """
 
     states: States
-    log_probability: float
     levels: tuple[Level, ...]
+
+    @property
+    def log_probability(self) -> float:
+        """The logarithm of the estimated probability that a run is accepted."""
+        return sum(math.log(level.kept) for level in self.levels)
 
 
 def split(
@@ -70,8 +79,7 @@ def split(
     Raises `AttemptsExhausted` where none can be found, with the requirement that stays violated.
     """
     moves = moves_of(target)
-    states, violations, logs = begin(target, repetitions, count, random)
-    levels: list[list[Level]] = [[] for _ in range(repetitions)]
+    states, violations, levels = begin(target, repetitions, count, random)
     stalled = 0
     while violations.any():
         limits = np.zeros(repetitions)
@@ -86,7 +94,6 @@ def split(
             limits[k] = next_level(violations[own])
             met = violations[own] <= limits[k]
             kept[k] = met.mean()
-            logs[k] += math.log(kept[k])
             order[own] = k * count + np.resize(random.permutation(np.flatnonzero(met)), count)
         stalled = stalled + 1 if (kept == 1).all() else 0
         if stalled == STALLED:
@@ -101,8 +108,7 @@ def split(
             levels[k].append(Level(float(limits[k]), float(kept[k]), taken))
         if on_level is not None:
             on_level(float(np.mean(violations == 0)), float(limits[working].mean()))
-    parts = [states.at(np.arange(k * count, (k + 1) * count)) for k in range(repetitions)]
-    return [Population(part, float(log), tuple(done)) for part, log, done in zip(parts, logs, levels, strict=True)]
+    return [Population(states.at(np.arange(k * count, (k + 1) * count)), tuple(levels[k])) for k in range(repetitions)]
 
 
 def moves_of(target: Target) -> Moves:
@@ -110,14 +116,14 @@ def moves_of(target: Target) -> Moves:
     return Moves(target.blocks(), len(target.space.sites), len(target.space.drawn) + 1)
 
 
-def begin(target: Target, repetitions: int, count: int, random: np.random.Generator) -> tuple[States, np.ndarray, np.ndarray]:
-    """States whose runs have values for all that they compute, their violations, and for each repetition the logarithm of the part of such runs."""
+def begin(target: Target, repetitions: int, count: int, random: np.random.Generator) -> tuple[States, np.ndarray, list[list[Level]]]:
+    """States whose runs have values for all that they compute, their violations, and for each repetition its first level."""
     if not target.scales:
         target.measure(random)
     made: list[States] = []
     of_all: list[np.ndarray] = []
-    logs = np.zeros(repetitions)
-    for k in range(repetitions):
+    levels: list[list[Level]] = []
+    for _ in range(repetitions):
         parts: list[States] = []
         found: list[np.ndarray] = []
         drawn = alive = 0
@@ -132,8 +138,8 @@ def begin(target: Target, repetitions: int, count: int, random: np.random.Genera
                 raise infeasible(target, states)
         made.append(States.joined(parts).at(np.arange(count)))
         of_all.append(np.concatenate(found)[:count])
-        logs[k] = math.log(alive / drawn)
-    return States.joined(made), np.concatenate(of_all), logs
+        levels.append([Level(math.inf, alive / drawn, {})])
+    return States.joined(made), np.concatenate(of_all), levels
 
 
 def next_level(violations: np.ndarray) -> float:
@@ -148,18 +154,27 @@ def move(
 ) -> tuple[States, np.ndarray, dict[str, float]]:
     """The states after `passes` moves of each block, on average, none of which leaves its level; the part of each kind of move that was taken."""
     made, taken = np.zeros(len(NAMES)), np.zeros(len(NAMES))
-    for _ in range(passes * max(len(moves.uniforms), 1)):
-        proposed, kinds = moves.propose(states, random)
-        states, violations, accepted = target.update(states, violations, proposed, levels)
-        made += np.bincount(kinds, minlength=len(NAMES))
-        taken += np.bincount(kinds[accepted], minlength=len(NAMES))
-    return states, violations, {name: t / m for name, t, m in zip(NAMES, taken.tolist(), made.tolist(), strict=True) if m}
+    parts: list[States] = []
+    found: list[np.ndarray] = []
+    for first in range(0, len(states), CHUNK):
+        rows = np.arange(first, min(first + CHUNK, len(states)))
+        part, own = states.at(rows), violations[rows]
+        for _ in range(passes * max(len(moves.uniforms), 1)):
+            proposed, kinds = moves.propose(part, random)
+            part, own, accepted = target.update(part, own, proposed, levels[rows])
+            made += np.bincount(kinds, minlength=len(NAMES))
+            taken += np.bincount(kinds[accepted], minlength=len(NAMES))
+        parts.append(part)
+        found.append(own)
+    return States.joined(parts), np.concatenate(found), {name: t / m for name, t, m in zip(NAMES, taken.tolist(), made.tolist(), strict=True) if m}
 
 
 def infeasible(target: Target, states: States) -> AttemptsExhausted:
     """The error where no scene is to be found: no proof that there is none."""
     stuck: Counter[Requirement] = Counter()
     target.assess(states, 0.0, stuck)
+    if not stuck:  # only the interpreter knows
+        stuck[target.rejected_by(states, 0)] += 1
     worst, count = stuck.most_common(1)[0]
     text = f"no scene can be found, as far as can be seen: of the best {len(states):,} runs, {count:,} fail here: {worst.text}"
     return exhausted(text, target.evaluations, stuck)
@@ -173,7 +188,7 @@ def probability(populations: Sequence[Population], share: float, level: float = 
     logs = np.array([p.log_probability for p in populations])
     largest, count = logs.max(), len(populations)
     estimate = share * float(np.exp(largest) * np.exp(logs - largest).mean())
-    least = [sum((1 - part) / part for level in p.levels if (part := smoothed(level.kept, len(p.states)))) / len(p.states) for p in populations]
+    least = [sum(1 / smoothed(level.kept, len(p.states)) - 1 for level in p.levels) / len(p.states) for p in populations]
     spread = math.sqrt(max(logs.var(ddof=1), float(np.mean(least))) / count)
     half = float(stats.t.ppf((1 + level) / 2, count - 1)) * spread
     return Probability(estimate, estimate * math.exp(-half), min(estimate * math.exp(half), 1.0), level)
@@ -202,12 +217,17 @@ def draw_smc(
     features = np.stack([target.features(p.states) for p in found], axis=1)
     logs = np.array([p.log_probability for p in found])
     weights = np.exp(logs - logs.max())
-    chosen = States.joined([p.states.at(random.permutation(particles)[:k]) for p, k in zip(found, shared(weights, n, random), strict=True)])
+    chosen = States.joined([p.states.at(some(particles, k, random)) for p, k in zip(found, shared(weights, n, random), strict=True)])
     scenes = list(target.scenes(chosen.at(random.permutation(len(chosen))), seed))
     diagnosis = nested(features)
     return Inferred(
         "smc", scenes, probability(found, share), target.evaluations, diagnosis, target.feature_name(diagnosis.worst), time.process_time() - begun
     )
+
+
+def some(count: int, n: int, random: np.random.Generator) -> np.ndarray:
+    """`n` of `count` rows, each as often as the others, but for one."""
+    return np.concatenate([random.permutation(count) for _ in range(-(-n // count))] or [np.zeros(0, dtype=np.int64)])[:n]
 
 
 def shared(weights: np.ndarray, n: int, random: np.random.Generator) -> list[int]:

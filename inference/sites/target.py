@@ -21,7 +21,7 @@ import numpy as np
 
 from ...formats.scenes import Scene, scene_of
 from ...interpreter.extras import why_missing
-from ...interpreter.running import Accepted, run
+from ...interpreter.running import Accepted, Rejected, run
 from ...semantics.kernel.errors import UsageError
 from ...semantics.kernel.outcome import Requirement
 from ..batch.evaluate.columns import column
@@ -202,6 +202,12 @@ class Target:
         """The interpreter's run of a state, if it is accepted. Raises the program's errors."""
         ended = run(self.batch.start(), self.space.chooser(states, row, self.batch.draws), fuel=self.batch.fuel)
         return ended if isinstance(ended, Accepted) else None
+
+    def rejected_by(self, states: States, row: int) -> Requirement:
+        """The requirement at which the interpreter's run of a state ends, which is rejected."""
+        ended = run(self.batch.start(), self.space.chooser(states, row, self.batch.draws), fuel=self.batch.fuel)
+        assert isinstance(ended, Rejected)
+        return ended.requirement
 
     def scenes(self, states: States, seed: int, start: int = 0) -> Iterator[Scene]:
         """The scenes of accepted states, numbered from `start` on."""

@@ -70,14 +70,14 @@ def test_the_interval_holds_the_probability_in_20_of_20_repetitions() -> None:
 
 
 def test_an_estimate_without_the_weight_of_a_level_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The rival forgets the second level."""
+    """The rival forgets the first level below that of any violation."""
     scenario = scenic_ref.loads(RARE)
     right = scenario.infer("smc", 10, 1).acceptance
     assert right.low <= EXACT <= right.high
     split = smc.split
 
     def forgetful(*arguments: object, **keywords: object) -> list[smc.Population]:
-        return [p._replace(log_probability=p.log_probability - math.log(p.levels[1].kept)) for p in split(*arguments, **keywords)]  # type: ignore[arg-type]
+        return [p._replace(levels=(p.levels[0], *p.levels[2:])) for p in split(*arguments, **keywords)]  # type: ignore[arg-type]
 
     monkeypatch.setattr(smc, "split", forgetful)
     wrong = scenario.infer("smc", 10, 1).acceptance
@@ -95,8 +95,29 @@ def test_levels_fall_to_0_and_their_parts_multiply_to_the_probability() -> None:
         assert violations == sorted(violations, reverse=True)
         assert violations[-1] == 0
         assert population.log_probability == pytest.approx(sum(math.log(level.kept) for level in population.levels))
-        assert all(0 < level.taken["redraw"] < 1 for level in population.levels)
+        assert all(0 < level.taken["redraw"] < 1 for level in population.levels[1:])
     assert seen[-1][0] == 1
+
+
+def test_an_interval_is_no_point_where_nothing_is_rejected() -> None:
+    """All 2,400 states are accepted, which tells of a probability of 1 only within bounds."""
+    found = scenic_ref.loads("x = Range(0, 1)\nego = Object at x @ 0\nrequire x > 0.00001\n").infer("smc", 5, 1).acceptance
+    assert 0.99 < found.low < 0.99999
+    assert found.high == 1
+
+
+def test_as_many_scenes_are_given_as_asked_for() -> None:
+    random = np.random.Generator(np.random.Philox(1))
+    assert smc.shared(np.array([0.0, 1.0, 3.0]), 400, random) == [0, 100, 300]
+    assert sorted(smc.some(100, 300, random).tolist()) == sorted([*range(100)] * 3)
+    assert len(smc.some(7, 0, random)) == 0
+
+
+def test_states_are_moved_in_parts(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(smc, "CHUNK", 700)
+    found = scenic_ref.loads(RARE).infer("smc", 300, 1)
+    assert found.acceptance.low <= EXACT <= found.acceptance.high
+    assert not contradicts([scene.params["s"] for scene in found.scenes], SUM)
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
