@@ -23,7 +23,6 @@ from .batch import Batch
 from .batch.evaluate.columns import column
 from .batch.evaluate.plan import plan
 from .batch.evaluate.rows import FailedRows
-from .batch.trace.graph import GraphNode, Site
 from .batch.trace.templates import scenes_of
 from .diagnostics import Diagnosis
 from .inferred import Inferred, Probability
@@ -43,7 +42,7 @@ class Weighing:
     def __init__(self, batch: Batch, seed: int) -> None:
         self.target = Target(batch, seed)
         self.batch = batch
-        self.coins = {e.condition.number: p for e in batch.graph.events if e.condition is not None and (p := coin(e.condition)) is not None}
+        self.coins = batch.graph.coins
         self.steps = plan(batch.graph, batch.outputs)
         self.stuck: Counter[Requirement] = Counter()
 
@@ -90,13 +89,6 @@ class Weighing:
         return weights, numbers.rows[own], {name: values[own] for name, values in columns.items()}
 
 
-def coin(node: GraphNode) -> float | None:
-    """The probability of heads, if the node is a coin with a constant one."""
-    if node.function is not np.less or not isinstance(node.arguments[0], GraphNode) or not isinstance(node.arguments[0].function, Site):
-        return None
-    return None if isinstance(node.arguments[1], GraphNode) else float(node.arguments[1])  # type: ignore[arg-type]
-
-
 def draw_importance(
     batch: Batch, n: int, seed: int, *, share: float = 1.0, resample: bool = False, max_attempts: int = DEFAULT_ATTEMPTS,
     on_scenes: OnScenes | None = None,
@@ -129,6 +121,8 @@ def draw_importance(
         if on_scenes is not None:
             on_scenes(len(scenes))
         if len(scenes) < n and target.evaluations - last >= max_attempts:
+            if not weighing.stuck:  # only the interpreter knows
+                weighing.stuck[target.rejected_by(states, int(np.argmin(weights)))] += 1
             worst, count = weighing.stuck.most_common(1)[0]
             text = f"no scene in {target.evaluations - last:,} runs: most often ({count:,} times) this failed: {worst.text}"
             raise exhausted(text, target.evaluations, weighing.stuck)

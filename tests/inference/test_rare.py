@@ -142,6 +142,30 @@ def test_weights_count_the_coins_of_soft_requirements() -> None:
     assert not contradicts([scene.params["x"] < 0.1 for scene in equal.scenes], Categorical({True: 0.05 / exact, False: 1 - 0.05 / exact}))
 
 
+OPERAND = """
+g = PolygonalVectorField('g', [[PolygonalRegion([-1 @ -1, -1 @ 1, 0.5 @ 1, 0.5 @ -1]), 0.3]])
+x, y = Range(0, 1), Range(0, 1)
+ego = Object at 0 @ 0, with requireVisible False
+require not (x < 0.5 and (g at y @ 0) > 1)
+param x = x
+"""
+
+
+def test_only_the_coins_of_soft_requirements_are_counted() -> None:
+    """Where y > 0.5 there is no heading, which rejects the runs in which it is asked for: a condition that is no coin."""
+    scenario = scenic_ref.loads(OPERAND)
+    assert scenario.batch is not None
+    assert any(event.condition is not None for event in scenario.batch.graph.events)
+    assert not scenario.batch.graph.coins
+    found = scenario.infer("importance", 4_000, 1)
+    assert {scene.weight for scene in found.scenes} == {1.0}
+    assert found.acceptance.low < 0.75 < found.acceptance.high
+    assert not contradicts([scene.params["x"] < 0.5 for scene in found.scenes], Categorical({True: 1 / 3, False: 2 / 3}))
+    soft = scenic_ref.loads(SOFT).batch
+    assert soft is not None
+    assert list(soft.graph.coins.values()) == [0.5]
+
+
 def test_the_bounds_of_a_mean_weight_are_exact_where_weights_are_0_and_1() -> None:
     assert mean_weight(1000, 0, 0, share=0.5, is_simple=True)[:3] == (0.0, 0.0, pytest.approx(0.5 * (1 - 0.0005 ** (1 / 1000))))
     found = mean_weight(1000, 500, 400, share=1.0, is_simple=False)

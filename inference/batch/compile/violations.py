@@ -51,8 +51,6 @@ class StateWriter(Writer):
             return
         self.add(f"if {fails}:")
         if event.kind == "guard":
-            self.add("if total > 0:", 1)
-            self.add("break", 2)
             self.leave()
         elif event.kind == "call":
             self.add("break", 1)

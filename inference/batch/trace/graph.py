@@ -132,11 +132,12 @@ class GraphEvent(NamedTuple):
 
 @dataclass
 class Graph:
-    """Nodes in the order in which they were made, events, and the points that are drawn: by address, the region and the point."""
+    """Nodes in the order in which they were made, events, what is drawn: points by address (region, point), probabilities of coins by node."""
 
     nodes: list[GraphNode] = field(default_factory=list)
     events: list[GraphEvent] = field(default_factory=list)
     points: dict[tuple[int, ...], tuple[Region, object]] = field(default_factory=dict)
+    coins: dict[int, float] = field(default_factory=dict)
 
 
 def bounds_of(function: object, arguments: tuple[object, ...]) -> Bounds | None:

@@ -149,6 +149,8 @@ class SymbolicRun:
         after = draw.resume(True)
         if self.made.conditions or after.state.reading("require-time") == "end":
             raise NotLifted("a soft requirement within another, or at the end")
+        assert isinstance(draw.distribution, Coin)
+        self.made.graph.coins[coin.node.number] = float(draw.distribution.probability)
         self.made.begin(coin.node, True)
         self.partial_runs.append((after.stack[1], after.state))
         return True
