@@ -20,14 +20,12 @@ from ..formats.scenes import Scene, scene_of
 from ..interpreter.streams import fold
 from ..semantics.kernel.outcome import Requirement
 from .batch import Batch
-from .batch.evaluate.columns import column
-from .batch.evaluate.plan import plan
 from .batch.evaluate.rows import FailedRows
 from .batch.trace.templates import scenes_of
 from .diagnostics import Diagnosis
 from .inferred import Inferred, Probability
 from .rejection import DEFAULT_ATTEMPTS, exhausted
-from .sites.states import StateNumbers, States
+from .sites.states import Evaluation, States
 from .sites.target import Target
 from .smc import LEVEL
 
@@ -43,25 +41,21 @@ class Weighing:
         self.target = Target(batch, seed)
         self.batch = batch
         self.coins = batch.graph.coins
-        self.steps = plan(batch.graph, batch.outputs)
         self.stuck: Counter[Requirement] = Counter()
 
     def weigh(self, states: States) -> tuple[np.ndarray, np.ndarray, dict[int, np.ndarray]]:
         """The weight of each run, the rows that the graph describes and whose weight is positive, and their columns."""
-        numbers = StateNumbers(self.target.space, states)
+        going = Evaluation(self.target.space, states)
         weights = np.ones(len(states))
         left = np.zeros(len(states), dtype=bool)
         violated = {condition: np.zeros(len(states), dtype=bool) for condition in self.coins}
-        columns: dict[int, np.ndarray] = {}
-        failed: dict[int, FailedRows] = {}
-        for step in self.steps:
-            for node in step.nodes:
-                columns[node.number] = column(node, columns, numbers, failed)
-            event, rows = step.event, numbers.rows
+        for step in self.target.steps:
+            going.compute(step)
+            event, rows, columns = step.event, going.rows, going.columns
             if event is None:
                 break
             none = np.zeros(len(rows), dtype=bool)
-            found = failed.get(event.node.number, FailedRows(none, none)) if event.kind == "call" else None
+            found = going.failed.get(event.node.number, FailedRows(none, none)) if event.kind == "call" else None
             lost = found.rejected if found is not None else columns[event.node.number] != event.expected
             unsure = found.left if found is not None else lost if event.kind == "guard" else none
             condition = None if event.condition is None else event.condition.number
@@ -77,16 +71,13 @@ class Weighing:
                 weights[rows[lost]] = 0.0
                 if event.requirement is not None:
                     self.stuck[event.requirement] += int(lost.sum())
-                kept = ~(lost | unsure)
-                numbers.keep(kept)
-                columns = {name: values[kept] for name, values in columns.items()}
-                failed = {name: FailedRows(f.rejected[kept], f.left[kept]) for name, f in failed.items()}
+                going.keep(~(lost | unsure))
         for condition, share in self.coins.items():
             weights[violated[condition] & ~left] *= 1.0 - share
         for row in np.flatnonzero(left).tolist():  # with the coins that the state throws
             weights[row] = float(self.target.interpreted(states, row) is not None)
-        own = weights[numbers.rows] > 0
-        return weights, numbers.rows[own], {name: values[own] for name, values in columns.items()}
+        own = weights[going.rows] > 0
+        return weights, going.rows[own], {name: values[own] for name, values in going.columns.items()}
 
 
 def draw_importance(

@@ -18,7 +18,10 @@ from ...interpreter.choosers import AS_THEY_ARE, Draws, replaced
 from ...interpreter.running import Chooser
 from ...interpreter.streams import UNIT, UNUSED_BITS, Stream, fold, site_code
 from ...semantics.kernel.outcome import Draw
+from ..batch.evaluate.columns import column
 from ..batch.evaluate.numbers import Numbers, philox
+from ..batch.evaluate.plan import PlanStep
+from ..batch.evaluate.rows import FailedRows
 from ..batch.trace.graph import Graph, GraphNode, RowDraw, Site
 
 Address = tuple[int, ...]
@@ -101,6 +104,31 @@ class Space:
         """The numbers and the words that are among some nodes, by their places."""
         numbers = {self.number[n.function.address, n.function.index] for n in nodes if isinstance(n.function, Site)}
         return frozenset(numbers), frozenset(self.word[n.function.address] for n in nodes if isinstance(n.function, RowDraw))
+
+
+class Evaluation:
+    """The runs of some states on columns, event after event, until they are left out."""
+
+    def __init__(self, space: Space, states: States) -> None:
+        self.numbers = StateNumbers(space, states)
+        self.columns: dict[int, np.ndarray] = {}
+        self.failed: dict[int, FailedRows] = {}
+
+    @property
+    def rows(self) -> np.ndarray:
+        """The runs that are there."""
+        return self.numbers.rows
+
+    def compute(self, step: PlanStep) -> None:
+        """The columns of a step."""
+        for node in step.nodes:
+            self.columns[node.number] = column(node, self.columns, self.numbers, self.failed)
+
+    def keep(self, kept: np.ndarray) -> None:
+        """Leave out the runs where `kept` is False."""
+        self.numbers.keep(kept)
+        self.columns = {name: values[kept] for name, values in self.columns.items()}
+        self.failed = {name: FailedRows(f.rejected[kept], f.left[kept]) for name, f in self.failed.items()}
 
 
 class StateNumbers(Numbers):

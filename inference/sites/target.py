@@ -24,7 +24,6 @@ from ...interpreter.extras import why_missing
 from ...interpreter.running import Accepted, Rejected, run
 from ...semantics.kernel.errors import UsageError
 from ...semantics.kernel.outcome import Requirement
-from ..batch.evaluate.columns import column
 from ..batch.evaluate.margins import violation
 from ..batch.evaluate.plan import PlanStep, cone, only_rejects, plan
 from ..batch.evaluate.rows import Columns, FailedRows
@@ -32,7 +31,7 @@ from ..batch.evaluate.sampling import COMPILE_LEAST, COMPILE_NODE, LARGEST_COMPI
 from ..batch.trace.graph import GraphEvent
 from ..batch.trace.structures import nodes_in
 from ..batch.trace.templates import scenes_of
-from .states import ATTEMPT, Space, StateNumbers, States
+from .states import ATTEMPT, Evaluation, Space, States
 
 CALL_SECONDS, ROW_SECONDS = 30e-6, 15e-6
 """What columns take for each node of the graph, and for each state, roughly."""
@@ -149,31 +148,24 @@ class Target:
     def _evaluate(
         self, states: States, level: float | np.ndarray, seen: dict[int, list[np.ndarray]] | None, stuck: Counter[Requirement] | None = None
     ) -> Assessed:
-        numbers = StateNumbers(self.space, states)
+        going = Evaluation(self.space, states)
         total, level = np.zeros(len(states)), np.broadcast_to(level, len(states))
         left = np.zeros(len(states), dtype=bool)
-        columns: dict[int, np.ndarray] = {}
-        failed: dict[int, FailedRows] = {}
         for step in self.steps:
-            for node in step.nodes:
-                columns[node.number] = column(node, columns, numbers, failed)
-            event, rows = step.event, numbers.rows
+            going.compute(step)
+            event, rows = step.event, going.rows
             if event is None:
                 break
-            lost = self._look_at(event, columns, failed, total, left, rows, seen)
+            lost = self._look_at(event, going.columns, going.failed, total, left, rows, seen)
             lost |= (total[rows] > level[rows]) | (left[rows] & (total[rows] > 0))
             if lost.any() or left[rows].any():
                 if stuck is not None and event.requirement is not None:
                     stuck[event.requirement] += int(lost.sum())
                 total[rows[lost]] = np.inf
-                kept = ~(lost | left[rows])
-                numbers.keep(kept)
-                columns = {name: values[kept] for name, values in columns.items()}
-                failed = {name: FailedRows(f.rejected[kept], f.left[kept]) for name, f in failed.items()}
+                going.keep(~(lost | left[rows]))
         for row in np.flatnonzero(left & (total == 0)).tolist():
             total[row] = 0.0 if self.interpreted(states, row) is not None else np.inf
-        own = ~left[numbers.rows]
-        return Assessed(total, left & (total == 0), {name: values[own] for name, values in columns.items()}, numbers.rows[own])
+        return Assessed(total, left & (total == 0), going.columns, going.rows)
 
     def _look_at(
         self, event: GraphEvent, columns: dict[int, np.ndarray], failed: dict[int, FailedRows], total: np.ndarray, left: np.ndarray,
