@@ -1,11 +1,12 @@
 # Everything sets itself up in .venv: `make demo` and `make test` need Python 3.11 or later and nothing else.
 # Another interpreter: make test VENV=.venv-3.13 PYTHON=python3.13, make test-plain PLAIN=.venv-3.13 PYTHON=python3.13.
-# Only some of the tests: make test TESTS=tests/cli
+# Only some of the tests: make test TESTS=tests/cli, make test-plain MARK='not slow'
 PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 PLAIN ?= .venv-plain
 TESTS ?=
+MARK ?=
 
 .PHONY: demo test test-all test-plain nightly mutants check docs bench clean
 
@@ -16,7 +17,7 @@ $(VENV)/.core: pyproject.toml constraints.txt
 	touch $@
 
 $(VENV)/.test: $(VENV)/.core
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[fast,parquet,cluster,dynamics,pyro,test,style]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[fast,parquet,cluster,dynamics,pyro,arviz,test,style]'
 	touch $@
 
 $(VENV)/.docs: $(VENV)/.core
@@ -39,7 +40,7 @@ test-all: $(VENV)/.test
 
 ## All tests without any extra, in an environment of its own: what needs one is skipped, nothing else
 test-plain: $(PLAIN)/.test
-	$(PLAIN)/bin/python -m pytest -n auto --dist worksteal $(TESTS)
+	$(PLAIN)/bin/python -m pytest -n auto --dist worksteal -m "$(MARK)" $(TESTS)
 
 $(PLAIN)/.test: pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit("scenic-ref needs Python 3.11 or later" if sys.version_info < (3, 11) else 0)'
@@ -47,10 +48,11 @@ $(PLAIN)/.test: pyproject.toml constraints.txt
 	$(PLAIN)/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test]'
 	touch $@
 
-## Statistical checks with fresh seeds, which are printed (a failure is a finding, and its seed repeats it); are the vectors for the releases programs of them?
+## Statistical checks with fresh seeds, which are printed (a failure is a finding, and its seed repeats it); are all tests green without extras? are the vectors for the releases programs of them?
 nightly: $(VENV)/.test
 	@seed=$$(date +%s); echo "seed $$seed"; \
 	$(BIN)/scenic-ref conformance --seed $$seed && SCENIC_REF_SEED=$$seed SCENIC_REF_PROGRAMS=2000 $(BIN)/python -m pytest tests/programs/test_frequencies.py
+	$(MAKE) test-plain
 	test -x .venv-scenic-3/bin/python || $(PYTHON) -m venv .venv-scenic-3
 	.venv-scenic-3/bin/python -m pip install --quiet --disable-pip-version-check scenic==3.1.1
 	$(BIN)/python tests/conformance/released.py scenic-3 .venv-scenic-3/bin/python

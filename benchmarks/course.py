@@ -16,6 +16,7 @@ from .growth import WHAT, contenders, programs
 from .processes import Process
 
 NO_NUMBA = "numba is not installed: the compiled evaluator is not measured (pip install 'scenic-ref[fast]')"
+NO_TORCH = "torch is not installed: the evaluation by torch is not measured (pip install 'scenic-ref[torch]')"
 
 Tell = Callable[[str], None]
 """Says how far a benchmark has come."""
@@ -49,10 +50,11 @@ def measure(request: CourseRequest, tell: Tell, finish: Callable[[Figures], None
         others = [released(text).at(Path(directory)) for text in request.against]
         if len({other.name for other in others}) < len(others):
             raise UsageError("--against names the same implementation twice")
-        numba = is_installed("numba")
-        if not numba:
-            tell(NO_NUMBA)
-        rivals: list[Contender] = [*ours(numba, request.prune), *others]
+        numba, torch = is_installed("numba"), is_installed("torch")
+        for there, missing in ((numba, NO_NUMBA), (torch, NO_TORCH)):
+            if not there:
+                tell(missing)
+        rivals: list[Contender] = [*ours(numba, torch, request.prune), *others]
         figures = Figures(tuple(r.name for r in rivals), others[0].name if others else "interpreter", load={"before": load()})
         try:
             for number, program in enumerate(todo, 1):
@@ -68,13 +70,15 @@ def measure(request: CourseRequest, tell: Tell, finish: Callable[[Figures], None
             raise KeyboardInterrupt
 
 
-def ours(numba: bool, prune: bool) -> Iterator[Ours]:
-    """The backends that are measured."""
+def ours(numba: bool, torch: bool, prune: bool) -> Iterator[Ours]:
+    """The backends that are measured; by torch on the processor."""
     yield Ours("interpreter")
     for pruned in (False, True)[: 1 + prune]:
         yield Ours("numpy", pruned)
         if numba:
             yield Ours("numba", pruned)
+        if torch and not pruned:
+            yield Ours("torch")
 
 
 def programs_of(request: CourseRequest) -> list[MeasuredProgram]:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 SCHEMA = "scenic-ref/bench/1"
-PACKAGES = ("numpy", "scipy", "shapely", "numba", "llvmlite")
+PACKAGES = ("numpy", "scipy", "shapely", "numba", "llvmlite", "torch")
 
 
 @dataclass

@@ -28,7 +28,7 @@ Draw = Callable[[int, int], tuple[int, int]]
 
 @dataclass(frozen=True, slots=True)
 class SamplingTask:
-    """What a process draws: a program, by "interpreter", "numpy" or "numba", with or without pruning."""
+    """What a process draws: a program, by "interpreter", "numpy", "numba" or "torch", with or without pruning."""
 
     program: str
     backend: str
@@ -86,6 +86,8 @@ def prepare(task: SamplingTask) -> tuple[Draw, dict[str, float]]:
             raise Skipped(batch.not_compiled)
     else:
         batch.may_compile = False
+    if task.backend == "torch":
+        batch.use_tensors("cpu")
     draw = by_blocks(batch, task.seed)
     draw(0, 1)
     times.append(time.process_time())

@@ -45,7 +45,7 @@ def bench(
 ) -> None:
     """Measure how fast scenes are drawn.
 
-    The interpreter, the batch backend on columns and compiled, and released implementations draw each program in a process of their own.
+    The interpreter, the batch backend (on columns, compiled, by torch) and released implementations draw each program in a process of their own.
     They take turns on one core, and scenes are counted per second of the processor. Ratios are to the first --against, else to the
     interpreter. Ctrl-C shows what is measured so far.
     """

@@ -76,7 +76,16 @@ class Drawing:
     @cached_property
     def has_soft_requirements(self) -> bool:
         """Whether there are soft requirements that may hold less often than they say (reading `soft=run`)."""
-        return self.scenario.readings["soft"] == "run" and any(isinstance(node, SoftRequire) for node in self._nodes())
+        return self.scenario.readings["soft"] == "run" and self._is_soft
+
+    @property
+    def throws_coins_for_scenes(self) -> bool:
+        """Whether there are soft requirements whose coins are thrown once for all attempts at a scene (reading `soft=scene`)."""
+        return self.scenario.readings["soft"] == "scene" and self._is_soft
+
+    @cached_property
+    def _is_soft(self) -> bool:
+        return any(isinstance(node, SoftRequire) for node in self._nodes())
 
     @cached_property
     def about_time(self) -> tuple[str, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import time
 from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -10,10 +11,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from ..formats.scenes import in_json
 from ..inference.enumeration import Enumeration
+from ..inference.inferred import Probability, report
 from ..inference.statistics.columns import Column
 from ..inference.statistics.relations import table_of
 from .drawing import drawing_of
-from .files import PICTURES, check_ending, check_place, write
+from .files import PICTURES, check_ending, check_file, check_place, write
 from .options import Source
 from .production import rehearse
 from .session import Session, escaped, tell
@@ -33,11 +35,13 @@ class EnumerationRequest(NamedTuple):
     discretize: int | None
     output: str | None
     plot: str | None
+    report: str | None
 
 
 def produce_enumeration(source: Source, request: EnumerationRequest, session: Session) -> None:
     """Enumerate the program and show or write what was found. Raises `UsageError`, `RunsExhausted`, and the program's errors."""
     check_paths(source, request)
+    begun = time.process_time()
     drawing = drawing_of(source)
     rehearse(drawing)
     with Life() as life:
@@ -56,8 +60,19 @@ def produce_enumeration(source: Source, request: EnumerationRequest, session: Se
     tell(f"{len(found.outcomes):,} outcomes of {found.runs:,} runs; P(a run is accepted) = {fraction(found.acceptance)}{exactly}")
     for requirement, share in sorted(found.stuck.items(), key=lambda item: -item[1])[:5]:
         tell(f"  {float(share):.3%} of the runs fail here: {requirement.text} ({requirement.span})")
+    if request.report is not None:
+        write(request.report, in_json(report_of(found, time.process_time() - begun), indent=1) + "\n")
     if request.plot is not None:
         plot(found, request.plot, Path(source.file).name)
+
+
+def report_of(found: Enumeration, seconds: float) -> dict[str, object]:
+    """The report: its scenes are the outcomes, its attempts the runs that were made; an interval without width, if it is exact."""
+    share = float(found.acceptance)
+    n = found.discretized
+    warnings = [] if n is None else [f"an approximation: each continuous draw was replaced by {n:,} equally likely values"]
+    exact = Probability(share, share, share, 1.0) if n is None else Probability(share, 0.0, 1.0, 1.0)
+    return report("enumerate", len(found.outcomes), found.runs, exact, None, None, None, seconds, warnings)
 
 
 class Life:
@@ -86,7 +101,7 @@ class Life:
 
 def check_paths(source: Source, request: EnumerationRequest) -> None:
     """Find wrong paths before the work begins. Raises `UsageError`."""
-    for path in (request.output, request.plot):
+    for path in (request.output, request.plot, request.report):
         if path is None or path == "-":
             continue
         check_place(path, {"the program itself": source.file})
@@ -94,6 +109,7 @@ def check_paths(source: Source, request: EnumerationRequest) -> None:
         check_ending("-o", request.output, "enumerations", (".json",))
     if request.plot is not None:
         check_ending("--plot", request.plot, "pictures", PICTURES)
+    check_file("--report", request.report, "reports", (".json",))
 
 
 def varying(found: Enumeration) -> list[Column]:

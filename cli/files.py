@@ -33,6 +33,14 @@ def check_ending(option: str, path: str, what: str, endings: Sequence[str]) -> N
     raise UsageError(f"{option} {path}: {what} are written as {', '.join(others)}{' or ' if others else ''}{last}")
 
 
+def check_file(option: str, path: str | None, what: str, endings: Sequence[str]) -> None:
+    """The same for what never goes to standard output, if it is asked for."""
+    if path == "-":
+        raise UsageError(f"{option} -: {what} are written to a file, not to standard output")
+    if path is not None:
+        check_ending(option, path, what, endings)
+
+
 def same(path: str, other: str) -> bool:
     """Whether two paths lead to one file, which need not be there yet."""
     if Path(path).exists() and Path(other).exists():

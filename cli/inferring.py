@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
+from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, NamedTuple
 
 import typer
 
-from ..formats.scenes import Scene, in_json
+from ..formats.chains import inference_data_in, needs_arviz, picture_with_chains
+from ..formats.pictures import picture
+from ..formats.scenes import in_json
 from ..formats.tables import SUFFIXES
+from ..inference.diagnostics import rhat
 from ..inference.inferred import Inferred
-from ..semantics.kernel.errors import UsageError
 from .drawing import DrawnScene, drawing_of
-from .files import LINES, PICTURES, check_ending, check_place, write
+from .files import LINES, PICTURES, check_ending, check_file, check_place, write
 from .options import Source
 from .outputs import open_output
 from .production import rehearse
@@ -39,6 +42,7 @@ class InferenceRequest(NamedTuple):
     plot: str | None
     report: str | None
     resample: bool
+    inference_data: str | None
 
 
 def produce_inference(source: Source, request: InferenceRequest, session: Session) -> None:
@@ -57,8 +61,11 @@ def produce_inference(source: Source, request: InferenceRequest, session: Sessio
         tell(line)
     if request.report is not None:
         write(request.report, in_json(found.report(), indent=1) + "\n")
+    if request.inference_data is not None:
+        assert found.draws is not None
+        write(request.inference_data, inference_data_in(request.inference_data, found.names, found.draws, found.report()))
     if request.plot is not None:
-        plot(found.scenes, request.plot)
+        plot(found, request.plot)
     if found.doubts:
         raise typer.Exit(INCONCLUSIVE)
 
@@ -77,25 +84,27 @@ def lines(found: Inferred, seed: int) -> list[str]:
 
 def check_paths(source: Source, request: InferenceRequest) -> None:
     """Find wrong paths before the work begins. Raises `UsageError`."""
-    for path in (request.output, request.plot, request.report):
+    for path in (request.output, request.plot, request.report, request.inference_data):
         if path is not None and path != "-":
             check_place(path, {"the program itself": source.file})
     if request.output is not None:
         check_ending("-o", request.output, "scenes", (*LINES, *SUFFIXES))
     if request.plot is not None:
         check_ending("--plot", request.plot, "pictures", PICTURES)
-    if request.report is not None:
-        check_ending("--report", request.report, "reports", (".json",))
+    check_file("--report", request.report, "reports", (".json",))
+    check_file("--inference-data", request.inference_data, "inference data", (".json", ".nc"))
+    if request.inference_data is not None and Path(request.inference_data).suffix.lower() == ".nc":
+        needs_arviz()
 
 
-def plot(scenes: list[Scene], path: str) -> None:
-    """Draw the first scenes into one picture. Raises `UsageError`."""
-    from ..formats.pictures import save_picture
-
-    try:
-        save_picture(scenes[:MOST_PLOTTED], path)
-    except OSError as error:
-        raise UsageError(f"{path} cannot be written: {error.strerror or error}") from None
+def plot(found: Inferred, path: str) -> None:
+    """Draw the first scenes into one picture, with traces and ranks of what chains or populations drew. Raises `UsageError`."""
+    scenes, format = found.scenes[:MOST_PLOTTED], Path(path).suffix[1:].lower()
+    if found.draws is None:
+        write(path, picture(scenes, format=format))
+        return
+    kind = "chain" if found.backend == "mcmc" else "population"
+    write(path, picture_with_chains(scenes, found.names, found.draws, [rhat(of_one) for of_one in found.draws], kind, format=format))
 
 
 class Sign:

@@ -67,12 +67,16 @@ class Source:
     prune: bool = False
     scenario: str | None = None
     limits: Limits = DEFAULT_LIMITS
+    device: str | None = None
 
     def load(self) -> Scenario:
         """The scenario. Raises `ParseError`, `CheckError`, `UsageError`."""
+        from ..inference.batch.devices import check_device
         from ..interpreter.walls import WALL
         from ..scenario import loads
 
+        if self.device is not None:
+            check_device(self.device)  # which also prepares it: CUDA takes more of the address space than the wall leaves
         if not self.trust:
             WALL.build(self.limits)
         scenario = loads(
@@ -80,12 +84,13 @@ class Source:
             params={name: literal(value) for name, value in self.params}, model=self.model, trust=self.trust,
             directory=Path(self.file).parent, fuel=self.fuel, scenario=self.scenario,
         )
-        return scenario.pruned() if self.prune else scenario
+        scenario = scenario.pruned() if self.prune else scenario
+        return scenario if self.device is None else scenario.on_device(self.device)
 
 
 def read_source(
     session: Session, file: str, *, profile: str, reading: list[str] | None, dialect: str | None, model: str | None, param: list[str] | None,
-    fuel: int, trust: bool, limits: Limits, prune: bool = False, scenario: str | None = None,
+    fuel: int, trust: bool, limits: Limits, prune: bool = False, scenario: str | None = None, device: str | None = None,
 ) -> Source:
     """The program in `file` under the given options. Raises `UsageError`."""
     from ..interpreter.modules import read_text
@@ -95,7 +100,7 @@ def read_source(
     session.texts[file] = text
     return Source(
         file, text, profile, pairs(reading, "--reading", "ID=ALT"), dialect, model, pairs(param, "-p", "NAME=VALUE"), fuel, trust, prune,
-        scenario, limits,
+        scenario, limits, device,
     )
 
 

@@ -32,7 +32,8 @@ class Portion(NamedTuple):
     """Scenes `start` to `start + len(attempts) - 1`, as lines (in one text, which is quickly sent), as columns or as features, how often which
     requirement failed, and how long that took (seconds of a processor, so that other work of the machine does not count).
 
-    `left` runs were left to the interpreter. `failed` is the error that ended the job early, at the scene behind the last.
+    `left` runs were left to the interpreter, and `doubtful` ones by torch to NumPy. `failed` is the error that ended the job early, at the
+    scene behind the last.
     """
 
     start: int
@@ -45,6 +46,7 @@ class Portion(NamedTuple):
     seconds: float
     failed: FailedDraw | None
     features: FeatureTable | None = None
+    doubtful: int = 0
 
 
 class PortionJob(NamedTuple):
@@ -76,7 +78,8 @@ def draw_portion(drawing: Drawing, asked: PortionJob) -> Portion:
     features = features_in(batch.template, block) if asked.form == "features" else None
     soft = softness_of(drawing, block, job.seed, asked.looked) if asked.form != "features" and drawing.has_soft_requirements else ()
     ended = failed(block.error, []) if block.error is not None else None
-    return Portion(job.start, block.attempts + 1, lines, columns, block.stuck, soft, block.left, time.thread_time() - begun, ended, features)
+    seconds = time.thread_time() - begun
+    return Portion(job.start, block.attempts + 1, lines, columns, block.stuck, soft, block.left, seconds, ended, features, block.doubtful)
 
 
 def softness_of(drawing: Drawing, block: Block, seed: int, stop: int) -> tuple[Softness, ...]:

@@ -12,12 +12,12 @@ from ..inference.batch.jobs.blocks import Workers, cluster, processes
 from ..scenario import FEW
 from ..semantics.kernel.errors import ScenicError, UsageError
 from .drawing import Drawing, DrawnScene, drawing_of
-from .files import LINES, PICTURES, check_ending, check_place
+from .files import LINES, PICTURES, check_ending, check_file, check_place
 from .options import Source
 from .outputs import Output, Resumed, open_output
-from .portions import portions
+from .portions import batch_of, portions
 from .progress import Progress
-from .reports import Tally, summary
+from .reports import Tally, processor_seconds, summary, write_report
 from .session import Session, tell
 from .workers import FailedDraw, Job, draw_here, drawn_by
 
@@ -38,6 +38,7 @@ class SceneRequest(NamedTuple):
     resume: bool
     backend: str = "auto"
     cluster: str | None = None
+    report: str | None = None
 
 
 def produce(source: Source, request: SceneRequest, session: Session) -> None:
@@ -45,7 +46,7 @@ def produce(source: Source, request: SceneRequest, session: Session) -> None:
     check_paths(source, request)
     drawing = drawing_of(source)
     rehearse(drawing)
-    begun = time.perf_counter()
+    begun, used = time.perf_counter(), processor_seconds()
     tally = Tally()
     with ExitStack() as stack:
         output = open_output(request.output, resume=request.resume)
@@ -67,10 +68,13 @@ def produce(source: Source, request: SceneRequest, session: Session) -> None:
             tell(line)
     if earlier.count:
         tell(f"{earlier.count:,} scenes were there already")
-    for line in summary(tally, request.seed, time.perf_counter() - begun, session.texts, backend_line(interpreted, tally)):
+    for line in summary(tally, request.seed, time.perf_counter() - begun, session.texts, backend_lines(interpreted, tally, drawing)):
         tell(line)
     if drawing.about_time:
         tell(f"note: conditions over time are not checked in a scene (`scenic-ref simulate` does): {', '.join(drawing.about_time)}")
+    if request.report is not None:
+        seconds = None if request.cluster is not None else processor_seconds() - used
+        write_report(request.report, drawing, tally, "batch" if interpreted is None else "interpreter", earlier.count, seconds)
     if request.plot is not None:
         plot(drawing, request, known[: request.stop])
 
@@ -87,12 +91,20 @@ def why_interpreted(drawing: Drawing, request: SceneRequest) -> str | None:
     return None if reason is None else f"since the batch backend cannot draw from this program: {reason}"
 
 
-def backend_line(interpreted: str | None, tally: Tally) -> str:
-    """Which backend drew the scenes, and why not the batch backend."""
+def backend_lines(interpreted: str | None, tally: Tally, drawing: Drawing) -> list[str]:
+    """Which backend drew the scenes, and why not the batch backend, or not torch."""
     if interpreted is not None:
-        return f"drawn by the interpreter, {interpreted}"
+        return [f"drawn by the interpreter, {interpreted}"]
     runs = "1 run was" if tally.left == 1 else f"{tally.left:,} runs were"
-    return f"drawn by the batch backend; {runs} left to the interpreter"
+    left = f"{runs} left to the interpreter"
+    batch, device = batch_of(drawing), drawing.scenario.device
+    if device is None:
+        return [f"drawn by the batch backend; {left}"]
+    if batch.tensors is None:
+        return [f"drawn by the batch backend, without torch: parts of a scene are drawn apart; {left}"]
+    lines = [f"drawn by the batch backend with torch on {device}; {left}, {tally.doubtful:,} to NumPy, since rounding might decide"]
+    reasons = batch.tensors.kit.reasons
+    return [*lines, f"by NumPy, with all that it is made of, since torch does not have it: {', '.join(reasons)}"] if reasons else lines
 
 
 def pruning_lines(drawing: Drawing) -> list[str]:
@@ -183,7 +195,7 @@ def check_paths(source: Source, request: SceneRequest) -> None:
         raise UsageError("--resume needs a file to continue: -o PATH")
     if request.resume and request.start:
         raise UsageError("--resume continues with all scenes, so it cannot be combined with --scene")
-    for path in (request.output, request.plot):
+    for path in (request.output, request.plot, request.report):
         if path is None or path == "-":
             continue
         check_place(path, {"the program itself": source.file})
@@ -191,6 +203,7 @@ def check_paths(source: Source, request: SceneRequest) -> None:
         check_ending("-o", request.output, "scenes", (*LINES, *SUFFIXES))
     if request.plot is not None:
         check_ending("--plot", request.plot, "pictures", PICTURES)
+    check_file("--report", request.report, "reports", (".json",))
 
 
 def check_earlier(drawing: Drawing, request: SceneRequest, earlier: Resumed) -> None:

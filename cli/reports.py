@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import math
+import os
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from ..formats.scenes import in_json
+from ..inference.inferred import LEVEL, Probability, report
+from ..inference.rejection import acceptance
 from .errors import WORST, source_line
+from .files import write
 
 if TYPE_CHECKING:
     from ..semantics.kernel.outcome import Requirement
     from ..semantics.syntax.nodes import Span
-    from .drawing import DrawnScene, Softness
+    from .drawing import Drawing, DrawnScene, Softness
     from .portions import Portion
 
 LONGEST = 60
@@ -27,6 +33,7 @@ class Tally:
     stuck: Counter[Requirement] = field(default_factory=Counter)
     soft: dict[Span, Softness] = field(default_factory=dict)
     left: int = 0
+    doubtful: int = 0
 
     def add(self, drawn: DrawnScene) -> None:
         """One more scene."""
@@ -41,6 +48,7 @@ class Tally:
         self.attempts += int(portion.attempts.sum())
         self.stuck.update(portion.stuck)
         self.left += portion.left
+        self.doubtful += portion.doubtful
         self._look(portion.soft)
 
     def _look(self, softnesses: Iterable[Softness]) -> None:
@@ -49,14 +57,32 @@ class Tally:
             self.soft[softness.span] = softness if before is None else before.plus(softness)
 
 
-def summary(tally: Tally, seed: int, seconds: float, texts: Mapping[str, str], backend: str) -> list[str]:
+def processor_seconds() -> float:
+    """Of this process and of those that it waited for, so far."""
+    return sum(os.times()[:4])
+
+
+def write_report(path: str, drawing: Drawing, tally: Tally, backend: str, earlier: int, seconds: float | None) -> None:
+    """Write what was drawn by rejection, as JSON; `earlier` scenes were there before. Raises `UsageError`."""
+    warnings = [f"{earlier:,} scenes were there already, and are not counted"] if earlier else []
+    scenes, share = tally.scenes, drawing.scenario.share
+    found = acceptance(scenes, tally.attempts)
+    found = found._replace(estimate=found.estimate * share, low=found.low * share, high=found.high * share)
+    if drawing.scenario.in_parts or drawing.throws_coins_for_scenes:
+        found = Probability(math.nan, 0.0, 1.0, LEVEL)
+        why = "independent parts are drawn apart" if drawing.scenario.in_parts else "coins are thrown once for a scene"
+        warnings.append(f"{why}: the attempts do not tell how often a run is accepted")
+    write(path, in_json(report(backend, scenes, tally.attempts, found, scenes, scenes, 1.0, seconds, warnings), indent=1) + "\n")
+
+
+def summary(tally: Tally, seed: int, seconds: float, texts: Mapping[str, str], backend: Iterable[str]) -> list[str]:
     """The lines that follow a run; `backend` says who drew the scenes."""
     if not tally.scenes:
         return []
     scenes = "1 scene" if tally.scenes == 1 else f"{tally.scenes:,} scenes"
     each = f", {tally.attempts / tally.scenes:.3g} attempts per scene" if tally.scenes > 1 else ""
     attempts = "1 attempt" if tally.attempts == 1 else f"{tally.attempts:,} attempts"
-    lines = [f"{scenes} of seed {seed} in {attempts}{each}, {seconds:.1f} s", backend]
+    lines = [f"{scenes} of seed {seed} in {attempts}{each}, {seconds:.1f} s", *backend]
     if tally.stuck:
         lines += requirement_lines(tally.stuck.most_common(), texts, limit=WORST)
     lines += soft_lines(tally.soft.values(), texts)

@@ -67,6 +67,13 @@ def run(
             help="Draw the scenes on the Dask cluster at ADDRESS (host:port); local starts one on this machine.",
         ),
     ] = None,
+    device: Annotated[
+        str | None,
+        typer.Option(
+            "--device", metavar="D", show_default=False,
+            help="Let torch draw the scenes, on the cpu or on cuda (a GPU): the same ones, but for the last digits of numbers (extra torch).",
+        ),
+    ] = None,
     prune: Annotated[
         bool,
         typer.Option(
@@ -80,9 +87,12 @@ def run(
         typer.Option("--discretize", metavar="N", min=1, help="enumerate: replace each continuous draw by N values, an approximation."),
     ] = None,
     report: Annotated[
-        str | None, typer.Option("--report", metavar="PATH", help="smc, mcmc, importance: write what the scenes are worth, as PATH.json.")
+        str | None, typer.Option("--report", metavar="PATH", help="Write how likely a run is accepted, and what the scenes are worth, as PATH.json.")
     ] = None,
     resample: Annotated[bool, typer.Option("--resample", help="importance: scenes of weight 1, in more runs.")] = False,
+    inference_data: Annotated[
+        str | None, typer.Option("--inference-data", metavar="PATH", help="smc, mcmc: write all draws for ArviZ, as PATH.json or PATH.nc.")
+    ] = None,
     limit_memory: LimitMemoryOption = DEFAULT_MEMORY,
     limit_seconds: LimitSecondsOption = DEFAULT_SECONDS,
     trust: TrustOption = False,
@@ -112,23 +122,26 @@ def run(
         raise UsageError("--scene draws a single scene, so -n cannot be given as well")
     if backend in RARE and (scene is not None or resume or workers != 1 or cluster is not None or prune or count == 0):
         raise UsageError(f"{backend} draws all scenes together: --scene, --resume, --workers, --cluster, --prune and -n 0 cannot be given with it")
-    if backend not in RARE and report is not None:
-        raise UsageError("--report needs --backend smc, mcmc or importance")
+    if backend not in ("smc", "mcmc") and inference_data is not None:
+        raise UsageError("--inference-data needs --backend smc or mcmc")
+    if device is not None and (backend not in (None, "batch") or resume):
+        raise UsageError("torch evaluates the batch backend's graph: other backends, and --resume, cannot be given with --device")
     if backend != "importance" and resample:
         raise UsageError("--resample needs --backend importance")
     source = read_source(
         session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, fuel=fuel, trust=trust,
-        limits=limits_of(limit_memory, limit_seconds), prune=prune
+        limits=limits_of(limit_memory, limit_seconds), prune=prune, device=device,
     )
     if backend == "enumerate":
         from .enumerating import EnumerationRequest, produce_enumeration
 
-        produce_enumeration(source, EnumerationRequest(max_runs, discretize, output, plot), session)
+        produce_enumeration(source, EnumerationRequest(max_runs, discretize, output, plot, report), session)
         return
     if backend in RARE:
         from .inferring import InferenceRequest, produce_inference
 
-        produce_inference(source, InferenceRequest(str(backend), count, seed, max_attempts, output, plot, report, resample), session)
+        produce_inference(source, InferenceRequest(str(backend), count, seed, max_attempts, output, plot, report, resample, inference_data), session)
         return
     start, stop = (0, count) if scene is None else (scene, scene + 1)
-    produce(source, SceneRequest(start, stop, seed, max_attempts, output, plot, workers, resume, backend or "auto", cluster), session)
+    backend = backend or ("auto" if device is None else "batch")
+    produce(source, SceneRequest(start, stop, seed, max_attempts, output, plot, workers, resume, backend, cluster, report), session)

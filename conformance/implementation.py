@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Protocol, runtime_checkable
@@ -19,12 +19,16 @@ SEED = 20
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """A program text in a dialect, the readings under which it is to be run (all others are those of the paper), and the seed."""
+    """A program text in a dialect, the readings under which it is to be run (all others are those of the paper), and the seed.
+
+    `files` are Scenic modules in the folder of the program, in the same dialect: their texts by their paths, such as "lib/roads.scenic".
+    """
 
     program: str
     dialect: str
     readings: Mapping[str, str] = field(default_factory=dict)
     seed: int = SEED
+    files: Mapping[str, str] = field(default_factory=dict)
 
 
 class Refused(Exception):
@@ -92,6 +96,15 @@ class Enumerating(Protocol):
 
     def enumerated(self, task: Task) -> Enumerated | None:
         """The exact distribution, None if the program is not finite. Raises `Refused`."""
+        ...
+
+
+@runtime_checkable
+class Measuring(Protocol):
+    """An implementation that says how likely a run is."""
+
+    def density(self, task: Task, draws: Sequence[object]) -> float:
+        """The product of the probabilities, or densities, of what a run draws, in this order; points are pairs. Raises `Refused`."""
         ...
 
 

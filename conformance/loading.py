@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Iterator, Mapping
 from importlib.resources import files
@@ -68,7 +69,7 @@ def read_vector(file: str, chapter: str, table: object, number: int) -> Conforma
     vector = ConformanceVector(
         name=fields.text("name"), chapter=chapter, file=file, paper=fields.text("paper"), fires=rules(fields, "fires"),
         avoids=rules(fields, "avoids"), readings=read_readings(fields), texts=read_texts(fields), kind=kinds[0],
-        matcher=matcher, steps=matcher.steps if isinstance(matcher, (Simulations, AlwaysRejected, Error)) else None,
+        matcher=matcher, steps=matcher.steps if isinstance(matcher, (Simulations, AlwaysRejected, Error)) else None, files=read_files(fields),
     )
     fields.done()
     if vector.fires & vector.avoids:
@@ -112,3 +113,15 @@ def read_texts(fields: VectorFields) -> Mapping[str, str]:
     if not found:
         raise fields.wrong("the program is given in no dialect")
     return found
+
+
+MODULE = re.compile(r"(\w+/)*\w+\.scenic")
+
+
+def read_files(fields: VectorFields) -> Mapping[str, str]:
+    """The modules beside the program, by their paths. Raises `UsageError`."""
+    found = fields.table("files") if fields.has("files") else VectorFields("", {})
+    for path in found.rest:
+        if MODULE.fullmatch(path) is None:
+            raise fields.wrong(f"files: {path!r} is no path of a Scenic module such as 'lib/roads.scenic'")
+    return {path: found.text(path) for path in list(found.rest)}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from .densities import read_densities
 from .fields import VectorFields
 from .refusals import read_error, read_rejection
 from .simulations import read_simulations
@@ -16,6 +17,7 @@ MATCHERS: Mapping[str, Callable[[VectorFields], Matcher]] = {
     "probabilities": read_probabilities,
     "distribution": read_distribution,
     "support": read_support,
+    "density": read_densities,
     "rejection": read_rejection,
     "error": read_error,
     "simulations": read_simulations,

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Literal
 
 from .. import __version__
@@ -11,11 +14,12 @@ from ..formats.recordings import Simulated, to_json
 from ..inference.rejection import counting
 from ..interpreter.choosers import from_stream
 from ..interpreter.dialects import DIALECTS
-from ..interpreter.running import DEFAULT_FUEL
+from ..interpreter.running import DEFAULT_FUEL, run
 from ..interpreter.tracing import Trace
 from ..scenario import Scenario, loads
 from ..semantics.kernel.errors import AttemptsExhausted, ProgramError, RunsExhausted, ScenicError, UsageError
 from ..semantics.kernel.outcome import Draw, Outcome, Requirement, Stuck
+from ..semantics.space.vectors import Vector
 from ..semantics.syntax.nodes import NOWHERE
 from ..simulators.simulating import simulate_once
 from ..simulators.still import Still
@@ -63,6 +67,26 @@ class Ourselves:
             except (UsageError, RunsExhausted):
                 return None
         return Enumerated(tuple((outcome.probability, outcome.scene.to_json()) for outcome in found.outcomes), found.acceptance)
+
+    def density(self, task: Task, draws: Sequence[object]) -> float:
+        """That of the run in which these values are drawn. Raises `ValueError` if the run draws more or fewer."""
+        logarithms: list[float] = []
+
+        def given(draw: Draw) -> object:
+            if len(logarithms) == len(draws):
+                raise ValueError(f"the run draws more than {len(draws)} values")
+            value = draws[len(logarithms)]
+            value = Vector(*value) if isinstance(value, list) else value
+            logarithms.append(draw.distribution.log_density(value))
+            if logarithms[-1] == -math.inf:
+                raise NeverDrawn
+            return value
+
+        with told(), suppress(NeverDrawn):
+            run(load(task).start(), given)
+            if len(logarithms) < len(draws):
+                raise ValueError(f"the run draws {len(logarithms)} values, and not {len(draws)}")
+        return math.exp(sum(logarithms))
 
     def fired(self, task: Task, wanted: frozenset[str], *, seed: int) -> frozenset[str]:
         """What fired in the first runs of several scenes, until all wanted rules were seen and a run was accepted."""
@@ -122,6 +146,10 @@ class Ourselves:
         return frozenset(found)
 
 
+class NeverDrawn(Exception):
+    """No run draws such a value."""
+
+
 def loaded(task: Task) -> Scenario | None:
     """The scenario of a task, None for a program that is refused."""
     try:
@@ -132,8 +160,25 @@ def loaded(task: Task) -> Scenario | None:
 
 
 def load(task: Task) -> Scenario:
-    """The scenario of a task."""
-    return loads(task.program, dialect=task.dialect, readings=task.readings)
+    """The scenario of a task; the modules beside its program are read here."""
+    with beside(task.files) as directory:
+        scenario = loads(task.program, dialect=task.dialect, readings=task.readings, directory=directory)
+        _ = scenario.settings  # the modules are read here, while the folder is there
+        return scenario
+
+
+@contextmanager
+def beside(files: Mapping[str, str]) -> Iterator[Path | None]:
+    """A folder with these files for as long as it is needed, None if there are none."""
+    if not files:
+        yield None
+        return
+    with TemporaryDirectory() as folder:
+        for path, text in files.items():
+            file = Path(folder, path)
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(text, "utf-8")
+        yield Path(folder)
 
 
 def traced(scenario: Scenario, seed: int, index: int) -> Trace:

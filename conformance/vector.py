@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 from .implementation import Implementation, Task
@@ -24,6 +24,7 @@ class ConformanceVector:
 
     `fires` must fire and `avoids` must not, where the implementation reports which rules fire. `texts` maps each dialect in which
     the program is given to its text. `steps` is the number of time steps that simulations may have, None where the vector is about scenes.
+    `files` are the modules beside the program, by their paths.
     """
 
     name: str
@@ -37,7 +38,8 @@ class ConformanceVector:
     kind: str
     matcher: Matcher
     steps: int | None = None
+    files: Mapping[str, str] = field(default_factory=dict)
 
     def task(self, dialect: str) -> Task:
         """The program in that dialect. KeyError if it is not given in it."""
-        return Task(self.texts[dialect], dialect, self.readings)
+        return Task(self.texts[dialect], dialect, self.readings, files=self.files)

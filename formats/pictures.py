@@ -19,7 +19,7 @@ from ..semantics.space.regions import Region, everywhere
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure, SubFigure
 
     from .scenes import Scene, SceneObject
 
@@ -64,13 +64,8 @@ def save_picture(scenes: Iterable[Scene], path: str | Path, *, roads: Region | N
 
 def bar_chart(labels: Sequence[str], heights: Sequence[float], title: str, *, format: str = "png") -> bytes:
     """Horizontal bars, one below the other, each with its label and its height in per cent. Raises `UsageError`."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-
     check_format(format)
-    figure = Figure(figsize=(ALONE * 1.3, 1.0 + 0.27 * len(labels)), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(ALONE * 1.3, 1.0 + 0.27 * len(labels))
     axes = figure.add_subplot()
     places = range(len(labels))
     axes.barh(places, heights, color=CLASSES[0], height=0.72)
@@ -86,25 +81,41 @@ def bar_chart(labels: Sequence[str], heights: Sequence[float], title: str, *, fo
     return written(figure, format)
 
 
-def figure_of(scenes: Sequence[Scene], roads: Region | None) -> Figure:
-    """The scenes as small multiples, one panel each."""
+def new_figure(width: float, height: float) -> Figure:
+    """An empty figure, in inches."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def size_of(count: int) -> tuple[int, int, float]:
+    """The rows and columns of small multiples, and the inches of each."""
+    columns = max(1, math.ceil(math.sqrt(count)))
+    return max(1, math.ceil(count / columns)), columns, ALONE if count <= 1 else SIDE
+
+
+def figure_of(scenes: Sequence[Scene], roads: Region | None) -> Figure:
+    """The scenes as small multiples, one panel each."""
+    rows, columns, side = size_of(len(scenes))
+    figure = new_figure(columns * side, rows * (side + 0.3))
+    draw_scenes(figure, scenes, roads)
+    return figure
+
+
+def draw_scenes(figure: Figure | SubFigure, scenes: Sequence[Scene], roads: Region | None) -> None:
+    """The same, in a figure that is there."""
     from matplotlib.patches import Patch
 
-
-    columns = max(1, math.ceil(math.sqrt(len(scenes))))
-    rows = max(1, math.ceil(len(scenes) / columns))
-    side = ALONE if len(scenes) <= 1 else SIDE
-    figure = Figure(figsize=(columns * side, rows * (side + 0.3)), layout="constrained")
-    FigureCanvasAgg(figure)
+    rows, columns, _ = size_of(len(scenes))
     colours = colours_of(scenes)
     for number, scene in enumerate(scenes):
         draw(figure.add_subplot(rows, columns, number + 1), scene, roads, colours, small=len(scenes) > 1)
     if len(colours) > 1 and any(len(scene.objects) > CROWD for scene in scenes):
         patches = [Patch(facecolor=colour, alpha=0.7, label=name) for name, colour in {"ego": EGO, **colours}.items()]
         figure.legend(handles=patches, loc="outside lower center", ncols=min(len(patches), 4 * columns), frameon=False, fontsize=8)
-    return figure
 
 
 def colours_of(scenes: Sequence[Scene]) -> dict[str, str]:

@@ -23,11 +23,10 @@ from .batch import Batch
 from .batch.evaluate.rows import FailedRows
 from .batch.trace.templates import scenes_of
 from .diagnostics import Diagnosis
-from .inferred import Inferred, Probability
+from .inferred import LEVEL, Inferred, Probability
 from .rejection import DEFAULT_ATTEMPTS, exhausted
 from .sites.states import Evaluation, States
 from .sites.target import Target
-from .smc import LEVEL
 
 BLOCK = 1 << 14
 OnScenes = Callable[[int], None]
@@ -123,7 +122,8 @@ def draw_importance(
     worth = own.sum() ** 2 / (own**2).sum()
     notes = () if worth > 0.999 * n else (f"the {n:,} scenes have weights: they are worth {worth:.0f} of weight 1; --resample gives such ones",)
     diagnosis = Diagnosis(1.0, effective, effective, 0)
-    return Inferred("importance", scenes, acceptance, target.evaluations, diagnosis, "", time.process_time() - begun, notes)
+    unseen = 0.0 if is_simple or resample else 1 - acceptance.estimate / acceptance.high
+    return Inferred("importance", scenes, acceptance, target.evaluations, diagnosis, "", time.process_time() - begun, notes, unseen=unseen)
 
 
 def interpreted(weighing: Weighing, states: States, row: int, seed: int) -> Scene:
@@ -134,7 +134,10 @@ def interpreted(weighing: Weighing, states: States, row: int, seed: int) -> Scen
 
 
 def mean_weight(runs: float, total: float, squares: float, *, share: float, is_simple: bool) -> Probability:
-    """The mean weight of independent runs, times `share`: exact bounds (Clopper, Pearson) where weights are 0 and 1, else by the normal law."""
+    """The mean weight of independent runs, times `share`, with bounds that hold for any number of runs.
+
+    They are those of Clopper and Pearson where weights are 0 and 1, else the empirical Bernstein bounds of Maurer and Pontil (2009, theorem 4).
+    """
     if runs == 0:
         return Probability(math.nan, 0.0, share, LEVEL)
     mean, rest = total / runs, (1 - LEVEL) / 2
@@ -142,6 +145,8 @@ def mean_weight(runs: float, total: float, squares: float, *, share: float, is_s
         low = float(stats.beta.ppf(rest, total, runs - total + 1)) if total else 0.0
         high = float(stats.beta.ppf(1 - rest, total + 1, runs - total)) if total < runs else 1.0
     else:
-        half = float(stats.norm.ppf(1 - rest)) * math.sqrt(max(squares / runs - mean**2, 0.0) / runs)
+        once = math.log(2 / rest)
+        variance = max(squares - runs * mean**2, 0.0) / (runs - 1)
+        half = math.sqrt(2 * variance * once / runs) + 7 * once / (3 * (runs - 1))
         low, high = max(mean - half, 0.0), min(mean + half, 1.0)
     return Probability(mean * share, low * share, high * share, LEVEL)

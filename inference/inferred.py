@@ -3,15 +3,24 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
+
+import numpy as np
 
 from ..formats.scenes import Scene
 from .diagnostics import Diagnosis
 
+LEVEL = 0.999
+"""Of the intervals for probabilities."""
 LARGEST_RHAT = 1.05
 """Chains or repetitions with a larger R-hat do not agree."""
 FEWEST = 50.0
 """With fewer effective draws than this, means and quantiles are not to be trusted."""
+
+
+MOST_UNSEEN = 0.5
+"""Scenes with weights that may lack more of the probability than this are not to be trusted."""
 
 
 class Probability(NamedTuple):
@@ -36,6 +45,11 @@ class Inferred(NamedTuple):
     seconds: float
     """Of a processor."""
     notes: tuple[str, ...] = ()
+    names: tuple[str, ...] = ()
+    draws: np.ndarray | None = None
+    """What chains or populations drew of each quantity of that name, (names, chains, draws); the scenes are some of these draws."""
+    unseen: float = 0.0
+    """The part of the probability that the scenes may lack, at most, as far as the interval of the acceptance tells."""
 
     @property
     def agrees(self) -> bool:
@@ -50,15 +64,29 @@ class Inferred(NamedTuple):
             found.append(f"independent parts of the work disagree about {self.feature}: R-hat is {self.diagnosis.rhat:.3f}, more than {LARGEST_RHAT}")
         if not self.diagnosis.bulk >= FEWEST:
             found.append(f"the draws are worth {self.diagnosis.bulk:.0f} independent ones, fewer than {FEWEST:.0f}")
+        if self.unseen > MOST_UNSEEN:
+            found.append(f"runs that were not seen may hold {self.unseen:.0%} of the probability")
         return found
 
     def report(self) -> dict[str, object]:
         """The report, as `run --report` writes it."""
-        p = self.acceptance
-        return {
-            "backend": self.backend, "scenes": len(self.scenes), "attempts": self.attempts,
-            "acceptance": {"estimate": p.estimate, "low": p.low, "high": p.high, "level": p.level},
-            "ess": {"bulk": self.diagnosis.bulk, "tail": self.diagnosis.tail},
-            "rhat": self.diagnosis.rhat if math.isfinite(self.diagnosis.rhat) else None,
-            "seconds_cpu": self.seconds, "warnings": [*self.doubts, *self.notes],
-        }  # fmt: skip
+        return report(
+            self.backend, len(self.scenes), self.attempts, self.acceptance, self.diagnosis.bulk, self.diagnosis.tail, self.diagnosis.rhat,
+            self.seconds, [*self.doubts, *self.notes],
+        )  # fmt: skip
+
+
+def report(
+    backend: str, scenes: int, attempts: int, acceptance: Probability, bulk: float | None, tail: float | None, rhat: float | None,
+    seconds: float | None, warnings: Sequence[str],
+) -> dict[str, object]:  # fmt: skip
+    """The report of any backend; what is not known, or not a number, is None."""
+
+    def known(value: float | None) -> float | None:
+        return float(value) if value is not None and math.isfinite(value) else None
+
+    return {
+        "backend": backend, "scenes": scenes, "attempts": attempts,
+        "acceptance": {"estimate": known(acceptance.estimate), "low": acceptance.low, "high": acceptance.high, "level": acceptance.level},
+        "ess": {"bulk": known(bulk), "tail": known(tail)}, "rhat": known(rhat), "seconds_cpu": known(seconds), "warnings": list(warnings),
+    }  # fmt: skip

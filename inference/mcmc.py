@@ -2,14 +2,16 @@
 
 Each chain makes symmetric moves (`sites.moves`) and takes those whose runs are accepted, so that the uniform distribution on the states of
 accepted runs, and with it that of the scenes, stays as it is. Draws are made until they are worth as many independent ones as there are to be
-scenes.
+scenes. Chains that do not come to agree are tempered: each gets companions at the levels of violation that splitting went through, and neighbours
+exchange their states where both stay within their levels (parallel tempering, Geyer 1991), so that a chain can leave where it is by being allowed
+more violation for a while.
 """
 
 from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -17,23 +19,74 @@ from ..interpreter.streams import fold
 from .batch import Batch
 from .diagnostics import Diagnosis, diagnose
 from .inferred import LARGEST_RHAT, Inferred
+from .sites.moves import Moves, MovesMade
 from .sites.states import States
 from .sites.target import Target
-from .smc import move, moves_of, probability, some, split
+from .smc import Population, move, name_of, probability, some, split
 
-POPULATIONS, CHAINS = 4, 64
-"""Independent populations in which chains begin, and the chains of each."""
-PASSES = 6
-"""How often each block is moved, on average, at the levels of splitting; chains then move on until they agree."""
+POPULATIONS, PARTICLES = 8, 128
+"""Independent populations in which chains begin, and their sizes."""
+CHAINS = 256
+FEWEST_TEMPERED, MOST_RUNGS = 16, 24
+"""Tempered chains, and the levels of each."""
 FEWEST_DRAWS = 100
 """Of each chain, of which the first half is not used."""
 MOST_DRAWS = 400
 """Beyond, every other draw is dropped, and draws are made half as often."""
+STUCK_RHAT, SLOW = 1.2, 4
+"""Chains with a larger R-hat after so many draws are tempered; after more than SLOW times as many moves, those that do not agree."""
 MOST_RUNS = 20_000_000
 FEWEST_EFFECTIVE = 400.0
 
 OnDraw = Callable[[float], None]
 """Is told how much of the work is done, as far as that is known."""
+
+
+class Chains:
+    """Chains at one level or more, which fall to 0: row `k` of the states is at level `k // count` of chain `k % count`."""
+
+    def __init__(self, target: Target, moves: Moves, states: States, levels: Sequence[float]) -> None:
+        self.target, self.moves, self.levels = target, moves, np.array(levels)
+        self.count = len(states) // len(levels)
+        self.states, self.violations = states, np.zeros(len(states))
+        self.allowed = np.repeat(self.levels, self.count)
+        self.first = 0
+
+    def advance(self, passes: int, random: np.random.Generator) -> MovesMade:
+        """Move each state, each block `passes` times on average; after each pass neighbours exchange. Which moves were taken."""
+        if len(self.levels) == 1:
+            self.states, self.violations, taken = move(self.target, self.moves, self.states, self.violations, self.allowed, passes, random)
+            return taken
+        taken = MovesMade(len(self.moves))
+        for _ in range(passes):
+            self.states, self.violations, taken = move(self.target, self.moves, self.states, self.violations, self.allowed, 1, random)
+            self.exchange()
+        return taken
+
+    def exchange(self) -> None:
+        """Exchange the states of neighbours, every other pair of levels at a time, where the one from the higher level is allowed at the lower."""
+        order = np.arange(len(self.violations))
+        for rung in range(self.first, len(self.levels) - 1, 2):
+            high = np.arange(rung * self.count, (rung + 1) * self.count)
+            high = high[self.violations[high] <= self.levels[rung + 1]]
+            order[high], order[high + self.count] = order[high + self.count], order[high]
+        self.states, self.violations = self.states.at(order), self.violations[order]
+        self.first = 1 - self.first
+
+    @property
+    def accepted(self) -> States:
+        """The states whose runs are accepted, of one chain after the other."""
+        return self.states.at(np.arange(len(self.violations) - self.count, len(self.violations)))
+
+
+def tempered(target: Target, moves: Moves, populations: Sequence[Population], random: np.random.Generator) -> Chains:
+    """Chains with companions at the levels that splitting went through, all begun at states of accepted runs."""
+    levels = [min(level.violation, float(np.finfo(float).max)) for level in populations[0].levels]
+    every = -(-len(levels) // MOST_RUNGS)
+    levels = [*levels[:-1:every], 0.0]
+    states = States.joined([p.states for p in populations])
+    count = max(FEWEST_TEMPERED, CHAINS // len(levels))
+    return Chains(target, moves, states.at(random.integers(len(states), size=count * len(levels))), levels)
 
 
 def draw_mcmc(batch: Batch, n: int, seed: int, *, share: float = 1.0, on_draw: OnDraw | None = None, most_runs: int = MOST_RUNS) -> Inferred:
@@ -45,22 +98,23 @@ def draw_mcmc(batch: Batch, n: int, seed: int, *, share: float = 1.0, on_draw: O
     target = Target(batch, seed)
     random = np.random.Generator(np.random.Philox(np.random.SeedSequence(fold(seed))))
     target.measure(random)
-    target.expect(2 * FEWEST_DRAWS * len(target.blocks()), POPULATIONS * CHAINS)
-    found = split(target, POPULATIONS, CHAINS, random, passes=PASSES)
-    states, moves = States.joined([p.states for p in found]), moves_of(target)
-    zeros = np.zeros(len(states))
+    target.expect(2 * FEWEST_DRAWS * len(target.blocks()), CHAINS)
+    found, moves = split(target, POPULATIONS, PARTICLES, random)
+    chains = Chains(target, moves, States.joined([p.states.at(np.arange(CHAINS // POPULATIONS)) for p in found]), [0.0])
     wanted = max(float(n), FEWEST_EFFECTIVE)
     draws: list[States] = []
     features: list[np.ndarray] = []
+    notes: list[str] = []
     thinning, diagnosis = 1, Diagnosis(math.inf, 0.0, 0.0, 0)
     while target.evaluations < most_runs:
-        taken: dict[str, float] = {}
+        taken = MovesMade(len(moves))
         for _ in range(FEWEST_DRAWS):
-            states, _, taken = move(target, moves, states, zeros, zeros, thinning, random)
-            draws.append(states)
-            features.append(target.features(states))
-        if thinning == 1:
-            moves.adapt(taken.get("step"))
+            taken = chains.advance(thinning, random)
+            draws.append(chains.accepted)
+        new = target.features(States.joined(draws[-FEWEST_DRAWS:]))
+        features.extend(np.split(new, FEWEST_DRAWS, axis=1))
+        if thinning == 1 and len(chains.levels) == 1:
+            moves.adapt(taken)
         diagnosis = diagnose(np.stack(features[len(draws) // 2 :], axis=2))
         if on_draw is not None:
             on_draw(min(diagnosis.bulk / wanted, (LARGEST_RHAT - 1) / max(diagnosis.rhat - 1, 1e-9), 1.0))
@@ -68,10 +122,14 @@ def draw_mcmc(batch: Batch, n: int, seed: int, *, share: float = 1.0, on_draw: O
             break
         if len(draws) >= MOST_DRAWS:
             draws, features, thinning = draws[1::2], features[1::2], 2 * thinning
+            if len(chains.levels) == 1 < len(found[0].levels) and diagnosis.rhat > (STUCK_RHAT if thinning <= SLOW else LARGEST_RHAT):
+                chains, draws, features, thinning = tempered(target, moves, found, random), [], [], 1
+                notes.append(f"{chains.count} chains were tempered over {len(chains.levels)} levels, since plain ones did not agree")
     kept = States.joined(draws[len(draws) // 2 :])
     chosen = kept.at(some(len(kept), n, random))
-    notes = () if diagnosis.bulk >= n else (f"the {n:,} scenes are worth {diagnosis.bulk:.0f} independent ones",)
+    if diagnosis.bulk < n:
+        notes.append(f"the {n:,} scenes are worth {diagnosis.bulk:.0f} independent ones")
     return Inferred(
-        "mcmc", list(target.scenes(chosen, seed)), probability(found, share), target.evaluations, diagnosis, target.feature_name(diagnosis.worst),
-        time.process_time() - begun, notes,
+        "mcmc", list(target.scenes(chosen, seed)), probability(found, share), target.evaluations, diagnosis, name_of(target, diagnosis),
+        time.process_time() - begun, tuple(notes), target.names, np.stack(features[len(draws) // 2 :], axis=2),
     )

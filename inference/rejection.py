@@ -6,6 +6,7 @@ program, the seed and the index only (DESIGN, section 5).
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Callable
 from typing import NamedTuple
@@ -16,6 +17,7 @@ from ..interpreter.running import DEFAULT_FUEL, Accepted, Chooser, Witness, run
 from ..semantics.kernel.config import Config
 from ..semantics.kernel.errors import AttemptsExhausted
 from ..semantics.kernel.outcome import Draw, Requirement
+from .inferred import LEVEL, Probability
 
 DEFAULT_ATTEMPTS = 100_000
 SELDOM = 1_000
@@ -56,6 +58,22 @@ def sample(
     worst, count = stuck.most_common(1)[0]
     text = f"no scene in {max_attempts:,} attempts: most often ({count:,} times) this failed: {worst.text}"
     raise exhausted(text, max_attempts, stuck, seldom=True)
+
+
+def acceptance(scenes: int, attempts: int, level: float = LEVEL) -> Probability:
+    """The probability that a run is accepted, from the attempts that some scenes took together: exact bounds of inverse sampling.
+
+    The attempts of all scenes have the negative binomial distribution, whose bounds are those of Clopper and Pearson but for the last run,
+    which is always accepted.
+    """
+    from scipy import stats  # takes half a second
+
+    rest = (1 - level) / 2
+    if not scenes:
+        return Probability(math.nan, 0.0, 1.0, level)
+    low = float(stats.beta.ppf(rest, scenes, attempts - scenes + 1))
+    high = float(stats.beta.ppf(1 - rest, scenes, attempts - scenes)) if attempts > scenes else 1.0
+    return Probability(scenes / attempts, low, high, level)
 
 
 def counting(choose: Chooser) -> tuple[Chooser, list[tuple[int, ...]]]:

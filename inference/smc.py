@@ -1,5 +1,5 @@
 """Sequential Monte Carlo by multilevel splitting: states that are allowed ever less violation, until all runs are accepted (Cérou, Del Moral,
-Furon, Guyader 2012; the relaxation is that of `sites.relaxation`).
+Furon, Guyader 2012; how far they violate requirements is in `batch.evaluate.margins`).
 
 Of the states at a level the best part is kept, copied, and moved by a kernel that leaves the distribution at the new level as it is. The product
 of the parts that were kept estimates the probability that a run is accepted. Independent repetitions tell how much to trust it.
@@ -20,24 +20,22 @@ from ..interpreter.streams import fold
 from ..semantics.kernel.errors import AttemptsExhausted
 from ..semantics.kernel.outcome import Requirement
 from .batch import Batch
-from .diagnostics import nested
-from .inferred import Inferred, Probability
+from .diagnostics import Diagnosis, nested
+from .inferred import LEVEL, Inferred, Probability
 from .rejection import exhausted
-from .sites.moves import NAMES, Moves
-from .sites.states import States
-from .sites.target import Target
+from .sites.moves import Moves, MovesMade
+from .sites.states import CHUNK, States
+from .sites.target import SCALED_BY, Target
 
 KEPT = 0.3
-"""The part of the states that is kept at each level, where violations differ."""
-CHUNK = 1 << 15
-"""States that are moved at a time: for more, arrays would take much memory."""
+"""The part of the states that is kept at each level, where violations differ: about that, since the levels are those of another population."""
 REPETITIONS = 8
 """Independent populations."""
 FEWEST_PARTICLES = 300
-LEVEL = 0.999
-"""Of the interval for the probability."""
 PASSES = 12
 """How often each block is moved at a level, on average."""
+FEWEST_KEPT = 0.03
+"""If a level would leave a population a smaller part of its states, there is one between."""
 STALLED = 8
 """So many levels in a row at which nothing gets better: no scene is to be found."""
 FEWEST_WITH_VALUES = 1e-5
@@ -50,6 +48,13 @@ class Level(NamedTuple):
     violation: float
     kept: float
     taken: dict[str, float]
+
+
+class Planned(NamedTuple):
+    """A level to come, and for each block the shortest steps there."""
+
+    violation: float
+    smallest: np.ndarray
 
 
 OnLevel = Callable[[float, float], None]
@@ -73,47 +78,56 @@ class Population(NamedTuple):
 
 def split(
     target: Target, repetitions: int, count: int, random: np.random.Generator, *, passes: int = PASSES, on_level: OnLevel | None = None
-) -> list[Population]:
-    """Independent populations of `count` states of accepted runs each, all moved at the same time.
+) -> tuple[list[Population], Moves]:
+    """Independent populations of `count` states of accepted runs each, all moved at the same time; and the moves, with steps as long as they became.
 
-    Raises `AttemptsExhausted` where none can be found, with the requirement that stays violated.
+    One more population goes first, and says which levels there are and how long steps are: levels that a population chose for itself would make
+    its estimate too large. Raises `AttemptsExhausted` where no states can be found, with the requirement that stays violated.
     """
     moves = moves_of(target)
+    planned: list[Planned] = []
+    descend(target, moves, 1, count, random, passes, planned=planned)
+    ahead = [*planned, Planned(0.0, moves.smallest)]
+    return descend(target, moves, repetitions, count, random, passes, ahead=ahead, on_level=on_level), moves
+
+
+def descend(
+    target: Target, moves: Moves, repetitions: int, count: int, random: np.random.Generator, passes: int, *,
+    ahead: Sequence[Planned] = (), planned: list[Planned] | None = None, on_level: OnLevel | None = None,
+) -> list[Population]:  # fmt: skip
+    """Populations at ever lower levels: those `ahead`, or else levels and steps that are chosen on the way and added to `planned`."""
     states, violations, levels = begin(target, repetitions, count, random)
+    coming = list(ahead)
     stalled = 0
     while violations.any():
-        limits = np.zeros(repetitions)
-        order = np.arange(repetitions * count)
-        working = np.zeros(repetitions, dtype=bool)
-        kept = np.ones(repetitions)
-        for k in range(repetitions):
-            own = slice(k * count, (k + 1) * count)
-            if not violations[own].any():
-                continue
-            working[k] = True
-            limits[k] = next_level(violations[own])
-            met = violations[own] <= limits[k]
-            kept[k] = met.mean()
-            order[own] = k * count + np.resize(random.permutation(np.flatnonzero(met)), count)
+        of_each = violations.reshape(repetitions, count)
+        limit = coming[0].violation if coming else next_level(violations)
+        kept = (of_each <= limit).mean(axis=1)
+        if coming and kept.min() >= FEWEST_KEPT:
+            moves.smallest = coming[0].smallest
+            coming = coming[1:] or coming  # the last is 0
+        elif coming:  # a level between, where a population would lose nearly all of its states
+            limit = max(next_level(of_each[k]) for k in np.flatnonzero(kept < FEWEST_KEPT))
+            kept = (of_each <= limit).mean(axis=1)
         stalled = stalled + 1 if (kept == 1).all() else 0
         if stalled == STALLED:
             raise infeasible(target, states)
-        rows = np.repeat(working, count)
-        states, violations = states.at(order), violations[order]
-        moved, found, taken = move(target, moves, states.at(rows), violations[rows], np.repeat(limits, count)[rows], passes, random)
-        states, violations = states.put(rows, moved), violations.copy()
-        violations[rows] = found
-        moves.adapt(taken.get("step"))
-        for k in np.flatnonzero(working).tolist():
-            levels[k].append(Level(float(limits[k]), float(kept[k]), taken))
+        order = [k * count + np.resize(random.permutation(np.flatnonzero(v <= limit)), count) for k, v in enumerate(of_each)]
+        states, violations = states.at(np.concatenate(order)), violations[np.concatenate(order)]
+        states, violations, taken = move(target, moves, states, violations, np.full(len(states), limit), passes, random)
+        if planned is not None:
+            moves.adapt(taken)
+            planned.append(Planned(limit, moves.smallest.copy()))
+        for own, part in zip(levels, kept.tolist(), strict=True):
+            own.append(Level(limit, part, taken.parts()))
         if on_level is not None:
-            on_level(float(np.mean(violations == 0)), float(limits[working].mean()))
-    return [Population(states.at(np.arange(k * count, (k + 1) * count)), tuple(levels[k])) for k in range(repetitions)]
+            on_level(float(np.mean(violations == 0)), limit)
+    return [Population(states.at(np.arange(k * count, (k + 1) * count)), tuple(own)) for k, own in enumerate(levels)]
 
 
 def moves_of(target: Target) -> Moves:
     """The moves on the states of a target."""
-    return Moves(target.blocks(), len(target.space.sites), len(target.space.drawn) + 1)
+    return Moves(target.blocks())
 
 
 def begin(target: Target, repetitions: int, count: int, random: np.random.Generator) -> tuple[States, np.ndarray, list[list[Level]]]:
@@ -151,22 +165,21 @@ def next_level(violations: np.ndarray) -> float:
 
 def move(
     target: Target, moves: Moves, states: States, violations: np.ndarray, levels: np.ndarray, passes: int, random: np.random.Generator
-) -> tuple[States, np.ndarray, dict[str, float]]:
-    """The states after `passes` moves of each block, on average, none of which leaves its level; the part of each kind of move that was taken."""
-    made, taken = np.zeros(len(NAMES)), np.zeros(len(NAMES))
+) -> tuple[States, np.ndarray, MovesMade]:
+    """The states after `passes` moves of each block, on average, none of which leaves its level; which moves were taken."""
+    taken = MovesMade(len(moves))
     parts: list[States] = []
     found: list[np.ndarray] = []
     for first in range(0, len(states), CHUNK):
         rows = np.arange(first, min(first + CHUNK, len(states)))
         part, own = states.at(rows), violations[rows]
-        for _ in range(passes * max(len(moves.uniforms), 1)):
-            proposed, kinds = moves.propose(part, random)
+        for _ in range(passes * max(len(moves), 1)):
+            proposed, kinds, blocks = moves.propose(part, random)
             part, own, accepted = target.update(part, own, proposed, levels[rows])
-            made += np.bincount(kinds, minlength=len(NAMES))
-            taken += np.bincount(kinds[accepted], minlength=len(NAMES))
+            taken.add(kinds, blocks, accepted)
         parts.append(part)
         found.append(own)
-    return States.joined(parts), np.concatenate(found), {name: t / m for name, t, m in zip(NAMES, taken.tolist(), made.tolist(), strict=True) if m}
+    return States.joined(parts), np.concatenate(found), taken
 
 
 def infeasible(target: Target, states: States) -> AttemptsExhausted:
@@ -211,18 +224,24 @@ def draw_smc(
     target = Target(batch, seed)
     particles = particles or max(FEWEST_PARTICLES, math.ceil(2 * n / REPETITIONS))
     random = np.random.Generator(np.random.Philox(np.random.SeedSequence(fold(seed))))
-    target.measure(random)
-    target.expect(PASSES * len(target.blocks()), REPETITIONS * particles)
-    found = split(target, REPETITIONS, particles, random, on_level=on_level)
-    features = np.stack([target.features(p.states) for p in found], axis=1)
+    levels = math.log(max(target.measure(random), 1 / SCALED_BY)) / math.log(KEPT)
+    target.expect(math.ceil(levels) * PASSES * len(target.blocks()), REPETITIONS * particles)
+    found, _ = split(target, REPETITIONS, particles, random, on_level=on_level)
+    features = target.features(States.joined([p.states for p in found])).reshape(-1, REPETITIONS, particles)
     logs = np.array([p.log_probability for p in found])
     weights = np.exp(logs - logs.max())
     chosen = States.joined([p.states.at(some(particles, k, random)) for p, k in zip(found, shared(weights, n, random), strict=True)])
     scenes = list(target.scenes(chosen.at(random.permutation(len(chosen))), seed))
     diagnosis = nested(features)
     return Inferred(
-        "smc", scenes, probability(found, share), target.evaluations, diagnosis, target.feature_name(diagnosis.worst), time.process_time() - begun
+        "smc", scenes, probability(found, share), target.evaluations, diagnosis, name_of(target, diagnosis), time.process_time() - begun,
+        names=target.names, draws=features,
     )
+
+
+def name_of(target: Target, diagnosis: Diagnosis) -> str:
+    """The feature about which the parts of the work agree least, if there are any features."""
+    return target.names[diagnosis.worst] if target.names else ""
 
 
 def some(count: int, n: int, random: np.random.Generator) -> np.ndarray:

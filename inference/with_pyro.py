@@ -5,6 +5,7 @@ The model draws with Pyro's own distributions, where it has them, and runs the m
 
 from __future__ import annotations
 
+import math
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -19,6 +20,7 @@ from ..formats.scenes import Scene, scene_of
 from ..interpreter.running import Accepted, run
 from ..interpreter.streams import fold
 from ..semantics.kernel.config import Config
+from ..semantics.kernel.errors import UsageError
 from ..semantics.kernel.outcome import Draw
 from ..semantics.space.distributions import Coin, Normal, Range
 from .batch import Batch
@@ -27,6 +29,7 @@ from .sites.states import States
 from .sites.target import Target
 from .smc import move, moves_of, split
 
+LARGEST_NUMBER = 1.0 - 2.0**-53
 STARTS = 64
 """States that splitting finds, in one of which a chain begins."""
 
@@ -53,7 +56,8 @@ class SceneKernel(MCMCKernel):
         self.random = np.random.Generator(np.random.Philox(np.random.SeedSequence([fold(self.seed), own])))
         self.is_warm = warmup_steps == 0
         if self.state is None:
-            found = split(self.target, 1, STARTS, self.random)[0].states
+            populations, self.moves = split(self.target, 1, STARTS, self.random)
+            found = populations[0].states
             self.state = found.at(self.random.integers(STARTS, size=1))
 
     @property
@@ -64,7 +68,7 @@ class SceneKernel(MCMCKernel):
 
     @initial_params.setter
     def initial_params(self, params: Mapping[str, torch.Tensor]) -> None:
-        self.state = self.states_of({name: value[None] for name, value in params.items()})
+        self.state = states_of(self.target, {name: value[None] for name, value in params.items()})
 
     def as_tensors(self, state: States) -> dict[str, torch.Tensor]:
         """One state as parameters; words are floats, which hold them exactly."""
@@ -75,24 +79,15 @@ class SceneKernel(MCMCKernel):
             found["words"] = torch.from_numpy(state.words[:, 0].astype(float))
         return found
 
-    def states_of(self, params: Mapping[str, torch.Tensor]) -> States:
-        """Parameters, (draws, numbers) each, as states."""
-        space, draws = self.target.space, max(map(len, params.values()), default=1)
-        numbers = params["numbers"].numpy().T if space.sites else np.zeros((0, draws))
-        words = np.zeros((len(space.drawn) + 1, draws), dtype=np.uint64)
-        if space.drawn:
-            words[:] = params["words"].numpy().T.astype(np.uint64)
-        return States(numbers, words)
-
     def sample(self, params: Mapping[str, torch.Tensor]) -> dict[str, torch.Tensor]:
         """The next state."""
         zero = np.zeros(1)
         state, _, taken = move(
-            self.target, self.moves, self.states_of({n: v[None] for n, v in params.items()}), zero, zero, self.passes, self.random
+            self.target, self.moves, states_of(self.target, {n: v[None] for n, v in params.items()}), zero, zero, self.passes, self.random
         )
         if not self.is_warm:
-            self.moves.adapt(taken.get("step"))
-        for name, part in taken.items():
+            self.moves.adapt(taken)
+        for name, part in taken.parts().items():
             self.taken.setdefault(name, []).append(part)
         return self.as_tensors(state)
 
@@ -110,7 +105,44 @@ class SceneKernel(MCMCKernel):
 
     def scenes(self, samples: Mapping[str, torch.Tensor]) -> list[Scene]:
         """The scenes of what `MCMC.get_samples()` gives, without the groups by chain."""
-        return list(self.target.scenes(self.states_of(samples), self.seed))
+        return list(self.target.scenes(states_of(self.target, samples), self.seed))
+
+
+def states_of(target: Target, params: Mapping[str, torch.Tensor]) -> States:
+    """Parameters, (draws, numbers) each, as states."""
+    space, draws = target.space, max(map(len, params.values()), default=1)
+    numbers = params["numbers"].detach().numpy().T if space.sites else np.zeros((0, draws))
+    words = np.zeros((len(space.drawn) + 1, draws), dtype=np.uint64)
+    if space.drawn:
+        words[:] = params["words"].numpy().T.astype(np.uint64)
+    return States(np.clip(numbers, 0.0, LARGEST_NUMBER), words)
+
+
+class NumberModel:
+    """A scenario as a model of Pyro in the random numbers of its runs: "numbers", all uniform, and a factor that is 0 for an accepted run, else
+    minus infinity.
+
+    Whatever a draw's distribution depends on, the density is smooth where runs are accepted, so that `NUTS` and `HMC` can be used: well where
+    all runs are accepted, badly else, since they cannot see the edge. Raises `UsageError` for programs with draws that take no fixed number
+    of random numbers.
+    """
+
+    def __init__(self, batch: Batch, seed: int = 0) -> None:
+        self.target, self.seed = Target(batch, seed), seed
+        if self.target.space.drawn:
+            raise UsageError("a draw of this program takes no fixed number of random numbers: it has no model in these", hint="use `pyro_kernel`")
+
+    def __call__(self) -> torch.Tensor:
+        """Draw the numbers of a run, and weigh it."""
+        uniform: Any = dist.Uniform(number(0.0), number(1.0))
+        numbers = pyro.sample("numbers", uniform.expand([len(self.target.space.sites)]).to_event(1))
+        accepted = self.target.assess(states_of(self.target, {"numbers": numbers[None]})).violation[0] == 0
+        pyro.factor("requirements", number(0.0 if accepted else -math.inf))
+        return numbers
+
+    def scenes(self, samples: Mapping[str, torch.Tensor]) -> list[Scene]:
+        """The scenes of what `MCMC.get_samples()` gives, without the groups by chain."""
+        return list(self.target.scenes(states_of(self.target, samples), self.seed))
 
 
 def model_of(start: Callable[[], Config], fuel: int) -> Callable[[], Scene | None]:
@@ -123,7 +155,7 @@ def model_of(start: Callable[[], Config], fuel: int) -> Callable[[], Scene | Non
     def model() -> Scene | None:
         ended = run(start(), answer, fuel=fuel)
         accepted = isinstance(ended, Accepted)
-        pyro.factor("requirements", torch.tensor(0.0 if accepted else -torch.inf, dtype=torch.float64))
+        pyro.factor("requirements", number(0.0 if accepted else -math.inf))
         return scene_of(ended.state, 0, 0, 1) if isinstance(ended, Accepted) else None
 
     return model

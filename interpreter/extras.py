@@ -10,7 +10,10 @@ import sys
 
 from ..semantics.kernel.errors import UsageError
 
-EXTRAS = {"numba": "fast", "orjson": "fast", "pyarrow": "parquet", "distributed": "cluster", "pymunk": "dynamics", "pyro": "pyro", "torch": "pyro"}
+EXTRAS = {
+    "numba": "fast", "orjson": "fast", "pyarrow": "parquet", "distributed": "cluster", "pymunk": "dynamics", "pyro": "pyro", "torch": "torch",
+    "arviz": "arviz",
+}
 """The extra of each optional package."""
 
 

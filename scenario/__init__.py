@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from copy import copy
@@ -17,8 +15,9 @@ from ..formats.recorded import Recording, recording_of
 from ..formats.recordings import Simulated
 from ..formats.scenes import Scene, scene_of
 from ..inference.batch import Batch, Block, Impossible, NotLifted
+from ..inference.batch.devices import check_device
 from ..inference.batch.evaluate.features import features_in
-from ..inference.batch.jobs.blocks import Pace, block_of
+from ..inference.batch.jobs.blocks import block_of, jobs, scenes_of_jobs
 from ..inference.enumeration import DEFAULT_RUNS, Enumeration, enumerate_runs
 from ..inference.histories import Histories, enumerate_simulations
 from ..inference.importance import draw_importance
@@ -27,12 +26,12 @@ from ..inference.mcmc import draw_mcmc
 from ..inference.pruning import TECHNIQUES, Finding, Pruning, prune
 from ..inference.rejection import DEFAULT_ATTEMPTS, Sampled, exhausted, sample
 from ..inference.simulation import SampledRun, sample_simulation
+from ..inference.sites.target import Target
 from ..inference.smc import draw_smc
 from ..inference.statistics.columns import FeatureTable, features_table
 from ..inference.statistics.facts import Facts
 from ..interpreter.checks import check
 from ..interpreter.choosers import AS_THEY_ARE, Draws, from_stream
-from ..interpreter.extras import needed
 from ..interpreter.modules import library_of, module_named, read_text, with_old_imports
 from ..interpreter.parser import parse
 from ..interpreter.running import DEFAULT_FUEL, Accepted, Run, Witness, rehearse, run
@@ -48,9 +47,11 @@ from ..simulators.replays import replay_once
 from ..simulators.simulating import Failed
 from ..simulators.worlds import WORLDS
 from .constants import constants_of, facts_of
+from .for_pyro import pyro_for
 
 if TYPE_CHECKING:
-    from ..inference.with_pyro import SceneKernel
+    from ..inference.batch.tensors.margins import Margins
+    from ..inference.with_pyro import NumberModel, SceneKernel
 
 Backend = Literal["auto", "interpreter", "batch"]
 FEW = 10
@@ -79,6 +80,7 @@ class Scenario:
         self.scenario = scenario
         self.draws: Draws = AS_THEY_ARE
         self.factorised = False
+        self.device: str | None = None
         self._rehearsed = False
         check(program)
 
@@ -221,6 +223,17 @@ class Scenario:
         found.draws, found.factorised = self.pruning.draws, True
         return found
 
+    def on_device(self, device: str) -> Scenario:
+        """The same scenario, whose graph torch evaluates on a device, "cpu" or "cuda": the same scenes up to 1e-9 (docs/batch.md).
+
+        Raises `UsageError` without the extra `torch`, and for a device that it cannot use.
+        """
+        check_device(device)
+        found = copy(self)
+        found.__dict__.pop("_lifted", None)
+        found.device = device
+        return found
+
     def enumerate(
         self, *, max_runs: int = DEFAULT_RUNS, discretize: int | None = None, on_run: Callable[[int, Fraction], None] | None = None
     ) -> Enumeration:
@@ -233,12 +246,20 @@ class Scenario:
         """The program as a graph, or why there is none; the error if it can have no scene."""
         self.rehearse()
         try:
-            return Batch(self.start, fuel=self.fuel, draws=self.draws, factorised=self.factorised)
+            batch = Batch(self.start, fuel=self.fuel, draws=self.draws, factorised=self.factorised)
+            if self.device is not None:
+                batch.use_tensors(self.device)
+            return batch
         except Impossible as never:
             text = f"no scene is possible: whatever is drawn, this fails: {never.requirement.text}"
             return exhausted(text, 1, Counter([never.requirement]))
         except NotLifted as reason:
             return str(reason)
+
+    @property
+    def share(self) -> float:
+        """The probability that a run is one of those from the smaller regions of `pruned`, as all accepted ones are."""
+        return self.pruning.share if self.draws else 1.0
 
     @property
     def impossible(self) -> AttemptsExhausted | None:
@@ -273,7 +294,7 @@ class Scenario:
                 raise self.impossible
             batch = self.batch
             if batch is not None:
-                return _by_batch(batch, n, seed, start, max_attempts)
+                return scenes_of_jobs(batch, n, seed, start, max_attempts)
         return (self.sample(seed, index, max_attempts=max_attempts) for index in range(start, start + n))
 
     def infer(
@@ -289,12 +310,8 @@ class Scenario:
         check_whole(("n", n, 1), ("seed", seed, None), ("max_attempts", max_attempts, 1))
         if backend not in ("importance", "smc", "mcmc"):
             raise UsageError(f"there is no backend {backend}", hint="these backends are importance, smc and mcmc")
-        if self.impossible is not None:
-            raise self.impossible
-        if self.batch is None:
-            raise UsageError(f"{backend} cannot draw from this program: {self.not_lifted}", hint="the interpreter can: --backend interpreter")
-        batch = Batch(self.start, fuel=self.fuel, draws=self.pruning.draws)
-        share = math.prod(p.area_after / p.area_before for p in self.pruning.pruned)
+        batch = self._pruned_batch(backend)
+        share = self.pruning.share
         tell = on_progress or (lambda text: None)
         match backend:
             case "importance":
@@ -306,26 +323,35 @@ class Scenario:
             case _:
                 return draw_mcmc(batch, n, seed, share=share, on_draw=lambda part: tell(f"{part:.0%}"))
 
+    def margins(self, seed: int = 0, device: str = "cpu") -> Margins:
+        """By how much the requirements are met, with gradients by random numbers and poses. Raises as `infer` and `on_device` do."""
+        check_device(device)
+        if self.batch is None:
+            raise self.impossible or UsageError(f"there are no margins of this program: {self.not_lifted}")
+        from ..inference.batch.tensors.margins import Margins
+
+        return Margins(Target(self.batch, seed), device)
+
     def pyro_kernel(self, seed: int = 0) -> SceneKernel:
         """The moves of `infer("mcmc")` as a kernel of `pyro.infer.MCMC`. Raises as `infer` does, and `UsageError` without the extra `pyro`."""
-        if self.impossible is not None:
-            raise self.impossible
-        if self.batch is None:
-            raise UsageError(f"Pyro's MCMC cannot draw from this program: {self.not_lifted}", hint="`pyro_model` can be used all the same")
-        try:
-            from ..inference.with_pyro import SceneKernel
-        except ImportError as problem:
-            raise needed("`pyro_kernel`", "pyro", problem) from None
-        return SceneKernel(Batch(self.start, fuel=self.fuel, draws=self.pruning.draws), seed)
+        return pyro_for("`pyro_kernel`").kernel(self._pruned_batch("Pyro's MCMC", "`pyro_model` can be used all the same"), seed)
+
+    def pyro_numbers(self, seed: int = 0) -> NumberModel:
+        """The scenario as a model of Pyro in the random numbers of its runs, for `NUTS`: see `inference.with_pyro.NumberModel`. Raises the same."""
+        return pyro_for("`pyro_numbers`").numbers(self._pruned_batch("Pyro's MCMC", "`pyro_model` can be used all the same"), seed)
 
     def pyro_model(self) -> Callable[[], Scene | None]:
         """The scenario as a model of Pyro: see `inference.with_pyro.model_of`. Raises `UsageError` without the extra `pyro`."""
         self.rehearse()
-        try:
-            from ..inference.with_pyro import model_of
-        except ImportError as problem:
-            raise needed("`pyro_model`", "pyro", problem) from None
-        return model_of(self.start, self.fuel)
+        return pyro_for("`pyro_model`").model(self.start, self.fuel)
+
+    def _pruned_batch(self, backend: str, otherwise: str = "the interpreter can: --backend interpreter") -> Batch:
+        """The graph, in which points are drawn from the smaller regions of `pruning`. Raises `AttemptsExhausted`, `UsageError`."""
+        if self.impossible is not None:
+            raise self.impossible
+        if self.batch is None:
+            raise UsageError(f"{backend} cannot draw from this program: {self.not_lifted}", hint=otherwise)
+        return Batch(self.start, fuel=self.fuel, draws=self.pruning.draws)
 
     def feature_tables(
         self, n: int, seed: int = 0, *, start: int = 0, max_attempts: int = DEFAULT_ATTEMPTS
@@ -336,7 +362,7 @@ class Scenario:
         if self.batch is None:
             yield features_table(self.sample(seed, index, max_attempts=max_attempts) for index in range(start, start + n))
             return
-        for block in _blocks(self.batch, n, seed, start, max_attempts):
+        for block in jobs(self.batch, n, seed, start, max_attempts):
             yield features_in(self.batch.template, block)
 
 
@@ -345,24 +371,6 @@ def check_whole(*named: tuple[str, object, int | None]) -> None:
     for what, number, least in named:
         if type(number) is not int or (least is not None and number < least):
             raise UsageError(f"{what} is a whole number{'' if least is None else f' of at least {least}'}, not {number!r}")
-
-
-def _by_batch(batch: Batch, n: int, seed: int, start: int, max_attempts: int) -> Iterator[Scene]:
-    """The scenes of some jobs, one after the other."""
-    for block in _blocks(batch, n, seed, start, max_attempts):
-        yield from batch.scenes_of(block, seed)
-
-
-def _blocks(batch: Batch, n: int, seed: int, start: int, max_attempts: int) -> Iterator[Block]:
-    """Some jobs, one after the other. Raises the error that ends one, after its block."""
-    pace = Pace(objects=len(batch.template.objects))
-    for first, stop in pace.parts(start, start + n):
-        begun = time.thread_time()
-        block = block_of(batch, seed, first, stop, max_attempts, start + n - stop)
-        pace.took(stop - first, time.thread_time() - begun)
-        yield block
-        if block.error is not None:
-            raise block.error
 
 
 def loads(

@@ -29,11 +29,13 @@ MAY_IMPORT = {
 }
 ROOMS = ["syntax", "space", "kernel", "readings", "python", "scenes", "dynamics", ""]
 """Of `semantics`, the lowest first; "" are its tables: the step function, the catalogue of rules, programs."""
+TENSORS = ("arithmetic", "columns", "draws", "evaluator", "kit", "margins", "polygons")
 ONLY_IN = {
-    "matplotlib": {"formats/pictures.py", "formats/movies.py", "benchmarks/bars.py"},
+    "matplotlib": {"formats/chains.py", "formats/pictures.py", "formats/movies.py", "benchmarks/bars.py"},
     "PIL": {"formats/movies.py"}, "pyarrow": {"formats/tables.py"},
     "distributed": {"inference/batch/jobs/blocks.py"}, "hypothesis": {"conformance/programs/strategies.py"},
-    "pymunk": {"simulators/physics.py"}, "pyro": {"inference/with_pyro.py"}, "torch": {"inference/with_pyro.py"},
+    "pymunk": {"simulators/physics.py"}, "arviz": {"formats/chains.py"}, "pyro": {"inference/with_pyro.py"},
+    "torch": {"inference/with_pyro.py", *(f"inference/batch/tensors/{name}.py" for name in TENSORS)},
     "numba": {"inference/batch/compile/kernels.py"}, "llvmlite": {"inference/batch/compile/kernels.py"},
 }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Literal, NamedTuple
 
@@ -46,6 +47,11 @@ class Pruning(NamedTuple):
 
     pruned: tuple[Pruned, ...]
     findings: tuple[Finding, ...]
+
+    @property
+    def share(self) -> float:
+        """The probability that all points are drawn from the smaller regions."""
+        return math.prod(p.area_after / p.area_before for p in self.pruned)
 
     @property
     def draws(self) -> Mapping[Address, PointIn]:

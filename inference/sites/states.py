@@ -8,7 +8,7 @@ them; so have, all together, the draws of a run that the graph does not know of.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import chain
 
@@ -25,6 +25,8 @@ from ..batch.evaluate.rows import FailedRows
 from ..batch.trace.graph import Graph, GraphNode, RowDraw, Site
 
 Address = tuple[int, ...]
+CHUNK = 1 << 15
+"""States that are looked at, or moved, at a time: for more, columns would take much memory."""
 WORD_BITS = 53
 """Of a word, so that a float holds it."""
 ATTEMPT = (1 << 64) - 2
@@ -44,6 +46,11 @@ class States:
     def at(self, rows: np.ndarray) -> States:
         """Some of them, by their rows or by a mask."""
         return States(self.uniforms[:, rows], self.words[:, rows])
+
+    def parts(self) -> Iterator[States]:
+        """So many at a time that columns of them fit into memory."""
+        for first in range(0, len(self), CHUNK):
+            yield States(self.uniforms[:, first : first + CHUNK], self.words[:, first : first + CHUNK])
 
     def where(self, chosen: np.ndarray, others: States) -> States:
         """Those of `others` in the rows that are chosen."""

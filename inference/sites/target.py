@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
+from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -24,11 +25,12 @@ from ...interpreter.extras import why_missing
 from ...interpreter.running import Accepted, Rejected, run
 from ...semantics.kernel.errors import UsageError
 from ...semantics.kernel.outcome import Requirement
-from ..batch.evaluate.margins import violation
+from ..batch.evaluate.features import features_by_name
+from ..batch.evaluate.margins import decisive, violation
 from ..batch.evaluate.plan import PlanStep, cone, only_rejects, plan
 from ..batch.evaluate.rows import Columns, FailedRows
 from ..batch.evaluate.sampling import COMPILE_LEAST, COMPILE_NODE, LARGEST_COMPILED, Batch
-from ..batch.trace.graph import GraphEvent
+from ..batch.trace.graph import GraphEvent, GraphNode
 from ..batch.trace.structures import nodes_in
 from ..batch.trace.templates import scenes_of
 from .states import ATTEMPT, Evaluation, Space, States
@@ -39,6 +41,8 @@ CALL_SECONDS, ROW_SECONDS = 30e-6, 15e-6
 if TYPE_CHECKING:
     from ..batch.compile.violations import Violations
 
+MOST_LEFT = 0.1
+"""Of the runs: if more are left to the interpreter, splitting and chains would take hours."""
 SCALED_BY = 2_000
 """So many runs tell what a typical violation of each requirement is."""
 
@@ -67,7 +71,7 @@ class Target:
             )
         self.steps: tuple[PlanStep, ...] = plan(batch.graph, batch.outputs)
         self.scales: dict[int, float] = {}
-        self.evaluations = 0
+        self.evaluations = self.left = 0
         self.compiled: Violations | None = None
         self.may_compile = True
         self.compiling, self.spent = COMPILE_LEAST + COMPILE_NODE * len(batch.graph.nodes), 0.0  # seconds, as far as can be guessed
@@ -76,14 +80,24 @@ class Target:
         """Independent states."""
         return self.space.draw(count, random)
 
-    def measure(self, random: np.random.Generator) -> None:
-        """Find out what a typical violation of each requirement is, which then counts as 1."""
+    def measure(self, random: np.random.Generator) -> float:
+        """Find out what a typical violation of each requirement is, which then counts as 1; the part of the runs that are accepted.
+
+        Raises `UsageError` where the graph leaves too many runs to the interpreter.
+        """
         seen: dict[int, list[np.ndarray]] = {}
-        self._evaluate(self.simulate(SCALED_BY, random), np.inf, seen)
+        accepted = self._evaluate(self.simulate(SCALED_BY, random), np.inf, seen).violation == 0
+        if self.left > MOST_LEFT * SCALED_BY:
+            raise UsageError(
+                f"{self.left:,} of {SCALED_BY:,} runs are left to the interpreter, since the program branches on what is drawn: "
+                "smc and mcmc, which look at very many runs, would take hours",
+                hint="choose the backend batch or importance",
+            )
         for number, found in seen.items():
             values = np.concatenate(found)
             values = values[np.isfinite(values) & (values > 0)]
             self.scales[number] = float(np.median(values)) if len(values) else 1.0
+        return float(accepted.mean())
 
     def assess(self, states: States, level: float | np.ndarray = 0.0, stuck: Counter[Requirement] | None = None) -> Assessed:
         """The violation of each state, as far as it is at most `level`; `stuck` counts the requirements at which the others ended."""
@@ -99,17 +113,21 @@ class Target:
         """A guess at the seconds that columns take for so many states: no measurement, so that the scenes do not depend on the clock."""
         return len(self.graph.nodes) * CALL_SECONDS + rows * ROW_SECONDS
 
-    def feature_name(self, number: int) -> str:
-        """What a feature is of."""
-        wanted = [node for node in self.batch.outputs if node.kind != "object"]
-        for k, made in enumerate(self.batch.template.objects):
-            for name, value in made.properties.items():
-                if number < len(wanted) and wanted[number] in nodes_in(value):
-                    return f"the {name} of {made.name or f'{made.class_name} (object {k})'}"
-        for name, value in self.batch.template.params.items():
-            if number < len(wanted) and wanted[number] in nodes_in(value):
-                return f"the parameter {name}"
-        return f"random number {number}"
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Of the features: their places in a scene; of a choice, which of its values it is."""
+        if not self.wanted:
+            return tuple(f"random number {k}" for k in range(len(self.space.sites)))
+        named: dict[int, str] = {}
+        for name, value in features_by_name(self.batch.template):
+            named.setdefault(value.node.number, name)  # type: ignore[attr-defined]
+        return tuple(named.get(node.number, f"operation {node.number}") for node in self.wanted)
+
+    @cached_property
+    def wanted(self) -> list[GraphNode]:
+        """The nodes of the features; none where a run may be left to the interpreter, whose features are the random numbers themselves."""
+        sure = all(only_rejects(event) for event in self.graph.events)
+        return [node for node in self.batch.outputs if node.kind != "object"] if sure else []
 
     def compile(self) -> str:
         """Compute violations by compiled code from now on; else why not. Takes seconds. What is accepted stays the same."""
@@ -163,6 +181,7 @@ class Target:
                     stuck[event.requirement] += int(lost.sum())
                 total[rows[lost]] = np.inf
                 going.keep(~(lost | left[rows]))
+        self.left += int(np.count_nonzero(left & (total == 0)))
         for row in np.flatnonzero(left & (total == 0)).tolist():
             total[row] = 0.0 if self.interpreted(states, row) is not None else np.inf
         return Assessed(total, left & (total == 0), going.columns, going.rows)
@@ -184,10 +203,11 @@ class Target:
             left[rows[wrong]] = True
             return np.zeros(len(rows), dtype=bool)
         if wrong.any():
-            by = violation(event, columns, wrong)
+            by = [violation(node, columns, wrong) for node in decisive(event)]
             if seen is not None:
-                seen.setdefault(event.node.number, []).append(by)
-            total[rows[wrong]] += by / self.scales.get(event.node.number, 1.0)
+                for node, values in zip(decisive(event), by, strict=True):
+                    seen.setdefault(node.number, []).append(values)
+            total[rows[wrong]] += np.min([v / self.scales.get(n.number, 1.0) for n, v in zip(decisive(event), by, strict=True)], axis=0)
         return np.zeros(len(rows), dtype=bool)
 
     def interpreted(self, states: States, row: int) -> Accepted | None:
@@ -203,30 +223,28 @@ class Target:
 
     def scenes(self, states: States, seed: int, start: int = 0) -> Iterator[Scene]:
         """The scenes of accepted states, numbered from `start` on."""
-        found = self.assess(states)
-        indices = np.arange(len(states)) + start
-        made = scenes_of(self.batch.template, found.columns, seed, indices[found.accepted], np.zeros(len(found.accepted), dtype=np.int64))
-        for row in range(len(states)):
-            if not found.interpreted[row]:
-                yield next(made)
-                continue
-            ended = self.interpreted(states, row)
-            assert ended is not None
-            yield scene_of(ended.state, seed, int(indices[row]), 1, pruned=bool(self.batch.draws))
+        for part in states.parts():
+            found = self.assess(part)
+            indices = np.arange(len(part)) + start
+            made = scenes_of(self.batch.template, found.columns, seed, indices[found.accepted], np.zeros(len(found.accepted), dtype=np.int64))
+            for row in range(len(part)):
+                if not found.interpreted[row]:
+                    yield next(made)
+                    continue
+                ended = self.interpreted(part, row)
+                assert ended is not None
+                yield scene_of(ended.state, seed, int(indices[row]), 1, pruned=bool(self.batch.draws))
+            start += len(part)
 
     def features(self, states: States) -> np.ndarray:
-        """The numbers and truth values of the scenes of accepted states, or their own numbers where the graph does not describe all of them.
-
-        The result is (features, states).
-        """
-        found = self.assess(states)
-        wanted = [node for node in self.batch.outputs if node.kind != "object"]
-        if len(found.accepted) < len(states) or not wanted:
+        """The features of accepted states, by which they are compared: (names, states)."""
+        if not self.wanted:
             return states.uniforms
-        return np.stack([found.columns[node.number].astype(float) for node in wanted])
+        parts = (self.assess(part).columns for part in states.parts())
+        return np.concatenate([np.stack([columns[node.number].astype(float) for node in self.wanted]) for columns in parts], axis=1)
 
     def blocks(self) -> list[tuple[frozenset[int], frozenset[int]]]:
-        """The numbers and the words of each object: those that it alone is made of, or it first; those of the rest at the end."""
+        """The numbers and the words of each object: those that it alone is made of, or it first; then each number of the rest, and their words."""
         seen_numbers: set[int] = set()
         seen_words: set[int] = set()
         found: list[tuple[frozenset[int], frozenset[int]]] = []
@@ -240,4 +258,5 @@ class Target:
         rest = frozenset(range(len(self.space.sites))) - seen_numbers
         may_be_left = not all(only_rejects(event) for event in self.graph.events)
         others = frozenset(range(len(self.space.drawn) + may_be_left)) - seen_words
-        return [*found, (rest, others)] if rest or others else found
+        found += [(frozenset([number]), frozenset()) for number in sorted(rest)]
+        return [*found, (frozenset(), others)] if others else found

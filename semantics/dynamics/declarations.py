@@ -16,11 +16,11 @@ from .invocations import with_arguments
 from .scenarios import declare
 
 
-def dynamic_requirement(node: Node, stack: Stack, state: State) -> Outcome:
+def dynamic_requirement(node: Node, stack: Stack, state: State, declared: Declared | None = None) -> Outcome:
     """Section "Statements", "Requirements": "define requirements that must hold in every and some time step of the scenario respectively." They,
-    and `terminate when`, are conditions for the policy, not the scene.
+    and `terminate when`, are conditions for the policy, not the scene; so is what `require monitor` has `declared`.
     """
-    return Next("S-Dynamic", Config(PASS, stack, declare(Declared(node, state.sigma), stack, state)), node)
+    return Next("S-Dynamic", Config(PASS, stack, declare(declared or Declared(node, state.sigma), stack, state)), node)
 
 
 def require_monitor(node: d.RequireMonitor, stack: Stack, state: State) -> Outcome:
@@ -33,7 +33,7 @@ def conclude_require_monitor(node: d.RequireMonitor, values: list[object], stack
     found = plain(values[0])
     if not (isinstance(found, Dynamic) and isinstance(found.definition, d.MonitorDefinition)):
         raise RunError(f"`require monitor` needs a monitor, not {kind_name(found)}", node.span, rule="S-Dynamic")
-    return Next("S-Dynamic", Config(PASS, stack, declare(monitored(found, node, state), stack, state)), node)
+    return dynamic_requirement(node, stack, state, monitored(found, node, state))
 
 
 def dynamic_definition(node: d.BehaviorDefinition | d.MonitorDefinition | d.ScenarioDefinition, stack: Stack, state: State) -> Outcome:

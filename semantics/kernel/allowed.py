@@ -68,6 +68,9 @@ ATTRIBUTES: Mapping[type, Names] = {
     type({}.keys()): names("isdisjoint"),
     type({}.values()): names(""),
     type({}.items()): names("isdisjoint"),
+    type(OrderedDict().keys()): names(""),
+    type(OrderedDict().values()): names(""),
+    type(OrderedDict().items()): names(""),
     # other values of Python
     NoneType: names(""),
     NotImplementedType: names(""),

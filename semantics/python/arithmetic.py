@@ -10,7 +10,7 @@ from typing import Any
 
 from ..kernel.budget import LARGEST_INTEGER_BITS, length_of, refuse_too_long, whole
 from ..kernel.sets import VIEWS, Set
-from .texts import check_percent
+from .texts import percent
 
 SEQUENCES = (str, bytes, list, tuple)
 REPEATED = (*SEQUENCES, deque)
@@ -57,7 +57,7 @@ def _modulo(left: object, right: object) -> object:
     if isinstance(left, bytes):
         raise TypeError("bytes cannot be a format: use a text")
     if isinstance(left, str):
-        check_percent(left, right)
+        return percent(left, right)
     return left % right  # type: ignore[operator]
 
 

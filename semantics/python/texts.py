@@ -112,6 +112,14 @@ def check_percent(template: str, values: object) -> None:
                 check_specification(part)
 
 
+def percent(template: str, values: object) -> str:
+    """`template % values`."""
+    check_percent(template, values)
+    parts = values if isinstance(values, tuple) else values.values() if isinstance(values, dict) else (values,)
+    text = template % values
+    return text if all(isinstance(part, (str, int, float)) for part in parts) else without_addresses(text)
+
+
 def join(budget: Budget, separator: Any, parts: Any) -> Any:
     """`separator.join(parts)`."""
     found = list(parts)

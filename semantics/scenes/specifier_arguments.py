@@ -67,6 +67,8 @@ def peek(node: Node, state: State) -> object:
     match node:
         case p.Name(name=name):
             found = state.sigma.lookup(name)
+            if name == "ego" and found is MISSING:
+                return plain(state.ego)
             return None if found is MISSING else plain(found)
         case p.Attribute(value=inner, name=name):
             owner = peek(inner, state)

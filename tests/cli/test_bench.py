@@ -49,7 +49,7 @@ def fake(tmp_path: Path) -> Path:
 @pytest.fixture
 def two_backends(monkeypatch: pytest.MonkeyPatch) -> None:
     """Measure only what needs no compiling."""
-    monkeypatch.setattr(course, "ours", lambda numba, prune: iter([Ours("interpreter"), Ours("numpy")]))
+    monkeypatch.setattr(course, "ours", lambda numba, torch, prune: iter([Ours("interpreter"), Ours("numpy")]))
 
 
 def cells_of(path: Path) -> dict[tuple[str, str], dict]:
@@ -58,19 +58,20 @@ def cells_of(path: Path) -> dict[tuple[str, str], dict]:
 
 @pytest.mark.slow
 @pytest.mark.extra("fast")
+@pytest.mark.extra("torch")
 def test_all_backends_and_a_released_implementation_are_measured_side_by_side(ask: Ask, fake: Path, tmp_path: Path):
     answer = ask("bench", "random.scenic", *QUICK, "--against", f"scenic==3.9.9={fake}", "--prune", "--json", "out.json", "--plot", "out.png")
     assert answer.code == 0, answer.err
     data = json.loads((tmp_path / "out.json").read_text())
     cells = cells_of(tmp_path / "out.json")
-    assert [name for _, name in cells] == ["interpreter", "numpy", "numba", "numpy --prune", "numba --prune", "scenic==3.9.9"]
+    assert [name for _, name in cells] == ["interpreter", "numpy", "numba", "torch", "numpy --prune", "numba --prune", "scenic==3.9.9"]
     released = cells["random", "scenic==3.9.9"]
     assert released["scenes per second"] == {"median": 5.0, "min": 5.0, "max": 5.0}
     assert (released["attempts per scene"], released["peak MiB"], released["prepare seconds"], released["ratio"]) == (3.0, 1.0, 0.5, 1.0)
     for cell in cells.values():
         assert len(cell["samples"]) == 2
         assert cell["ratio"] == pytest.approx(cell["scenes per second"]["median"] / 5, rel=1e-4)
-    for name in ("interpreter", "numpy", "numba"):
+    for name in ("interpreter", "numpy", "numba", "torch"):
         assert cells["random", name]["attempts per scene"] == pytest.approx(1 / 0.7, rel=0.2 if name != "interpreter" else 0.8)
         assert cells["random", name]["peak MiB"] > 20
     assert data["ratios to"] == "scenic==3.9.9"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 
 import pytest
@@ -160,7 +160,22 @@ def other_value(scene: dict) -> None:
 
 
 NAN, INFINITY = float("nan"), float("inf")
+class Weighs(Sampling):
+    """Every density changed by a function."""
+
+    def __init__(self, change: Callable[[float], float]) -> None:
+        self.change = change
+
+    def density(self, task: Task, draws: Sequence[object]) -> float:
+        return self.change(Ourselves().density(task, draws))
+
+
+def refuse(density: float) -> float:
+    raise Refused("run", "no")
+
+
 ERROR = "plumbing-error"
+DENSITY = "plumbing-density"
 CASES: dict[str, tuple[Sampling | Ourselves, str, str, str]] = {
     # values
     "the least that is needed": (Sampling(), "plumbing-values", "passed", ""),
@@ -232,6 +247,12 @@ CASES: dict[str, tuple[Sampling | Ourselves, str, str, str]] = {
     "no error at all": (AcceptsEverything(), ERROR, "failed", "gave 1 scenes instead of an error of phase resolve"),
     "a rejection instead of an error": (Raises(NeverAccepted()), ERROR, "failed", "never accepted instead of refused in phase resolve"),
     "a crash instead of an error": (Raises(ValueError("x")), ERROR, "errored", "ValueError: x"),
+    # density
+    "the right densities": (Ourselves(), DENSITY, "passed", ""),
+    "probabilities instead of densities": (Weighs(lambda density: min(density, 1.0)), DENSITY, "failed", "the density of [0.125] is 1.0, not 4.0"),
+    "an impossible draw that is possible": (Weighs(lambda density: density or 1e-12), DENSITY, "failed", "the density of [0.5] is 1e-12, not 0.0"),
+    "an error instead of a density": (Weighs(refuse), DENSITY, "failed", "refused in phase run: no"),
+    "no densities": (Sampling(), DENSITY, "skipped", "sampling does not say how likely a run is"),
     # what does not apply
     "another reading": (Rigid(), "plumbing-other-dialect", "skipped", "the program is not given in paper"),
 }
@@ -245,7 +266,7 @@ def test_the_verdict_and_its_reason(what: str) -> None:
     assert reason in verdict.reason
 
 
-@pytest.mark.parametrize("kind", ["values", "probabilities", "distribution", "support", "rejection", "error"])
+@pytest.mark.parametrize("kind", ["values", "probabilities", "distribution", "support", "density", "rejection", "error"])
 def test_every_matcher_has_an_implementation_that_fails_it_and_one_that_passes(kind: str) -> None:
     seen = {status for _, name, status, _ in CASES.values() if VECTORS[name].kind == kind}
     assert {"passed", "failed"} <= seen

@@ -45,7 +45,7 @@ def test_the_vector_holds_on_the_batch_backend(vector: ConformanceVector) -> Non
 
 
 def test_there_are_at_least_300_vectors_and_no_two_say_the_same() -> None:
-    said = Counter((v.texts.get("paper"), tuple(sorted(v.readings.items())), repr(v.matcher)) for v in VECTORS)
+    said = Counter((v.texts.get("paper"), tuple(sorted(v.files.items())), tuple(sorted(v.readings.items())), repr(v.matcher)) for v in VECTORS)
     assert len(VECTORS) >= 300
     assert max(said.values()) == 1
 
@@ -161,6 +161,15 @@ CONDITIONAL = {
     "S-Require": "requirement-about-geometry",
     "S-SoftReq-Check": "soft-requirement-of-probability-one",
     "T-Mutate": "no-mutation-no-noise",
+    "E-Call-Host": "methods-of-texts-and-their-arguments",
+    "E-Seconds": "do-for-seconds",
+    "S-Import": "a-module-says-what-a-star-imports",
+    "S-Dynamic": "monitors-with-arguments",
+    "D-Choose": "a-choice-with-a-limit",
+    "D-Do": "do-for-steps",
+    "D-Initial": "random-precondition-of-the-initial-scenario",
+    "D-Interrupt": "an-interrupt-and-resumption-where-it-left-off",
+    "D-Precondition": "any-number-of-preconditions",
 }
 """For each rule that refuses programs: a vector near the border, on the side where it does not."""
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable
 
+import numpy as np
 import pytest
 import scenic_ref
 from scenic_ref.formats.scenes import Scene
 from scenic_ref.inference.enumeration import content_of
 from scenic_ref.inference.statistics.laws import Categorical, Continuous, contradicts
+from scenic_ref.semantics.kernel.errors import UsageError
 
 pytestmark = pytest.mark.extra("pyro")
 LARGER = "x, y = Range(0, 1), Range(0, 1)\nego = Object at x @ y\nrequire x > y\n"
@@ -115,3 +117,41 @@ def test_continuous_draws_are_pyros_own() -> None:
     drawn = [scene.objects[0].position.y for scene in drawn_by(model, 600)]
     ours = [scene.objects[0].position.y for scene in scenario.sample_many(200, seed=1)]
     assert abs(sum(drawn) / len(drawn) - sum(ours) / len(ours)) < 0.35
+
+
+SMOOTH = "x = Range(1, 2)\ny = Range(0, x)\nego = Object at x @ y, facing Normal(0, 0.1)\n"
+
+
+def test_nuts_draws_from_a_program_in_which_all_runs_are_accepted() -> None:
+    """Level: about 1e-6 each (4.9 standard deviations of as many independent draws as Pyro says)."""
+    import pyro
+    from pyro.infer import MCMC, NUTS
+
+    pyro.set_rng_seed(5)
+    model = scenic_ref.loads(SMOOTH).pyro_numbers()
+    chain = MCMC(NUTS(model, max_tree_depth=5), num_samples=300, warmup_steps=100, disable_progbar=True)
+    chain.run()
+    assert not chain.diagnostics()["divergences"]["chain 0"]
+    worth = float(chain.diagnostics()["numbers"]["n_eff"].min())
+    assert worth > 100
+    places = [scene.objects[0].position for scene in model.scenes(chain.get_samples())]
+    assert abs(np.mean([p.x for p in places]) - 1.5) < 4.9 * np.sqrt(1 / 12 / worth)
+    assert abs(np.mean([p.y / p.x for p in places]) - 0.5) < 4.9 * np.sqrt(1 / 12 / worth)
+
+
+def test_nuts_keeps_to_a_requirement_but_most_of_its_paths_end_at_the_edge() -> None:
+    """It cannot see the edge."""
+    import pyro
+    from pyro.infer import MCMC, NUTS
+
+    pyro.set_rng_seed(5)
+    model = scenic_ref.loads(LARGER).pyro_numbers()
+    chain = MCMC(NUTS(model, max_tree_depth=4), num_samples=150, warmup_steps=50, disable_progbar=True)
+    chain.run()
+    assert all(scene.objects[0].position.x > scene.objects[0].position.y for scene in model.scenes(chain.get_samples()))
+    assert len(chain.diagnostics()["divergences"]["chain 0"]) > 30
+
+
+def test_a_draw_without_a_fixed_number_of_numbers_has_no_model_in_them() -> None:
+    with pytest.raises(UsageError, match="no fixed number"):
+        scenic_ref.loads(CURVE).pyro_numbers()

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 import scenic_ref
 from scenic_ref.conformance.programs import ProgramSettings
-from scenic_ref.conformance.programs.generate import random_program
+from scenic_ref.formats.scenes import Scene
 from scenic_ref.inference import diagnostics, smc
-from scenic_ref.inference.enumeration import content_of
 from scenic_ref.inference.importance import mean_weight
 from scenic_ref.inference.inferred import Inferred, Probability
+from scenic_ref.inference.sites import states
+from scenic_ref.inference.sites.moves import Moves
 from scenic_ref.inference.sites.target import Target
 from scenic_ref.inference.statistics.laws import Categorical, Continuous, contradicts
-from scenic_ref.scenario import loads
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted, ScenicError, UsageError
 
 BACKENDS = ("importance", "smc", "mcmc")
@@ -31,23 +32,6 @@ param s = s
 EXACT = 0.2**4 / 24
 SUM = Continuous("s", lambda s: (min(max(s, 0.0), 0.2) / 0.2) ** 4, 0.0, 0.2)
 SOFT = "x = Range(0, 1)\nego = Object at 0 @ 0, with requireVisible False\nrequire[0.5] x < 0.1\nrequire x > 0.05\nparam x = x\n"
-
-
-@pytest.mark.parametrize("index", [*range(4), *(pytest.param(k, marks=pytest.mark.slow) for k in range(4, 40))])
-@pytest.mark.parametrize("backend", BACKENDS)
-def test_scenes_of_finite_programs_have_the_enumerated_law(backend: str, index: int) -> None:
-    scenario = loads(random_program(5, index, FINITE).text)
-    try:
-        exact = scenario.enumerate(max_runs=400)
-    except ScenicError:
-        return
-    try:
-        found = scenario.infer(backend, 400, 3, **({"resample": True} if backend == "importance" else {}))  # type: ignore[arg-type]
-    except UsageError:  # coins for a scene, or no graph
-        return
-    assert not contradicts([content_of(scene) for scene in found.scenes], Categorical(exact.law(content_of)), 1e-9 / 120)
-    if backend != "mcmc":  # which counts on its chains, not on its estimate
-        assert found.acceptance.low / 1.02 <= float(exact.acceptance) <= found.acceptance.high * 1.02
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
@@ -76,12 +60,13 @@ def test_an_estimate_without_the_weight_of_a_level_is_found_out(monkeypatch: pyt
     assert right.low <= EXACT <= right.high
     split = smc.split
 
-    def forgetful(*arguments: object, **keywords: object) -> list[smc.Population]:
-        return [p._replace(levels=(p.levels[0], *p.levels[2:])) for p in split(*arguments, **keywords)]  # type: ignore[arg-type]
+    def forgetful(*arguments: object, **keywords: object) -> tuple[list[smc.Population], Moves]:
+        found, moves = split(*arguments, **keywords)  # type: ignore[arg-type]
+        return [p._replace(levels=(p.levels[0], *p.levels[2:])) for p in found], moves
 
     monkeypatch.setattr(smc, "split", forgetful)
     wrong = scenario.infer("smc", 10, 1).acceptance
-    assert wrong.estimate == pytest.approx(right.estimate / 0.3, rel=0.05)
+    assert 2.5 < wrong.estimate / right.estimate < 4.5
     assert not wrong.low <= EXACT <= wrong.high
 
 
@@ -89,7 +74,7 @@ def test_levels_fall_to_0_and_their_parts_multiply_to_the_probability() -> None:
     batch = scenic_ref.loads(RARE).batch
     assert batch is not None
     seen: list[tuple[float, float]] = []
-    found = smc.split(Target(batch, 1), 2, 300, np.random.Generator(np.random.Philox(1)), on_level=lambda *told: seen.append(told))
+    found, _ = smc.split(Target(batch, 1), 2, 300, np.random.Generator(np.random.Philox(1)), on_level=lambda *told: seen.append(told))
     for population in found:
         violations = [level.violation for level in population.levels]
         assert violations == sorted(violations, reverse=True)
@@ -97,6 +82,22 @@ def test_levels_fall_to_0_and_their_parts_multiply_to_the_probability() -> None:
         assert population.log_probability == pytest.approx(sum(math.log(level.kept) for level in population.levels))
         assert all(0 < level.taken["redraw"] < 1 for level in population.levels[1:])
     assert seen[-1][0] == 1
+
+
+def test_estimates_are_right_on_average_and_with_levels_of_ones_own_they_are_too_large() -> None:
+    """Populations of 30 states, a fourth of what tells one estimate apart from another. The law of the mean: 4.9 standard errors, 1e-6."""
+    batch = scenic_ref.loads(RARE).batch
+    assert batch is not None
+    random, target = np.random.Generator(np.random.Philox(1)), Target(batch, 1)
+    found, _ = smc.split(target, 300, 30, random, passes=4)
+    own = [smc.descend(target, smc.moves_of(target), 1, 30, random, 4)[0] for _ in range(100)]
+
+    def away(populations: list[smc.Population]) -> float:
+        ratios = np.exp([p.log_probability for p in populations]) / EXACT
+        return float((ratios.mean() - 1) / (ratios.std(ddof=1) / math.sqrt(len(ratios))))
+
+    assert abs(away(found)) < 4.9
+    assert away(own) > 4.9
 
 
 def test_an_interval_is_no_point_where_nothing_is_rejected() -> None:
@@ -115,9 +116,46 @@ def test_as_many_scenes_are_given_as_asked_for() -> None:
 
 def test_states_are_moved_in_parts(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(smc, "CHUNK", 700)
+    monkeypatch.setattr(states, "CHUNK", 700)
     found = scenic_ref.loads(RARE).infer("smc", 300, 1)
     assert found.acceptance.low <= EXACT <= found.acceptance.high
     assert not contradicts([scene.params["s"] for scene in found.scenes], SUM)
+
+
+@pytest.mark.slow
+@pytest.mark.extra("fast")
+def test_means_of_scenes_in_a_full_yard_are_those_of_rejection() -> None:
+    """Two runs of a million are accepted. Level: 1e-6 for each of the fifteen means of each backend, by the normal law."""
+    scenario = scenic_ref.load(Path(__file__).parents[2] / "examples" / "yard.scenic")
+
+    def numbers(scenes: list[Scene]) -> np.ndarray:
+        return np.array([[v for o in s.objects for v in (o.position.x, o.position.y, o.heading)] for s in scenes])
+
+    exact = numbers(list(scenario.pruned().sample_many(80, 1, max_attempts=100_000_000)))
+    for backend in ("smc", "mcmc"):
+        found = scenario.infer(backend, 1_000, 1)
+        assert not found.doubts
+        drawn = numbers(found.scenes)
+        worth = min(found.diagnosis.bulk, len(drawn))
+        spread = np.sqrt(exact.var(axis=0, ddof=1) / len(exact) + drawn.var(axis=0, ddof=1) / worth)
+        assert (np.abs(exact.mean(axis=0) - drawn.mean(axis=0)) < 4.9 * spread).all(), backend
+        poses = drawn.reshape(-1, 5, 3)  # the rival: chains that keep the order of the lorries
+        rival = np.take_along_axis(poses, np.argsort(poses[:, :, :1], axis=1), axis=1).reshape(len(drawn), -1)
+        assert (np.abs(exact.mean(axis=0) - rival.mean(axis=0)) > 4.9 * spread).any()
+
+
+@pytest.mark.parametrize("backend", ["smc", pytest.param("mcmc", marks=pytest.mark.slow)])
+def test_a_coin_that_seldom_shows_tails_is_as_likely_as_it_is(backend: str) -> None:
+    """Of the accepted runs 27 % show tails, the others meet the condition: to lose either part would be found out."""
+    program = "xs = [Range(0, 1) for i in range(3)]\nego = Object at xs[0] @ 0, with requireVisible False\ns = xs[0] + xs[1] + xs[2]\n"
+    p, s = 5e-4, 0.2**3 / 6
+    found = scenic_ref.loads(f"{program}require[{1 - p}] s < 0.2\nparam s = s\n").infer(backend, 1_000, 1)
+    exact = p + (1 - p) * s
+    assert found.acceptance.low <= exact <= found.acceptance.high
+    met = sum(scene.params["s"] < 0.2 for scene in found.scenes)
+    share = s / exact
+    bound = 4.9 * math.sqrt(share * (1 - share) / min(1_000.0, found.diagnosis.bulk))  # 1e-6
+    assert abs(met / 1_000 - share) < bound < min(share, 1 - share)
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
@@ -166,10 +204,21 @@ def test_only_the_coins_of_soft_requirements_are_counted() -> None:
     assert list(soft.graph.coins.values()) == [0.5]
 
 
-def test_the_bounds_of_a_mean_weight_are_exact_where_weights_are_0_and_1() -> None:
+def test_the_bounds_of_a_mean_weight_hold_for_any_number_of_runs() -> None:
     assert mean_weight(1000, 0, 0, share=0.5, is_simple=True)[:3] == (0.0, 0.0, pytest.approx(0.5 * (1 - 0.0005 ** (1 / 1000))))
-    found = mean_weight(1000, 500, 400, share=1.0, is_simple=False)
-    assert (found.high - found.low) / 2 == pytest.approx(3.2905 * math.sqrt((0.4 - 0.25) / 1000), rel=1e-4)
+    found = mean_weight(1001, 500.5, 400.4, share=1.0, is_simple=False)
+    once = math.log(2 / 0.0005)
+    assert (found.high - found.low) / 2 == pytest.approx(math.sqrt(2 * 0.15015 * once / 1001) + 7 * once / 3000, rel=1e-9)
+    hidden = mean_weight(10_000, 1e-3, 1e-10, share=1.0, is_simple=False)  # all weights are alike: what has weight 1 was perhaps not seen
+    assert hidden.low == 0 and hidden.high > 1e-3
+
+
+def test_scenes_that_may_lack_most_of_the_probability_are_doubted() -> None:
+    """Of the accepted runs half meet a condition that none of 16,384 runs meets: the weights that were seen are all alike."""
+    program = "x = Range(0, 1)\nego = Object at x @ 0, with requireVisible False\nrequire[0.9999999] x < 1e-7\n"
+    found = scenic_ref.loads(program).infer("importance", 5, 1)
+    assert any("were not seen" in doubt for doubt in found.doubts)
+    assert found.acceptance.low <= 2e-7 <= found.acceptance.high
 
 
 ROOM = "workspace = Workspace(PolygonalRegion([0@0, 20@0, 20@10, 0@10]))\nego = Object in workspace, with width 4, with length 4\n"

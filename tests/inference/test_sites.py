@@ -13,7 +13,7 @@ from scenic_ref.conformance.programs.generate import random_program
 from scenic_ref.formats.scenes import scene_of
 from scenic_ref.inference.batch.evaluate.margins import points_away, polygon_margin
 from scenic_ref.inference.enumeration import content_of
-from scenic_ref.inference.sites.moves import EXCHANGE, REDRAW, STEP, Moves
+from scenic_ref.inference.sites.moves import EXCHANGE, REDRAW, STEP, Moves, MovesMade
 from scenic_ref.inference.sites.states import States
 from scenic_ref.inference.sites.target import Target
 from scenic_ref.inference.smc import moves_of
@@ -210,10 +210,10 @@ def test_each_kind_of_move_is_made_and_keeps_what_it_should() -> None:
     target = target_of(scenic_ref.loads(CARS))
     states = target.simulate(2_000, random())
     moves = moves_of(target)
-    assert len(moves.uniforms) == 3
-    proposed, kinds = moves.propose(states, random(2))
+    assert len(moves) == len(target.blocks()) == 3
+    proposed, kinds, _ = moves.propose(states, random(2))
     changed = proposed.uniforms != states.uniforms
-    touched = [(changed & block[:, None]).any(axis=0) for block in moves.uniforms]
+    touched = [changed[sorted(numbers)].any(axis=0) for numbers, _ in target.blocks()]
     for kind, blocks in ((REDRAW, 1), (STEP, 1), (EXCHANGE, 2)):
         rows = kinds == kind
         assert rows.sum() > 100
@@ -225,12 +225,19 @@ def test_each_kind_of_move_is_made_and_keeps_what_it_should() -> None:
     assert ((proposed.uniforms >= 0) & (proposed.uniforms < 1)).all()
 
 
-def test_steps_become_smaller_where_few_are_taken_and_larger_where_many_are() -> None:
-    moves = moves_of(target_of(scenic_ref.loads(LARGER)))
-    first = moves.smallest
-    moves.adapt(0.1)
-    assert moves.smallest < first
+def test_steps_of_a_block_become_smaller_where_few_are_taken_and_larger_where_many_are() -> None:
+    moves = moves_of(target_of(scenic_ref.loads(CARS)))
+    first = moves.smallest.copy()
+
+    def adapt(block: int, made: int, taken: int) -> None:
+        counted = MovesMade(len(moves))
+        counted.add(np.full(made, STEP), np.full(made, block), np.arange(made) < taken)
+        moves.adapt(counted)
+
+    adapt(0, 15, 1)
+    assert (moves.smallest == first).all()  # too few to tell, as yet
+    adapt(0, 15, 1)
+    assert moves.smallest[0] < first[0] and (moves.smallest[1:] == first[1:]).all()
     for _ in range(20):
-        moves.adapt(0.9)
-    assert first < moves.smallest <= 0.25
-    moves.adapt(None)
+        adapt(1, 100, 90)
+    assert first[1] < moves.smallest[1] <= 0.25

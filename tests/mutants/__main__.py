@@ -32,6 +32,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument("--tests", nargs="+", metavar="TEXT", default=[""], help="only files of tests whose path contains one of these texts")
     parser.add_argument("--budget", type=float, default=suite.BUDGET, help="seconds that the tests for one mutant may take together (60)")
     parser.add_argument("-o", metavar="PATH", type=Path, help="a line for each result, appended; what it holds already is not done again")
+    parser.add_argument("--missed", action="store_true", help="of those that are drawn, only those that vectors missed before, by the file of -o")
     parser.add_argument("--table", metavar="PATH", type=Path, help="write the page of the documentation")
     parser.add_argument("--bodies", action="store_true", help="a raise for the body of each rule's function: do its vectors notice?")
     return parser
@@ -64,9 +65,13 @@ def run(options: argparse.Namespace) -> int:
     chosen = random.Random(seed).sample(everything, min(options.n, len(everything)))
     print(f"{len(chosen)} of {len(everything)} mutants drawn with the seed {seed}", flush=True)
     results = Results(options.o, state)
+    results.against(map(vectors.mark, known.tables.values()))
+    if options.missed:
+        chosen = [m for m in chosen if key(m) in results.missed]
     excused = equivalents()
     try:
-        trials = (vectors.trial(m, known) for m in chosen if key(m) not in results.vectors)
+        untried = (m for m in chosen if key(m) not in results.vectors)
+        trials = (vectors.trial(m, known, missed=results.missed.get(key(m), frozenset())) for m in untried)
         tried("vectors", trials, vectors.by_vectors(known), results, options.jobs)
         missed = [m for m in chosen if not results.by_vectors(m) and key(m) not in results.suite and not any(e.names(m) for e in excused)]
         if missed and not options.vectors_only:

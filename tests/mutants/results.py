@@ -71,6 +71,7 @@ class Results:
     """A file with one line per result, appended at once: what it holds about this tree is not done again.
 
     Who noticed a mutant still does when vectors or tests are added; that nobody did holds only for the same vectors or tests.
+    A line per state of the vectors says which there were, so that only those that came later are tried with what was missed.
     """
 
     def __init__(self, path: Path | None, state: State) -> None:
@@ -78,28 +79,44 @@ class Results:
         self.state = state
         self.vectors: dict[str, dict[str, Any]] = {}
         self.suite: dict[str, dict[str, Any]] = {}
+        self.tables: dict[str, frozenset[str]] = {}
+        self.missed: dict[str, frozenset[str]] = {}
         if path is not None and path.exists():
             for line in path.read_text("utf-8").splitlines():
                 self.read(json.loads(line))
 
     def read(self, line: dict[str, Any]) -> None:
         """Take over a line, if it is about this tree."""
+        if line["stage"] == "tables":
+            self.tables[line["against"]] = frozenset(line["vectors"])
+            return
         current = self.state.vectors if line["stage"] == "vectors" else self.state.tests
         if line["code"] == self.state.code and (line["outcome"]["by"] is not None or line["against"] == current):
             getattr(self, line["stage"])[line["mutant"]] = line["outcome"]
+        if line["stage"] == "vectors" and line["code"] == self.state.code and line["outcome"]["by"] is None:
+            self.missed[line["mutant"]] = self.missed.get(line["mutant"], frozenset()) | self.tables.get(line["against"], frozenset())
+
+    def against(self, marks: Iterable[str]) -> None:
+        """Note the vectors that there are now, by their marks."""
+        if self.state.vectors not in self.tables:
+            self.tables[self.state.vectors] = frozenset(marks)
+            self.write({"stage": "tables", "against": self.state.vectors, "vectors": sorted(self.tables[self.state.vectors])})
 
     def add(self, stage: str, mutant: Mutant, outcome: dict[str, Any]) -> None:
         """One more result."""
         getattr(self, stage)[key(mutant)] = outcome
-        if self.path is None:
-            return
         against = self.state.vectors if stage == "vectors" else self.state.tests
         line = {
             "stage": stage, "mutant": key(mutant), "code": self.state.code, "against": against, "file": mutant.file, "line": mutant.line,
             "function": mutant.function, "kind": mutant.kind, "before": mutant.before, "after": mutant.after, "outcome": outcome,
         }
-        with self.path.open("a", encoding="utf-8") as file:
-            file.write(json.dumps(line, ensure_ascii=False) + "\n")
+        self.write(line)
+
+    def write(self, line: dict[str, Any]) -> None:
+        """Append a line to the file, if there is one."""
+        if self.path is not None:
+            with self.path.open("a", encoding="utf-8") as file:
+                file.write(json.dumps(line, ensure_ascii=False) + "\n")
 
     def by_vectors(self, mutant: Mutant) -> bool:
         """Whether a vector noticed it."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import os
 import resource
 import signal
@@ -184,12 +186,18 @@ class Trial:
     rule: str = ""
 
 
-def trial(mutant: Mutant, known: Known, rule: str = "") -> Trial:
-    """The trial of a mutant by the vectors that run it, or by those of a rule."""
+def mark(table: Table) -> str:
+    """Sixteen digits that tell a vector, as it is written, from others."""
+    return hashlib.sha256(json.dumps(table[2], sort_keys=True, default=str).encode()).hexdigest()[:16]
+
+
+def trial(mutant: Mutant, known: Known, rule: str = "", missed: frozenset[str] = frozenset()) -> Trial:
+    """The trial of a mutant by the vectors that run it, or by those of a rule; without those that missed it before, given by their marks."""
     covered = known.covered
     numbers = covered.reaching(mutant)
     if rule:
         numbers = [n for n in sorted(range(len(covered.names)), key=covered.seconds.__getitem__) if rule in known.shown[covered.names[n]]]
+    numbers = [n for n in numbers if mark(known.tables[covered.names[n]]) not in missed] if missed else numbers
     limits = tuple(SLOWER * covered.seconds[n] + AT_LEAST for n in numbers)
     return Trial(mutant, tuple(covered.names[n] for n in numbers), limits, rule=rule)
 

@@ -49,6 +49,8 @@ class Lines:
         self.seen.clear()
         if MONITORING is not None:
             MONITORING.restart_events()
+        else:
+            sys.settrace(self.call)  # Python ends the watch where `call` itself finds no room on the stack
         return found
 
     def line(self, code: CodeType, number: int) -> object:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 import scenic_ref
-from scenic_ref.conformance import ConformanceVector, Task, load_vectors
+from scenic_ref.conformance import ConformanceVector, load_vectors
 from scenic_ref.conformance.ourselves import load, traced
 from scenic_ref.conformance.refusals import Error, Rejection
 from scenic_ref.conformance.reports import UNREACHABLE, shows
@@ -100,7 +100,7 @@ def test_a_docstring_that_begins_otherwise_is_found(name: str, text: str) -> Non
 
 def rules_of(vector: ConformanceVector) -> set[str]:
     """The rules that fire in one run of a vector's program."""
-    return {event.rule for event in traced(load(Task(vector.texts["paper"], "paper", vector.readings)), 0, 0).events}
+    return {event.rule for event in traced(load(vector.task("paper")), 0, 0).events}
 
 
 @pytest.mark.slow

@@ -13,15 +13,16 @@ import numpy as np
 
 from ....interpreter.choosers import PER_SCENE
 from ....interpreter.streams import site_code
-from ....semantics.kernel.budget import Budget
 from ....semantics.space.numeric import Elementary
 from ....semantics.space.regions import PolygonalRegion
+from ....semantics.space.symbols import NotLifted
 from ....semantics.space.vectors import Vector
 from ..evaluate.clipped import curve_tests, largest_radius
 from ..evaluate.components import Stage
 from ..evaluate.polygons import tests_of
 from ..evaluate.rows import constant_cells, field_of, has_columns, is_clipped
 from ..trace.graph import AsFloat, GraphEvent, GraphNode, Lookup, Macro, Part, RowCall, RowDraw, Search, Site
+from ..trace.macros import graph_of
 from ..trace.symbols import Traced
 from . import kernels
 
@@ -324,28 +325,20 @@ def compile_stage(stage: Stage) -> tuple[Callable[..., tuple[int, int]], tuple[n
 
 
 def compiled_macro(macro: Macro, margin: Callable[[Writer, object], str] | None = None) -> Callable[..., object]:
-    """A macro's function, compiled: traced on symbols for its arguments, and written as code. `margin` may write something else of its result."""
-    from ..trace.recording import Recorder
-
-    trace = Recorder(lambda site: 0.37 + 0.01 * site.index, Budget())
-    symbols = [trace.site((), i, False) for i in range(sum(macro.shape))]
-    for symbol in symbols:
-        symbol.node.bounds = None
-    unwrapped = Macro(macro.function.__wrapped__, macro.shape)  # type: ignore[attr-defined]
-    result = unwrapped.call(symbols)
-    if trace.graph.events:
-        raise NotCompiled(macro.function.__name__)
+    """A macro's function, compiled: its graph written as code. `margin` may write something else of its result."""
+    try:
+        graph = graph_of(macro)
+    except NotLifted as reason:
+        raise NotCompiled(str(reason)) from None
     writer = Writer()
-    arguments = [f"v{s.node.number}" for s in symbols]
-    for node in trace.graph.nodes:
-        if not isinstance(node.function, Site):
-            function, name = node.function, f"v{node.number}"
-            operands = [writer.operand(a) for a in node.arguments]
-            value = f"np.float64({operands[0]})" if isinstance(function, AsFloat) else writer.expression(function, operands)
-            writer.add(f"{name} = {value}")
-    end = result.node if isinstance(result, Traced) else result
-    returned = writer.operand(end) if margin is None else margin(writer, end)
-    source = "\n".join([f"def function({', '.join(arguments)}):", *writer.lines, f"    return {returned}"])
+    for node in graph.nodes:
+        function, name = node.function, f"v{node.number}"
+        operands = [writer.operand(a) for a in node.arguments]
+        value = f"np.float64({operands[0]})" if isinstance(function, AsFloat) else writer.expression(function, operands)
+        writer.add(f"{name} = {value}")
+    returned = writer.operand(graph.result) if margin is None else margin(writer, graph.result)
+    arguments = ", ".join(f"v{node.number}" for node in graph.arguments)
+    source = "\n".join([f"def function({arguments}):", *writer.lines, f"    return {returned}"])
     space: dict[str, Any] = dict(writer.names)
     exec(source, space)  # our own text
     return kernels.compile_(space["function"])

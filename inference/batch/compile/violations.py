@@ -1,6 +1,6 @@
 """The violation of states, compiled: the graph written as a function of the numbers and words of one state after the other.
 
-It is that of `inference.sites.relaxation`, up to rounding; which states are accepted is the same, bit for bit.
+It is that of `evaluate.margins`, up to rounding; which states are accepted is the same, bit for bit.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 from ....interpreter.streams import site_code
 from ....semantics.space.regions import PolygonalRegion
 from ....semantics.space.vectors import Vector
-from ..evaluate.margins import DIFFERENCES, IN_POLYGON, LEAST, UNKNOWN
+from ..evaluate.margins import DIFFERENCES, IN_POLYGON, LEAST, UNKNOWN, decisive
 from ..evaluate.plan import PlanStep
 from ..evaluate.polygons import tests_of
 from ..trace.graph import GraphEvent, GraphNode, Macro, RowCall, Site
@@ -57,9 +57,11 @@ class StateWriter(Writer):
         else:
             self.add("if most[i] == 0:", 1)
             self.add("break", 2)
-            self.add(f"m = abs({margin(self, event.node)})", 1)
-            self.add(f"m = max(m, {LEAST}) if m < np.inf else {UNKNOWN}", 1)
-            self.add(f"total += m / scales[{number}]", 1)
+            self.add("least = np.inf", 1)
+            for k, node in enumerate(decisive(event)):
+                self.add(f"m = abs({margin(self, node)})", 1)
+                self.add(f"least = min(least, (max(m, {LEAST}) if m < np.inf else {UNKNOWN}) / scales[{number}, {k}])", 1)
+            self.add("total += least", 1)
             self.add("if total > most[i]:", 1)
             self.add("break", 2)
 
@@ -105,13 +107,13 @@ def compile_violations(
     """The violations of states up to a level for each, infinity beyond, and which states are left to others. Raises `NotCompiled`."""
     writer = StateWriter(numbers, words, attempt)
     writer.depth = 3
-    own: list[float] = []
+    own: list[list[float]] = []
     for step in steps:
         if step.event is not None:
             for node in step.nodes:
                 writer.write(node)
             writer.event(step.event, len(own))
-            own.append(scales.get(step.event.node.number, 1.0))
+            own.append([*(scales.get(node.number, 1.0) for node in decisive(step.event)), 1.0][:2])
     writer.add("found[i] = total")
     writer.add("break")
     head = [
@@ -127,7 +129,7 @@ def compile_violations(
 
     def violations(uniforms: np.ndarray, words: np.ndarray, most: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         found, fate = np.full(len(most), np.inf), np.zeros(len(most), dtype=np.int64)
-        compiled(np.uint64(seed), uniforms, words, most, np.array(own), found, fate, *arrays)
+        compiled(np.uint64(seed), uniforms, words, most, np.array(own).reshape(-1, 2), found, fate, *arrays)
         return found, fate == LEFT
 
     try:

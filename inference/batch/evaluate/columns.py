@@ -25,10 +25,11 @@ ACCEPTED, LEFT = -1, -2
 
 
 class Evaluated(NamedTuple):
-    """What became of each row, and the columns of those that were accepted (in order)."""
+    """What became of each row, and the columns of those that were accepted (in order); rounding might have decided `doubtful` rows on tensors."""
 
     fate: np.ndarray
     columns: Columns
+    doubtful: int = 0
 
 
 def evaluate(steps: Sequence[PlanStep], seed: int, scenes: np.ndarray, attempts: np.ndarray, known: Columns = MappingProxyType({})) -> Evaluated:

@@ -2,7 +2,8 @@
 
 Comparisons are as far off as their sides differ, `and` as its worst part, `or` as its best; boxes that must not meet, as deep as they overlap on
 the axis that separates them best; a box or a point that must lie in a polygon, as far as it sticks out. What has no such measure is violated
-by 1. So the states whose violation is at most a level are nested, and those of level 0 are the accepted runs.
+by 1. A requirement that counts only where a coin shows heads is as far off as the coin is from tails, if that is nearer. So the states whose
+violation is at most a level are nested, and those of level 0 are the accepted runs.
 """
 
 from __future__ import annotations
@@ -63,10 +64,15 @@ class Slack(np.ndarray):
         return self >= other
 
 
-def violation(event: GraphEvent, columns: Mapping[int, np.ndarray], wrong: np.ndarray) -> np.ndarray:
-    """By how much the requirement of an event is violated in the rows `wrong`, where it is not met."""
-    found = np.abs(margin(event.node, Rows(columns, np.flatnonzero(wrong))))
+def violation(node: GraphNode, columns: Mapping[int, np.ndarray], wrong: np.ndarray) -> np.ndarray:
+    """By how much a condition is violated in the rows `wrong`, where it is not met (or is, and must not be)."""
+    found = np.abs(margin(node, Rows(columns, np.flatnonzero(wrong))))
     return np.where(np.isfinite(found), np.maximum(found, LEAST), UNKNOWN)
+
+
+def decisive(event: GraphEvent) -> list[GraphNode]:
+    """The conditions one of which must change for the requirement of an event to be met: its own, and that under which it counts."""
+    return [event.node] if event.condition is None else [event.node, event.condition]
 
 
 class Rows(Mapping[int, np.ndarray]):

@@ -26,6 +26,7 @@ from ....semantics.kernel.errors import ScenicError
 from ....semantics.kernel.outcome import Requirement
 from ....semantics.space.symbols import NotLifted
 from ...rejection import DEFAULT_ATTEMPTS, exhausted
+from ..devices import check_device
 from ..trace.running import trace
 from ..trace.structures import nodes_in
 from ..trace.templates import Template, scenes_of, template_of
@@ -35,6 +36,7 @@ from .rows import Columns
 
 if TYPE_CHECKING:
     from ..compile.evaluator import CompiledStage
+    from ..tensors.evaluator import TensorEvaluator
 
 WAVE = 1 << 14
 """Runs that are evaluated at a time: their columns fit into the caches."""
@@ -71,6 +73,8 @@ class Block(NamedTuple):
     runs: int
     left: int
     error: ScenicError | None
+    doubtful: int = 0
+    """Runs that rounding might have decided on tensors, so that the columns did them."""
 
     @property
     def attempts(self) -> np.ndarray:
@@ -101,6 +105,7 @@ class Batch:
         self.stage = stages(graph, whole, self.outputs, rejects)
         self.compiled: CompiledStage | None = None
         self.not_compiled = ""
+        self.tensors: TensorEvaluator | None = None
         self.spent, self.pace = 0.0, 0.0  # seconds of a processor on columns, and for a scene of the last block
 
     def compile(self) -> bool:
@@ -119,6 +124,14 @@ class Batch:
             except NotCompiled as problem:
                 self.not_compiled = str(problem)
         return self.compiled is not None
+
+    def use_tensors(self, device: str) -> None:
+        """Evaluate by torch on a device from now on, unless components are drawn apart: columns do that. Raises as `devices.check_device` does."""
+        check_device(device)
+        if not self.stage.parts:
+            from ..tensors.evaluator import TensorEvaluator
+
+            self.tensors = TensorEvaluator(self.graph, self.outputs, device)
 
     def scenes(self, n: int, seed: int, *, start: int = 0, max_attempts: int = DEFAULT_ATTEMPTS) -> Iterator[Scene]:
         """Scenes `start` to `start + n - 1` of `seed`. Raises the program's errors, and `AttemptsExhausted`."""
@@ -154,7 +167,7 @@ class Batch:
         does the rest. Small blocks, which come first, tell little of the pace.
         """
         compiling = COMPILE_LEAST + COMPILE_NODE * len(self.graph.nodes)
-        if self.may_compile and self.spent > PACE_KNOWN * compiling and self.spent + self.pace * ahead > compiling:
+        if self.may_compile and self.tensors is None and self.spent > PACE_KNOWN * compiling and self.spent + self.pace * ahead > compiling:
             self.compile()
         begun = time.thread_time()
         drawing = BlockDrawing(self, seed, start, stop, max_attempts)
@@ -183,7 +196,7 @@ class BlockDrawing:
         self.others: dict[int, Scene] = {}
         self.pieces: list[tuple[np.ndarray, Columns]] = []
         self.found, self.tried = np.zeros(len(self.stages)), np.zeros(len(self.stages))  # by stage: successes, attempts
-        self.runs = self.left = 0
+        self.runs = self.left = self.doubtful = 0
         self.error: ScenicError | None = None
 
     # On columns
@@ -216,7 +229,11 @@ class BlockDrawing:
         scenes = np.repeat(scenes_at, width)
         attempts = self.next[number, scenes] + np.tile(np.arange(width), count)
         numbers = (scenes + self.start).astype(np.uint64), attempts.astype(np.uint64)
-        result = evaluate(stage.steps, self.seed, *numbers, {name: column[alive] for name, column in known.items()})
+        if self.batch.tensors is not None:
+            result = self.batch.tensors.evaluate(stage.steps, self.seed, *numbers)
+        else:
+            result = evaluate(stage.steps, self.seed, *numbers, {name: column[alive] for name, column in known.items()})
+        self.doubtful += result.doubtful
         fate = result.fate.reshape(count, width)
         has, first = (fate < 0).any(axis=1), (fate < 0).argmax(axis=1)
         used = np.where(has, first, width)
@@ -340,7 +357,7 @@ class BlockDrawing:
         others = {index: scene for index, scene in self.others.items() if index < self.stop}
         attempts = self.next[:, : self.stop - self.start]
         assert len(order) + len(others) == attempts.shape[1]
-        return Block(self.start, attempts, rows[order], columns, others, self.stuck, self.runs, self.left, self.error)
+        return Block(self.start, attempts, rows[order], columns, others, self.stuck, self.runs, self.left, self.error, self.doubtful)
 
 
 __all__ = ["Batch", "Block", "NotLifted"]

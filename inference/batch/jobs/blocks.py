@@ -10,6 +10,7 @@ import multiprocessing
 import os
 import signal
 import threading
+import time
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import CancelledError, Executor, Future, InvalidStateError, ProcessPoolExecutor
@@ -19,6 +20,7 @@ from dataclasses import dataclass
 from multiprocessing import connection
 from typing import TypeVar
 
+from ....formats.scenes import Scene
 from ....interpreter.extras import needed
 from ....semantics.kernel.errors import AttemptsExhausted, InternalError, UsageError
 from ...rejection import DEFAULT_ATTEMPTS, exhausted
@@ -70,6 +72,24 @@ def block_of(batch: Batch, seed: int, start: int, stop: int, max_attempts: int =
     worst, count = alone.stuck.most_common(1)[0]
     told = f"no scene in {max_attempts:,} attempts: most often ({count:,} times) this failed: {worst.text}"
     return block._replace(error=exhausted(told, max_attempts, alone.stuck, seldom=True))
+
+
+def jobs(batch: Batch, n: int, seed: int, start: int, max_attempts: int) -> Generator[Block]:
+    """Scenes `start` to `start + n - 1` by this process, in jobs, one after the other. Raises the error that ends one, after its block."""
+    pace = Pace(objects=len(batch.template.objects))
+    for first, stop in pace.parts(start, start + n):
+        begun = time.thread_time()
+        block = block_of(batch, seed, first, stop, max_attempts, start + n - stop)
+        pace.took(stop - first, time.thread_time() - begun)
+        yield block
+        if block.error is not None:
+            raise block.error
+
+
+def scenes_of_jobs(batch: Batch, n: int, seed: int, start: int, max_attempts: int) -> Generator[Scene]:
+    """The scenes of these jobs."""
+    for block in jobs(batch, n, seed, start, max_attempts):
+        yield from batch.scenes_of(block, seed)
 
 
 # Results
