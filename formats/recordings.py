@@ -36,7 +36,8 @@ class Moment(NamedTuple):
 
 class Simulated(NamedTuple):
     """A simulation that was accepted: its scene, its time steps, how it ended ("terminated" or "time limit") and why; `timestep` is in seconds,
-    and `created` are the objects that scenarios made on the way, as they were then.
+    `created` are the objects that scenarios made on the way, as they were then, and `records` the values that the program recorded, each with its
+    time step.
     """
 
     scene: Scene
@@ -45,14 +46,17 @@ class Simulated(NamedTuple):
     reason: str
     timestep: float
     created: tuple[Body, ...] = ()
+    records: Mapping[str, tuple[tuple[int, object], ...]] = MappingProxyType({})
 
 
 def to_json(run: Simulated, attempts: int) -> dict[str, object]:
     """A simulation, and how many attempts it took, in the simulation format."""
+    records = {name: [[step, json_value(value)] for step, value in values] for name, values in run.records.items()}
     return {
         "schema": SCHEMA, "seed": run.scene.seed, "run": run.scene.index, "attempts": attempts, "timestep": run.timestep,
         "scene": run.scene.to_json(), "created": [body_json(body) for body in run.created],
         "steps": [moment_json(moment) for moment in run.moments], "result": run.result, "reason": run.reason,
+        **({"records": records} if records else {}),
     }
 
 

@@ -16,16 +16,19 @@ from ..semantics.syntax.dynamics import (
     DoShuffle,
     MonitorDefinition,
     Override,
+    Record,
     RequireAlways,
     RequireEventually,
     RequireMonitor,
     ScenarioDefinition,
     Take,
     Terminate,
+    TerminateAfter,
     TerminateWhen,
     TimeLimit,
     Until,
     Wait,
+    WaitFor,
 )
 from ..semantics.syntax.expressions import Seconds
 from ..semantics.syntax.python_expressions import BinaryOperation, Constant, DictDisplay, UnaryOperation
@@ -133,20 +136,45 @@ class DynamicsBuilder(BuilderBase):
     # -- Requirements over time
 
     def make_require_always(self, span: Span, parts: Parts) -> RequireAlways:
-        return RequireAlways(span=span, condition=condition(parts[0]))
+        return RequireAlways(span=span, condition=condition(parts[0]), name=parts[1] or "")
 
     def make_require_eventually(self, span: Span, parts: Parts) -> RequireEventually:
-        return RequireEventually(span=span, condition=condition(parts[0]))
+        return RequireEventually(span=span, condition=condition(parts[0]), name=parts[1] or "")
 
     def make_require_monitor(self, span: Span, parts: Parts) -> RequireMonitor:
-        word, monitor = parts
+        word, monitor, name = parts
         if not self.dialect.monitor_instances:
             message = f"`require monitor` belongs to dialect {having('monitor_instances')}"
             raise ParseError(message, self.token_span(word), hint="leave it out: a monitor runs as soon as it is defined")
-        return RequireMonitor(span=span, monitor=monitor)
+        return RequireMonitor(span=span, monitor=monitor, name=name or "")
 
     def make_terminate_when(self, span: Span, parts: Parts) -> TerminateWhen:
-        return TerminateWhen(span=span, condition=condition(parts[0]))
+        return TerminateWhen(span=span, condition=condition(parts[0]), name=parts[1] or "")
+
+    def make_terminate_simulation_when(self, span: Span, parts: Parts) -> TerminateWhen:
+        self.released("terminate simulation when", span, "write `terminate when ...`")
+        return TerminateWhen(span=span, condition=condition(parts[0]), name=parts[1] or "", simulation=True)
+
+    def make_terminate_after(self, span: Span, parts: Parts) -> TerminateAfter:
+        self.released("terminate after", span, "write `terminate when ...`")
+        return TerminateAfter(span=span, limit=parts[0])
+
+    # -- Recording
+
+    def make_record(self, span: Span, parts: Parts) -> Record:
+        self.released("record", span, "`scenic-ref simulate -o` writes what happens")
+        value, period, delay, name = parts
+        if (period or delay) is not None and not self.dialect.explicit_new:
+            raise ParseError(f"`every` and `after` belong to dialect {having('explicit_new')}", (period or delay).span)
+        return Record(span=span, value=value, name=name or "", period=period, delay=delay)
+
+    def make_record_initial(self, span: Span, parts: Parts) -> Record:
+        self.released("record initial", span, "`scenic-ref simulate -o` writes what happens")
+        return Record(span=span, value=parts[0], time="initial", name=parts[1] or "")
+
+    def make_record_final(self, span: Span, parts: Parts) -> Record:
+        self.released("record final", span, "`scenic-ref simulate -o` writes what happens")
+        return Record(span=span, value=parts[0], time="final", name=parts[1] or "")
 
     # -- Inside behaviors, monitors and compose blocks
 
@@ -156,8 +184,24 @@ class DynamicsBuilder(BuilderBase):
     def make_wait(self, span: Span, parts: Parts) -> Wait:
         return Wait(span=span)
 
+    def make_wait_for(self, span: Span, parts: Parts) -> WaitFor:
+        return self.waiting(WaitFor(span=span, limit=parts[0]))
+
+    def make_wait_until(self, span: Span, parts: Parts) -> WaitFor:
+        return self.waiting(WaitFor(span=span, limit=Until(span=span, condition=condition(parts[0]))))
+
+    def waiting(self, node: WaitFor) -> WaitFor:
+        """The statement. Raises ParseError where the dialect lacks it."""
+        if not self.dialect.explicit_new:
+            raise ParseError(f"`wait` with a limit belongs to dialect {having('explicit_new')}", node.span, hint="write `wait` in a loop")
+        return node
+
     def make_terminate(self, span: Span, parts: Parts) -> Terminate:
         return Terminate(span=span)
+
+    def make_terminate_simulation(self, span: Span, parts: Parts) -> Terminate:
+        self.released("terminate simulation", span, "write `terminate`")
+        return Terminate(span=span, simulation=True)
 
     def make_abort(self, span: Span, parts: Parts) -> Abort:
         return Abort(span=span)
@@ -177,6 +221,9 @@ class DynamicsBuilder(BuilderBase):
         return DoShuffle(span=span, invocations=invocations, weights=weights, limit=parts[1])
 
     def make_time_limit(self, span: Span, parts: Parts) -> TimeLimit:
+        return parts[0]
+
+    def make_duration(self, span: Span, parts: Parts) -> TimeLimit:
         amount, steps = parts
         if steps is not None:
             return TimeLimit(span=span, amount=amount, unit="steps")

@@ -210,11 +210,16 @@ class ExpressionBuilder(BuilderBase):
     def make_parameter(self, span: Span, parts: Parts) -> Parameter:
         return Parameter(span=span, name=self.identifier(parts[0]), default=parts[1])
 
+    def make_typed_parameter(self, span: Span, parts: Parts) -> Parameter:
+        return self.make_parameter(span, [parts[0], parts[2]])
+
     def make_rest_parameter(self, span: Span, parts: Parts) -> Parameter:
         return Parameter(span=span, name=self.identifier(parts[1]), kind="*args")
 
     def make_keyword_parameter(self, span: Span, parts: Parts) -> Parameter:
         return Parameter(span=span, name=self.identifier(parts[1]), kind="**kwargs")
+
+    make_typed_rest_parameter, make_typed_keyword_parameter = make_rest_parameter, make_keyword_parameter
 
     def make_parameters(self, span: Span, parts: Parts) -> tuple[Parameter, ...]:
         """The parameters with their kinds. Raises ParseError where their order is not Python's."""

@@ -17,9 +17,11 @@ from ..semantics.syntax.expressions import (
     DistancePast,
     Follow,
     InInitialScenario,
+    NotVisible,
     ObjectDefinition,
     ObjectOrOperator,
     RelativeHeading,
+    RelativePosition,
     Seconds,
     Side,
     SideOf,
@@ -30,11 +32,13 @@ from ..semantics.syntax.specifiers import (
     AtSpecifier,
     BesideSpecifier,
     BeyondSpecifier,
+    ContainedInSpecifier,
     FacingAwayFromSpecifier,
     FacingSpecifier,
     FacingTowardSpecifier,
     FollowingSpecifier,
     InSpecifier,
+    NotVisibleSpecifier,
     OffsetAlongSpecifier,
     OffsetBySpecifier,
     VisibleSpecifier,
@@ -99,6 +103,20 @@ class ScenicBuilder(BuilderBase):
 
     def make_distance_past(self, span: Span, parts: Parts) -> DistancePast:
         return DistancePast(span=span, oriented_point=parts[0], vector=as_vector(parts[1]))
+
+    def make_distance_past_of(self, span: Span, parts: Parts) -> DistancePast:
+        self.released("distance past ... of", span, "write `distance of ... past ...`")
+        return DistancePast(span=span, oriented_point=parts[1], vector=as_vector(parts[0]))
+
+    def make_relative_position(self, span: Span, parts: Parts) -> RelativePosition:
+        word, target, origin = parts
+        self.released("relative position of", self.token_span(word), "write the difference of the positions")
+        return RelativePosition(span=span, target=as_vector(target), origin=vector_or_none(origin))
+
+    def make_not_visible_region(self, span: Span, parts: Parts) -> NotVisible:
+        word, region = parts
+        self.released("not visible", self.token_span(word), "if a truth value is negated, write `not (visible ...)`")
+        return NotVisible(span=span, region=region)
 
     def make_follow(self, span: Span, parts: Parts) -> Follow:
         return Follow(span=span, field=parts[0], origin=vector_or_none(parts[1]), distance=parts[2])
@@ -189,6 +207,11 @@ class ScenicBuilder(BuilderBase):
     def make_on(self, span: Span, parts: Parts) -> InSpecifier:
         return InSpecifier(span=span, keyword="on", region=parts[0])
 
+    def make_contained_in(self, span: Span, parts: Parts) -> ContainedInSpecifier:
+        if not self.dialect.explicit_new:
+            raise ParseError(f"`contained in` belongs to dialect {having('explicit_new')}", span, hint="write `in R, with regionContainedIn R`")
+        return ContainedInSpecifier(span=span, region=parts[0])
+
     def make_left_of(self, span: Span, parts: Parts) -> BesideSpecifier:
         return BesideSpecifier(span=span, side="left", reference=as_vector(parts[0]), gap=parts[1])
 
@@ -210,6 +233,10 @@ class ScenicBuilder(BuilderBase):
 
     def make_visible_from(self, span: Span, parts: Parts) -> VisibleSpecifier:
         return VisibleSpecifier(span=span, viewer=as_vector(parts[1]))
+
+    def make_not_visible(self, span: Span, parts: Parts) -> NotVisibleSpecifier:
+        self.released("not visible", self.token_span(parts[0]))
+        return NotVisibleSpecifier(span=span, viewer=as_vector(parts[1]) if len(parts) > 1 else None)
 
     def make_following(self, span: Span, parts: Parts) -> FollowingSpecifier:
         field, origin, distance = parts

@@ -7,13 +7,14 @@ from __future__ import annotations
 from lark import Token
 
 from ..semantics.kernel.errors import ParseError
-from ..semantics.syntax import Block, Expression, Span, Statement
-from ..semantics.syntax.python_expressions import Name
+from ..semantics.syntax import Block, Expression, Span
+from ..semantics.syntax.python_expressions import Attribute, Name, Subscript
 from ..semantics.syntax.statements import (
     Assert,
     Assignment,
     AugmentedAssignment,
     Break,
+    ChooseSimulator,
     ClassDefinition,
     Continue,
     Delete,
@@ -153,7 +154,7 @@ class StatementBuilder(BuilderBase):
         return For(span=span, target=target(targets), iterable=iterable, body=body, otherwise=otherwise or ())
 
     def make_function(self, span: Span, parts: Parts) -> FunctionDefinition:
-        name, parameters, body = parts
+        name, parameters, _, body = parts
         return FunctionDefinition(span=span, name=self.identifier(name), parameters=parameters or (), body=body)
 
     def make_decorated(self, span: Span, parts: Parts) -> FunctionDefinition:
@@ -164,20 +165,34 @@ class StatementBuilder(BuilderBase):
         return parts[0]
 
     def make_class(self, span: Span, parts: Parts) -> ClassDefinition:
-        name, superclasses, body = parts
+        word, name, superclasses, body = parts
+        if word == "constructor" and (not self.dialect.released or self.dialect.explicit_new):
+            raise ParseError("`constructor` belongs to dialect scenic-2.1", self.token_span(parts[0]), hint="write `class`")
         for item in superclasses or ():
             if not isinstance(item, Expression):
                 place = item.generator.span if isinstance(item, BareGenerator) else item.span
                 raise ParseError("a class takes the names of its superclasses only", place)
         properties = tuple(item for item in body if isinstance(item, PropertyDefault))
-        statements = tuple(item for item in body if isinstance(item, Statement))
+        statements = tuple(item for item in body if not isinstance(item, PropertyDefault))
+        for item in properties:
+            self.properties.pop(item.span, None)
         return ClassDefinition(span=span, name=self.identifier(name), superclasses=tuple(superclasses or ()), properties=properties, body=statements)
 
-    def make_class_block(self, span: Span, parts: Parts) -> Parts:
-        return parts
-
-    def make_property(self, span: Span, parts: Parts) -> PropertyDefault:
-        return PropertyDefault(span=span, name=self.identifier(parts[0]), value=self.object_place(parts[1]))
+    def make_annotation(self, span: Span, parts: Parts) -> PropertyDefault | Assignment | Pass:
+        """A property of a class, unless the name is a path or gets a value: then what follows the colon says nothing to the machine."""
+        left, attributes, annotation, value = parts
+        if attributes is not None:
+            self.released("attributes of properties", span, "leave them out")
+        if value is not None and attributes is None:
+            return Assignment(span=span, targets=(single_target(left),), value=self.object_place(value))
+        if value is not None or not isinstance(left, Name):
+            if attributes is None and isinstance(single_target(left), Attribute | Subscript):
+                return Pass(span=span)
+            raise ParseError("a property is written `name: default`", span)
+        names = () if attributes is None else tuple(attributes.strip("[] \t").replace(",", " ").split())
+        node = PropertyDefault(span=span, name=left.name, value=self.object_place(annotation), attributes=names)
+        self.properties[span] = node
+        return node
 
     def make_try(self, span: Span, parts: Parts) -> Try:
         body, *clauses, otherwise, final = parts
@@ -205,6 +220,10 @@ class StatementBuilder(BuilderBase):
     def make_model(self, span: Span, parts: Parts) -> Model:
         return Model(span=span, name=parts[0])
 
+    def make_simulator(self, span: Span, parts: Parts) -> ChooseSimulator:
+        self.released("simulator", span, "choose the simulator by `scenic-ref simulate --simulator`")
+        return ChooseSimulator(span=span, value=parts[0])
+
     def make_param(self, span: Span, parts: Parts) -> Param:
         return Param(span=span, assignments=tuple(parts))
 
@@ -223,10 +242,15 @@ class StatementBuilder(BuilderBase):
             raise ParseError(fault.message, self.token_span(token)) from None
 
     def make_require(self, span: Span, parts: Parts) -> Require:
-        return Require(span=span, condition=condition(parts[0]))
+        return Require(span=span, condition=condition(parts[0]), name=parts[1] or "")
 
     def make_soft_require(self, span: Span, parts: Parts) -> SoftRequire:
-        return SoftRequire(span=span, probability=parts[0], condition=condition(parts[1]))
+        return SoftRequire(span=span, probability=parts[0], condition=condition(parts[1]), name=parts[2] or "")
+
+    def make_requirement_name(self, span: Span, parts: Parts) -> str:
+        self.released("as", span, "leave out the name")
+        (word,) = parts
+        return str(self.literal_name(word)) if word.type == "STRING" else str(word)
 
     def make_mutate(self, span: Span, parts: Parts) -> Mutate:
         _, objects, scale = parts

@@ -16,7 +16,7 @@ class Dialect:
 
     `explicit_new`: objects are made by `new C ...`, and a class name alone is always the class. `intervals`: a pair in
     parentheses outside vector positions is an `IntervalOrPair`. `monitor_instances`: `require monitor M()`.
-    `initial_scenario`: the condition is spelt `initial scenario`.
+    `initial_scenario`: the condition is spelt `initial scenario`. `released`: statements, specifiers and operators that the paper does not have.
     """
 
     name: str
@@ -25,6 +25,7 @@ class Dialect:
     intervals: bool = False
     monitor_instances: bool = False
     initial_scenario: bool = False
+    released: bool = False
 
 
 DIALECTS: dict[str, Dialect] = {
@@ -32,13 +33,14 @@ DIALECTS: dict[str, Dialect] = {
     for dialect in (
         Dialect("paper", "the syntax of the paper's Section 4"),
         Dialect("pldi19", "the gallery's: (low, high) is an interval, X @ Y a vector", intervals=True),
-        Dialect("scenic-2.1", "the released Scenic 2.1"),
+        Dialect("scenic-2.1", "the released Scenic 2.1: `initial scenario`", initial_scenario=True, released=True),
         Dialect(
             "scenic-3",
             "the released Scenic 3: `new C`, `require monitor M()`, `initial scenario`",
             explicit_new=True,
             monitor_instances=True,
             initial_scenario=True,
+            released=True,
         ),
     )
 }

@@ -79,7 +79,7 @@ class StatementPrinter(ExpressionPrinter):
                 return f"{self.test(node.target)} {node.operator}= {self.list_of_tests(node.value)}"
             case s.Return():
                 return "return" + ("" if node.value is None else " " + self.list_of_tests(node.value))
-            case s.Break() | s.Continue() | s.Pass() | d.Wait() | d.Terminate() | d.Abort():
+            case s.Break() | s.Continue() | s.Pass() | d.Wait() | d.Abort():
                 return type(node).__name__.lower()
             case s.Delete():
                 return "del " + (", ".join([self.test(t) for t in node.targets]) or "()")
@@ -103,18 +103,30 @@ class StatementPrinter(ExpressionPrinter):
                 return f"model {node.name}"
             case s.Param():
                 return "param " + ", ".join([f"{parameter_name(a.name)} = {self.operand(a.value)}" for a in node.assignments])
+            case s.ChooseSimulator():
+                return f"simulator {self.operand(node.value)}"
             case s.Require():
-                return f"require ({self.test(node.condition)})"
+                return f"require ({self.test(node.condition)}){called(node.name)}"
             case s.SoftRequire():
-                return f"require[{self.test(node.probability)}] {self.operand(node.condition)}"
+                return f"require[{self.test(node.probability)}] {self.operand(node.condition)}{called(node.name)}"
             case d.RequireAlways():
-                return f"require always ({self.test(node.condition)})"
+                return f"require always ({self.test(node.condition)}){called(node.name)}"
             case d.RequireEventually():
-                return f"require eventually ({self.test(node.condition)})"
+                return f"require eventually ({self.test(node.condition)}){called(node.name)}"
             case d.RequireMonitor():
-                return f"require monitor {self.test(node.monitor)}"
+                return f"require monitor {self.operand(node.monitor)}{called(node.name)}"
             case d.TerminateWhen():
-                return f"terminate when {self.operand(node.condition)}"
+                return f"terminate {'simulation ' * node.simulation}when {self.operand(node.condition)}{called(node.name)}"
+            case d.TerminateAfter():
+                return f"terminate after{self.limit(node.limit).removeprefix(' for')}"
+            case d.Terminate():
+                return "terminate" + " simulation" * node.simulation
+            case d.WaitFor():
+                return f"wait{self.limit(node.limit)}"
+            case d.Record():
+                when = "" if node.time == "always" else f"{node.time} "
+                period, delay = (self.limit(limit).removeprefix(" for") for limit in (node.period, node.delay))
+                return f"record {when}({self.test(node.value)}){period and ' every' + period}{delay and ' after' + delay}{called(node.name)}"
             case s.Mutate():
                 names = " ".join(["mutate", ", ".join([name.name for name in node.objects])]).rstrip()
                 return names + ("" if node.scale is None else f" by ({self.test(node.scale)})")
@@ -187,7 +199,7 @@ class StatementPrinter(ExpressionPrinter):
     def lines_ClassDefinition(self, node: s.ClassDefinition) -> Iterator[str]:
         superclasses = ", ".join([self.test(c) if isinstance(c, Starred) else self.operand(c) for c in node.superclasses])
         yield f"class {node.name}({superclasses}):" if superclasses else f"class {node.name}:"
-        properties = [f"{item.name}: {self.list_of_tests(item.value)}" for item in node.properties]
+        properties = [f"{item.name}{attributes(item)}: {self.list_of_tests(item.value)}" for item in node.properties]
         yield from self.block(node.body, *properties)
 
     def definition(self, word: str, name: str, parameters: tuple[Parameter, ...]) -> str:
@@ -220,6 +232,16 @@ class StatementPrinter(ExpressionPrinter):
 def imported(name: s.ImportedName) -> str:
     """`name as alias`."""
     return name.name + (f" as {name.alias}" if name.alias else "")
+
+
+def called(name: str) -> str:
+    """` as name`, or nothing."""
+    return f" as {name if name.isidentifier() or name.isdecimal() else repr(name)}" if name else ""
+
+
+def attributes(item: s.PropertyDefault) -> str:
+    """The attributes of a property."""
+    return f"[{', '.join(item.attributes)}]" if item.attributes else ""
 
 
 def parameter_name(name: str) -> str:

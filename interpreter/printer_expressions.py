@@ -238,7 +238,12 @@ class ExpressionPrinter(StringPrinter):
         return f"distance{self.option('from', node.origin)}{self.option('to', node.target)}"
 
     def print_DistancePast(self, node: e.DistancePast) -> str:
+        if self.dialect.released:
+            return f"distance past {self.operand(node.vector)}{self.option('of', node.oriented_point)}"
         return f"distance{self.option('of', node.oriented_point)}{self.option('past', node.vector)}"
+
+    def print_RelativePosition(self, node: e.RelativePosition) -> str:
+        return f"relative position of {self.operand(node.target)}{self.option('from', node.origin)}"
 
     def print_Angle(self, node: e.Angle) -> str:
         return f"angle{self.option('from', node.origin)}{self.option('to', node.target)}"
@@ -261,6 +266,9 @@ class ExpressionPrinter(StringPrinter):
     def print_Visible(self, node: e.Visible) -> str:
         return f"visible {self.argument(node.region)}"
 
+    def print_NotVisible(self, node: e.NotVisible) -> str:
+        return f"not visible {self.argument(node.region)}"
+
     def print_VisibleFrom(self, node: e.VisibleFrom) -> str:
         return f"{self.operand(node.region)} visible from {self.operand(node.viewer)}"
 
@@ -271,7 +279,7 @@ class ExpressionPrinter(StringPrinter):
         return f"{node.side} of {self.operand(node.object)}"
 
     def print_InInitialScenario(self, node: e.InInitialScenario) -> str:
-        return "in initial scenario"
+        return "initial scenario" if self.dialect.initial_scenario else "in initial scenario"
 
     def print_ObjectOrValue(self, node: e.ObjectOrValue) -> str:
         return self.test(node.value)
@@ -328,6 +336,10 @@ class ExpressionPrinter(StringPrinter):
                 return f"beyond {self.argument(node.vector)} by {self.operand(node.offset)}{self.option('from', node.origin)}"
             case s.VisibleSpecifier():
                 return "visible" + self.option("from", node.viewer)
+            case s.NotVisibleSpecifier():
+                return "not visible" + self.option("from", node.viewer)
+            case s.ContainedInSpecifier():
+                return f"contained in {self.argument(node.region)}"
             case s.InSpecifier():
                 return f"{node.keyword} {self.argument(node.region)}"
             case s.FollowingSpecifier():

@@ -17,7 +17,9 @@ SPECIFIERS = (
     "behind",
     "beyond",
     "visible",
+    "not visible",
     "in",
+    "contained in",
     "on",
     "following",
     "facing",
@@ -62,8 +64,6 @@ class Repair:
 
 # (pattern, message, hint): the pattern is looked for in the line, and must touch the place where parsing stopped.
 TABLE: tuple[tuple[str, str, str], ...] = (
-    (r"^\s*terminate\s+(?:after|simulation)\b.*", "this form of `terminate` belongs to later versions of Scenic", "write `terminate when ...`"),
-    (r"^\s*record\b.*", "`record` belongs to later versions of Scenic", "`scenic-ref simulate -o` writes what happens"),
     (r"\byield\b", "`yield` is not part of the language", "return a list, or write a behavior"),
     (r"^\s*with\b.*", "Python's `with` statement is not part of the language", "use try and finally"),
     (r"\b(?:async|await)\b", "`async` and `await` are not part of the language", "write a behavior"),
@@ -92,14 +92,7 @@ TABLE: tuple[tuple[str, str, str], ...] = (
     (r"\bbeyond\s+\S+\s+\(", "the offset needs `by`", "write `beyond ... by ...`"),
     (r"^\s*print\s+\S.*", "`print` is a function", "write `print(...)`"),
     (r"^\s*(?:var|let|const|function|func)\s+\w.*", "there are no declarations", "write `name = value` or `def name():`"),
-    (r"->", "annotations are not part of the language", "leave out the annotation"),
-    (r"\bdef\s+\w+\(.*\w\s*:", "annotations are not part of the language", "leave out the annotation"),
     (r"^\s*(behavior|monitor|scenario)\s+(\w+)\s*$", "a `:` is missing at the end of the line", r"write `\1 \2():`"),
-    (
-        r"^\s*(?!(?:else|try|finally|setup|compose)\b)[\w.]+\s*:",
-        "annotations are not part of the language",
-        "`name: value` lines belong in classes",
-    ),
     (r"[“”‘’«»]", "these quotation marks are not those of the language", "write \" or '"),
     (r"[\u00a0\u2000-\u200b\u3000\ufeff]", "this white space is not that of the language", "write an ordinary space"),
     (r"[−–—]", "this dash is not a minus sign", "write -"),

@@ -11,9 +11,10 @@ from ..semantics.kernel.errors import ParseError
 from ..semantics.syntax import Expression, Span
 from ..semantics.syntax.expressions import FieldAt, ObjectDefinition, ObjectOrOperator, ObjectOrValue, OffsetBy
 from ..semantics.syntax.python_expressions import Comparison, Constant, TupleDisplay, UnaryOperation
+from ..semantics.syntax.statements import PropertyDefault
 from . import literals
 from .chains import is_dotted_name, join
-from .dialects import Dialect
+from .dialects import Dialect, having
 
 Parts = list[Any]  # What the children of a rule were turned into: nodes, tokens, tuples of nodes, or None.
 
@@ -48,6 +49,7 @@ class BuilderBase:
         self.origin = origin
         self.dialect = dialect
         self.without_new: dict[Span, ObjectDefinition] = {}
+        self.properties: dict[Span, PropertyDefault] = {}
 
     def build(self, tree: Tree[Token]) -> Any:
         """What `tree` means: each rule's method is called on what its children mean, leaves first, without recursion."""
@@ -67,6 +69,8 @@ class BuilderBase:
             parts = values[len(values) - size :]
             del values[len(values) - size :]
             values.append(getattr(self, "make_" + item.data)(self.span_of(item), parts))
+        for place in self.properties:
+            raise ParseError("`name: default` lines belong in classes", place, hint="give the variable a value, as in `x: int = 3`")
         for place in self.without_new:
             raise ParseError(f"dialect {self.dialect.name} makes objects with `new`", place, hint="write `new` before the class")
         return values[0]
@@ -89,6 +93,11 @@ class BuilderBase:
             return literals.name(str(token))
         except literals.LiteralFault as fault:
             raise ParseError(fault.message, self.token_span(token)) from None
+
+    def released(self, construct: str, span: Span, hint: str = "") -> None:
+        """Raises ParseError where the dialect is none of those that have the construct."""
+        if not self.dialect.released:
+            raise ParseError(f"`{construct}` belongs to dialects {having('released')}", span, hint=hint or "choose that dialect by --dialect")
 
     def object_place(self, node: Expression) -> Expression:
         """`node` where an object may stand: a (dotted) name alone may then be a class (reading `bare-class`)."""

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 from .dynamics import actions, choices, declarations, guards, initial, interrupts, invocations, overrides, policy, scenarios
 from .kernel import conditions, draws, queries
-from .python import assignment, calls, comprehensions, control, definitions, expressions, functions, imports, specials
-from .scenes import comparisons, default_requirements, mutation, object_definitions, operators, resolution, specifiers, statements
+from .python import assignment, calls, comprehensions, control, definitions, expressions, functions, imports, members, specials
+from .scenes import comparisons, default_requirements, mutation, object_definitions, operators, released, resolution, specifiers, statements
 from .syntax import expressions as e
 from .syntax import specifiers as q
 
@@ -27,6 +27,7 @@ ALGORITHM = "Algorithm 1 (resolveSpecifiers)"
 PYTHON = 'Section "Syntax of Scenic": standard imperative constructs'
 INITIAL = 'Section "Compositional Scenarios", "Interrupts, Overriding, and Initial Scenarios"'
 SILENT = "silent in the paper; see the readings"
+RELEASED = "not in the paper: dialects scenic-2.1 and scenic-3"
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,12 +107,21 @@ def _specifier_rules() -> list[Rule]:
     return [*found, Rule("P-Default", "default value specifier", 'Section "Data Types"; Algorithm 1', specifiers.default_value)]
 
 
+def _released_rules() -> list[Rule]:
+    """Operators and specifiers that are not in the paper."""
+    rewritings = [_equation(r.rule, r.rewrite, RELEASED) for r in (*released.OPERATOR_REWRITINGS.values(), *released.SPECIFIER_REWRITINGS.values())]
+    equations = [_equation(q.rule, q.function, RELEASED) for _, equations in released.OPERATORS.values() for q in equations]
+    forms = [f for forms in (*(forms for _, forms in released.SPECIFIERS.values()), *released.BESIDE.values(), (released.BEYOND,)) for f in forms]
+    return [*rewritings, *equations, *(_equation(f.rule, f.function, RELEASED) for f in forms)]
+
+
 _PAPER = [
     Rule("E-Distributions", "Distributions", EXPRESSIONS, draws.draw),
     Rule("E-Resample", "resample(D)", 'Section "Expressions"', specials.resample),
     Rule("E-Resample-Constant", "resample(v)", SILENT, specials.resample),
     Rule("E-Branch", "conditional branching may not depend on random variables", 'Section "Syntax of Scenic"', conditions.random_branch),
     Rule("E-ObjectDefinition", "Object Definitions", EXPRESSIONS, object_definitions.construct),
+    Rule("E-Member", "methods and derived properties", RELEASED, members.rewritten),
     Rule("E-Seconds", "E seconds", 'Section "Stateful Behaviors"', expressions.conclude_seconds),
     Rule("E-InInitialScenario", "in initial scenario", INITIAL, queries.in_initial_scenario),
     Rule("R-ResolveSpecifiers", "resolveSpecifiers", ALGORITHM, resolution.resolve_specifiers),
@@ -194,6 +204,10 @@ _DYNAMIC = [
     Rule("D-Wait", "wait", ACTIONS, actions.wait),
     Rule("D-Terminate", "terminate", TERMINATION, actions.terminate),
     Rule("D-TerminateWhen", "terminate when B", TERMINATION, scenarios.resume_ending),
+    Rule("D-TerminateAfter", "terminate after S", RELEASED, scenarios.time_is_over),
+    Rule("D-WaitFor", "wait for T, wait until B", RELEASED, actions.conclude_wait_for),
+    Rule("D-Record", "record E", RELEASED, policy.record),
+    Rule("S-Simulator", "simulator E", RELEASED, declarations.simulator),
     Rule("D-Do", "do B", INVOKING, invocations.enter_behavior),
     Rule("D-Do-Return", "the end of an invocation", INVOKING, guards.do_returns),
     Rule("D-Choose", "do choose, do shuffle", 'Section "Compositional Scenarios", "Random Selection of Scenarios"', choices.choose),
@@ -210,7 +224,7 @@ _DYNAMIC = [
 ]
 
 CATALOGUE: tuple[Rule, ...] = (
-    *_PAPER, *_DYNAMIC, *_specifier_rules(), *_operator_rules(),
+    *_PAPER, *_DYNAMIC, *_specifier_rules(), *_operator_rules(), *_released_rules(),
     *(Rule(i, name, PYTHON, function, inherited=True) for i, name, function in _INHERITED),
 )
 """Every rule, those of the paper first."""

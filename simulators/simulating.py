@@ -75,8 +75,9 @@ def simulated(
         if isinstance(outcome, Finish):
             made += new_bodies(outcome.state, len(made))
             moments.append(Moment(number, poses(outcome.state, simulator), {}, tuple(told)))
+            recorded = simulation_of(outcome.state).recorded
             result = "terminated" if simulation_of(outcome.state).flag else "time limit"
-            return Simulated(scene, tuple(moments), result, outcome.reason, simulator.timestep, tuple(made[first:]))
+            return Simulated(scene, tuple(moments), result, outcome.reason, simulator.timestep, tuple(made[first:]), recorded)
         assert isinstance(outcome, Act)
         state = outcome.state
         made += create_new(simulator, state, len(made))

@@ -80,7 +80,7 @@ GRAMMAR = (
     parse("unterminated string", "wrong = 'abc"),
     parse("target that cannot be assigned to", "abs(3) = 3"),
     parse("parameter without default after one with", "def wrong(a=1, b): pass"),
-    parse("annotation", "def wrong(a: int): pass"),
+    parse("annotation without a value", "wrong: int"),
     parse("generator function", "yield 3"),
     parse("new of another dialect", "wrong = new Object"),
     parse("no character of the language", "wrong = 1 ? 2"),

@@ -5,10 +5,16 @@ from __future__ import annotations
 from ..kernel.config import Abrupt, Config, Stack, State, Value
 from ..kernel.outcome import Next, Outcome
 from ..kernel.premises import premises
+from ..kernel.simulation import Clause, flagged
 from ..kernel.values import unwrap
 from ..syntax import dynamics as d
+from ..syntax.python_expressions import Constant
+from ..syntax.statements import While
+from .frames import Abortable
+from .interrupts import interruptible
 from .invocations import runner
 from .processes import suspend
+from .scenarios import deadline_of
 
 
 def take(node: d.Take, stack: Stack, state: State) -> Outcome:
@@ -35,10 +41,28 @@ def wait(node: d.Wait, stack: Stack, state: State) -> Outcome:
     return suspend((), Value(None), stack, state, "D-Wait", node)
 
 
+def wait_for(node: d.WaitFor, stack: Stack, state: State) -> Outcome:
+    """`wait for S seconds`, `wait until B`: the amount comes first."""
+    return premises(node, [node.limit.amount] if isinstance(node.limit, d.TimeLimit) else [], conclude_wait_for, stack, state)
+
+
+def conclude_wait_for(node: d.WaitFor, values: list[object], stack: Stack, state: State) -> Outcome:
+    """The released Scenic 3, ⟦wait for T⟧ and ⟦wait until B⟧ = `try: while True: wait` with an `interrupt when` that aborts it at the limit, or once
+    B is true.
+    """
+    limit = node.limit
+    condition = limit.condition if isinstance(limit, d.Until) else deadline_of(limit, values[0], node, "D-WaitFor")
+    forever = While(test=Constant(value=True, span=node.span), body=(d.Wait(span=node.span),), span=node.span)
+    begun = interruptible(node, (Clause(condition, (d.Abort(span=node.span),)),), (forever,), (Abortable(), stack), state)
+    return begun._replace(rule="D-WaitFor")  # type: ignore[union-attr]
+
+
 def terminate(node: d.Terminate, stack: Stack, state: State) -> Outcome:
     """Section "Statements", "Termination Conditions": "The terminate statement can be called inside a behavior, monitor, or compose block to end the
     scenario immediately."
 
     Which scenario that is depends on where the statement stands (reading `terminate-who`).
     """
+    if node.simulation:
+        state = flagged("`terminate simulation` was executed", state)
     return Next("D-Terminate", Config(Abrupt("terminate", None, node.span), stack, state), node)

@@ -10,10 +10,11 @@ from ..kernel.premises import premises
 from ..kernel.simulation import Declared
 from ..kernel.values import Dynamic, plain
 from ..syntax import dynamics as d
+from ..syntax import statements as s
 from ..syntax.nodes import Node
 from .guards import scope_of
 from .invocations import with_arguments
-from .scenarios import declare
+from .scenarios import deadline_of, declare
 
 
 def dynamic_requirement(node: Node, stack: Stack, state: State, declared: Declared | None = None) -> Outcome:
@@ -21,6 +22,21 @@ def dynamic_requirement(node: Node, stack: Stack, state: State, declared: Declar
     and `terminate when`, are conditions for the policy, not the scene; so is what `require monitor` has `declared`.
     """
     return Next("S-Dynamic", Config(PASS, stack, declare(declared or Declared(node, state.sigma), stack, state)), node)
+
+
+def terminate_after(node: d.TerminateAfter, stack: Stack, state: State) -> Outcome:
+    """`terminate after S seconds`: S is evaluated now."""
+    return premises(node, [node.limit.amount], conclude_terminate_after, stack, state)
+
+
+def conclude_terminate_after(node: d.TerminateAfter, values: list[object], stack: Stack, state: State) -> Outcome:
+    """Declare the time limit."""
+    return dynamic_requirement(node, stack, state, Declared(node, state.sigma, deadline_of(node.limit, values[0], node, "D-TerminateAfter")))
+
+
+def simulator(node: s.ChooseSimulator, stack: Stack, state: State) -> Outcome:
+    """`simulator E`: which simulator runs the scenario says whoever runs it; E is not evaluated."""
+    return Next("S-Simulator", Config(PASS, stack, state), node)
 
 
 def require_monitor(node: d.RequireMonitor, stack: Stack, state: State) -> Outcome:

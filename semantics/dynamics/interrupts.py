@@ -15,7 +15,7 @@ from typing import NamedTuple
 from ..kernel.conditions import holding
 from ..kernel.config import PASS, Abrupt, Config, Stack, State, Value
 from ..kernel.outcome import Next, Outcome
-from ..kernel.simulation import Clause, Deadline, Suspended, Who, simulation_of
+from ..kernel.simulation import Clause, Deadline, Suspended, Who, has_passed, simulation_of
 from ..python.control import Finally, Handling, block, try_statement
 from ..python.functions import body_as_statement
 from ..syntax import dynamics as d
@@ -112,7 +112,7 @@ def check_interrupts(process: Suspended, stack: Stack, state: State, place: int 
                 if not isinstance(condition, Deadline):
                     asked = (Interrupting(process, place, clause), pushed(process.frames[place + 1 :], stack))
                     return Next("", Config(condition, asked, state._replace(sigma=frame.sigma, handling=frame.handling, depth=frame.depth)))
-                if has_passed(condition, frame, state):
+                if has_passed(condition, frame.first_step, simulation_of(state)):
                     return interrupt(process, place, clause, stack, state)
                 clause -= 1
         place, clause = place - 1, None
@@ -137,17 +137,6 @@ def unwind_interrupting(frame: Interrupting, abrupt: Abrupt, stack: Stack, state
     """A condition raised an exception, which leaves its statement: what that was running is given up."""
     inside = frame.process._replace(frames=frame.process.frames[: frame.place + 1])
     return give_up((inside,), Config(abrupt, stack, state))
-
-
-def has_passed(deadline: Deadline, frame: Interruptible, state: State) -> bool:
-    """Whether so many steps or seconds have passed since the statement began."""
-    assert state.simulation is not None
-    steps = state.simulation.step - frame.first_step
-    return steps >= deadline.time if deadline.unit == "steps" else steps * state.simulation.timestep >= deadline.time * (1 - ROUNDING)
-
-
-ROUNDING = 1e-9
-"""Seconds that are multiples of the time step may differ from them by so little."""
 
 
 def interrupt(process: Suspended, place: int, clause: int, stack: Stack, state: State) -> Outcome:

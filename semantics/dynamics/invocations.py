@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from ..kernel.config import Abrupt, Config, Stack, State, Value
 from ..kernel.errors import RunError
-from ..kernel.kinds import is_scalar, kind_name
+from ..kernel.kinds import kind_name
 from ..kernel.outcome import Next, Outcome
 from ..kernel.premises import premises
 from ..kernel.scopes import Scope
@@ -25,7 +25,7 @@ from .frames import Invoked, Picking, Together
 from .guards import guarded, guards_of, returned, scope_of
 from .interrupts import run_for_one_step, within
 from .processes import Coroutine, Ended, Yielded, suspend
-from .scenarios import begin_scenarios
+from .scenarios import begin_scenarios, deadline_of
 
 # Values
 
@@ -64,12 +64,7 @@ def limited(
     if isinstance(limit, d.Until):
         condition = limit.condition
     else:
-        time = plain(amount)
-        if not is_scalar(time):
-            raise RunError(f"the time of `for` must be a number, not {kind_name(time)}", node.span, rule="D-Do")
-        if time < 0:  # type: ignore[operator]
-            raise RunError(f"the time of `for` must be at least 0, not {time}", node.span, rule="D-Do")
-        condition = Deadline(float(time), limit.unit)  # type: ignore[arg-type]
+        condition = deadline_of(limit, amount, node, "D-Do")
     until = Clause(condition, (d.Abort(span=node.span),))
     if isinstance(task, Begin) and runner(stack).kind == "compose":
         check_kinds(task, "compose")

@@ -16,7 +16,20 @@ from ..kernel.errors import GuardViolation, RunError
 from ..kernel.host import HostException
 from ..kernel.kinds import kind_name
 from ..kernel.outcome import Act, Finish, Next, Observe, Outcome, Requirement, Stuck
-from ..kernel.simulation import TOP, Agent, Declared, Running, Simulation, Suspended, Who, simulation_of, with_agent, with_scenario, with_simulation
+from ..kernel.simulation import (
+    TOP,
+    Agent,
+    Declared,
+    Running,
+    Simulation,
+    Suspended,
+    Who,
+    flagged,
+    simulation_of,
+    with_agent,
+    with_scenario,
+    with_simulation,
+)  # fmt: skip
 from ..kernel.values import Dynamic, plain
 from ..syntax import dynamics as d
 from ..syntax.nodes import NOWHERE, Node
@@ -95,7 +108,7 @@ def requirements_over_time(frame: Step, result: object, stack: Stack, state: Sta
     todo = list(conditions(state))
     if frame.outer is not None:
         number, place, declared = todo[frame.next]
-        decide = always if isinstance(declared.node, d.RequireAlways) else partial(eventually, number, place)
+        decide = {d.RequireAlways: always, d.Record: record}.get(type(declared.node), partial(eventually, number, place))
         return decide(declared.node, result, (frame._replace(next=frame.next + 1, outer=None), stack), as_before(frame.outer, state))  # type: ignore[arg-type]
     if frame.next < len(todo):
         return condition_at(*todo[frame.next], (frame._replace(outer=state), stack), state)
@@ -106,10 +119,10 @@ def requirements_over_time(frame: Step, result: object, stack: Stack, state: Sta
 
 def condition_at(number: int, place: int, declared: Declared, stack: Stack, state: State) -> Outcome:
     """Reduce a condition, in the scope in which it was declared; its draws are numbered apart."""
-    part = 2 * place + isinstance(declared.node, d.RequireEventually)
-    prefix = address_of(Who("condition", number, CONDITIONS + part), state)
+    part = (2 * CONDITIONS if isinstance(declared.node, d.Record) else CONDITIONS) + 2 * place + isinstance(declared.node, d.RequireEventually)
+    prefix = address_of(Who("condition", number, part), state)
     inner = state._replace(sigma=declared.scope, prefix=prefix, draws=0)
-    return Next("", Config(declared.node.condition, stack, inner))  # type: ignore[attr-defined]
+    return Next("", Config(declared.node.value if isinstance(declared.node, d.Record) else declared.node.condition, stack, inner))  # type: ignore[attr-defined]
 
 
 def always(node: d.RequireAlways, result: object, stack: Stack, state: State) -> Outcome:
@@ -127,6 +140,29 @@ def eventually(number: int, place: int, node: d.RequireEventually, result: objec
         running = simulation_of(state).scenarios[number]
         state = with_scenario(state, running._replace(satisfied=running.satisfied | {place}))
     return resume_step(stack[0], None, stack[1], state)
+
+
+def record(node: d.Record, result: object, stack: Stack, state: State) -> Outcome:
+    """The released implementations, `record E as name`: the value of E in each time step of the scenario is part of the simulation; of `record
+    initial E`, that in its first time step; of `record final E`, that in its last.
+    """
+    name, now = name_of_record(node), simulation_of(state).step
+    recorded = simulation_of(state).recorded
+    before = () if node.time == "final" else recorded.get(name, ())
+    after = with_simulation(state, recorded={**recorded, name: (*before, (now, plain(result)))})
+    return Next("D-Record", Config(PASS, stack, after), node)
+
+
+def name_of_record(node: d.Record) -> str:
+    """The name under which values are kept: that of the statement, or its line."""
+    return node.name or f"line {node.span.line}"
+
+
+def is_due(declared: Declared, running: Running, simulation: Simulation) -> bool:
+    """Whether a value is recorded in this time step."""
+    node = declared.node
+    assert isinstance(node, d.Record)
+    return node.time != "initial" or simulation.step == running.first_step
 
 
 def never_satisfied(missed: Requirement) -> Stuck:
@@ -147,6 +183,7 @@ def conditions(state: State) -> Iterator[tuple[int, int, Declared]]:
         running = simulation.scenarios[number]
         yield from ((number, place, one) for place, one in enumerate(running.always))
         yield from ((number, place, one) for place, one in enumerate(running.eventually))
+        yield from ((number, place, one) for place, one in enumerate(running.records) if is_due(one, running, simulation))
 
 
 def monitors(frame: Step, result: object, stack: Stack, state: State) -> Outcome:
@@ -282,11 +319,6 @@ STEPS = {1: compose_blocks, 2: requirements_over_time, 3: monitors, 4: check_fla
 def following(frame: Step, rule: str, stack: Stack, state: State) -> Outcome:
     """A step of the policy is done: on with the next."""
     return Next(rule, Config(PASS, (Step(frame.number + 1), stack), state))
-
-
-def flagged(reason: str, state: State) -> State:
-    """Remember that the scenario is to end; the first reason counts."""
-    return with_simulation(state, flag=simulation_of(state).flag or reason)
 
 
 def unwind_step(frame: Step, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:

@@ -9,9 +9,23 @@ from typing import NamedTuple
 from ..kernel.conditions import holding
 from ..kernel.config import Abrupt, Config, Properties, Stack, State, Value
 from ..kernel.errors import RunError
+from ..kernel.kinds import is_scalar, kind_name
 from ..kernel.outcome import Next, Outcome
 from ..kernel.scopes import Scope
-from ..kernel.simulation import Clause, Declared, Running, Setting, Suspended, Who, simulation_of, with_scenario, with_simulation
+from ..kernel.simulation import (
+    Clause,
+    Deadline,
+    Declared,
+    Running,
+    Setting,
+    Suspended,
+    Who,
+    flagged,
+    has_passed,
+    simulation_of,
+    with_scenario,
+    with_simulation,
+)  # fmt: skip
 from ..kernel.values import Dynamic, plain
 from ..python.control import block
 from ..python.functions import LARGEST_DEPTH, body_as_statement
@@ -37,6 +51,10 @@ class Ending(NamedTuple):
     number: int
     i: int
     outer: State
+
+
+GOES_ON = object()
+"""Instead of the value of a condition: it has been true, and ends the simulation, not the scenario at once."""
 
 
 class Over(NamedTuple):
@@ -97,7 +115,7 @@ def resume_setting(frame: Setting, result: object, stack: Stack, state: State) -
     if frame.in_block and (len(state.scene) > frame.objects or (simulation.egoless and state.ego is not None)):
         return apply_termination_rules((frame._replace(stage="default requirements"), stack), state, since=frame.objects)
     number = simulation.begun
-    running = scenario_from(number, frame.invocations[frame.i], state.sigma, state.dynamic, state.depth + 1)
+    running = scenario_from(number, frame.invocations[frame.i], state.sigma, state.dynamic, state.depth + 1, simulation.step)
     if number in simulation.scenarios:  # what its setup overrode
         running = running._replace(overrides=simulation.scenarios[number].overrides)
     state = with_simulation(state, begun=number + 1, known=state.made, setting=False, egoless=state.ego is None)
@@ -136,18 +154,27 @@ def settled(objects: Mapping[int, Properties]) -> Mapping[int, Properties]:
     return {number: {name: plain(value) for name, value in properties.items()} for number, properties in objects.items()}
 
 
-def scenario_from(number: int, dynamic: Dynamic | None, scope: Scope, declared: Iterable[Declared], depth: int = 0) -> Running:
+def scenario_from(
+    number: int, dynamic: Dynamic | None, scope: Scope, declared: Iterable[Declared], depth: int = 0, first_step: int = 0
+) -> Running:
     """A scenario whose setup is done, with what it declared; it is inside `depth` others."""
-    found: dict[type, list[Declared]] = {kind: [] for kind in (d.RequireAlways, d.RequireEventually, d.TerminateWhen, d.MonitorDefinition)}
+    found: dict[str, list[Declared]] = {field: [] for field in FIELDS.values()}
     for one in declared:
-        found[type(one.node)].append(one)
+        found[FIELDS[type(one.node)]].append(one)
     definition = None if dynamic is None else dynamic.definition
     compose = definition.compose if isinstance(definition, d.ScenarioDefinition) else None
     return Running(
         number, dynamic, scope, None if compose is None else Suspended(body_as_statement(compose), (), scope, depth=depth),
-        tuple(found[d.RequireAlways]), tuple(found[d.RequireEventually]), tuple(found[d.TerminateWhen]),
-        tuple(monitor(m) for m in found[d.MonitorDefinition]),
+        tuple(found["always"]), tuple(found["eventually"]), tuple(found["terminations"]), tuple(monitor(m) for m in found["monitors"]),
+        tuple(found["records"]), first_step=first_step,
     )  # fmt: skip
+
+
+FIELDS = {
+    d.RequireAlways: "always", d.RequireEventually: "eventually", d.TerminateWhen: "terminations", d.TerminateAfter: "terminations",
+    d.MonitorDefinition: "monitors", d.Record: "records",
+}  # fmt: skip
+"""Where a scenario that runs keeps what it declared."""
 
 
 def monitor(declared: Declared) -> Suspended:
@@ -219,10 +246,31 @@ def check_termination(number: int, index: int, stack: Stack, state: State) -> Ou
     if index == len(running.terminations):
         return Next("", Config(Value(Going()), stack, state))
     declared = running.terminations[index]
+    if declared.deadline is not None:
+        if not has_passed(declared.deadline, running.first_step, simulation_of(state)):
+            return check_termination(number, index + 1, stack, state)
+        return time_is_over(declared, running, stack, state)
     assert isinstance(declared.node, d.TerminateWhen)
     prefix = address_of(Who("condition", number, index), state)
     inner = state._replace(sigma=declared.scope, prefix=prefix, draws=0)
     return Next("", Config(declared.node.condition, (Ending(number, index, state), stack), inner))
+
+
+def time_is_over(declared: Declared, running: Running, stack: Stack, state: State) -> Outcome:
+    """The released implementations, `terminate after S seconds` (`steps`): the scenario ends when so much time has passed since it began."""
+    reason = f"the time limit on line {declared.node.span.line} is reached"
+    return Next("D-TerminateAfter", Config(Value(Over(reason)), stack, state), declared.node)
+
+
+def deadline_of(limit: d.TimeLimit, amount: object, node: Node, rule: str) -> Deadline:
+    """The time limit, once its amount is a value. Raises `RunError` for one that is no number, or below 0."""
+    time = plain(amount)
+    word = "after" if isinstance(node, d.TerminateAfter) else "for"
+    if not is_scalar(time):
+        raise RunError(f"the time of `{word}` must be a number, not {kind_name(time)}", node.span, rule=rule)
+    if time < 0:  # type: ignore[operator]
+        raise RunError(f"the time of `{word}` must be at least 0, not {time}", node.span, rule=rule)
+    return Deadline(float(time), limit.unit)  # type: ignore[arg-type]
 
 
 def resume_ending(frame: Ending, result: object, stack: Stack, state: State) -> Outcome:
@@ -232,9 +280,12 @@ def resume_ending(frame: Ending, result: object, stack: Stack, state: State) -> 
     node = simulation_of(state).scenarios[frame.number].terminations[frame.i].node
     assert isinstance(node, d.TerminateWhen)
     after = as_before(frame.outer, state)
-    if not holding(result, node.condition.span, state, "a termination condition", "D-TerminateWhen"):
+    if result is GOES_ON or not holding(result, node.condition.span, state, "a termination condition", "D-TerminateWhen"):
         return check_termination(frame.number, frame.i + 1, stack, after)
-    return Next("D-TerminateWhen", Config(Value(Over(f"the termination condition on line {node.span.line} is true")), stack, after), node)
+    reason = f"the termination condition on line {node.span.line} is true"
+    if node.simulation:  # the scenario itself goes on, to the end of the time step
+        return Next("D-TerminateWhen", Config(Value(GOES_ON), (Ending(frame.number, frame.i, frame.outer), stack), flagged(reason, state)), node)
+    return Next("D-TerminateWhen", Config(Value(Over(reason)), stack, after), node)
 
 
 def unwind_ending(frame: Ending, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
@@ -260,6 +311,6 @@ def declare(declared: Declared, stack: Stack, state: State) -> State:
             running = simulation_of(state).scenarios[frame.who.number]
             if isinstance(declared.node, d.MonitorDefinition):
                 return with_scenario(state, running._replace(monitors=(*running.monitors, monitor(declared))))
-            field = {d.RequireAlways: "always", d.RequireEventually: "eventually", d.TerminateWhen: "terminations"}[type(declared.node)]  # type: ignore[index]
+            field = FIELDS[type(declared.node)]
             return with_scenario(state, running._replace(**{field: (*getattr(running, field), declared)}))
     return state._replace(dynamic=(*state.dynamic, declared))

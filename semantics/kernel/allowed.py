@@ -23,7 +23,7 @@ from ..space.regions import CircularRegion, PolygonalRegion, PolylineRegion, Rec
 from ..space.symbols import NotLifted, Symbol
 from ..space.vectors import Vector
 from .budget import Metered
-from .queries import Clock, Closest
+from .queries import Clock, Closest, Parameters
 from .sets import FrozenSet, Set
 from .values import Bound, Constructor, Dynamic, Entries, Function, Instance, Method, Module, Native, Pairs, Random, ScenicClass, Special
 
@@ -101,8 +101,8 @@ KEY = type(cmp_to_key(lambda first, second: 0))
 """What `functools.cmp_to_key` gives."""
 
 OWN: tuple[type, ...] = (
-    Bound, Clock, Closest, Constructor, Dynamic, Entries, Function, Instance, Metered, Method, Module, Native, Pairs, Random, ScenicClass, Special,
-    Symbol, Region, VectorField, KEY,
+    Bound, Clock, Closest, Constructor, Dynamic, Entries, Function, Instance, Metered, Method, Module, Native, Pairs, Parameters, Random, ScenicClass,
+    Special, Symbol, Region, VectorField, KEY,
 )  # fmt: skip
 """Types of the machine, and of what it computes with: the rules of the language say what may be done with them."""
 

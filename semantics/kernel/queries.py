@@ -28,6 +28,14 @@ class Clock:
 
 
 @dataclass(frozen=True, slots=True)
+class Parameters:
+    """The value of `globalParameters` (dialects `scenic-2.1` and `scenic-3`): the global parameters that are set so far."""
+
+    def __repr__(self) -> str:
+        return "<globalParameters>"
+
+
+@dataclass(frozen=True, slots=True)
 class Closest:
     """The method `distanceToClosest` of an object."""
 

@@ -42,10 +42,11 @@ class Suspended(NamedTuple):
 
 
 class Declared(NamedTuple):
-    """A condition or monitor that a scenario declared, with the scope of its variables."""
+    """A condition, value or monitor that a scenario declared, with the scope of its variables; or a time limit."""
 
     node: Node
     scope: Scope
+    deadline: Deadline | None = None
 
 
 class Overridden(NamedTuple):
@@ -61,7 +62,8 @@ class Running(NamedTuple):
     """A scenario that is running: the top-level one, whose `dynamic` is None unless it is a modular one, or one that a compose block invoked.
 
     `compose` is its compose block, None if it has none; `ran` once it has run for a time step, `over` once it has ended,
-    in the time step in which it did; `satisfied` are the conditions of `require eventually` that held at some time, by their place.
+    in the time step in which it did; `first_step` is the time step in which it began; `satisfied` are the conditions of `require eventually`
+    that held at some time, by their place.
     """
 
     number: int
@@ -72,10 +74,12 @@ class Running(NamedTuple):
     eventually: tuple[Declared, ...] = ()
     terminations: tuple[Declared, ...] = ()
     monitors: tuple[Suspended | None, ...] = ()
+    records: tuple[Declared, ...] = ()
     satisfied: frozenset[int] = frozenset()
     overrides: tuple[Overridden, ...] = ()
     ran: bool = False
     over: bool = False
+    first_step: int = 0
 
     @property
     def name(self) -> str:
@@ -98,7 +102,7 @@ class Simulation(NamedTuple):
     `active` are the scenarios that run in this time step, `flag` says why the scenario is to end, once it is ("" until then), `limit` that it is to
     end in this time step in any case, `fixed` are the properties that the simulator updates: those of the Objects among the instances below number
     `known`, which were made in setup blocks that are over; `setting` while a setup block runs,
-    `egoless` until one has made ego.
+    `egoless` until one has made ego, and `recorded` are the values of `record` statements by their names, each with its time step.
     """
 
     step: int
@@ -114,6 +118,7 @@ class Simulation(NamedTuple):
     known: int = 0
     setting: bool = False
     egoless: bool = False
+    recorded: Mapping[str, tuple[tuple[int, object], ...]] = {}
 
 
 def simulation_of(state: State) -> Simulation:
@@ -125,6 +130,11 @@ def simulation_of(state: State) -> Simulation:
 def with_simulation(state: State, **changes: object) -> State:
     """The state with some parts of its simulation replaced."""
     return state._replace(simulation=simulation_of(state)._replace(**changes))  # type: ignore[arg-type]
+
+
+def flagged(reason: str, state: State) -> State:
+    """Remember that the scenario is to end; the first reason counts."""
+    return with_simulation(state, flag=simulation_of(state).flag or reason)
 
 
 def with_scenario(state: State, running: Running) -> State:
@@ -162,6 +172,16 @@ class Deadline(NamedTuple):
 
     time: float
     unit: str
+
+
+def has_passed(deadline: Deadline, first_step: int, simulation: Simulation) -> bool:
+    """Whether so many steps or seconds have passed since the beginning of that time step."""
+    steps = simulation.step - first_step
+    return steps >= deadline.time if deadline.unit == "steps" else steps * simulation.timestep >= deadline.time * (1 - ROUNDING)
+
+
+ROUNDING = 1e-9
+"""Seconds that are multiples of the time step may differ from them by so little."""
 
 
 class Clause(NamedTuple):

@@ -5,11 +5,12 @@ from __future__ import annotations
 import builtins as python
 import math
 from collections.abc import Mapping
+from operator import index
 
 from ..kernel.budget import Budget
 from ..kernel.classes import BUILT_IN_CLASSES
 from ..kernel.errors import GUARD_VIOLATIONS
-from ..kernel.queries import Clock
+from ..kernel.queries import Clock, Parameters
 from ..kernel.scopes import Scope
 from ..kernel.values import Constructor, Entries, Pairs, plain, unwrap
 from ..space import regions
@@ -32,12 +33,47 @@ def _discrete(weights: object) -> Discrete:
     return Discrete(tuple((value, unwrap(weight)[0]) for value, weight in pairs))  # pyright: ignore[reportArgumentType]: Discrete checks
 
 
+def _options(values: object) -> Uniform | Discrete:
+    """The released implementations' `Options`: one of a list, or of a dictionary with weights."""
+    if isinstance(plain(values), (Mapping, Pairs)):
+        return _discrete(values)
+    found = plain(values)
+    if not isinstance(found, (list, tuple)):
+        raise BadParameters("Options", "options", "must be given as [value, ...] or {value: weight, ...}")
+    return Uniform(tuple(found))
+
+
+def _discrete_range(low: object, high: object, weights: object = None) -> Uniform | Discrete:
+    """The released implementations' `DiscreteRange`: a whole number from low to high, both included."""
+    try:
+        numbers = range(index(low), index(high) + 1)  # type: ignore[arg-type]
+    except TypeError:
+        raise BadParameters("DiscreteRange", "low, high", f"must be whole numbers, not {low!r}, {high!r}") from None
+    if not 0 < len(numbers) <= MOST_NUMBERS:
+        raise BadParameters("DiscreteRange", "low, high", f"must hold between 1 and {MOST_NUMBERS:,} numbers, not {low!r} to {high!r}")
+    if weights is None:
+        return Uniform(tuple(numbers))
+    given = plain(weights)
+    if not isinstance(given, (list, tuple)) or len(given) != len(numbers):
+        raise BadParameters("DiscreteRange", "weights", f"must be a list of {len(numbers)} numbers")
+    return Discrete(tuple(zip(numbers, (unwrap(w)[0] for w in given), strict=True)))  # pyright: ignore[reportArgumentType]: Discrete checks
+
+
+MOST_NUMBERS = 100_000
+
 CONSTRUCTORS: Mapping[str, Constructor] = {
     "Range": Constructor("Range", Range, keeps_values=False, takes="low, high"),
     "Uniform": Constructor("Uniform", _uniform, keeps_values=True, takes="value, ..., value"),
     "Discrete": Constructor("Discrete", _discrete, keeps_values=True, takes="{value: weight, ...}"),
     "Normal": Constructor("Normal", Normal, keeps_values=False, takes="mean, stdDev"),
     "TruncatedNormal": Constructor("TruncatedNormal", TruncatedNormal, keeps_values=False, takes="mean, stdDev, low, high"),
+    # of the released implementations
+    "DiscreteRange": Constructor("DiscreteRange", _discrete_range, keeps_values=False, takes="low, high, weights=None"),
+    "Options": Constructor("Options", _options, keeps_values=True, takes="[value, ..., value]"),
+    # its external parameters, which a sampler may steer: here as drawn from their priors
+    "VerifaiRange": Constructor("VerifaiRange", Range, keeps_values=False, takes="low, high"),
+    "VerifaiDiscreteRange": Constructor("VerifaiDiscreteRange", _discrete_range, keeps_values=False, takes="low, high, weights=None"),
+    "VerifaiOptions": Constructor("VerifaiOptions", _options, keeps_values=True, takes="[value, ..., value]"),
 }
 
 GEOMETRY: Mapping[str, object] = {
@@ -60,7 +96,10 @@ EXCEPTIONS: Mapping[str, object] = {
     if isinstance(value, type) and issubclass(value, Exception) and not issubclass(value, Warning)
 } | GUARD_VIOLATIONS
 
-BUILTINS: Mapping[str, object] = {**HOST, **EXCEPTIONS, **GEOMETRY, **BUILT_IN_CLASSES, **CONSTRUCTORS, **SPECIAL_VALUES, "simulation": Clock()}
+BUILTINS: Mapping[str, object] = {
+    **HOST, **EXCEPTIONS, **GEOMETRY, **BUILT_IN_CLASSES, **CONSTRUCTORS, **SPECIAL_VALUES,
+    "simulation": Clock(), "globalParameters": Parameters(),
+}  # fmt: skip
 
 
 def builtin_scope(budget: Budget) -> Scope:

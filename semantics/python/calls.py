@@ -31,6 +31,7 @@ from ..syntax.nodes import Node
 from .assignment import random_write
 from .expressions import elements
 from .functions import bind, enter
+from .members import Member, call_member
 from .prices import as_callback, check_arguments
 from .specials import HOST_RULES, SPECIALS, call_container_method, container_method, returned
 from .texts import without_addresses
@@ -99,6 +100,8 @@ def apply(node: Node, function: object, arguments: tuple[object, ...], keywords:
             return value("E-Call", function, stack, state, node)
         case Closest():
             return value("E-Call", distance_to_closest(function, arguments, node, state), stack, state, node)
+        case Member():
+            return call_member(node, function, arguments, keywords, stack, state)
         case Instance():
             raise HostException(TypeError(f"an instance of {function.class_.name} is not callable"))
         case Random() if isinstance(function.value, (Function, Method, Constructor, Special)):

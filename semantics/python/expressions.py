@@ -20,7 +20,7 @@ from ..kernel.host import HostException, host, raw
 from ..kernel.kinds import Reader, has_kind, is_pair, kind_name
 from ..kernel.outcome import Outcome
 from ..kernel.premises import premises, raw_axiom
-from ..kernel.queries import Clock, Closest, attribute_of_clock
+from ..kernel.queries import Clock, Closest, Parameters, attribute_of_clock
 from ..kernel.scopes import MISSING, Scope
 from ..kernel.sets import Set
 from ..kernel.values import (
@@ -47,6 +47,7 @@ from ..syntax.nodes import Node
 from .arithmetic import BINARY, UNARY
 from .keys import check_key, check_keys
 from .library import ascii_of, attribute_of, bound
+from .members import expand, member
 from .texts import formatted as format_value
 from .texts import represented, written
 
@@ -175,6 +176,9 @@ def attribute(node: p.Attribute, stack: Stack, state: State) -> Outcome:
 def conclude_attribute(node: p.Attribute, values: list[object], stack: Stack, state: State) -> Outcome:
     """The object is known: its attribute."""
     subject = values[0]
+    found = member(subject, node.name, state)
+    if found is not None:
+        return expand(node, found, subject, node.name, stack, state)
     if type(subject) is not Random:
         return attribute_is(node, get_attribute(subject, node, state), stack, state)
     shared = shared_method(subject, node.name, state)
@@ -205,6 +209,10 @@ def get_attribute(subject: object, node: p.Attribute, state: State) -> object:
     match subject:
         case Clock():
             return attribute_of_clock(name, node, state)
+        case Parameters():
+            if name not in state.params:
+                raise HostException(AttributeError(f"there is no global parameter {name}"))
+            return state.params[name]
         case Instance():
             return instance_attribute(subject, name, state)
         case Module():

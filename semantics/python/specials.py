@@ -62,6 +62,20 @@ def print_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stac
     return value("E-Print", None, stack, state, node, Change("print", "", text))
 
 
+def verbose_print(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
+    """`verbosePrint(...)` of the released implementations prints where the user asks for details, and nothing here."""
+    return returned(node, None, stack, state)
+
+
+def local_path(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
+    """`localPath(P)` of the released implementations: the path P as seen from the folder of the program's file, as a text."""
+    path = plain(arguments[0]) if len(arguments) == 1 else None
+    if not isinstance(path, str) or keywords:
+        raise HostException(TypeError("localPath() takes one argument, a path as a text"))
+    folder, slash, _ = node.span.file.rpartition("/")
+    return returned(node, path if path.startswith("/") else folder + slash + path, stack, state)
+
+
 def isinstance_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
     """`isinstance(v, C)` for Scenic and Python classes, or a tuple of them."""
     if len(arguments) != 2:
@@ -301,6 +315,8 @@ def random_place(name: str, node: Node) -> RunError:
 SPECIALS: Mapping[str, Rule] = {
     "resample": resample,
     "print": print_rule,
+    "verbosePrint": verbose_print,
+    "localPath": local_path,
     "isinstance": isinstance_rule,
     "issubclass": issubclass_rule,
     "type": type_rule,

@@ -33,10 +33,11 @@ from ..syntax import expressions as e
 from ..syntax import python_expressions as p
 from ..syntax import specifiers as q
 from ..syntax.nodes import Node
+from . import released
 from . import specifiers as sp
 from .operations import SPECIFIED, compute
 from .resolution import Ordered, Specification, resolve_specifiers
-from .specifier_arguments import arguments_of, choose_form, default_specification, describe, waits_for_position
+from .specifier_arguments import arguments_of, choose_form, default_specification, describe, forms_under, waits_for_position
 
 
 class ClassOf(NamedTuple):
@@ -90,7 +91,7 @@ def resume_class(frame: ClassOf, head: object, stack: Stack, state: State) -> Ou
 def evaluate_arguments(node: e.ObjectDefinition, class_: ScenicClass, stack: Stack, state: State) -> Outcome:
     """Rewrite the specifiers one by one, then reduce the arguments that need not wait."""
     for index, specifier in enumerate(node.specifiers):
-        rewriting = sp.REWRITINGS.get(type(specifier))
+        rewriting = released.REWRITINGS.get(type(specifier))
         if rewriting is not None and rewriting.applies(specifier):
             specifiers = (*node.specifiers[:index], rewriting.rewrite(specifier), *node.specifiers[index + 1 :])
             rewritten = ClassOf(replace(node, specifiers=specifiers))  # type: ignore[arg-type]
@@ -184,7 +185,7 @@ def conclude_late(node: Node, values: list[object], stack: Stack, state: State) 
     around = outside(stack[0], state)
     if isinstance(node, q.WithSpecifier):
         return specify(None, tuple(values), stack, around)
-    return specify(*choose_form(node, sp.forms_of(node, state.reading("offset-by")), values, state), stack, around)
+    return specify(*choose_form(node, forms_under(node, state), values, state), stack, around)
 
 
 class Defaulting(NamedTuple):
@@ -276,7 +277,10 @@ def resume_placing(frame: Placing, point: Vector, stack: Stack, state: State) ->
         at = compute(form.function, (*operands, point), Reader(state))
     except OutsideField as problem:
         return outside_field(form.rule, problem, {"position": point, "heading": 0.0}, origin, stack, state)
-    return assign(form.rule, properties_of(at, form, origin), stack, state)
+    properties = properties_of(at, form, origin)
+    if "regionContainedIn" in form.specifies:
+        properties["regionContainedIn"] = operands[0]
+    return assign(form.rule, properties, stack, state)
 
 
 def outside_field(

@@ -18,16 +18,17 @@ from ..space.vectors import Vector
 from ..syntax import expressions as e
 from ..syntax.nodes import Node
 from . import operators as o
+from . import released
 
 SPECIFIED = "<the object being specified>"
 
 
 def operator(node: Node, stack: Stack, state: State) -> Outcome:
     """Rewrite the operator if its equation is a rewriting, else reduce its operands."""
-    rewriting = o.REWRITINGS.get(type(node))
+    rewriting = released.REWRITINGS.get(type(node))
     if rewriting is not None and rewriting.applies(node):
         return Next(rewriting.rule, Config(rewriting.rewrite(node), stack, state), node)
-    names, _ = o.EQUATIONS[type(node)]
+    names, _ = released.EQUATIONS[type(node)]
     return premises(node, [getattr(node, name) for name in names], apply_operator, stack, state)
 
 
@@ -43,7 +44,7 @@ def apply_side(node: e.SideOf, values: list[object], stack: Stack, state: State)
 
 def apply_operator(node: Node, values: list[object], stack: Stack, state: State) -> Outcome:
     """The operands are reduced: choose the equation by their kinds and conclude."""
-    return apply_equation(node, o.equations_of(node, state.reading("oriented-offset")), values, stack, state)
+    return apply_equation(node, released.equations_of(node, state.reading("oriented-offset")), values, stack, state)
 
 
 def apply_equation(node: Node, equations: Sequence[o.Equation], values: list[object], stack: Stack, state: State) -> Outcome:
@@ -109,7 +110,8 @@ def operator_name(node: Node) -> str:
         e.RelativeHeading: "relative heading of", e.ApparentHeading: "apparent heading of", e.Distance: "distance from ... to",
         e.DistancePast: "distance of ... past", e.Angle: "angle from ... to", e.CanSee: "can see", e.Degrees: "deg", e.FieldAt: "at",
         e.RelativeTo: "relative to", e.VectorOf: "@", e.OffsetBy: "offset by", e.OffsetAlong: "offset along ... by",
-        e.VisibleFrom: "visible from", e.Follow: "follow ... from ... for",
+        e.VisibleFrom: "visible from",
+        e.RelativePosition: "relative position of ... from", e.NotVisible: "not visible", e.Follow: "follow ... from ... for",
     }
     if isinstance(node, e.SideOf):
         return f"`{node.side} of`"

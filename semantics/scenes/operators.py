@@ -357,7 +357,3 @@ IN_EQUATIONS = (
     Equation("O-In-Vector", (VECTOR, REGION), vector_is_in),
 )
 
-
-def equations_of(node: Node, oriented_offset: str) -> tuple[Equation, ...]:
-    """The equations among which the kinds of the operands choose; `oriented_offset` is the alternative of that reading."""
-    return OFFSET_BY[oriented_offset] if isinstance(node, e.OffsetBy) else EQUATIONS[type(node)][1]

@@ -22,6 +22,7 @@ from ..syntax import expressions as e
 from ..syntax import python_expressions as p
 from ..syntax import specifiers as q
 from ..syntax.nodes import Node
+from . import released
 from . import specifiers as sp
 from .resolution import Specification
 
@@ -30,7 +31,7 @@ def arguments_of(node: Node) -> list[Node]:
     """The argument expressions of a specifier, in the order of its form's kinds."""
     if isinstance(node, q.WithSpecifier):
         return [node.value]
-    return [getattr(node, name) for name in sp.FORMS[type(node)][0]]
+    return [getattr(node, name) for name in released.FORMS[type(node)][0]]
 
 
 def waits_for_position(specifier: Node, state: State) -> bool:
@@ -94,7 +95,7 @@ def describe(node: Node, arguments: list[object] | None, state: State) -> Specif
     if isinstance(node, q.WithSpecifier):
         dependencies = ("position",) if arguments is None else ()
         return Specification(node, name, (canonical(node.property),), (), dependencies, None, None if arguments is None else tuple(arguments))
-    forms = sp.forms_of(node, state.reading("offset-by"))
+    forms = forms_under(node, state)
     if arguments is None:
         form = forms[0]
         return Specification(node, name, form.specifies, (), tuple(dict.fromkeys((*form.dependencies, "position"))), None, None)
@@ -103,6 +104,11 @@ def describe(node: Node, arguments: list[object] | None, state: State) -> Specif
     if form.heading_of_region and unwrap(arguments[0])[0].orientation is not None:  # type: ignore[attr-defined]
         optional = sp.HEADING_ONLY
     return Specification(node, name, form.specifies, optional, form.dependencies, form, complete)
+
+
+def forms_under(node: Node, state: State) -> tuple[sp.Form, ...]:
+    """The forms of a specifier under the readings of the run."""
+    return released.forms_of(node, state.reading("offset-by"), state.reading("offset-amounts"))
 
 
 def choose_form(node: Node, forms: tuple[sp.Form, ...], arguments: list[object], state: State) -> tuple[sp.Form, tuple[object, ...]]:

@@ -325,20 +325,13 @@ FORMS: Mapping[type[Node], tuple[tuple[str, ...], tuple[Form, ...]]] = {
     ),
 }
 
-def forms_of(node: Node, offset_by: str) -> tuple[Form, ...]:
-    """The forms among which the kinds of the arguments choose; `offset_by` is the alternative of that reading."""
-    if isinstance(node, q.BesideSpecifier):
-        return BESIDE[node.side]
-    if isinstance(node, q.OffsetBySpecifier):
-        return OFFSET_BY[offset_by]
-    return FORMS[type(node)][1]
-
 
 def specifier_name(node: Node) -> str:
     """The specifier as the user wrote it, for messages."""
     names = {
         q.AtSpecifier: "at", q.OffsetBySpecifier: "offset by", q.OffsetAlongSpecifier: "offset along", q.BeyondSpecifier: "beyond",
-        q.VisibleSpecifier: "visible", q.FollowingSpecifier: "following", q.FacingSpecifier: "facing",
+        q.VisibleSpecifier: "visible", q.NotVisibleSpecifier: "not visible", q.ContainedInSpecifier: "contained in",
+        q.FollowingSpecifier: "following", q.FacingSpecifier: "facing",
         q.FacingTowardSpecifier: "facing toward", q.FacingAwayFromSpecifier: "facing away from", q.ApparentlyFacingSpecifier: "apparently facing",
     }
     match node:

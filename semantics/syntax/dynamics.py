@@ -45,30 +45,53 @@ class ScenarioDefinition(Statement):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RequireAlways(Statement):
-    """`require always B`."""
+    """`require always B [as name]`."""
 
     condition: Expression
+    name: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RequireEventually(Statement):
-    """`require eventually B`."""
+    """`require eventually B [as name]`."""
 
     condition: Expression
+    name: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RequireMonitor(Statement):
-    """`require monitor M(...)` of dialect `scenic-3`."""
+    """`require monitor M(...) [as name]` of dialect `scenic-3`."""
 
     monitor: Expression
+    name: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TerminateWhen(Statement):
-    """`terminate when B`."""
+    """`terminate when B [as name]`; `terminate simulation when B` if it is about the `simulation`."""
 
     condition: Expression
+    name: str = ""
+    simulation: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TerminateAfter(Statement):
+    """`terminate after S seconds` or `terminate after S steps`."""
+
+    limit: TimeLimit
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Record(Statement):
+    """`record E [every T] [after T] [as name]`, `record initial E`, `record final E`: `time` says which values are kept."""
+
+    value: Expression
+    time: Literal["always", "initial", "final"] = "always"
+    name: str = ""
+    period: TimeLimit | None = None
+    delay: TimeLimit | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,8 +107,17 @@ class Wait(Statement):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class WaitFor(Statement):
+    """`wait for S seconds`, `wait for S steps` or `wait until B`."""
+
+    limit: TimeLimit | Until
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Terminate(Statement):
-    """`terminate`."""
+    """`terminate`; `terminate simulation` if it is about the `simulation`."""
+
+    simulation: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

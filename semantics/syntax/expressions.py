@@ -122,6 +122,22 @@ class OffsetAlong(Expression):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class RelativePosition(Expression):
+    """`relative position of V [from V]`."""
+
+    target: Expression
+    origin: Expression | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NotVisible(Expression):
+    """`not visible R`; the `viewer` is ego, once the rules have said so."""
+
+    region: Expression
+    viewer: Expression | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Visible(Expression):
     """`visible R`."""
 

@@ -64,6 +64,21 @@ class VisibleSpecifier(Specifier):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class NotVisibleSpecifier(Specifier):
+    """`not visible [from P]`; `within` is the region in which the point lies, the workspace."""
+
+    viewer: Expression | None = None
+    within: Expression | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ContainedInSpecifier(Specifier):
+    """`contained in R`."""
+
+    region: Expression
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class InSpecifier(Specifier):
     """`in R` or `on R`: one specifier with two spellings."""
 

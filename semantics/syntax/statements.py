@@ -192,6 +192,13 @@ class Model(Statement):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ChooseSimulator(Statement):
+    """`simulator E` of the released implementations."""
+
+    value: Expression
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ParamAssignment(Node):
     """`name = value` in a `param` statement."""
 
@@ -208,10 +215,11 @@ class Param(Statement):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PropertyDefault(Node):
-    """`property: value` in a class body."""
+    """`property: value` in a class body; `attributes` are those that the released implementations know: additive, dynamic, final."""
 
     name: str
     value: Expression
+    attributes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -226,17 +234,19 @@ class ClassDefinition(Statement):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Require(Statement):
-    """`require B`."""
+    """`require B [as name]`."""
 
     condition: Expression
+    name: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SoftRequire(Statement):
-    """`require[p] B`."""
+    """`require[p] B [as name]`."""
 
     probability: Expression
     condition: Expression
+    name: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,0 +1,176 @@
+"""Attributes and methods of the released implementations that say what an operator says: `o.distanceTo(v)` is `distance from o to v`.
+
+Each is a rewriting into an operator, of values that are known already; so it means the same in every backend. A property or method that the
+program defines comes first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+from ..kernel.classes import canonical
+from ..kernel.config import Config, Stack, State, value
+from ..kernel.host import HostException
+from ..kernel.kinds import is_object, is_oriented
+from ..kernel.outcome import Next, Outcome
+from ..kernel.values import Instance, plain
+from ..space import regions
+from ..space.fields import VectorField
+from ..space.vectors import Vector
+from ..syntax import expressions as e
+from ..syntax import python_expressions as p
+from ..syntax.nodes import Expression, Node
+
+Rewrite = Callable[..., Expression]
+"""From the value and the arguments, as expressions, to what the member stands for."""
+ZERO = p.Constant(value=Vector(0.0, 0.0))
+
+
+def pair(x: Expression, y: Expression) -> Expression:
+    """(x, y)."""
+    return e.VectorOf(x=x, y=y)
+
+
+def number(x: float) -> Expression:
+    """A number."""
+    return p.Constant(value=x)
+
+
+def box(o: Expression) -> Expression:
+    """The bounding box of an object, as a region."""
+    properties = (p.Attribute(value=o, name=name) for name in ("position", "heading", "width", "length"))
+    return p.Call(function=p.Constant(value=regions.RectangularRegion), arguments=tuple(properties))
+
+
+def boxes_meet(o: Expression, other: Expression) -> Expression:
+    """Whether the bounding boxes of two objects share a point."""
+    return p.Call(function=p.Attribute(value=box(o), name="intersects"), arguments=(box(other),))
+
+
+def within(point: Expression, region: Expression) -> Expression:
+    """`point in region`."""
+    return p.Comparison(left=point, operators=("in",), operands=(region,))
+
+
+def length(v: Expression) -> Expression:
+    """The length of a vector."""
+    return e.Distance(origin=ZERO, target=v)
+
+
+def turned(v: Expression, h: Expression) -> Expression:
+    """The vector, rotated anticlockwise."""
+    return e.OffsetAlong(base=ZERO, direction=h, offset=v)
+
+
+def corners(o: Expression) -> Expression:
+    """The four corners of an object, from the front right one on, anticlockwise."""
+    sides: tuple[e.Side, ...] = ("front right", "front left", "back left", "back right")
+    return p.TupleDisplay(items=tuple(p.Attribute(value=e.SideOf(side=s, object=o), name="position") for s in sides))
+
+
+def side(name: e.Side) -> Rewrite:
+    """`front of O` and its siblings."""
+    return lambda o: e.SideOf(side=name, object=o)
+
+
+SIDES: Mapping[str, Rewrite] = {
+    "left": side("left"), "right": side("right"), "front": side("front"), "back": side("back"), "frontLeft": side("front left"),
+    "frontRight": side("front right"), "backLeft": side("back left"), "backRight": side("back right"), "corners": corners,
+}  # fmt: skip
+SEEING: Mapping[str, Rewrite] = {"visibleRegion": lambda o: e.VisibleFrom(region=p.Constant(value=regions.everywhere), viewer=o)}
+
+OF_POINTS: Mapping[str, Rewrite] = {
+    "distanceTo": lambda o, v: e.Distance(origin=o, target=v),
+    "angleTo": lambda o, v: e.Angle(origin=o, target=v),
+    "canSee": lambda o, v: e.CanSee(viewer=o, target=v),
+}
+OF_ORIENTED_POINTS: Mapping[str, Rewrite] = {
+    **OF_POINTS,
+    "distancePast": lambda o, v: e.DistancePast(oriented_point=o, vector=v),
+    "relativize": lambda o, v: e.RelativeTo(left=v, right=o),
+}
+OF_OBJECTS: Mapping[str, Rewrite] = {
+    **OF_ORIENTED_POINTS, "containsPoint": lambda o, v: within(v, box(o)), "intersects": boxes_meet,
+}  # fmt: skip
+OF_VECTORS: Mapping[str, Rewrite] = {
+    "distanceTo": lambda v, w: e.Distance(origin=v, target=w),
+    "angleTo": lambda v, w: e.Angle(origin=v, target=w),
+    "norm": length,
+    "normalized": lambda v: p.BinaryOperation(operator="/", left=v, right=length(v)),
+    "rotatedBy": turned,
+    "offsetRotated": lambda v, h, w: e.OffsetAlong(base=v, direction=h, offset=w),
+    "offsetRadially": lambda v, r, h: e.OffsetAlong(base=v, direction=h, offset=pair(number(0), r)),
+}
+OF_FIELDS: Mapping[str, Rewrite] = {
+    "followFrom": lambda f, v, s: p.Attribute(value=e.Follow(field=f, origin=v, distance=s), name="position"),
+}
+OF_REGIONS: Mapping[str, Rewrite] = {
+    "distanceTo": lambda r, v: e.Distance(origin=v, target=r),
+    "containsObject": lambda r, o: within(o, r),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Member:
+    """A method of the released implementations, of a value."""
+
+    scenic_names: ClassVar[frozenset[str]] = frozenset()
+    """What programs may ask of it: nothing."""
+    subject: object
+    name: str
+    rewrite: Rewrite
+
+    def __repr__(self) -> str:
+        return f"<method {self.name}>"
+
+
+def member(subject: object, name: str, state: State) -> tuple[Rewrite, bool] | None:
+    """What an attribute of a value stands for, if the program does not define it, and whether it is a method."""
+    inner = plain(subject)
+    match inner:
+        case Instance():
+            if canonical(name) in state.objects[inner.number] or inner.class_.method(name) is not None:
+                return None
+            attributes = {**SEEING, **(SIDES if is_object(inner) else {})}
+            methods = OF_OBJECTS if is_object(inner) else OF_ORIENTED_POINTS if is_oriented(inner) else OF_POINTS
+        case Vector():
+            attributes, methods = {"coordinates": coordinates}, OF_VECTORS
+        case VectorField():
+            attributes, methods = {}, OF_FIELDS
+        case regions.Region():
+            attributes, methods = {}, OF_REGIONS
+        case _:
+            return None
+    if name in attributes:
+        return attributes[name], False
+    return (methods[name], True) if name in methods else None
+
+
+def coordinates(v: Expression) -> Expression:
+    """The pair of the coordinates."""
+    return p.TupleDisplay(items=(p.Attribute(value=v, name="x"), p.Attribute(value=v, name="y")))
+
+
+def expand(node: Node, found: tuple[Rewrite, bool], subject: object, name: str, stack: Stack, state: State) -> Outcome:
+    """What the member stands for; a method waits for its arguments."""
+    rewrite, is_method = found
+    if is_method:
+        return value("E-Attribute", Member(subject, name, rewrite), stack, state, node)
+    return rewritten(node, rewrite, (subject,), stack, state)
+
+
+def rewritten(node: Node, rewrite: Rewrite, values: tuple[object, ...], stack: Stack, state: State) -> Outcome:
+    """The released implementations, ⟦E.name⟧ and ⟦E.name(E_1, ..., E_n)⟧ = ⟦the operator that says the same⟧, of the values of E and E_i."""
+    expression = rewrite(*(p.Constant(value=v, span=node.span) for v in values))
+    return Next("E-Member", Config(replace(expression, span=node.span), stack, state), node)
+
+
+def call_member(node: Node, function: Member, arguments: tuple[object, ...], keywords: Mapping[str, object], stack: Stack, state: State) -> Outcome:
+    """Apply a method. Raises `HostException` for arguments that it does not take."""
+    wanted = function.rewrite.__code__.co_argcount - 1
+    if keywords or len(arguments) != wanted:
+        raise HostException(TypeError(f"{function.name}() takes {wanted} argument{'s' * (wanted != 1)} without names"))
+    return rewritten(node, function.rewrite, (function.subject, *arguments), stack, state)
+
