@@ -11,9 +11,6 @@ from typing import NamedTuple
 import numpy as np
 from scipy import special, stats
 
-LARGEST_RHAT = 1.01
-"""Chains with a larger R-hat do not agree."""
-
 
 class Diagnosis(NamedTuple):
     """The worst values over all features: the largest R-hat, the fewest effective draws for means and for the 5 % and 95 % quantiles."""
@@ -51,7 +48,7 @@ def bulk_ess(draws: np.ndarray) -> float:
 def tail_ess(draws: np.ndarray) -> float:
     """The same for the 5 % and the 95 % quantile, whichever is worse."""
     halves = split(draws)
-    below = [(halves <= np.quantile(halves, share)).astype(float) for share in (0.05, 0.95)]
+    below = [(halves <= np.quantile(draws, share)).astype(float) for share in (0.05, 0.95)]
     return min(float(b.size) if varies_not(b) else plain_ess(b) for b in below)
 
 
@@ -81,20 +78,22 @@ def plain_rhat(draws: np.ndarray) -> float:
 
 
 def plain_ess(draws: np.ndarray) -> float:
-    """The number of draws over the sum of their autocorrelations, cut where pairs of them are negative or would grow (Geyer)."""
+    """The number of draws over the sum of their autocorrelations: in pairs that are positive and do not grow (Geyer), and half of the next if it is
+    positive.
+    """
     chains, count = draws.shape
     covariances = autocovariances(draws)
     within = covariances[:, 0].mean() * count / (count - 1)
     total = within * (count - 1) / count + (draws.mean(axis=1).var(ddof=1) if chains > 1 else 0.0)
     if total <= 0:
         return float(draws.size)
-    correlations = 1 - (within - covariances.mean(axis=0) * count / (count - 1)) / total
+    correlations = 1 - (within - covariances.mean(axis=0)) / total
     correlations[0] = 1.0
     pairs = correlations[: count - count % 2].reshape(-1, 2).sum(axis=1)
-    negative = np.flatnonzero(pairs < 0)
-    pairs = np.minimum.accumulate(pairs[: negative[0]] if len(negative) else pairs)
-    length = max(-1 + 2 * pairs.sum(), 1 / np.log10(max(draws.size, 10)))
-    return float(draws.size / length)
+    negative = np.flatnonzero(pairs[1:] < 0) + 1
+    end = int(negative[0]) if len(negative) else len(pairs) - 1
+    length = -1 + 2 * np.minimum.accumulate(pairs[:end]).sum() + max(float(correlations[2 * end]), 0.0)
+    return float(draws.size / max(length, 1 / np.log10(max(draws.size, 10))))
 
 
 def autocovariances(draws: np.ndarray) -> np.ndarray:

@@ -24,7 +24,9 @@ MOST_UNSEEN = 0.5
 
 
 class Probability(NamedTuple):
-    """An estimate of the probability that a run is accepted, with an interval that holds it with probability `level`."""
+    """An estimate of the probability that a run is accepted, with an interval that holds it with probability `level`; for splitting and chains, as
+    far as the accepted runs were found at all: of a part that no population met, nothing can tell.
+    """
 
     estimate: float
     low: float

@@ -31,8 +31,9 @@ FEWEST_TEMPERED, MOST_RUNGS = 16, 24
 """Tempered chains, and the levels of each."""
 FEWEST_DRAWS = 100
 """Of each chain, of which the first half is not used."""
-MOST_DRAWS = 400
-"""Beyond, every other draw is dropped, and draws are made half as often."""
+FEWEST_KEPT, MOST_STATES = 400, 2_000_000
+"""Beyond as many draws as hold four states for each that is wanted (these are the least and the most), every other draw is dropped, and draws are
+made half as often."""
 STUCK_RHAT, SLOW = 1.2, 4
 """Chains with a larger R-hat after so many draws are tempered; after more than SLOW times as many moves, those that do not agree."""
 MOST_RUNS = 20_000_000
@@ -81,7 +82,8 @@ class Chains:
 
 def tempered(target: Target, moves: Moves, populations: Sequence[Population], random: np.random.Generator) -> Chains:
     """Chains with companions at the levels that splitting went through, all begun at states of accepted runs."""
-    levels = [min(level.violation, float(np.finfo(float).max)) for level in populations[0].levels]
+    largest = float(np.finfo(float).max)
+    levels = sorted({min(level.violation, largest) for p in populations for level in p.levels}, reverse=True)
     every = -(-len(levels) // MOST_RUNGS)
     levels = [*levels[:-1:every], 0.0]
     states = States.joined([p.states for p in populations])
@@ -100,35 +102,38 @@ def draw_mcmc(batch: Batch, n: int, seed: int, *, share: float = 1.0, on_draw: O
     target.measure(random)
     target.expect(2 * FEWEST_DRAWS * len(target.blocks()), CHAINS)
     found, moves = split(target, POPULATIONS, PARTICLES, random)
-    chains = Chains(target, moves, States.joined([p.states.at(np.arange(CHAINS // POPULATIONS)) for p in found]), [0.0])
+    living = [p.states for p in found if len(p.states)]
+    chains = Chains(target, moves, States.joined([s.at(np.resize(np.arange(len(s)), -(-CHAINS // len(living)))) for s in living]), [0.0])
     wanted = max(float(n), FEWEST_EFFECTIVE)
     draws: list[States] = []
     features: list[np.ndarray] = []
     notes: list[str] = []
     thinning, diagnosis = 1, Diagnosis(math.inf, 0.0, 0.0, 0)
-    while target.evaluations < most_runs:
-        taken = MovesMade(len(moves))
-        for _ in range(FEWEST_DRAWS):
+    while not draws or target.evaluations < most_runs:
+        taken, more = MovesMade(len(moves)), max(FEWEST_DRAWS, len(draws) // 4)
+        for _ in range(more):
             taken = chains.advance(thinning, random)
             draws.append(chains.accepted)
-        new = target.features(States.joined(draws[-FEWEST_DRAWS:]))
-        features.extend(np.split(new, FEWEST_DRAWS, axis=1))
-        if thinning == 1 and len(chains.levels) == 1:
+        new = target.features(States.joined(draws[-more:]))
+        features.extend(np.split(new, more, axis=1))
+        if len(draws) == FEWEST_DRAWS and len(chains.levels) == 1:  # before any of the draws that count
             moves.adapt(taken)
         diagnosis = diagnose(np.stack(features[len(draws) // 2 :], axis=2))
         if on_draw is not None:
             on_draw(min(diagnosis.bulk / wanted, (LARGEST_RHAT - 1) / max(diagnosis.rhat - 1, 1e-9), 1.0))
-        if diagnosis.bulk >= wanted and diagnosis.tail >= wanted / 2 and diagnosis.rhat <= LARGEST_RHAT:
+        enough = len(draws) // 2 * chains.count >= n
+        if enough and diagnosis.bulk >= wanted and diagnosis.tail >= wanted / 2 and diagnosis.rhat <= LARGEST_RHAT:
             break
-        if len(draws) >= MOST_DRAWS:
+        if len(draws) >= min(max(FEWEST_KEPT, 8 * wanted / chains.count), MOST_STATES / chains.count):
             draws, features, thinning = draws[1::2], features[1::2], 2 * thinning
-            if len(chains.levels) == 1 < len(found[0].levels) and diagnosis.rhat > (STUCK_RHAT if thinning <= SLOW else LARGEST_RHAT):
+            if len(chains.levels) == 1 < max(len(p.levels) for p in found) and diagnosis.rhat > (STUCK_RHAT if thinning <= SLOW else LARGEST_RHAT):
                 chains, draws, features, thinning = tempered(target, moves, found, random), [], [], 1
                 notes.append(f"{chains.count} chains were tempered over {len(chains.levels)} levels, since plain ones did not agree")
     kept = States.joined(draws[len(draws) // 2 :])
     chosen = kept.at(some(len(kept), n, random))
-    if diagnosis.bulk < n:
-        notes.append(f"the {n:,} scenes are worth {diagnosis.bulk:.0f} independent ones")
+    worth = min(diagnosis.bulk, len(kept))
+    if worth < n:
+        notes.append(f"the {n:,} scenes are worth {worth:.0f} independent ones")
     return Inferred(
         "mcmc", list(target.scenes(chosen, seed)), probability(found, share), target.evaluations, diagnosis, name_of(target, diagnosis),
         time.process_time() - begun, tuple(notes), target.names, np.stack(features[len(draws) // 2 :], axis=2),

@@ -38,6 +38,10 @@ FEWEST_KEPT = 0.03
 """If a level would leave a population a smaller part of its states, there is one between."""
 STALLED = 8
 """So many levels in a row at which nothing gets better: no scene is to be found."""
+FEWEST_AHEAD, ENOUGH_LEFT, MOST_PARTICLES = 1024, 10, 20_000
+"""Of the population that goes first; how many states are to be left at each level, by what it found; for which a population gets so many at most."""
+MOST_BETWEEN = 1000
+"""Levels between those that were planned."""
 FEWEST_WITH_VALUES = 1e-5
 """If fewer runs than this have values for all that they compute (no empty region, no point outside a field), no scene is to be found."""
 
@@ -51,10 +55,11 @@ class Level(NamedTuple):
 
 
 class Planned(NamedTuple):
-    """A level to come, and for each block the shortest steps there."""
+    """A level to come, for each block the shortest steps there, and the part of its states that the population that went first kept."""
 
     violation: float
     smallest: np.ndarray
+    kept: float
 
 
 OnLevel = Callable[[float, float], None]
@@ -62,7 +67,7 @@ OnLevel = Callable[[float, float], None]
 
 
 class Population(NamedTuple):
-    """States whose runs are accepted, equally likely, and the levels on the way to them.
+    """States whose runs are accepted, equally likely, and the levels on the way to them; no states where none was left at the last of these.
 
     The first, of any violation, is met by the runs that have values for all that they compute.
     """
@@ -73,56 +78,80 @@ class Population(NamedTuple):
     @property
     def log_probability(self) -> float:
         """The logarithm of the estimated probability that a run is accepted."""
-        return sum(math.log(level.kept) for level in self.levels)
+        return sum(math.log(level.kept) for level in self.levels) if len(self.states) else -math.inf
 
 
 def split(
     target: Target, repetitions: int, count: int, random: np.random.Generator, *, passes: int = PASSES, on_level: OnLevel | None = None
 ) -> tuple[list[Population], Moves]:
-    """Independent populations of `count` states of accepted runs each, all moved at the same time; and the moves, with steps as long as they became.
+    """Independent populations of `count` states of accepted runs each, or of more, all moved at the same time; and the moves, with steps as long as
+    they became.
 
-    One more population goes first, and says which levels there are and how long steps are: levels that a population chose for itself would make
-    its estimate too large. Raises `AttemptsExhausted` where no states can be found, with the requirement that stays violated.
+    One more population goes first, and says which levels there are, how long steps are, and how many states it takes that some are left at each
+    level: levels that a population chose for itself would make its estimate too large. A population may lose all its states: its estimate is 0.
+    Raises `AttemptsExhausted` where no states can be found, with the requirement that stays violated.
     """
     moves = moves_of(target)
+    planned = explore(target, moves, max(count, FEWEST_AHEAD), random, passes)
+    enough = math.ceil(ENOUGH_LEFT / min(p.kept for p in planned))
+    found = descend(target, moves, repetitions, max(count, min(enough, MOST_PARTICLES)), random, passes, planned, on_level)
+    if not any(p.log_probability > -math.inf for p in found):
+        raise infeasible(target, target.simulate(SCALED_BY, random))
+    return found, moves
+
+
+def explore(target: Target, moves: Moves, count: int, random: np.random.Generator, passes: int) -> list[Planned]:
+    """The levels on the way of one population, which chooses them as it goes."""
+    states, violations, _ = begin(target, 1, count, random)
     planned: list[Planned] = []
-    descend(target, moves, 1, count, random, passes, planned=planned)
-    ahead = [*planned, Planned(0.0, moves.smallest)]
-    return descend(target, moves, repetitions, count, random, passes, ahead=ahead, on_level=on_level), moves
+    stalled = 0
+    while violations.any():
+        limit = next_level(violations)
+        kept = float((violations <= limit).mean())
+        stalled = stalled + 1 if kept == 1 else 0
+        if stalled == STALLED:
+            raise infeasible(target, states)
+        order = np.resize(random.permutation(np.flatnonzero(violations <= limit)), count)
+        states, violations, taken = move(target, moves, states.at(order), violations[order], np.full(count, limit), passes, random)
+        moves.adapt(taken)
+        planned.append(Planned(limit, moves.smallest.copy(), kept))
+    return [*planned, Planned(0.0, moves.smallest, 1.0)]
 
 
 def descend(
-    target: Target, moves: Moves, repetitions: int, count: int, random: np.random.Generator, passes: int, *,
-    ahead: Sequence[Planned] = (), planned: list[Planned] | None = None, on_level: OnLevel | None = None,
+    target: Target, moves: Moves, repetitions: int, count: int, random: np.random.Generator, passes: int, coming: Sequence[Planned],
+    on_level: OnLevel | None = None,
 ) -> list[Population]:  # fmt: skip
-    """Populations at ever lower levels: those `ahead`, or else levels and steps that are chosen on the way and added to `planned`."""
+    """Populations at the levels that come; where one would lose nearly all of its states, there is one between, if that helps."""
     states, violations, levels = begin(target, repetitions, count, random)
-    coming = list(ahead)
-    stalled = 0
+    living = list(range(repetitions))
+    between = 0
     while violations.any():
-        of_each = violations.reshape(repetitions, count)
-        limit = coming[0].violation if coming else next_level(violations)
-        kept = (of_each <= limit).mean(axis=1)
-        if coming and kept.min() >= FEWEST_KEPT:
+        of_each = violations.reshape(len(living), count)
+        limit = coming[0].violation
+        few = of_each[(of_each <= limit).mean(axis=1) < FEWEST_KEPT]
+        higher = max((next_level(own) for own in few if next_level(own) < own.max()), default=limit)
+        if higher > limit and between < MOST_BETWEEN:
+            limit, between = higher, between + 1
+        else:
             moves.smallest = coming[0].smallest
             coming = coming[1:] or coming  # the last is 0
-        elif coming:  # a level between, where a population would lose nearly all of its states
-            limit = max(next_level(of_each[k]) for k in np.flatnonzero(kept < FEWEST_KEPT))
-            kept = (of_each <= limit).mean(axis=1)
-        stalled = stalled + 1 if (kept == 1).all() else 0
-        if stalled == STALLED:
-            raise infeasible(target, states)
-        order = [k * count + np.resize(random.permutation(np.flatnonzero(v <= limit)), count) for k, v in enumerate(of_each)]
-        states, violations = states.at(np.concatenate(order)), violations[np.concatenate(order)]
-        states, violations, taken = move(target, moves, states, violations, np.full(len(states), limit), passes, random)
-        if planned is not None:
-            moves.adapt(taken)
-            planned.append(Planned(limit, moves.smallest.copy()))
-        for own, part in zip(levels, kept.tolist(), strict=True):
-            own.append(Level(limit, part, taken.parts()))
+        kept = (of_each <= limit).mean(axis=1)
+        rows = [k * count + np.resize(random.permutation(np.flatnonzero(v <= limit)), count) for k, v in enumerate(of_each) if kept[k] > 0]
+        taken = MovesMade(len(moves))
+        if rows:
+            order = np.concatenate(rows)
+            states, violations, taken = move(target, moves, states.at(order), violations[order], np.full(len(order), limit), passes, random)
+        for number, part in zip(living, kept.tolist(), strict=True):
+            levels[number].append(Level(limit, part, taken.parts()))
+        living = [number for number, part in zip(living, kept.tolist(), strict=True) if part > 0]
+        if not living:
+            break
         if on_level is not None:
             on_level(float(np.mean(violations == 0)), limit)
-    return [Population(states.at(np.arange(k * count, (k + 1) * count)), tuple(own)) for k, own in enumerate(levels)]
+    places = {number: np.arange(k * count, (k + 1) * count) for k, number in enumerate(living)}
+    nothing = np.zeros(0, dtype=np.int64)
+    return [Population(states.at(places.get(number, nothing)), tuple(own)) for number, own in enumerate(levels)]
 
 
 def moves_of(target: Target) -> Moves:
@@ -140,6 +169,7 @@ def begin(target: Target, repetitions: int, count: int, random: np.random.Genera
     for _ in range(repetitions):
         parts: list[States] = []
         found: list[np.ndarray] = []
+        flags: list[np.ndarray] = []
         drawn = alive = 0
         while alive < count:
             states = target.simulate(count, random)
@@ -147,12 +177,14 @@ def begin(target: Target, repetitions: int, count: int, random: np.random.Genera
             fine = np.isfinite(violations)
             parts.append(states.at(fine))
             found.append(violations[fine])
+            flags.append(fine)
             drawn, alive = drawn + count, alive + int(fine.sum())
             if alive < FEWEST_WITH_VALUES * drawn and drawn > 1 / FEWEST_WITH_VALUES:
                 raise infeasible(target, states)
         made.append(States.joined(parts).at(np.arange(count)))
         of_all.append(np.concatenate(found)[:count])
-        levels.append([Level(math.inf, alive / drawn, {})])
+        last = int(np.flatnonzero(np.concatenate(flags))[count - 1])  # runs are drawn until so many have values: without bias, so is their part
+        levels.append([Level(math.inf, 1.0 if last == count - 1 else (count - 1) / last, {})])
     return States.joined(made), np.concatenate(of_all), levels
 
 
@@ -194,16 +226,21 @@ def infeasible(target: Target, states: States) -> AttemptsExhausted:
 
 
 def probability(populations: Sequence[Population], share: float, level: float = LEVEL) -> Probability:
-    """From independent populations, by Student's t on the logarithms of their estimates; `share` is as in `draw_smc`.
+    """From independent populations, by Student's t on the logarithms of their estimates, or on the estimates if some are 0; `share` is as in
+    `draw_smc`.
 
     The spread is at least that which each level would have if its states were independent: few populations may agree by chance.
     """
-    logs = np.array([p.log_probability for p in populations])
-    largest, count = logs.max(), len(populations)
-    estimate = share * float(np.exp(largest) * np.exp(logs - largest).mean())
+    logs, count = np.array([p.log_probability for p in populations]), len(populations)
+    largest = logs.max()
+    relative = np.exp(logs - largest)
+    estimate = share * float(np.exp(largest) * relative.mean())
+    factor = float(stats.t.ppf((1 + level) / 2, count - 1)) / math.sqrt(count)
+    if not relative.all():
+        half = share * float(np.exp(largest) * relative.std(ddof=1)) * factor
+        return Probability(estimate, max(estimate - half, 0.0), min(estimate + half, 1.0), level)
     least = [sum(1 / smoothed(level.kept, len(p.states)) - 1 for level in p.levels) / len(p.states) for p in populations]
-    spread = math.sqrt(max(logs.var(ddof=1), float(np.mean(least))) / count)
-    half = float(stats.t.ppf((1 + level) / 2, count - 1)) * spread
+    half = math.sqrt(max(logs.var(ddof=1), float(np.mean(least)))) * factor
     return Probability(estimate, estimate * math.exp(-half), min(estimate * math.exp(half), 1.0), level)
 
 
@@ -226,15 +263,17 @@ def draw_smc(
     random = np.random.Generator(np.random.Philox(np.random.SeedSequence(fold(seed))))
     levels = math.log(max(target.measure(random), 1 / SCALED_BY)) / math.log(KEPT)
     target.expect(math.ceil(levels) * PASSES * len(target.blocks()), REPETITIONS * particles)
-    found, _ = split(target, REPETITIONS, particles, random, on_level=on_level)
-    features = target.features(States.joined([p.states for p in found])).reshape(-1, REPETITIONS, particles)
+    every, _ = split(target, REPETITIONS, particles, random, on_level=on_level)
+    found = [p for p in every if len(p.states)]
+    particles = len(found[0].states)
+    features = target.features(States.joined([p.states for p in found])).reshape(-1, len(found), particles)
     logs = np.array([p.log_probability for p in found])
     weights = np.exp(logs - logs.max())
     chosen = States.joined([p.states.at(some(particles, k, random)) for p, k in zip(found, shared(weights, n, random), strict=True)])
     scenes = list(target.scenes(chosen.at(random.permutation(len(chosen))), seed))
     diagnosis = nested(features)
     return Inferred(
-        "smc", scenes, probability(found, share), target.evaluations, diagnosis, name_of(target, diagnosis), time.process_time() - begun,
+        "smc", scenes, probability(every, share), target.evaluations, diagnosis, name_of(target, diagnosis), time.process_time() - begun,
         names=target.names, draws=features,
     )
 

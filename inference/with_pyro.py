@@ -163,6 +163,8 @@ def model_of(start: Callable[[], Config], fuel: int) -> Callable[[], Scene | Non
 
 def answer(draw: Draw) -> object:
     """The value of a draw, from sample statements that are named by its address."""
+    if draw.per_scene:
+        raise UsageError("with the reading soft=scene, coins are thrown before the scenes are drawn: a model draws given the requirements")
     name, found = ".".join(map(str, draw.address)), draw.distribution
     match found:
         case Range(low=low, high=high) if low < high:

@@ -116,8 +116,6 @@ class Target:
     @cached_property
     def names(self) -> tuple[str, ...]:
         """Of the features: their places in a scene; of a choice, which of its values it is."""
-        if not self.wanted:
-            return tuple(f"random number {k}" for k in range(len(self.space.sites)))
         named: dict[int, str] = {}
         for name, value in features_by_name(self.batch.template):
             named.setdefault(value.node.number, name)  # type: ignore[attr-defined]
@@ -125,9 +123,8 @@ class Target:
 
     @cached_property
     def wanted(self) -> list[GraphNode]:
-        """The nodes of the features; none where a run may be left to the interpreter, whose features are the random numbers themselves."""
-        sure = all(only_rejects(event) for event in self.graph.events)
-        return [node for node in self.batch.outputs if node.kind != "object"] if sure else []
+        """The nodes of the features."""
+        return [node for node in self.batch.outputs if node.kind != "object"]
 
     def compile(self) -> str:
         """Compute violations by compiled code from now on; else why not. Takes seconds. What is accepted stays the same."""
@@ -237,11 +234,19 @@ class Target:
             start += len(part)
 
     def features(self, states: States) -> np.ndarray:
-        """The features of accepted states, by which they are compared: (names, states)."""
-        if not self.wanted:
-            return states.uniforms
-        parts = (self.assess(part).columns for part in states.parts())
-        return np.concatenate([np.stack([columns[node.number].astype(float) for node in self.wanted]) for columns in parts], axis=1)
+        """The features of accepted states, by which they are compared: (names, states); the median where only the interpreter knows one."""
+        found = np.full((len(self.wanted), len(states)), np.nan)
+        begin = 0
+        for part in states.parts():
+            assessed = self.assess(part)
+            for number, node in enumerate(self.wanted):
+                found[number, begin + assessed.accepted] = assessed.columns[node.number].astype(float)
+            begin += len(part)
+        unknown = np.isnan(found)
+        if unknown.any():
+            medians = [float(np.nanmedian(own)) if not np.isnan(own).all() else 0.0 for own in found]
+            found = np.where(unknown, np.array(medians)[:, None], found)
+        return found
 
     def blocks(self) -> list[tuple[frozenset[int], frozenset[int]]]:
         """The numbers and the words of each object: those that it alone is made of, or it first; then each number of the rest, and their words."""

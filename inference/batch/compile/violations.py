@@ -86,6 +86,10 @@ def margin(writer: Writer, node: object) -> str:
     if function in (np.logical_and, np.logical_or):
         best = "min" if function is np.logical_and else "max"
         return f"{best}({', '.join(margin(writer, a) for a in arguments)})"
+    if function is np.where:
+        condition, *sides = arguments
+        first, second = (margin(writer, a) for a in sides)
+        return f"({first} if {writer.operand(condition)} else {second})"
     if isinstance(function, Macro):
         name = f"{writer.macro(function)}_margin"
         writer.names[name] = compiled_macro(function, margin)

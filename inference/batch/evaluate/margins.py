@@ -106,6 +106,10 @@ def margin(node: object, columns: Rows) -> np.ndarray:
     if function in (np.logical_and, np.logical_or):
         best = np.minimum if function is np.logical_and else np.maximum
         return best(*(margin(a, columns) for a in arguments))
+    if function is np.where:
+        condition, *sides = arguments
+        chosen: Any = columns[condition.number] if isinstance(condition, GraphNode) else condition
+        return np.where(np.asarray(chosen, dtype=bool), *(margin(a, columns) for a in sides))
     truth = columns[node.number].astype(bool)
     if isinstance(function, Macro):
         known = of_macro(function, [columns[a.number] if isinstance(a, GraphNode) else a for a in arguments], count)

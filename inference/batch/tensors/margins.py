@@ -173,6 +173,12 @@ def margin(node: object, columns: TensorColumns, known: Mapping[int, Rounded]) -
     if function in (np.logical_and, np.logical_or):
         best = torch.minimum if function is np.logical_and else torch.maximum
         return best(*(margin(a, columns, known) for a in arguments))
+    if function is np.where:
+        condition, *sides = arguments
+        first, second = (margin(a, columns, known) for a in sides)
+        if not isinstance(condition, GraphNode):
+            return first if condition else second
+        return torch.where(known[condition.number].values.to(torch.bool), first, second)
     if isinstance(function, Macro):
         inner, _ = columns.inside(function, arguments)
         return margin(columns.kit.macro(function).result, columns, inner)
