@@ -14,7 +14,7 @@ INTERRUPTED = 130
 
 def interruption(arguments: list[str], finished: str = "") -> str:
     """The message after Ctrl-C: what was `finished`, and which files there are."""
-    if arguments[:1] == ["run"] and "enumerate" not in arguments:
+    if arguments[:1] == ["run"] and not {"enumerate", "importance", "smc", "mcmc"} & {a.removeprefix("--backend=") for a in arguments}:
         return "interrupted; a file of JSON Lines holds whole lines, and `run --resume` continues it; nothing else was written"
     if arguments[:1] == ["simulate"]:
         return f"interrupted; {finished or 'no simulation was finished'}"

@@ -14,7 +14,7 @@ from ..formats.chains import inference_data_in, needs_arviz, picture_with_chains
 from ..formats.pictures import picture
 from ..formats.scenes import in_json
 from ..formats.tables import SUFFIXES
-from ..inference.diagnostics import rhat
+from ..inference.diagnostics import nested, rhat
 from ..inference.inferred import Inferred
 from .drawing import DrawnScene, drawing_of
 from .files import LINES, PICTURES, check_ending, check_file, check_place, write
@@ -104,7 +104,13 @@ def plot(found: Inferred, path: str) -> None:
         write(path, picture(scenes, format=format))
         return
     kind = "chain" if found.backend == "mcmc" else "population"
-    write(path, picture_with_chains(scenes, found.names, found.draws, [rhat(of_one) for of_one in found.draws], kind, format=format))
+    write(path, picture_with_chains(scenes, found.names, found.draws, rhats(found), kind, format=format))
+
+
+def rhats(found: Inferred) -> list[float]:
+    """The R-hat of each quantity, as the report has it: over chains, or over populations."""
+    assert found.draws is not None
+    return [rhat(own) if found.backend == "mcmc" else nested(own[None]).rhat for own in found.draws]
 
 
 class Sign:

@@ -56,7 +56,7 @@ def produce(source: Source, request: SceneRequest, session: Session) -> None:
         start = max(request.start, earlier.count)
         job = Job(source, request.seed, start, max(start, request.stop), request.max_attempts)
         interpreted = why_interpreted(drawing, request)
-        progress = stack.enter_context(Progress(request.stop - request.start, start - request.start))
+        progress = stack.enter_context(Progress(request.stop - request.start, start - request.start, foresight=BatchForesight(drawing, request)))
         known = list(earlier.first)
         if interpreted is None:
             produce_by_batch(job, request, output, tally, progress, known, stack)
@@ -77,6 +77,28 @@ def produce(source: Source, request: SceneRequest, session: Session) -> None:
         write_report(request.report, drawing, tally, "batch" if interpreted is None else "interpreter", earlier.count, seconds)
     if request.plot is not None:
         plot(drawing, request, known[: request.stop])
+
+
+class BatchForesight:
+    """What the graph of a program tells of a run."""
+
+    def __init__(self, drawing: Drawing, request: SceneRequest) -> None:
+        self.drawing = drawing
+        self.here = request.workers == 1 and request.cluster is None
+
+    def runs(self) -> int:
+        """Those of the block that this process draws."""
+        batch = batch_of(self.drawing) if self.here and "batch" in vars(self.drawing.scenario) else None
+        return batch.drawing.runs if batch is not None and batch.drawing is not None else 0
+
+    def probability(self) -> float | None:
+        """By splitting; of the program as it is, unpruned."""
+        batch = None if self.drawing.scenario.not_lifted is not None else self.drawing.scenario.batch
+        if batch is None:
+            return None
+        from ..inference.smc import guess  # with SciPy's statistics, which take a while to import
+
+        return guess(batch)
 
 
 def why_interpreted(drawing: Drawing, request: SceneRequest) -> str | None:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import sys
+import threading
 import time
 from types import TracebackType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from .session import escaped, tell
 
@@ -17,12 +18,26 @@ INTERVAL = 0.1
 LOOK_AFTER, LONG = 30.0, 1800.0
 """After so many seconds it is looked at how many are left, and said if they are as many as this."""
 FEW_ACCEPTED = 1e-3
+FEW_SCENES = 10
+"""With fewer scenes than these, how likely one is is guessed otherwise."""
+
+
+class Foresight(Protocol):
+    """What is known of a run before its scenes are there."""
+
+    def runs(self) -> int:
+        """How many runs were made so far, if that is known; else 0."""
+        ...
+
+    def probability(self) -> float | None:
+        """About the probability that a run is accepted, which may take seconds; None if it cannot be guessed."""
+        ...
 
 
 class Progress:
     """The progress bar of a run of `total` scenes, of which `done` are there; silent if standard error is not a terminal."""
 
-    def __init__(self, total: int, done: int = 0, *, what: str = "scenes") -> None:
+    def __init__(self, total: int, done: int = 0, *, what: str = "scenes", foresight: Foresight | None = None) -> None:
         self.total = total
         self.what = what
         self.scenes = self.begun_with = done
@@ -32,8 +47,14 @@ class Progress:
         self.bar: Bar | None = None
         self.task: TaskID | None = None
         self.is_foretold = False
+        self.foresight = foresight
+        self.timer: threading.Timer | None = None
 
     def __enter__(self) -> Progress:
+        if self.foresight is not None:
+            self.timer = threading.Timer(LOOK_AFTER, self.foretell)
+            self.timer.daemon = True
+            self.timer.start()
         if sys.stderr.isatty() and self.total > 1:
             from rich.console import Console
             from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
@@ -46,6 +67,8 @@ class Progress:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        if self.timer is not None:
+            self.timer.cancel()
         if self.bar is not None:
             self.bar.stop()
 
@@ -64,19 +87,29 @@ class Progress:
         self.show()
 
     def foretell(self) -> None:
-        """Say once that it will take long, and which backend would do better, if few runs are accepted."""
+        """Say once that it will take long, and which backend would do better, if few runs are accepted.
+
+        Where hardly a scene is there yet, the probability of one is guessed, apart from the work; so this also runs by the clock.
+        """
         elapsed = time.monotonic() - self.begun
         if self.is_foretold or elapsed < LOOK_AFTER:
             return
         new, attempts = self.scenes - self.begun_with, self.attempts + self.pending
-        left = elapsed / max(new, 1) * (self.total - self.scenes)
+        if self.foresight is not None:
+            attempts = max(attempts, self.foresight.runs())
+        left, at_least, share = elapsed / max(new, 1) * (self.total - self.scenes), "" if new else "at least ", new / max(attempts, 1)
+        if new < FEW_SCENES and attempts and self.foresight is not None:
+            self.is_foretold = True  # what is guessed is guessed once
+            guessed = self.foresight.probability()
+            if guessed:
+                left, at_least, share = (self.total - self.scenes) * elapsed / (guessed * attempts), "about ", guessed
         if left < LONG:
             return
         self.is_foretold = True
-        at_least = "" if new else "at least "
         text = f"note: at this pace it will take {at_least}{left / 3600:.1f} hours more"
-        if new < FEW_ACCEPTED * attempts:
-            text += f": of {attempts:,} attempts {new:,} gave a scene; --backend smc or mcmc would do better"
+        if share < FEW_ACCEPTED:
+            seldom = f"about one run in {1 / share:,.0f} is accepted" if at_least == "about " else f"of {attempts:,} attempts {new:,} gave a scene"
+            text += f": {seldom}; --backend smc or mcmc would do better, since they come nearer step by step"
         self.say(text)
 
     def show(self) -> None:

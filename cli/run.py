@@ -110,6 +110,7 @@ def run(
 
     session = context.obj
     session.seed = seed
+    backend = None if backend == "auto" else backend
     if backend not in (None, *BACKENDS):
         raise UsageError(f"there is no backend {backend}", hint=f"the backends are {', '.join(BACKENDS[:-1])} and {BACKENDS[-1]}")
     if backend == "enumerate" and (count != 1 or scene is not None or resume or workers != 1 or cluster is not None):
@@ -120,8 +121,16 @@ def run(
         raise UsageError("--discretize needs --backend enumerate")
     if scene is not None and count != 1:
         raise UsageError("--scene draws a single scene, so -n cannot be given as well")
-    if backend in RARE and (scene is not None or resume or workers != 1 or cluster is not None or prune or count == 0):
-        raise UsageError(f"{backend} draws all scenes together: --scene, --resume, --workers, --cluster, --prune and -n 0 cannot be given with it")
+    if backend in RARE:
+        given = {
+            "--scene": scene is not None, "--resume": resume, "--workers": workers != 1, "--cluster": cluster is not None, "--prune": prune,
+            "-n 0": count == 0,
+        }  # fmt: skip
+        wrong = [name for name, is_given in given.items() if is_given]
+        if wrong:
+            raise UsageError(f"{backend} draws all scenes together: {' and '.join(wrong)} cannot be given with it", hint="leave it out")
+        if backend != "importance" and max_attempts != DEFAULT_ATTEMPTS:
+            raise UsageError(f"{backend} makes no attempts at one scene after the other: --max-attempts cannot be given with it", hint="leave it out")
     if backend not in ("smc", "mcmc") and inference_data is not None:
         raise UsageError("--inference-data needs --backend smc or mcmc")
     if device is not None and (backend not in (None, "batch") or resume):

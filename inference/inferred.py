@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +20,8 @@ FEWEST = 50.0
 """With fewer effective draws than this, means and quantiles are not to be trusted."""
 
 
+WIDEST = 100.0
+"""The probability that a run is accepted is not to be trusted where the ends of its interval differ by a larger factor."""
 MOST_UNSEEN = 0.5
 """Scenes with weights that may lack more of the probability than this are not to be trusted."""
 
@@ -52,6 +55,10 @@ class Inferred(NamedTuple):
     """What chains or populations drew of each quantity of that name, (names, chains, draws); the scenes are some of these draws."""
     unseen: float = 0.0
     """The part of the probability that the scenes may lack, at most, as far as the interval of the acceptance tells."""
+    levels: tuple[dict[str, object], ...] = ()
+    """Of splitting: each level of violation, the part of the states that met it, and by kind of move the part that was taken there."""
+    moves: Mapping[str, float] = MappingProxyType({})
+    """Of chains: by kind of move the part that was taken."""
 
     @property
     def agrees(self) -> bool:
@@ -64,8 +71,11 @@ class Inferred(NamedTuple):
         found: list[str] = []
         if not self.diagnosis.rhat <= LARGEST_RHAT:
             found.append(f"independent parts of the work disagree about {self.feature}: R-hat is {self.diagnosis.rhat:.3f}, more than {LARGEST_RHAT}")
-        if not self.diagnosis.bulk >= FEWEST:
-            found.append(f"the draws are worth {self.diagnosis.bulk:.0f} independent ones, fewer than {FEWEST:.0f}")
+        for worth, what in ((self.diagnosis.bulk, "means"), (self.diagnosis.tail, "quantiles")):
+            if not worth >= FEWEST:
+                found.append(f"the draws are worth {worth:.0f} independent ones for {what}, fewer than {FEWEST:.0f}")
+        if not self.acceptance.high <= WIDEST * self.acceptance.low:
+            found.append(f"the probability that a run is accepted is anything from {self.acceptance.low:.3g} to {self.acceptance.high:.3g}")
         if self.unseen > MOST_UNSEEN:
             found.append(f"runs that were not seen may hold {self.unseen:.0%} of the probability")
         return found
@@ -74,8 +84,12 @@ class Inferred(NamedTuple):
         """The report, as `run --report` writes it."""
         return report(
             self.backend, len(self.scenes), self.attempts, self.acceptance, self.diagnosis.bulk, self.diagnosis.tail, self.diagnosis.rhat,
-            self.seconds, [*self.doubts, *self.notes],
-        )  # fmt: skip
+            self.seconds, self.doubts,
+        ) | {
+            name: value
+            for name, value in (("notes", list(self.notes)), ("levels", list(self.levels)), ("moves", dict(self.moves)))
+            if value
+        }  # fmt: skip
 
 
 def report(

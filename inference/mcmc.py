@@ -22,7 +22,7 @@ from .inferred import LARGEST_RHAT, Inferred
 from .sites.moves import Moves, MovesMade
 from .sites.states import States
 from .sites.target import Target
-from .smc import Population, move, name_of, probability, some, split
+from .smc import Population, move, name_of, probability, some, split, told
 
 POPULATIONS, PARTICLES = 8, 128
 """Independent populations in which chains begin, and their sizes."""
@@ -108,6 +108,7 @@ def draw_mcmc(batch: Batch, n: int, seed: int, *, share: float = 1.0, on_draw: O
     draws: list[States] = []
     features: list[np.ndarray] = []
     notes: list[str] = []
+    taken = MovesMade(len(moves))
     thinning, diagnosis = 1, Diagnosis(math.inf, 0.0, 0.0, 0)
     while not draws or target.evaluations < most_runs:
         taken, more = MovesMade(len(moves)), max(FEWEST_DRAWS, len(draws) // 4)
@@ -136,5 +137,6 @@ def draw_mcmc(batch: Batch, n: int, seed: int, *, share: float = 1.0, on_draw: O
         notes.append(f"the {n:,} scenes are worth {worth:.0f} independent ones")
     return Inferred(
         "mcmc", list(target.scenes(chosen, seed)), probability(found, share), target.evaluations, diagnosis, name_of(target, diagnosis),
-        time.process_time() - begun, tuple(notes), target.names, np.stack(features[len(draws) // 2 :], axis=2),
+        time.process_time() - begun, (*notes, *target.notes), target.names, np.stack(features[len(draws) // 2 :], axis=2),
+        levels=told(found), moves=taken.parts(),
     )

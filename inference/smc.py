@@ -17,7 +17,7 @@ import numpy as np
 from scipy import stats
 
 from ..interpreter.streams import fold
-from ..semantics.kernel.errors import AttemptsExhausted
+from ..semantics.kernel.errors import AttemptsExhausted, UsageError
 from ..semantics.kernel.outcome import Requirement
 from .batch import Batch
 from .diagnostics import Diagnosis, nested
@@ -38,7 +38,7 @@ FEWEST_KEPT = 0.03
 """If a level would leave a population a smaller part of its states, there is one between."""
 STALLED = 8
 """So many levels in a row at which nothing gets better: no scene is to be found."""
-FEWEST_AHEAD, ENOUGH_LEFT, MOST_PARTICLES = 1024, 10, 20_000
+FEWEST_AHEAD, ENOUGH_LEFT, MOST_PARTICLES = 1024, 10, 5_000
 """Of the population that goes first; how many states are to be left at each level, by what it found; for which a population gets so many at most."""
 MOST_BETWEEN = 1000
 """Levels between those that were planned."""
@@ -114,7 +114,8 @@ def explore(target: Target, moves: Moves, count: int, random: np.random.Generato
         order = np.resize(random.permutation(np.flatnonzero(violations <= limit)), count)
         states, violations, taken = move(target, moves, states.at(order), violations[order], np.full(count, limit), passes, random)
         moves.adapt(taken)
-        planned.append(Planned(limit, moves.smallest.copy(), kept))
+        if kept < 1:
+            planned.append(Planned(limit, moves.smallest.copy(), kept))
     return [*planned, Planned(0.0, moves.smallest, 1.0)]
 
 
@@ -152,6 +153,18 @@ def descend(
     places = {number: np.arange(k * count, (k + 1) * count) for k, number in enumerate(living)}
     nothing = np.zeros(0, dtype=np.int64)
     return [Population(states.at(places.get(number, nothing)), tuple(own)) for number, own in enumerate(levels)]
+
+
+def guess(batch: Batch, seed: int = 0) -> float | None:
+    """About the probability that a run is accepted, by one population in few moves, in seconds; None where no accepted run is found."""
+    target = Target(batch, seed)
+    target.may_compile = False
+    random = np.random.Generator(np.random.Philox(np.random.SeedSequence(fold(seed))))
+    try:
+        _, _, levels = begin(target, 1, FEWEST_AHEAD, random)
+        return levels[0][0].kept * math.prod(p.kept for p in explore(target, moves_of(target), FEWEST_AHEAD, random, 4))
+    except (AttemptsExhausted, UsageError):
+        return None
 
 
 def moves_of(target: Target) -> Moves:
@@ -274,7 +287,17 @@ def draw_smc(
     diagnosis = nested(features)
     return Inferred(
         "smc", scenes, probability(every, share), target.evaluations, diagnosis, name_of(target, diagnosis), time.process_time() - begun,
-        names=target.names, draws=features,
+        target.notes, target.names, features, levels=told(every),
+    )
+
+
+def told(populations: Sequence[Population]) -> tuple[dict[str, object], ...]:
+    """The levels of populations, for a report: what all of them together kept."""
+    longest = max((p.levels for p in populations), key=len)
+    kept = [[p.levels[k].kept for p in populations if k < len(p.levels)] for k in range(len(longest))]
+    return tuple(
+        {"violation": level.violation if math.isfinite(level.violation) else None, "kept": float(np.mean(own)), "taken": level.taken}
+        for level, own in zip(longest, kept, strict=True)
     )
 
 

@@ -57,6 +57,17 @@ class Assessed(NamedTuple):
     """The rows whose columns these are."""
 
 
+def has_alternatives(node: object, expected: bool = True) -> bool:
+    """Whether a condition holds (or not, as `expected`) where one of several others does: `or`, or `and` under `not`."""
+    if not isinstance(node, GraphNode):
+        return False
+    if node.function is np.logical_not:
+        return has_alternatives(node.arguments[0], not expected)
+    if node.function not in (np.logical_or, np.logical_and):
+        return False
+    return (node.function is np.logical_or) == expected or any(has_alternatives(a, expected) for a in node.arguments)
+
+
 class Target:
     """The program of a batch. Raises `UsageError` where coins are thrown once for a scene (reading `soft=scene`)."""
 
@@ -112,6 +123,15 @@ class Target:
     def cost(self, rows: int) -> float:
         """A guess at the seconds that columns take for so many states: no measurement, so that the scenes do not depend on the clock."""
         return len(self.graph.nodes) * CALL_SECONDS + rows * ROW_SECONDS
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a user should know of the requirements: where one can be met in several ways, one of them may never have been met with."""
+        requirements = (e for e in self.graph.events if e.requirement is not None and e.kind == "require")
+        texts = ", ".join(dict.fromkeys(e.requirement.text for e in requirements if has_alternatives(e.node, e.expected)))  # type: ignore[union-attr]
+        if not texts:
+            return ()
+        return (f"there are several ways to meet {texts}: scenes in a way that no state came near would be missing, and nothing would tell",)
 
     @cached_property
     def names(self) -> tuple[str, ...]:

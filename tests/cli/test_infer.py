@@ -22,7 +22,13 @@ def test_scenes_a_report_and_a_picture_are_written(ask, backend):
     assert [scene["scene"] for scene in scenes] == list(range(8))
     assert all(0.05 < scene["params"]["x"] < 1 for scene in scenes)
     report = json.loads(Path("r.json").read_text())
-    assert list(report) == FIELDS
+    more = {"importance": ["notes"], "smc": ["levels"], "mcmc": ["levels", "moves"]}[backend]
+    assert list(report) == [*FIELDS, *more]
+    assert not report["warnings"]
+    for level in report.get("levels", []):
+        assert list(level) == ["violation", "kept", "taken"]
+        assert 0 < level["kept"] <= 1
+    assert all(0 <= part <= 1 for part in report.get("moves", {}).values())
     assert (report["backend"], report["scenes"]) == (backend, 8)
     assert report["acceptance"]["low"] < 0.5 < report["acceptance"]["high"]
     assert report["acceptance"]["level"] == 0.999

@@ -22,7 +22,7 @@ def test_a_run_that_takes_hours_says_so_once_and_names_a_better_backend(clock, c
         clock[0] += 20
         shown.drawn(400_000)
         told = capsys.readouterr().err
-        assert "it will take 5.5 hours more: of 800,000 attempts 2 gave a scene; --backend smc or mcmc would do better" in told
+        assert "it will take 5.5 hours more: of 800,000 attempts 2 gave a scene; --backend smc or mcmc would do better, since" in told
         clock[0] += 100
         shown.drawn(400_000)
         assert not capsys.readouterr().err
@@ -46,3 +46,46 @@ def test_a_first_scene_that_does_not_come_is_told_of(clock, capsys):
         clock[0] += 50
         shown.stuck(90_000)
         assert "at least 2.8 hours more: of 90,000 attempts 0 gave a scene" in capsys.readouterr().err
+
+
+class Seen:
+    """A run of which no scene is there yet."""
+
+    def __init__(self, runs: int, probability: float | None) -> None:
+        self.made, self.likely, self.asked = runs, probability, 0
+
+    def runs(self) -> int:
+        return self.made
+
+    def probability(self) -> float | None:
+        self.asked += 1
+        return self.likely
+
+
+def test_before_the_first_scene_the_time_is_guessed_from_the_probability(clock, capsys):
+    seen = Seen(4_000_000, 1e-6)
+    with Progress(1_000, foresight=seen) as shown:
+        clock[0] += 40
+        shown.foretell()
+        shown.foretell()
+        told = capsys.readouterr().err
+    assert "it will take about 2.8 hours more: about one run in 1,000,000 is accepted; --backend smc or mcmc would do better" in told
+    assert told.count("note") == seen.asked == 1
+
+
+def test_what_is_likely_to_be_done_soon_is_not_told_of(clock, capsys):
+    with Progress(10, foresight=Seen(4_000_000, 1e-6)) as shown:
+        clock[0] += 40
+        shown.foretell()
+    assert not capsys.readouterr().err
+
+
+def test_what_nobody_can_guess_is_told_of_by_the_attempts(clock, capsys):
+    with Progress(10, foresight=Seen(5_000, None)) as shown:
+        clock[0] += 40
+        shown.foretell()
+    assert not capsys.readouterr().err
+    with Progress(100, foresight=Seen(5_000, None)) as shown:
+        clock[0] += 400
+        shown.foretell()
+    assert "at least 11.1 hours more: of 5,000 attempts 0 gave a scene" in capsys.readouterr().err

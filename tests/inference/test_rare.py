@@ -270,10 +270,21 @@ def test_chains_that_do_not_agree_are_doubted() -> None:
     diagnosis = diagnostics.Diagnosis(1.3, 20.0, 10.0, 0)
     found = Inferred("mcmc", [], Probability(0.1, 0.0, 1.0, 0.999), 10, diagnosis, "the position of ego", 1.0)
     assert [doubt.split(":")[0] for doubt in found.doubts] == [
-        "independent parts of the work disagree about the position of ego", "the draws are worth 20 independent ones, fewer than 50",
+        "independent parts of the work disagree about the position of ego", "the draws are worth 20 independent ones for means, fewer than 50",
+        "the draws are worth 10 independent ones for quantiles, fewer than 50", "the probability that a run is accepted is anything from 0 to 1",
     ]
     assert found.report()["warnings"] == found.doubts
-    assert not found._replace(diagnosis=diagnosis._replace(rhat=1.01, bulk=100.0)).doubts
+    fine = diagnosis._replace(rhat=1.01, bulk=100.0, tail=60.0)
+    assert not found._replace(diagnosis=fine, acceptance=Probability(0.1, 0.05, 0.2, 0.999)).doubts
+
+
+def test_a_requirement_that_can_be_met_in_several_ways_is_noted() -> None:
+    """Populations may all have gone one way: nothing could tell, so it is said."""
+    for condition, noted in (("x > 0.9 or y > 0.9", True), ("not (x < 0.9 and y < 0.9)", True), ("x > 0.9 and y > 0.9", False)):
+        text = f"x, y = Range(0, 1), Range(0, 1)\nego = Object at x @ y\nrequire {condition}\n"
+        found = scenic_ref.loads(text).infer("smc", 5, 1)
+        assert any("several ways to meet the requirement on line 3" in note for note in found.notes) == noted
+        assert not found.doubts
 
 
 # Where little can be told apart

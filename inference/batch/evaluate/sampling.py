@@ -107,6 +107,8 @@ class Batch:
         self.not_compiled = ""
         self.tensors: TensorEvaluator | None = None
         self.spent, self.pace = 0.0, 0.0  # seconds of a processor on columns, and for a scene of the last block
+        self.drawing: BlockDrawing | None = None
+        """What is being drawn, or was last: its `runs` tell how far that is."""
 
     def compile(self) -> bool:
         """Use the compiled evaluator from now on, if there is one; else `not_compiled` says why. Takes seconds."""
@@ -170,8 +172,10 @@ class Batch:
         if self.may_compile and self.tensors is None and self.spent > PACE_KNOWN * compiling and self.spent + self.pace * ahead > compiling:
             self.compile()
         begun = time.thread_time()
-        drawing = BlockDrawing(self, seed, start, stop, max_attempts)
+        self.drawing = drawing = BlockDrawing(self, seed, start, stop, max_attempts)
         while len(drawing.pending):
+            if self.compiled is None and self.may_compile and self.tensors is None and self.spent + time.thread_time() - begun > compiling:
+                self.compile()
             if self.compiled is not None:
                 drawing.on_compiled(self.compiled)
             else:
