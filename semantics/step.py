@@ -243,12 +243,23 @@ def stopped(problem: Exception, config: Config) -> Outcome:
             return Fault(RunError("a number is too large", place(config)))
         case ValueError() if too_many_digits(problem):  # the one thing that fails whatever writes a value, here or in a message
             return Fault(RunError("a whole number has too many digits to be written", place(config)))
+        case RunError(rule="E-Variable") if caught(config.stack):
+            return control.raised(HostException(NameError(problem.message)), place(config), config.stack, config.state)
         case ScenicError():
             if problem.span is NOWHERE or problem.span.line == 0:
                 problem.span = place(config)
             return Fault(problem)
         case _:
             raise problem
+
+
+def caught(stack: Stack) -> bool:
+    """Whether a `try` with handlers is around: an unknown name is then an exception of the program; else it is its error, with a hint."""
+    while stack:
+        frame, stack = stack
+        if isinstance(frame, control.Handling) and frame.node.handlers:
+            return True
+    return False
 
 
 def carried(result: object, frame: object) -> object:

@@ -28,7 +28,19 @@ def main_scenario(state: State) -> Dynamic | None:
     if wanted is not None and wanted not in scenarios:
         known = ", ".join(sorted(scenarios)) or "none"
         raise UsageError(f"the program defines no scenario {wanted}", hint=f"the scenarios of the program: {known}")
+    if wanted is None and MAIN not in scenarios and state.reading("only-scenario") == "begins" and state.ego is None:
+        return only_scenario(scenarios)
     return scenarios.get(wanted or MAIN)
+
+
+def only_scenario(scenarios: dict[str, Dynamic]) -> Dynamic | None:
+    """The scenario, if there is but one, and if it needs no arguments. Raises `UsageError` if there are several."""
+    if len(scenarios) > 1:
+        raise UsageError(f"there are several scenarios to begin with: {', '.join(scenarios)}", hint="choose one by --scenario, or call it Main")
+    found = next(iter(scenarios.values()), None)
+    if found is None or any(q.default is None and q.kind not in ("*args", "**kwargs") for q in found.definition.parameters):  # type: ignore[attr-defined]
+        return None
+    return found
 
 
 def scenarios_in(state: State) -> dict[str, Dynamic]:

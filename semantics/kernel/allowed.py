@@ -25,7 +25,7 @@ from ..space.vectors import Vector
 from .budget import Metered
 from .queries import Clock, Closest, Parameters
 from .sets import FrozenSet, Set
-from .values import Bound, Constructor, Dynamic, Entries, Function, Instance, Method, Module, Native, Pairs, Random, ScenicClass, Special
+from .values import Above, Bound, Constructor, Dynamic, Entries, Function, Instance, Method, Module, Native, Pairs, Random, ScenicClass, Special
 
 Names = frozenset[str]
 
@@ -101,8 +101,8 @@ KEY = type(cmp_to_key(lambda first, second: 0))
 """What `functools.cmp_to_key` gives."""
 
 OWN: tuple[type, ...] = (
-    Bound, Clock, Closest, Constructor, Dynamic, Entries, Function, Instance, Metered, Method, Module, Native, Pairs, Parameters, Random, ScenicClass,
-    Special, Symbol, Region, VectorField, KEY,
+    Above, Bound, Clock, Closest, Constructor, Dynamic, Entries, Function, Instance, Metered, Method, Module, Native, Pairs, Parameters, Random,
+    ScenicClass, Special, Symbol, Region, VectorField, KEY,
 )  # fmt: skip
 """Types of the machine, and of what it computes with: the rules of the language say what may be done with them."""
 

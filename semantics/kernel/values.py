@@ -144,6 +144,12 @@ class ScenicClass:
     methods: Mapping[str, object] = field(default_factory=dict)
     span: Span = NOWHERE
     built_in: bool = False
+    own_finals: frozenset[str] = frozenset()
+
+    @cached_property
+    def finals(self) -> frozenset[str]:
+        """The properties that no specifier may specify (the released Scenic 3)."""
+        return self.own_finals.union(*(c.own_finals for c in self.lineage))
 
     @cached_property
     def built_in_name(self) -> str:
@@ -171,6 +177,17 @@ class ScenicClass:
 
     def __repr__(self) -> str:
         return f"<class {self.name}>"
+
+
+@dataclass(frozen=True, slots=True)
+class Above:
+    """What `super()` is in a method of one of the classes of a value: the value, as its classes above that one see it."""
+
+    subject: object
+    classes: tuple[ScenicClass | type, ...]
+
+    def __repr__(self) -> str:
+        return "<super>"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -16,7 +16,8 @@ from ..kernel.premises import premises
 from ..kernel.scopes import NO_NAMES, Scope
 from ..kernel.values import ScenicClass, plain
 from ..syntax import statements as s
-from ..syntax.nodes import Node
+from ..syntax.nodes import Node, Span
+from ..syntax.python_expressions import Constant, TupleDisplay
 from .assignment import done
 from .control import block
 
@@ -82,7 +83,7 @@ def make_scenic_class(node: s.ClassDefinition, superclass: ScenicClass, members:
         name = canonical(default.name)
         if name in defaults:
             raise CheckError(f"the property {name} has two defaults in class {node.name}", default.span)
-        defaults[name] = default.value
+        defaults[name] = all_of(default, name, superclass, scope) if "additive" in default.attributes else default.value
     for name in members:
         if canonical(name) in superclass.defaults:
             raise RunError(
@@ -93,7 +94,29 @@ def make_scenic_class(node: s.ClassDefinition, superclass: ScenicClass, members:
             f"the Scenic class {node.name} has no __init__: its objects are made from specifiers", node.span, rule="S-Class",
             hint=f"for a Python class write class {node.name}(object):",
         )
-    return ScenicClass(node.name, superclass, defaults, scope, dict(members), node.span)
+    finals = frozenset(canonical(d.name) for d in node.properties if "final" in d.attributes)
+    return ScenicClass(node.name, superclass, defaults, scope, dict(members), node.span, own_finals=finals)
+
+
+def all_of(default: s.PropertyDefault, name: str, superclass: ScenicClass, scope: Scope) -> Node:
+    """The released implementations, `p[additive]: E`: the tuple of E and the defaults of the classes above, the nearest first."""
+    items: list[Node] = [default.value]
+    for owner in superclass.lineage:
+        expression = owner.own_defaults.get(name)
+        if expression is None:
+            continue
+        if owner.scope is not scope and not isinstance(expression, Constant):
+            text = f"the default of {name} in {owner.name}, which is to be added, belongs to another module"
+            raise RunError(text, default.span, rule="S-Class", hint="make it a constant")
+        if isinstance(expression, TupleDisplay) and expression.span is ADDED:  # which holds those above it already
+            items.extend(expression.items)
+            break
+        items.append(expression)
+    return TupleDisplay(items=tuple(items), span=ADDED)  # type: ignore[arg-type]
+
+
+ADDED = Span("<additive>", 0, 0, 0, 0)
+"""Where a default stands that was put together."""
 
 
 def make_python_class(node: s.ClassDefinition, superclasses: tuple[type, ...], members: Mapping[str, object]) -> type:

@@ -24,6 +24,7 @@ from ..kernel.queries import Clock, Closest, Parameters, attribute_of_clock
 from ..kernel.scopes import MISSING, Scope
 from ..kernel.sets import Set
 from ..kernel.values import (
+    Above,
     Bound,
     Dynamic,
     Function,
@@ -209,6 +210,8 @@ def get_attribute(subject: object, node: p.Attribute, state: State) -> object:
     match subject:
         case Clock():
             return attribute_of_clock(name, node, state)
+        case Above():
+            return attribute_above(subject, name, state)
         case Parameters():
             if name not in state.params:
                 raise HostException(AttributeError(f"there is no global parameter {name}"))
@@ -224,7 +227,7 @@ def get_attribute(subject: object, node: p.Attribute, state: State) -> object:
             found = subject.method(name)
             if found is None:
                 raise HostException(AttributeError(f"class {subject.name} has no attribute {name}; a property needs an instance"))
-            return found
+            return member_of(found, None, subject, state)
         case Dynamic(space=Scope() as space) if name in space.bindings:
             return space.bindings[name]
         case Dynamic(space=Scope()) if name == "ego" and state.ego is not None:
@@ -267,9 +270,38 @@ def instance_attribute(instance: Instance, name: str, state: State) -> object:
         return Closest(instance)
     if found is None:
         raise HostException(AttributeError(f"{instance.class_.name} has no property {name}"))
-    if isinstance(found, (property, staticmethod)):
-        return raw(state.settings.door, state, found.__get__, instance, Instance)
-    return Method(found, instance, found.door) if isinstance(found, Function) else found
+    return member_of(found, instance, instance.class_, state)
+
+
+def member_of(found: object, subject: object | None, class_: object, state: State) -> object:
+    """A member of a class, of one of its instances or (`subject` is None) of the class itself: methods know of what they are."""
+    match found:
+        case staticmethod(__func__=function):
+            return function
+        case classmethod(__func__=Function() as function):
+            return Method(function, class_, function.door)
+        case property() if subject is not None:
+            return raw(state.settings.door, state, found.__get__, subject, Instance)
+        case Function() if subject is not None:
+            return Method(found, subject, found.door)
+    return found
+
+
+NOTHING_TO_DO = Native("__init__", lambda *arguments, **keywords: None)
+"""The `__init__` of a class that has none of the program: what there is to do is done when the instance is made."""
+
+
+def attribute_above(above: Above, name: str, state: State) -> object:
+    """`super().name`: that of the first class behind the one of the method that has it."""
+    for class_ in above.classes:
+        members = class_.methods if isinstance(class_, ScenicClass) else vars(class_) if is_user_made(class_) else {}
+        if name in members:
+            subject = above.subject
+            own = subject.class_ if isinstance(subject, Instance) else subject if isinstance(subject, type) else type(subject)
+            return member_of(members[name], None if isinstance(subject, type) else subject, own, state)
+    if name == "__init__":
+        return NOTHING_TO_DO
+    raise HostException(AttributeError(f"super() has no attribute {name}"))
 
 
 def subscript(node: p.Subscript, stack: Stack, state: State) -> Outcome:

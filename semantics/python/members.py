@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
-from ..kernel.classes import canonical
+from ..kernel.classes import ORIENTED_POINT_CLASS, canonical
 from ..kernel.config import Config, Stack, State, value
 from ..kernel.host import HostException
 from ..kernel.kinds import is_object, is_oriented
@@ -21,6 +21,7 @@ from ..space.fields import VectorField
 from ..space.vectors import Vector
 from ..syntax import expressions as e
 from ..syntax import python_expressions as p
+from ..syntax import specifiers as q
 from ..syntax.nodes import Expression, Node
 
 Rewrite = Callable[..., Expression]
@@ -70,6 +71,12 @@ def corners(o: Expression) -> Expression:
     return p.TupleDisplay(items=tuple(p.Attribute(value=e.SideOf(side=s, object=o), name="position") for s in sides))
 
 
+def oriented(at: Vector, line: regions.PolylineRegion) -> Expression:
+    """A point of a polyline, oriented along it."""
+    specifiers = (q.AtSpecifier(vector=p.Constant(value=at)), q.FacingSpecifier(direction=number(line.heading_at(at))))
+    return e.ObjectDefinition(class_=p.Constant(value=ORIENTED_POINT_CLASS), specifiers=specifiers)
+
+
 def side(name: e.Side) -> Rewrite:
     """`front of O` and its siblings."""
     return lambda o: e.SideOf(side=name, object=o)
@@ -106,6 +113,11 @@ OF_VECTORS: Mapping[str, Rewrite] = {
 OF_FIELDS: Mapping[str, Rewrite] = {
     "followFrom": lambda f, v, s: p.Attribute(value=e.Follow(field=f, origin=v, distance=s), name="position"),
 }
+OF_POLYLINES: Mapping[str, Rewrite] = {
+    "length": lambda r: number(r.value.measure()),
+    "start": lambda r: oriented(r.value.lines[0][0], r.value),
+    "end": lambda r: oriented(r.value.lines[-1][-1], r.value),
+}
 OF_REGIONS: Mapping[str, Rewrite] = {
     "distanceTo": lambda r, v: e.Distance(origin=v, target=r),
     "containsObject": lambda r, o: within(o, r),
@@ -139,6 +151,8 @@ def member(subject: object, name: str, state: State) -> tuple[Rewrite, bool] | N
             attributes, methods = {"coordinates": coordinates}, OF_VECTORS
         case VectorField():
             attributes, methods = {}, OF_FIELDS
+        case regions.PolylineRegion():
+            attributes, methods = OF_POLYLINES, OF_REGIONS
         case regions.Region():
             attributes, methods = {}, OF_REGIONS
         case _:

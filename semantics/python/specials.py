@@ -16,7 +16,7 @@ from ..kernel.nesting import check_written
 from ..kernel.outcome import Change, Next, Outcome
 from ..kernel.premises import describe_origin
 from ..kernel.scopes import MISSING, Scope
-from ..kernel.values import Dynamic, Function, Instance, Method, Origin, Random, ScenicClass, Special, plain, unwrap, wrap
+from ..kernel.values import Above, Dynamic, Function, Instance, Method, Origin, Random, ScenicClass, Special, plain, unwrap, wrap
 from ..kernel.versions import STORED
 from ..syntax import python_expressions as p
 from ..syntax.nodes import Node
@@ -215,8 +215,21 @@ def _comprehend(
 
 
 def super_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
-    """`super()` has no rule."""
-    raise RunError("super() is not part of this language", node.span, rule="E-Call-Host", hint="name the class: Base.method(self, ...)")
+    """`super()` in a method: its first argument, as the classes see it that stand behind the one in which the method is defined."""
+    scope: Scope | None = state.sigma
+    while scope is not None and scope.kind != "function":
+        scope = scope.parent
+    if arguments or keywords or scope is None or not scope.bindings:
+        hint = "name the class: Base.method(self, ...)"
+        raise RunError("super() stands in a method, and takes no arguments", node.span, rule="E-Call-Host", hint=hint)
+    subject = plain(next(iter(scope.bindings.values())))
+    classes = subject.class_.lineage if isinstance(subject, Instance) else (subject if isinstance(subject, type) else type(subject)).__mro__
+    for place, class_ in enumerate(classes):
+        members = class_.methods if isinstance(class_, ScenicClass) else vars(class_)
+        functions = (getattr(m, "__func__", getattr(m, "fget", m)) for m in members.values())
+        if any(isinstance(f, Function) and f.names is scope.names and f.scope is scope.parent for f in functions):
+            return returned(node, Above(subject, classes[place + 1 :]), stack, state)
+    raise RunError("super() stands in a method of a class, which this function is not", node.span, rule="E-Call-Host")
 
 
 def str_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:

@@ -109,6 +109,11 @@ def resolve(
     specifications = [
         describe(s, None if late else [next(rest) for _ in arguments_of(s)], state) for s, late in zip(node.specifiers, deferred, strict=True)
     ]
+    for one in specifications:
+        final = class_.finals.intersection(one.specifies)
+        if final:
+            text = f"the property {min(final)} of {class_.name} is final: no specifier may specify it"
+            raise RunError(text, one.node.span, rule="E-ObjectDefinition")
     defaults = {name: default_specification(name, expression, owner, state) for name, (expression, owner) in class_.defaults.items()}
     known = frozenset(defaults) if state.reading("optional-unknown") == "ignore" else None
     absent = frozenset({"width", "length"}) if state.reading("point-size") == "zero" else frozenset()
