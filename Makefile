@@ -56,10 +56,12 @@ nightly: $(VENV)/.test
 	test -x .venv-scenic-3/bin/python || $(PYTHON) -m venv .venv-scenic-3
 	.venv-scenic-3/bin/python -m pip install --quiet --disable-pip-version-check scenic==3.1.1
 	$(BIN)/python tests/conformance/released.py scenic-3 .venv-scenic-3/bin/python
+	$(BIN)/python tests/released/record.py scenic-3 .venv-scenic-3/bin/python --check
 	test -x .venv-scenic-2.1/bin/python || $(PYTHON) -m venv .venv-scenic-2.1
 	.venv-scenic-2.1/bin/python -m pip install --quiet --disable-pip-version-check 'setuptools<81' wheel
 	.venv-scenic-2.1/bin/python -m pip install --quiet --disable-pip-version-check --no-build-isolation scenic==2.1.0
 	$(BIN)/python tests/conformance/released.py scenic-2.1 .venv-scenic-2.1/bin/python
+	$(BIN)/python tests/released/record.py scenic-2.1 .venv-scenic-2.1/bin/python --check
 
 ## Small changes of semantics/, 2000 of them drawn with a fresh seed: which do the vectors notice, which the whole suite? make mutants MUTANTS='-n 200 --vectors-only'
 MUTANTS ?= -n 2000

@@ -46,6 +46,7 @@ from ..syntax import expressions as e
 from ..syntax import python_expressions as p
 from ..syntax.nodes import Node
 from .arithmetic import BINARY, UNARY
+from .inheritance import attribute_above, member_of
 from .keys import check_key, check_keys
 from .library import ascii_of, attribute_of, bound
 from .members import expand, member
@@ -271,37 +272,6 @@ def instance_attribute(instance: Instance, name: str, state: State) -> object:
     if found is None:
         raise HostException(AttributeError(f"{instance.class_.name} has no property {name}"))
     return member_of(found, instance, instance.class_, state)
-
-
-def member_of(found: object, subject: object | None, class_: object, state: State) -> object:
-    """A member of a class, of one of its instances or (`subject` is None) of the class itself: methods know of what they are."""
-    match found:
-        case staticmethod(__func__=function):
-            return function
-        case classmethod(__func__=Function() as function):
-            return Method(function, class_, function.door)
-        case property() if subject is not None:
-            return raw(state.settings.door, state, found.__get__, subject, Instance)
-        case Function() if subject is not None:
-            return Method(found, subject, found.door)
-    return found
-
-
-NOTHING_TO_DO = Native("__init__", lambda *arguments, **keywords: None)
-"""The `__init__` of a class that has none of the program: what there is to do is done when the instance is made."""
-
-
-def attribute_above(above: Above, name: str, state: State) -> object:
-    """`super().name`: that of the first class behind the one of the method that has it."""
-    for class_ in above.classes:
-        members = class_.methods if isinstance(class_, ScenicClass) else vars(class_) if is_user_made(class_) else {}
-        if name in members:
-            subject = above.subject
-            own = subject.class_ if isinstance(subject, Instance) else subject if isinstance(subject, type) else type(subject)
-            return member_of(members[name], None if isinstance(subject, type) else subject, own, state)
-    if name == "__init__":
-        return NOTHING_TO_DO
-    raise HostException(AttributeError(f"super() has no attribute {name}"))
 
 
 def subscript(node: p.Subscript, stack: Stack, state: State) -> Outcome:
