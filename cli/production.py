@@ -88,8 +88,10 @@ class BatchForesight:
 
     def runs(self) -> int:
         """Those of the block that this process draws."""
-        batch = batch_of(self.drawing) if self.here and "batch" in vars(self.drawing.scenario) else None
-        return batch.drawing.runs if batch is not None and batch.drawing is not None else 0
+        batch = batch_of(self.drawing) if self.here and "_lifted" in vars(self.drawing.scenario) else None
+        if batch is None or batch.drawing is None:
+            return 0
+        return batch.drawing.runs + (batch.compiled.runs if batch.compiled is not None else 0)
 
     def probability(self) -> float | None:
         """By splitting; of the program as it is, unpruned."""

@@ -98,7 +98,9 @@ class Progress:
         if self.foresight is not None:
             attempts = max(attempts, self.foresight.runs())
         left, at_least, share = elapsed / max(new, 1) * (self.total - self.scenes), "" if new else "at least ", new / max(attempts, 1)
-        if new < FEW_SCENES and attempts and self.foresight is not None:
+        if new < FEW_SCENES and self.foresight is not None:
+            if not attempts:
+                return
             self.is_foretold = True  # what is guessed is guessed once
             guessed = self.foresight.probability()
             if guessed:

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import pytest
 from scenic_ref.cli import progress
+from scenic_ref.cli.drawing import Drawing
+from scenic_ref.cli.portions import batch_of
+from scenic_ref.cli.production import BatchForesight, SceneRequest
 from scenic_ref.cli.progress import Progress
+from scenic_ref.scenario import loads
 
 
 @pytest.fixture
@@ -89,3 +93,15 @@ def test_what_nobody_can_guess_is_told_of_by_the_attempts(clock, capsys):
         clock[0] += 400
         shown.foretell()
     assert "at least 11.1 hours more: of 5,000 attempts 0 gave a scene" in capsys.readouterr().err
+
+
+def test_what_is_known_before_the_first_scene_comes_from_the_graph():
+    """Nothing before something was drawn, without making the graph; then the runs, and a guess that is right within a factor of two."""
+    text = "xs = [Range(0, 1) for i in range(4)]\nego = Object at xs[0] @ 0\nrequire xs[0] + xs[1] + xs[2] + xs[3] < 0.4\n"
+    drawing = Drawing(loads(text))
+    seen = BatchForesight(drawing, SceneRequest(0, 10, 0, 100_000, None, None, 1, False))
+    assert seen.runs() == 0
+    assert "_lifted" not in vars(drawing.scenario)
+    block = batch_of(drawing).block(0, 0, 10)
+    assert seen.runs() == block.runs > 1_000
+    assert 0.5 < (seen.probability() or 0) / (0.4**4 / 24) < 2

@@ -34,6 +34,8 @@ class CompiledStage:
         self.outputs = stage.outputs
         self.evaluator, self.arrays, self.events = compile_stage(stage)
         self.floats = sum(node.kind == "float" for node in self.outputs)
+        self.runs = 0
+        """How many runs the call of `draw` that is under way has made."""
         try:
             self.call(0, 0, np.zeros((len(stage.all), 1), dtype=np.int64), np.zeros(0, dtype=np.int64), 1, self.room(1), *self.blank(1))
         except Exception as problem:  # whatever the compiler cannot do, the columns can
@@ -46,14 +48,15 @@ class CompiledStage:
     def draw(self, seed: int, start: int, first: np.ndarray, live: np.ndarray, most: int, room: tuple[np.ndarray, np.ndarray]) -> BlockResult:
         """Scenes `start + live`, each from the attempts `first[:, live]` on, a row for each stage; `first` says afterwards where they stand."""
         fate, counts = self.blank(first.shape[1])
-        runs = 0
+        self.runs = 0
         while len(live):
-            runs += self.call(seed, start, first, live, most, room, fate, counts)
+            self.runs += self.call(seed, start, first, live, most, room, fate, counts)
             live = live[(fate[live] == PENDING) & (first[0, live] < most)]
         stuck: Counter[Requirement] = Counter()
         for event, count in zip(self.events, counts.tolist(), strict=True):
             if event.requirement is not None and count:
                 stuck[event.requirement] += count
+        runs, self.runs = self.runs, 0
         return BlockResult(fate == ACCEPTED, fate == LEFT, fate == EXHAUSTED, stuck, runs)
 
     def blank(self, count: int) -> tuple[np.ndarray, np.ndarray]:
