@@ -15,8 +15,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from scenic_ref.interpreter.parser import parse
+from scenic_ref.interpreter.printer import to_source
 from scenic_ref.scenario import loads
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted, ScenicError
+from scenic_ref.semantics.kernel.errors import AttemptsExhausted, ParseError, ScenicError
 from scenic_ref.semantics.space.vectors import Vector
 
 HERE = Path(__file__).parent
@@ -117,3 +119,12 @@ def test_there_are_enough_programs_and_each_has_a_record() -> None:
         assert len(released(dialect)) >= 150
         same = [p for p, d in CASES if d == dialect and dialect not in p.get("differs", {})]
         assert len(same) > 0.7 * len(released(dialect))
+
+
+@pytest.mark.parametrize(("program", "dialect"), CASES, ids=[f"{d}-{p['name']}" for p, d in CASES])
+def test_what_is_read_is_printed_and_read_again(program: Told, dialect: str) -> None:
+    try:
+        tree = parse(text_in(program["program"], dialect), dialect=dialect)
+    except ParseError:
+        return
+    assert parse(to_source(tree), dialect=dialect).statements == tree.statements
