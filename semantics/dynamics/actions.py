@@ -47,9 +47,7 @@ def wait_for(node: d.WaitFor, stack: Stack, state: State) -> Outcome:
 
 
 def conclude_wait_for(node: d.WaitFor, values: list[object], stack: Stack, state: State) -> Outcome:
-    """The released Scenic 3, ⟦wait for T⟧ and ⟦wait until B⟧ = `try: while True: wait` with an `interrupt when` that aborts it at the limit, or once
-    B is true.
-    """
+    """⟦wait until B⟧ = ⟦try: while True: wait; interrupt when B: abort⟧, and likewise ⟦wait for T⟧, where B is that T has passed."""
     limit = node.limit
     condition = limit.condition if isinstance(limit, d.Until) else deadline_of(limit, values[0], node, "D-WaitFor")
     forever = While(test=Constant(value=True, span=node.span), body=(d.Wait(span=node.span),), span=node.span)

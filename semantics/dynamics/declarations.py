@@ -35,7 +35,7 @@ def conclude_terminate_after(node: d.TerminateAfter, values: list[object], stack
 
 
 def simulator(node: s.ChooseSimulator, stack: Stack, state: State) -> Outcome:
-    """`simulator E`: which simulator runs the scenario says whoever runs it; E is not evaluated."""
+    """⟨simulator E, σ⟩ → ⟨pass, σ⟩: which simulator runs the scenario says whoever runs it."""
     return Next("S-Simulator", Config(PASS, stack, state), node)
 
 

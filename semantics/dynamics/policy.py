@@ -143,8 +143,9 @@ def eventually(number: int, place: int, node: d.RequireEventually, result: objec
 
 
 def record(node: d.Record, result: object, stack: Stack, state: State) -> Outcome:
-    """The released implementations, `record E as name`: the value of E in each time step of the scenario is part of the simulation; of `record
-    initial E`, that in its first time step; of `record final E`, that in its last.
+    """If ⟨E, σ⟩ → v in time step t then ⟨record E as name, σ⟩ → ⟨pass, σ⟩, and (t, v) is recorded under the name.
+
+    Of `record initial E` that is so in the first time step of the scenario, of `record final E` in its last.
     """
     name, now = name_of_record(node), simulation_of(state).step
     recorded = simulation_of(state).recorded

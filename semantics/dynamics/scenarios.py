@@ -257,7 +257,7 @@ def check_termination(number: int, index: int, stack: Stack, state: State) -> Ou
 
 
 def time_is_over(declared: Declared, running: Running, stack: Stack, state: State) -> Outcome:
-    """The released implementations, `terminate after S seconds` (`steps`): the scenario ends when so much time has passed since it began."""
+    """⟦terminate after T⟧ = ⟦terminate when T has passed since the scenario began⟧."""
     reason = f"the time limit on line {declared.node.span.line} is reached"
     return Next("D-TerminateAfter", Config(Value(Over(reason)), stack, state), declared.node)
 

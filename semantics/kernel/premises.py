@@ -120,10 +120,6 @@ def parameter(name: str, sigma: Scope) -> object:
     return MISSING
 
 
-LATER = {"DiscreteRange": "later versions of Scenic have it: write Uniform(*range(low, high + 1))"}
-"""Names of later versions, and what says the same."""
-
-
 def unknown_variable(node: Name, state: State) -> RunError:
     """The error for a name that σ does not bind, with the nearest one that it does."""
     known: list[str] = []
@@ -136,7 +132,6 @@ def unknown_variable(node: Name, state: State) -> RunError:
         scope = scope.parent
     near = get_close_matches(node.name, known, n=1)
     hint = f"did you mean {near[0]}?" if near else "import it, or choose a world model with `model NAME`" if node.name[:1].isupper() else ""
-    hint = LATER.get(node.name, hint)
     return RunError(f"{node.name} is not defined", node.span, rule="E-Variable", hint=hint)
 
 

@@ -41,6 +41,7 @@ from ..kernel.values import (
     wrap,
 )
 from ..kernel.versions import note_call, note_item
+from ..space.fields import VectorField
 from ..space.vectors import Vector
 from ..syntax import expressions as e
 from ..syntax import python_expressions as p
@@ -49,7 +50,7 @@ from .arithmetic import BINARY, UNARY
 from .inheritance import attribute_above, member_of
 from .keys import check_key, check_keys
 from .library import ascii_of, attribute_of, bound
-from .members import expand, member
+from .members import Member, member, rewritten
 from .texts import formatted as format_value
 from .texts import represented, written
 
@@ -180,7 +181,10 @@ def conclude_attribute(node: p.Attribute, values: list[object], stack: Stack, st
     subject = values[0]
     found = member(subject, node.name, state)
     if found is not None:
-        return expand(node, found, subject, node.name, stack, state)
+        rewrite, is_method = found
+        if is_method:
+            return attribute_is(node, Member(subject, node.name, rewrite), stack, state)
+        return rewritten(node, rewrite, (subject,), stack, state)
     if type(subject) is not Random:
         return attribute_is(node, get_attribute(subject, node, state), stack, state)
     shared = shared_method(subject, node.name, state)
@@ -283,6 +287,8 @@ def subscript(node: p.Subscript, stack: Stack, state: State) -> Outcome:
 
 def conclude_subscript(node: p.Subscript, values: list[object], stack: Stack, state: State) -> Outcome:
     """If ⟨E⟩ → c and ⟨I⟩ → i then ⟨E[I]⟩ → c[i]: the element keeps its own randomness; a random index or container makes it random."""
+    if len(values) == 2 and isinstance(plain(values[0]), VectorField):
+        return rewritten(node, lambda f, v: e.FieldAt(field=f, vector=v), (values[0], values[1]), stack, state)
     return value("E-Subscript", get_item(node, values, state), stack, state, node)
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from ..kernel.classes import ORIENTED_POINT_CLASS, canonical
-from ..kernel.config import Config, Stack, State, value
+from ..kernel.config import Config, Stack, State
 from ..kernel.host import HostException
 from ..kernel.kinds import is_object, is_oriented
 from ..kernel.outcome import Next, Outcome
@@ -167,16 +167,8 @@ def coordinates(v: Expression) -> Expression:
     return p.TupleDisplay(items=(p.Attribute(value=v, name="x"), p.Attribute(value=v, name="y")))
 
 
-def expand(node: Node, found: tuple[Rewrite, bool], subject: object, name: str, stack: Stack, state: State) -> Outcome:
-    """What the member stands for; a method waits for its arguments."""
-    rewrite, is_method = found
-    if is_method:
-        return value("E-Attribute", Member(subject, name, rewrite), stack, state, node)
-    return rewritten(node, rewrite, (subject,), stack, state)
-
-
 def rewritten(node: Node, rewrite: Rewrite, values: tuple[object, ...], stack: Stack, state: State) -> Outcome:
-    """The released implementations, ⟦E.name⟧ and ⟦E.name(E_1, ..., E_n)⟧ = ⟦the operator that says the same⟧, of the values of E and E_i."""
+    """⟦E.name(E_1, ..., E_n)⟧ = ⟦the operator that says the same⟧ of the values of E and E_i, and likewise ⟦E.name⟧."""
     expression = rewrite(*(p.Constant(value=v, span=node.span) for v in values))
     return Next("E-Member", Config(replace(expression, span=node.span), stack, state), node)
 

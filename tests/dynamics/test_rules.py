@@ -47,6 +47,7 @@ scenario Main():
 """,
     "ego = Object at (0, 0)\nrequire eventually False\nterminate when True",
     "behavior B():\n    invariant: False\n    wait\nego = Object at (0, 0), with behavior B",
+    "# dialect: scenic-3\nbehavior B():\n    wait for 1 steps\nego = new Object with behavior B\nrecord ego.heading\nterminate after 2 steps\n",
 )
 
 

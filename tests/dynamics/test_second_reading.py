@@ -201,12 +201,6 @@ def test_errors_have_their_place():
     assert found.value.hint == "begin with a scenario: --scenario S, or call it Main"
 
 
-def test_names_of_later_versions_are_known():
-    with pytest.raises(RunError, match="DiscreteRange is not defined") as found:
-        simulated("ego = Object at (DiscreteRange(1, 3), 0)")
-    assert found.value.hint == "later versions of Scenic have it: write Uniform(*range(low, high + 1))"
-
-
 @pytest.mark.parametrize("change", [
     "x.k = 4", "l[0] = x\n    l[0].k = 4", "l[Uniform(0, 0)] = x\n    l[0].k = 4", "i = Uniform(0, 0)\n    l[i] = x\n    l[i].k = 4",
 ])  # fmt: skip

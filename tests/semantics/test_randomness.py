@@ -141,7 +141,7 @@ REFUSALS = {
         "class A(object):\n    def __iter__(self): return iter([Uniform(1, 2)])\nparam r = [*A()]\n", "draws a random value while library code",
     ),
     "print as a key": ("param r = sorted([1, 2], key=print)\n", "library code cannot call print"),
-    "super": ("param r = super()\n", "super() is not part"),
+    "super": ("param r = super()\n", "super() stands in a method"),
 }
 
 
