@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import time
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -59,7 +60,7 @@ class Tally:
 
 def processor_seconds() -> float:
     """Of this process and of those that it waited for, so far."""
-    return sum(os.times()[:4])
+    return time.process_time() + sum(os.times()[2:4])
 
 
 def write_report(path: str, drawing: Drawing, tally: Tally, backend: str, earlier: int, seconds: float | None) -> None:

@@ -85,7 +85,10 @@ class TerminateAfter(Statement):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Record(Statement):
-    """`record E [every T] [after T] [as name]`, `record initial E`, `record final E`: `time` says which values are kept."""
+    """`record E [every T] [after T] [as name]`, `record initial E`, `record final E`: `time` says which values are kept.
+
+    `period` and `delay` are read only: as in Scenic 3.1.1, the values of all time steps are kept.
+    """
 
     value: Expression
     time: Literal["always", "initial", "final"] = "always"
