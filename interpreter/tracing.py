@@ -11,6 +11,7 @@ from ..semantics.dynamics.frames import Invoked
 from ..semantics.dynamics.processes import Coroutine, Yielded
 from ..semantics.kernel.config import Config, State
 from ..semantics.kernel.outcome import Act, Change, Done, Draw, Finish, Next, Observe, Outcome, Stuck
+from ..semantics.kernel.positions import waits
 from ..semantics.kernel.simulation import agent_of, simulation_of
 from ..semantics.kernel.values import Instance, unwrap
 from ..semantics.python.texts import stable_repr
@@ -279,7 +280,7 @@ def describe(change: Change | None, assigned: tuple[Assigned, ...] = ()) -> str:
 
 def show(value: object) -> str:
     """A value in a line of a trace: short, and the same in every run of the same seed."""
-    text = written(unwrap(value)[0])
+    text = written(value if waits(value) else unwrap(value)[0])
     return text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
 
 

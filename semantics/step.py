@@ -16,6 +16,7 @@ from .kernel.host import DoorStuck, HostException
 from .kernel.nesting import too_deep
 from .kernel.outcome import Fault, Next, Outcome, Requirement, Stuck, dated
 from .kernel.values import Random, ScenicClass
+from .kernel.waiting import Waiting
 from .python import assignment, calls, comprehensions, control, definitions, expression_statements, expressions, functions, imports, intervals
 from .python.texts import too_many_digits, without_addresses
 from .scenes import comparisons, object_definitions, operations, statements, termination
@@ -69,6 +70,7 @@ REDUCE: Mapping[type, Reduction] = {
     e.Seconds: expressions.seconds,
     e.IntervalOrPair: intervals.interval_or_pair,
     e.InInitialScenario: queries.in_initial_scenario,
+    Waiting: operations.waited,
     # object definitions
     e.ObjectDefinition: object_definitions.object_definition,
     e.ObjectOrValue: object_definitions.object_definition,

@@ -26,6 +26,7 @@ from .budget import Metered
 from .queries import Clock, Closest, Parameters
 from .sets import FrozenSet, Set
 from .values import Above, Bound, Constructor, Dynamic, Entries, Function, Instance, Method, Module, Native, Pairs, Random, ScenicClass, Special
+from .waiting import Waiting
 
 Names = frozenset[str]
 
@@ -102,7 +103,7 @@ KEY = type(cmp_to_key(lambda first, second: 0))
 
 OWN: tuple[type, ...] = (
     Above, Bound, Clock, Closest, Constructor, Dynamic, Entries, Function, Instance, Metered, Method, Module, Native, Pairs, Parameters, Random,
-    ScenicClass, Special, Symbol, Region, VectorField, KEY,
+    ScenicClass, Special, Waiting, Symbol, Region, VectorField, KEY,
 )  # fmt: skip
 """Types of the machine, and of what it computes with: the rules of the language say what may be done with them."""
 

@@ -15,6 +15,7 @@ from .values import Constructor, Origin, Random, unwrap
 
 def draw(node: Node, constructor: Constructor, arguments: tuple[object, ...], keywords: Mapping[str, object], stack: Stack, state: State) -> Outcome:
     """⟨params⟩ → θ and v ∈ dom baseDist(θ) give ⟨baseDist(params)⟩ →^{P_θ(v)} v (Figure "Semantics of expressions", Distributions)."""
+    unwrap((arguments, keywords))  # none may wait for a position
     try:
         if constructor.keeps_values:
             distribution = constructor.make(*arguments, **keywords)

@@ -89,6 +89,10 @@ class RunError(ProgramError):
     """A rule's premises cannot hold whatever is drawn: a wrong type, an unknown name, a bad parameter."""
 
 
+class NeedsPosition(RunError):
+    """A value was needed that waits for the position of an object (reading `field-dependency`)."""
+
+
 class RandomBranch(RunError):
     """Control flow outside a behavior depends on a random value (reading `random-branch`)."""
 

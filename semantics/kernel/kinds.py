@@ -20,6 +20,7 @@ from ..space.vectors import Vector
 from .budget import PLAIN
 from .config import State
 from .values import Dynamic, Instance, Origin, Random, ScenicClass, each, plain, unwrap, wrap
+from .waiting import Waiting
 
 SCALAR, VECTOR, HEADING, FIELD, REGION = "scalar", "vector", "heading", "vector field", "region"
 POINT, ORIENTED_POINT, OBJECT = "Point", "OrientedPoint", "Object"
@@ -207,6 +208,8 @@ def kind_name(value: object) -> str:
     for kind in (SCALAR, FIELD, REGION):
         if has_kind(value, kind):
             return f"a {kind}"
+    if type(value) is Waiting:
+        return "a value that waits for a position"
     if isinstance(value, Vector):
         return "a vector"
     if isinstance(value, Instance):

@@ -11,13 +11,14 @@ from difflib import get_close_matches
 from typing import NamedTuple
 
 from ..syntax.dynamics import Do
-from ..syntax.nodes import Node
+from ..syntax.nodes import Expression, Node
 from ..syntax.python_expressions import Call, Constant, Name
 from ..syntax.statements import Assignment, Return
-from .config import Config, Stack, State
-from .errors import RunError
+from .config import Config, Stack, State, Value
+from .errors import NeedsPosition, RunError
 from .host import HostException, Misapplied
 from .outcome import Next, Outcome
+from .positions import remaining, specified, wait
 from .scopes import MISSING, Scope
 from .values import Origin, Random, plain
 
@@ -59,6 +60,18 @@ def premises(
         if problem.origin is None and not isinstance(problem, Misapplied):
             problem.origin = next((v.origin for v in values if type(v) is Random), None)
         raise
+    except NeedsPosition:
+        return await_position(node, conclude, stack, state, values)
+
+
+def await_position(node: Node, conclude: Conclusion, stack: Stack, state: State, values: list[object]) -> Outcome:
+    """A premise waits for a position, and the rule needs its value: it is reduced where a position is meant, else an expression waits as well."""
+    rest = remaining(values)
+    if rest is not None and specified(state) is not None:
+        return premises(node, rest, conclude, stack, state)
+    if rest is None or not isinstance(node, Expression):
+        raise
+    return Next("", Config(Value(wait(node, values, conclude, state)), stack, state), node)
 
 
 def resume_premises(frame: Premises, result: object, stack: Stack, state: State) -> Outcome:

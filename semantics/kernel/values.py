@@ -24,6 +24,7 @@ from .budget import Budget
 from .errors import RunError
 from .scopes import Names, Scope
 from .sets import FrozenSet, Set
+from .waiting import Waiting, needs_position
 
 if TYPE_CHECKING:
     from ..space.distributions import Distribution
@@ -56,11 +57,18 @@ def plain(value: object) -> object:
 
 
 def unwrap(value: object) -> tuple[object, Origin | None]:
-    """The value with no `Random` anywhere inside lists, tuples, sets and dicts, and the origin of the first one found."""
+    """The value with no `Random` anywhere inside lists, tuples, sets and dicts, and the origin of the first one found.
+
+    Raises `NeedsPosition` where one waits for a position.
+    """
     if isinstance(value, Random):
         inner, _ = unwrap(value.value)
         return inner, value.origin
-    return _unwrapped(value, {}) if isinstance(value, CONTAINERS) else (value, None)
+    if isinstance(value, CONTAINERS):
+        return _unwrapped(value, {})
+    if type(value) is Waiting:
+        raise needs_position(value)
+    return value, None
 
 
 def _unwrapped(value: Any, seen: dict[int, tuple[object, Origin | None]]) -> tuple[object, Origin | None]:
@@ -92,12 +100,14 @@ def _unwrapped_first(value: Any, seen: dict[int, tuple[object, Origin | None]]) 
 def _part(item: object, seen: dict[int, tuple[object, Origin | None]]) -> tuple[object, Origin | None]:
     if isinstance(item, Random):
         return _part(item.value, seen)[0], item.origin
+    if type(item) is Waiting:
+        raise needs_position(item)
     return _unwrapped(item, seen) if isinstance(item, CONTAINERS) else (item, None)
 
 
 def is_flat(items: Iterable[object]) -> bool:
-    """Whether there is neither a random value nor a container among the items."""
-    return not any(kind is Random or issubclass(kind, CONTAINERS) for kind in set(map(type, items)))
+    """Whether there is neither a random or waiting value nor a container among the items."""
+    return not any(kind is Random or kind is Waiting or issubclass(kind, CONTAINERS) for kind in set(map(type, items)))
 
 
 PLAIN = (tuple, Set, FrozenSet, set, frozenset)

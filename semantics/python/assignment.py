@@ -189,6 +189,7 @@ def set_attribute(subject: object, name: str, assigned: object, node: Node, stat
     match inner:
         case Instance():
             refuse_controlled(inner, canonical(name), node, state)
+            unwrap(assigned)  # it may not wait for a position
             checked = checked_property(canonical(name), assigned, node.span, f".{name} =", state)
             return state.with_properties(inner, {canonical(name): checked})
         case Module():

@@ -18,7 +18,22 @@ from ..kernel.outcome import Next, Outcome
 from ..kernel.premises import premises
 from ..kernel.queries import Clock, Closest, check_running, distance_to_closest
 from ..kernel.scopes import Scope, function_names
-from ..kernel.values import Constructor, Dynamic, Function, Instance, Method, Native, Random, ScenicClass, Special, plain, unwrap, wrap
+from ..kernel.values import (
+    Constructor,
+    Dynamic,
+    Function,
+    Instance,
+    Method,
+    Native,
+    Random,
+    ScenicClass,
+    Special,
+    Waiting,
+    needs_position,
+    plain,
+    unwrap,
+    wrap,
+)
 from ..kernel.versions import STORED, note_call
 from ..space.distributions import BadParameters
 from ..space.fields import BadField, VectorField
@@ -87,6 +102,7 @@ def apply(node: Node, function: object, arguments: tuple[object, ...], keywords:
             code: Function = function.function  # pyright: ignore[reportAssignmentType]: not a class attribute, so no descriptor
             return Next("E-Call", enter(code, (function.instance, *arguments), keywords, state, stack, node), node)
         case Special():
+            refuse_waiting(arguments)
             return SPECIALS[function.name](node, arguments, keywords, stack, state)
         case ScenicClass():
             raise RunError(
@@ -115,6 +131,14 @@ def apply(node: Node, function: object, arguments: tuple[object, ...], keywords:
             return HOST_RULES[function](node, arguments, keywords, stack, state)
         case _:
             return call_host(node, function, arguments, keywords, stack, state)
+
+
+def refuse_waiting(arguments: tuple[object, ...]) -> None:
+    """Raises `RunError` where an argument waits for a position."""
+    for argument in arguments:
+        if type(argument) is Waiting:
+            problem = needs_position(argument)
+            raise RunError(problem.message, problem.span, rule=problem.rule, hint=problem.hint)
 
 
 def invocation(dynamic: Dynamic, arguments: tuple[object, ...], keywords: Mapping[str, object]) -> Dynamic:

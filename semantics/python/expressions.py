@@ -41,6 +41,7 @@ from ..kernel.values import (
     wrap,
 )
 from ..kernel.versions import note_call, note_item
+from ..kernel.waiting import Waiting, needs_position
 from ..space.fields import VectorField
 from ..space.vectors import Vector
 from ..syntax import expressions as e
@@ -107,6 +108,8 @@ def elements(iterable: object, node: Node, state: State) -> list[object]:
         raise random_branch(iterable, node, "the number of its elements")
     if isinstance(iterable, range) and len(iterable) > LARGEST_SEQUENCE:
         raise RunError(f"{len(iterable)} elements are too many", node.span)
+    if type(iterable) is Waiting:
+        raise needs_position(iterable)
     result = raw(state.settings.door, state, list, iterable)
     state.settings.door.budget.made(plain(result))
     if type(result) is Random:  # an iterator of the program gave something random
@@ -213,6 +216,8 @@ def get_attribute(subject: object, node: p.Attribute, state: State) -> object:
     """The attribute of a value that is not wrapped."""
     name = node.name
     match subject:
+        case Waiting():
+            raise needs_position(subject)
         case Clock():
             return attribute_of_clock(name, node, state)
         case Above():
@@ -295,6 +300,8 @@ def conclude_subscript(node: p.Subscript, values: list[object], stack: Stack, st
 def get_item(node: p.Subscript, values: list[object], state: State) -> object:
     """The element of a container, whose value comes first, at an index, or from, to and step of a slice."""
     container, *parts = values
+    if type(container) is Waiting:
+        raise needs_position(container)
     places, origin = unwrap(parts)
     if type(container) is Random:
         container, origin = container.value, container.origin

@@ -4,8 +4,8 @@
 `assign`, which goes on with s_{i+1}. The properties of `self` stand in O from the start.
 
 The arguments of specifiers are evaluated first, from left to right, since which properties a specifier specifies depends
-on their kinds (reading `specifier-arguments`); except those that mention a vector field relative to something, which wait
-for the object's position (reading `field-dependency`).
+on their kinds (reading `specifier-arguments`). A vector field relative to something waits for the object's position: what is
+left of such an argument is evaluated in the loop (reading `field-dependency`), after the specifier that determines the position.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from ..kernel.config import Abrupt, Config, Stack, State, Value, reduce, value
 from ..kernel.errors import RunError
 from ..kernel.kinds import OrientedPointAt, Reader, is_object, kind_name
 from ..kernel.outcome import Change, Draw, Next, Outcome, Requirement, Stuck
+from ..kernel.positions import expression_of, specifying, waits
 from ..kernel.premises import NOT_AN_AXIOM, axiom, premises
 from ..kernel.properties import checked_property
 from ..kernel.scopes import Scope
@@ -35,9 +36,9 @@ from ..syntax import specifiers as q
 from ..syntax.nodes import Node
 from . import released
 from . import specifiers as sp
-from .operations import SPECIFIED, compute
-from .resolution import Ordered, Specification, resolve_specifiers
-from .specifier_arguments import arguments_of, choose_form, default_specification, describe, forms_under, waits_for_position
+from .operations import compute
+from .resolution import Ordered, Specification, postponed, resolve_specifiers
+from .specifier_arguments import arguments_of, choose_form, default_specification, describe, forms_under
 
 
 class ClassOf(NamedTuple):
@@ -89,32 +90,27 @@ def resume_class(frame: ClassOf, head: object, stack: Stack, state: State) -> Ou
 
 
 def evaluate_arguments(node: e.ObjectDefinition, class_: ScenicClass, stack: Stack, state: State) -> Outcome:
-    """Rewrite the specifiers one by one, then reduce the arguments that need not wait."""
+    """Rewrite the specifiers one by one, then reduce their arguments."""
     for index, specifier in enumerate(node.specifiers):
         rewriting = released.REWRITINGS.get(type(specifier))
         if rewriting is not None and rewriting.applies(specifier):
             specifiers = (*node.specifiers[:index], rewriting.rewrite(specifier), *node.specifiers[index + 1 :])
             rewritten = ClassOf(replace(node, specifiers=specifiers))  # type: ignore[arg-type]
             return Next(rewriting.rule, Config(Value(class_), (rewritten, stack), state), specifier)
-    deferred = tuple(waits_for_position(s, state) for s in node.specifiers)
-    expressions = [a for s, late in zip(node.specifiers, deferred, strict=True) if not late for a in arguments_of(s)]
-    return premises(node, expressions, partial(resolve, class_, deferred), stack, state)
+    expressions = [a for s in node.specifiers for a in arguments_of(s)]
+    return premises(node, expressions, partial(resolve, class_), stack, state)
 
 
-def resolve(
-    class_: ScenicClass, deferred: tuple[bool, ...], node: e.ObjectDefinition, values: list[object], stack: Stack, state: State
-) -> Outcome:
+def resolve(class_: ScenicClass, node: e.ObjectDefinition, values: list[object], stack: Stack, state: State) -> Outcome:
     """resolveSpecifiers(class, specifiers) = ((s_1, p_1), ..., (s_n, p_n)); then σ[self / ⊥]."""
     rest = iter(values)
-    specifications = [
-        describe(s, None if late else [next(rest) for _ in arguments_of(s)], state) for s, late in zip(node.specifiers, deferred, strict=True)
-    ]
+    specifications = [describe(s, [next(rest) for _ in arguments_of(s)], state) for s in node.specifiers]
     for one in specifications:
         final = class_.finals.intersection(one.specifies)
         if final:
             text = f"the property {min(final)} of {class_.name} is final: no specifier may specify it"
             raise RunError(text, one.node.span, rule="E-ObjectDefinition")
-    defaults = {name: default_specification(name, expression, owner, state) for name, (expression, owner) in class_.defaults.items()}
+    defaults = {name: default_specification(name, expression, owner) for name, (expression, owner) in class_.defaults.items()}
     known = frozenset(defaults) if state.reading("optional-unknown") == "ignore" else None
     absent = frozenset({"width", "length"}) if state.reading("point-size") == "zero" else frozenset()
     order = resolve_specifiers(node.span, specifications, defaults, known, absent)
@@ -177,17 +173,20 @@ def evaluate(stack: Stack, state: State) -> Outcome:
     """Reduce what s_i still needs, then apply its equation: most specifiers need nothing, since their arguments are known."""
     frame: Construction = stack[0]
     specification = frame.specification
-    if specification.is_default:
-        return evaluate_default(frame, stack, state)
     if specification.arguments is None:
-        scope = Scope("specifier", frame.outer, bindings={SPECIFIED: frame.instance})
-        return premises(specification.node, arguments_of(specification.node), conclude_late, stack, state._replace(sigma=scope))
+        return evaluate_default(frame, stack, state)
+    if specification.waits:
+        inner = state._replace(sigma=specifying(frame.instance, frame.outer))
+        return premises(specification.node, [expression_of(a) for a in specification.arguments], conclude_late, stack, inner)
     return specify(specification.form, specification.arguments, stack, state)
 
 
 def conclude_late(node: Node, values: list[object], stack: Stack, state: State) -> Outcome:
     """The arguments that waited for the position are reduced."""
-    around = outside(stack[0], state)
+    frame: Construction = stack[0]
+    around = outside(frame, state)
+    if frame.specification.is_default:
+        return assign("P-Default", sp.default_value(frame.specification.specifies[0], values[0]), stack, around)
     if isinstance(node, q.WithSpecifier):
         return specify(None, tuple(values), stack, around)
     return specify(*choose_form(node, forms_under(node, state), values, state), stack, around)
@@ -207,13 +206,20 @@ def evaluate_default(frame: Construction, stack: Stack, state: State) -> Outcome
     if state.depth >= LARGEST_DEPTH:
         text = f"the class {owner.name} creates objects of its own kind in its default of {name}, without end"
         raise RunError(text, node.span, rule="E-ObjectDefinition")
-    scope = Scope("specifier", owner.scope, bindings={"self": frame.instance, SPECIFIED: frame.instance})
+    scope = Scope("specifier", owner.scope, bindings={"self": frame.instance})
     return reduce(node, Defaulting(), stack, state._replace(sigma=scope, depth=state.depth + 1))
 
 
 def resume_defaulting(frame: Defaulting, result: object, stack: Stack, state: State) -> Outcome:
-    """The default value was reduced to `result`."""
-    construction: Construction = stack[0]
+    """The default value was reduced to `result`; where that waits for the position, it comes after the specifier that determines it."""
+    construction, rest = stack
+    if waits(result):
+        specification: Specification = construction.specification
+        needed = tuple(dict.fromkeys((*specification.dependencies, "position")))
+        changed = replace(specification, dependencies=needed, arguments=(result,), waits=True)
+        order = (*construction.order[: construction.i], *postponed(construction.order[construction.i :], changed, construction.node.span))
+        frame_ = construction._replace(order=order)
+        return Next("", Config(Value(None), (frame_, rest), outside(construction, state)), construction.node, Change("", "order", order))
     return assign("P-Default", sp.default_value(construction.specification.specifies[0], result), stack, outside(construction, state))
 
 

@@ -10,17 +10,17 @@ from ..kernel.errors import RunError, ScenicError
 from ..kernel.host import DoorStuck, HostException
 from ..kernel.kinds import OrientedPointAt, Reader, has_kind, is_oriented, kind_name
 from ..kernel.outcome import Next, Outcome, Requirement, Stuck
+from ..kernel.positions import expression_of, specified, specifying, wait
 from ..kernel.premises import premises
-from ..kernel.scopes import MISSING
 from ..kernel.values import Instance
+from ..kernel.waiting import Waiting
+from ..python.functions import InScope
 from ..space.fields import OutsideField
 from ..space.vectors import Vector
 from ..syntax import expressions as e
 from ..syntax.nodes import Node
 from . import operators as o
 from . import released
-
-SPECIFIED = "<the object being specified>"
 
 
 def operator(node: Node, stack: Stack, state: State) -> Outcome:
@@ -54,7 +54,10 @@ def apply_equation(node: Node, equations: Sequence[o.Equation], values: list[obj
     equation = select(node, equations, operands)
     arguments = [reader.read(operand, kind) for operand, kind in zip(operands, equation.kinds, strict=True)]
     if equation.needs_self:
-        arguments.append(reader.property(specified_object(node, state), "position"))
+        instance = specified(state)
+        if instance is None:
+            return value("", wait(node, values, apply_operator, state), stack, state, node)
+        arguments.append(reader.property(instance, "position"))
     if equation.needs_euler_steps:
         arguments.append(state.settings.euler_steps)
     try:
@@ -118,21 +121,12 @@ def operator_name(node: Node) -> str:
     return f"`{names.get(type(node), type(node).__name__)}`"
 
 
-def specified_object(node: Node, state: State) -> Instance:
-    """`self` of the specifier around this expression, whose position is already known (reading `field-dependency`)."""
-    instance = state.sigma.lookup(SPECIFIED)
-    if instance is MISSING:
-        raise RunError(
-            "a vector field relative to something has no value by itself: it needs the position of an object being specified",
-            node.span, rule="O-RelativeTo-HeadingField", hint="use it inside a specifier, or write `field at position`",
-        )
-    assert isinstance(instance, Instance)
-    if "position" not in state.objects[instance.number]:
-        raise RunError(
-            "this heading needs the object's position, which is not known yet", node.span, rule="O-RelativeTo-HeadingField",
-            hint="give the vector field a name of its own, so that the dependency on position is seen",
-        )
-    return instance
+def waited(node: Waiting, stack: Stack, state: State) -> Outcome:
+    """What waited for a position is reduced, with the variables of the place where it stands, and the object whose position is meant here."""
+    instance = specified(state)
+    assert instance is not None
+    inner = state._replace(sigma=specifying(instance, node.scope))
+    return premises(node.node, list(map(expression_of, node.values)), node.conclude, (InScope(state.sigma), stack), inner)
 
 
 def new_oriented_point(at: OrientedPointAt, reader: Reader, state: State) -> tuple[Instance, State]:

@@ -19,7 +19,7 @@ class Specification:
     """A specifier as Algorithm 1 sees it: what it specifies, optionally or not, and its dependencies; those that say the same are different.
 
     `node` is the specifier, or the expression of a default value; `form` and `arguments` are those of an evaluated
-    specifier (None for `with`, default values, and arguments that wait for the object's position).
+    specifier (no form for `with`, default values, and arguments that wait for the object's position).
     """
 
     node: Node
@@ -30,6 +30,7 @@ class Specification:
     form: Form | None = None
     arguments: tuple[object, ...] | None = None
     is_default: bool = False
+    waits: bool = False
 
 
 Ordered = tuple[tuple[Specification, tuple[str, ...]], ...]
@@ -90,6 +91,15 @@ def resolve_specifiers(
     # 5. construct specifier and property evaluation order
     order = _topological_order(used, predecessors, span)
     return tuple((s, tuple(determined[s])) for s in order)
+
+
+def postponed(remaining: Ordered, changed: Specification, span: Span) -> Ordered:
+    """The order of the specifiers that are left, the first of which has turned out to have the dependencies of `changed`; a circle is an error."""
+    left = ((changed, remaining[0][1]), *remaining[1:])
+    by_name = {name: specifier for specifier, names in left for name in names}
+    predecessors = {s: [(d, by_name[d]) for d in s.dependencies if d in by_name] for s, _ in left}
+    determined = dict(left)
+    return tuple((s, determined[s]) for s in _topological_order(tuple(determined), predecessors, span))
 
 
 def specified_twice(name: str, first: Specification, second: Specification) -> SpecifiedTwice:

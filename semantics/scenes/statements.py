@@ -14,7 +14,7 @@ from ..kernel.nesting import check_nesting
 from ..kernel.outcome import Change, Draw, Next, Observe, Outcome, Requirement, Stuck
 from ..kernel.premises import premises
 from ..kernel.simulation import check_setup
-from ..kernel.values import Instance, Random, plain
+from ..kernel.values import Instance, Random, plain, unwrap
 from ..python.assignment import done
 from ..space.distributions import BadParameters, Coin
 from ..space.numeric import is_finite_number, met
@@ -29,6 +29,7 @@ def param(node: s.Param, stack: Stack, state: State) -> Outcome:
 def conclude_param(node: s.Param, values: list[object], stack: Stack, state: State) -> Outcome:
     """If ⟨E, σ, π, O⟩ → ⟨v, σ, π, O'⟩ then ⟨param x = E, σ, π, O⟩ → ⟨pass, σ, π[x/v], O'⟩; a value from the command line wins."""
     assigned = {a.name: v for a, v in zip(node.assignments, values, strict=True) if a.name not in state.settings.params}
+    unwrap(assigned)  # none may wait for a position
     for name, assignment in assigned.items():
         check_nesting(f"the parameter {name}", assignment, node.span)
     change = Change("π", ", ".join(assigned), next(iter(assigned.values()), None))

@@ -333,7 +333,7 @@ FIELD = "F = VectorField('F', lambda p: p.x)\nego = Object at (0, 0)\n"
     "program, error, rule",
     [
         (FIELD + "Object left of (1, 5), facing 0.25 relative to F", errors.CyclicDependencies, "R-Cyclic"),
-        (FIELD + "x = 0.25 relative to F", errors.RunError, "O-RelativeTo-HeadingField"),
+        (FIELD + "param x = 0.25 relative to F", errors.NeedsPosition, "O-RelativeTo-HeadingField"),
         ("ego = Object at (0, 0)\nx = Range(0, 1) + 1\ny = resample(x)", errors.RunError, "E-Resample"),
         ("ego = Object at (0, 0)\nx = Uniform(1, None)\ny = 1 if x is None else 2", errors.RandomBranch, "E-Branch"),
         ("Object at (0, 0)", errors.RunError, "T-Mutate"),
@@ -342,7 +342,7 @@ FIELD = "F = VectorField('F', lambda p: p.x)\nego = Object at (0, 0)\n"
         ("ego = Object at (0, 0)\nscenario S():\n    start:\n        Object", errors.ParseError, ""),
         ("ego = Object at (0, 0)\nbehavior B():\n    override ego with x 3", errors.CheckError, ""),
         ("ego = Object at (0, 0)\nmonitor M:\n    override ego with x 3", errors.CheckError, ""),
-        ("model scenic.simulators.gta.model\nego = Car\nego.x = roadDirection relative to 3", errors.RunError, "O-RelativeTo-HeadingField"),
+        ("model scenic.simulators.gta.model\nego = Car\nego.x = roadDirection relative to 3", errors.NeedsPosition, "O-RelativeTo-HeadingField"),
     ],
 )
 def test_what_the_readings_forbid_is_an_error_of_its_rule(program: str, error: type[errors.ScenicError], rule: str) -> None:

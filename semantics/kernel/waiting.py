@@ -1,0 +1,39 @@
+"""Values that wait for a position: `H relative to F` is none by itself (reading `field-dependency`).
+
+The paper's equation for it reads `self.position`, "the position of the object being specified". Where there is none yet, the expression is kept as a
+`Waiting`, and every rule that needs its value waits with it; what only hands it on (a variable, an argument, a list) does so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from ..syntax.nodes import Node
+from .errors import NeedsPosition
+from .scopes import Scope
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Waiting(Node):
+    """An expression over a field relative to something, which waits for a position: what is left of `node` are the `values` of its premises.
+
+    It is reduced by whoever has a position: the specifier that it is given to, or `self` of a behavior (reading `field-dependency`).
+    """
+
+    node: Node
+    values: tuple[object, ...]
+    conclude: Callable[..., Any]
+    scope: Scope
+
+    def __repr__(self) -> str:
+        return "<waits for a position>"
+
+
+def needs_position(waiting: Waiting) -> NeedsPosition:
+    """The error where the value is needed, and there is no position."""
+    return NeedsPosition(
+        "a vector field relative to something has no value by itself: it needs the position of an object being specified",
+        waiting.span, rule="O-RelativeTo-HeadingField", hint="use it inside a specifier, or write `field at position`",
+    )  # fmt: skip
