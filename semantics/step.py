@@ -17,7 +17,19 @@ from .kernel.nesting import too_deep
 from .kernel.outcome import Fault, Next, Outcome, Requirement, Stuck, dated
 from .kernel.values import Random, ScenicClass
 from .kernel.waiting import Waiting
-from .python import assignment, calls, comprehensions, control, definitions, expression_statements, expressions, functions, imports, intervals
+from .python import (
+    assignment,
+    calls,
+    comprehensions,
+    control,
+    definitions,
+    expression_statements,
+    expressions,
+    functions,
+    imports,
+    intervals,
+    specials,
+)
 from .python.texts import too_many_digits, without_addresses
 from .scenes import comparisons, object_definitions, operations, statements, termination
 from .space.distributions import BadParameters
@@ -132,6 +144,7 @@ RESUME: Mapping[type, Resumption] = {
     functions.Called: functions.resume_called,
     functions.InScope: functions.resume_in_scope,
     comprehensions.Comprehending: comprehensions.resume_comprehension,
+    specials.Selecting: specials.resume_selecting,
     object_definitions.ClassOf: object_definitions.resume_class,
     object_definitions.Construction: object_definitions.construct,
     object_definitions.Defaulting: object_definitions.resume_defaulting,

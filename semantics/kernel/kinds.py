@@ -158,6 +158,11 @@ def is_pair(value: object) -> bool:
     return type(inner) is tuple and len(inner) == 2 and all(is_scalar(plain(part)) for part in inner)  # pyright: ignore[reportUnknownArgumentType, reportUnknownVariableType]
 
 
+def is_vector(value: object) -> bool:
+    """Whether the value is a vector, not a pair or a point."""
+    return value.always(is_vector) if isinstance(value, Symbol) else isinstance(value, Vector)
+
+
 def is_sequence(value: object) -> bool:
     """Whether the value is a tuple or list."""
     return value.always(is_sequence) if isinstance(value, Symbol) else isinstance(value, (tuple, list))

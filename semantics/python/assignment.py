@@ -23,7 +23,8 @@ from ..syntax import python_expressions as p
 from ..syntax import statements as s
 from ..syntax.nodes import Node
 from .arithmetic import BINARY
-from .expressions import as_vectors, elements, get_attribute, get_item
+from .expressions import as_vectors, get_attribute, get_item
+from .iteration import elements
 from .keys import check_key
 
 
@@ -134,7 +135,7 @@ def random_write(subject: Random, node: Node) -> RunError:
 
 def unpack(items: tuple[Node, ...], assigned: object, node: Node, state: State) -> list[object]:
     """The values for the items of a target list, a starred one taking the rest as a list."""
-    if type(assigned) is Random and is_sequence(assigned.value):
+    if type(assigned) is Random and assigned.origin.distribution is None and is_sequence(assigned.value):
         origin = assigned.origin._replace(distribution=None)
         found: list[object] = [v if type(v) is Random else Random(v, origin) for v in assigned.value]  # type: ignore[attr-defined]
     else:

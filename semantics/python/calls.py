@@ -8,33 +8,34 @@ from types import BuiltinFunctionType, MethodType
 
 from ..kernel.allowed import is_known, is_user_class
 from ..kernel.conditions import random_branch
-from ..kernel.config import Stack, State, value
+from ..kernel.config import Stack, State, Value, value
 from ..kernel.draws import draw
 from ..kernel.errors import RunError
 from ..kernel.host import HostException, host, raw
 from ..kernel.kinds import is_scalar, kind_name
 from ..kernel.nesting import check_written
-from ..kernel.outcome import Next, Outcome
+from ..kernel.outcome import Next, Outcome, Requirement, Stuck
 from ..kernel.premises import premises
 from ..kernel.queries import Clock, Closest, check_running, distance_to_closest
 from ..kernel.scopes import Scope, function_names
 from ..kernel.values import (
+    Bound,
     Constructor,
     Dynamic,
     Function,
     Instance,
     Method,
     Native,
+    Origin,
     Random,
     ScenicClass,
     Special,
-    Waiting,
-    needs_position,
     plain,
     unwrap,
     wrap,
-)
+)  # fmt: skip
 from ..kernel.versions import STORED, note_call
+from ..kernel.waiting import Waiting, needs_position
 from ..space.distributions import BadParameters
 from ..space.fields import BadField, VectorField
 from ..space.numeric import number
@@ -44,8 +45,8 @@ from ..syntax import python_expressions as p
 from ..syntax.dynamics import ScenarioDefinition
 from ..syntax.nodes import Node
 from .assignment import random_write
-from .expressions import elements
 from .functions import bind, enter
+from .iteration import elements, elements_in_this_run
 from .members import Member, call_member
 from .prices import as_callback, check_arguments
 from .specials import HOST_RULES, SPECIALS, call_container_method, container_method, returned
@@ -62,8 +63,13 @@ def conclude_call(node: p.Call, values: list[object], stack: Stack, state: State
     """Spread starred arguments, then apply the function."""
     function, *rest = while_running(values) if state.runs else values
     arguments: list[object] = []
+    origin: Origin | None = None
     for expression, argument in zip(node.arguments, rest, strict=False):
-        if isinstance(expression, p.Starred):
+        if isinstance(expression, p.Starred) and takes_any_number(function):
+            spread, found = elements_in_this_run(plain(argument) if state.runs else argument, expression, state)
+            arguments.extend(spread)
+            origin = origin or found
+        elif isinstance(expression, p.Starred):
             arguments.extend(elements(plain(argument) if state.runs else argument, expression, state))
         else:
             arguments.append(argument)
@@ -77,7 +83,23 @@ def conclude_call(node: p.Call, values: list[object], stack: Stack, state: State
             keywords.update({str(k): v for k, v in argument.items()})
         else:
             raise HostException(TypeError(f"{kind_name(argument)} after ** is not a mapping"))
-    return apply(node, function, tuple(arguments), keywords, stack, state)
+    if origin is not None and isinstance(function, Constructor) and not arguments:
+        return Stuck("E-Distributions", Requirement("parameters", node.span, f"{function.name} of an empty list"))
+    outcome = apply(node, function, tuple(arguments), keywords, stack, state)
+    return outcome if origin is None else depending_on(origin, outcome)
+
+
+def takes_any_number(function: object) -> bool:
+    """Whether a function may be given a random number of arguments: a distribution, or one of the library, since nothing branches on it."""
+    return isinstance(function, (Constructor, Native, Bound, BuiltinFunctionType)) or function in (str, int, float, Vector)
+
+
+def depending_on(origin: Origin, outcome: Outcome) -> Outcome:
+    """The outcome of a call, a draw apart, whose value depends on a draw: how many arguments there were."""
+    if isinstance(outcome, Next) and isinstance(outcome.config.control, Value):
+        result = wrap(unwrap(outcome.config.control.value)[0], origin)
+        return outcome._replace(config=outcome.config._replace(control=Value(result)))
+    return outcome
 
 
 def while_running(values: list[object]) -> list[object]:

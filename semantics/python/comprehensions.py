@@ -11,8 +11,9 @@ from ..kernel.scopes import Scope, function_names, target_names
 from ..kernel.sets import Set
 from ..syntax import python_expressions as p
 from .assignment import bind_target
-from .expressions import elements, host_container
+from .expressions import host_container
 from .functions import InScope
+from .iteration import elements
 
 
 class Comprehending(NamedTuple):

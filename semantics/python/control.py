@@ -16,8 +16,8 @@ from ..syntax import python_expressions as p
 from ..syntax import statements as s
 from ..syntax.nodes import Node, Span
 from .assignment import bind_target, done
-from .expressions import elements
 from .functions import make_function
+from .iteration import elements
 
 
 class Rest(NamedTuple):

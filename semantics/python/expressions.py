@@ -11,9 +11,7 @@ from collections import defaultdict
 from collections.abc import Callable, Mapping
 
 from ..kernel.allowed import is_user_made, may_ask
-from ..kernel.budget import LARGEST_SEQUENCE
 from ..kernel.classes import canonical
-from ..kernel.conditions import random_branch
 from ..kernel.config import Stack, State, value
 from ..kernel.errors import RunError
 from ..kernel.host import HostException, host, raw
@@ -49,6 +47,7 @@ from ..syntax import python_expressions as p
 from ..syntax.nodes import Node
 from .arithmetic import BINARY, UNARY
 from .inheritance import attribute_above, member_of
+from .iteration import elements
 from .keys import check_key, check_keys
 from .library import ascii_of, attribute_of, bound
 from .members import Member, member, rewritten
@@ -100,21 +99,6 @@ def host_container(kind: Callable[[list], object], items: list, state: State | N
         return wrap((with_random_keys if kind is dict else kind)(plain_items), origin)  # type: ignore[arg-type]
     except TypeError as exception:
         raise HostException(exception) from exception
-
-
-def elements(iterable: object, node: Node, state: State) -> list[object]:
-    """The items of something iterated over; how many there are may not be random."""
-    if type(iterable) is Random:
-        raise random_branch(iterable, node, "the number of its elements")
-    if isinstance(iterable, range) and len(iterable) > LARGEST_SEQUENCE:
-        raise RunError(f"{len(iterable)} elements are too many", node.span)
-    if type(iterable) is Waiting:
-        raise needs_position(iterable)
-    result = raw(state.settings.door, state, list, iterable)
-    state.settings.door.budget.made(plain(result))
-    if type(result) is Random:  # an iterator of the program gave something random
-        raise random_branch(result, node, "what its iterator gives")
-    return result  # type: ignore[return-value]
 
 
 def dict_display(node: p.DictDisplay, stack: Stack, state: State) -> Outcome:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter, deque
 from collections.abc import Callable, Collection, Mapping
 from types import BuiltinFunctionType, MethodType
+from typing import NamedTuple
 
 from ..kernel.allowed import is_known
 from ..kernel.config import Config, Stack, State, Value, value
@@ -21,8 +22,9 @@ from ..kernel.versions import STORED
 from ..syntax import python_expressions as p
 from ..syntax.nodes import Node
 from .assignment import assigned_to, set_attribute
-from .expressions import attribute_is, elements, get_attribute, host_container, instance_text
+from .expressions import attribute_is, get_attribute, host_container, instance_text
 from .functions import InScope
+from .iteration import elements, elements_in_this_run
 from .library import LISTING
 from .texts import written
 
@@ -190,17 +192,41 @@ def map_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack,
 
 
 def filter_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
-    """`filter(f, xs)` is `[x for x in xs if f(x)]`, a list (Section 3.3 picks from one with `Uniform(*roads)`)."""
+    """`filter(f, xs)` is `[x for x in xs if f(x)]`, a list (Section 3.3 picks from one with `Uniform(*roads)`), perhaps a random one."""
     if len(arguments) != 2:
         raise HostException(TypeError("filter() takes a function and an iterable"))
+    items, origin = elements_in_this_run(arguments[1], node, state)
     test = _X if arguments[0] is None else p.Call(function=_F, arguments=(_X,), span=node.span)
-    return _comprehend(node, arguments[0], arguments[1], _X, (test,), stack, state)
+    return _comprehend(node, arguments[0], items, test, (), (Selecting(node, items, origin), stack), state)
+
+
+class Selecting(NamedTuple):
+    """Frame of `filter`: whether the function holds of each of the `items`, whose number may depend on the draw `origin`, is being reduced."""
+
+    node: Node
+    items: list[object]
+    origin: Origin | None
+
+
+def resume_selecting(frame: Selecting, truths: list[object], stack: Stack, state: State) -> Outcome:
+    """The elements of which the function holds; the list is random where that is."""
+    door, items = state.settings.door, frame.items
+    holds = [host(door, state, bool, t) for t in truths]
+    if frame.origin is None and not any(type(t) is Random for t in holds):
+        return value("", [item for item, t in zip(items, holds, strict=True) if t], stack, state)
+    chosen, origin = unwrap(host(door, state, select, items, holds))
+    return value("", wrap(chosen, frame.origin or origin), stack, state)
+
+
+def select(items: list[object], truths: list[bool]) -> list[object]:
+    """The items whose truth is True."""
+    return [item for item, holds in zip(items, truths, strict=True) if holds]
 
 
 def returned(node: Node, result: object, stack: Stack, state: State) -> Outcome:
     """If ⟨E_i⟩ → v_i then ⟨f(E_1, ..., E_n)⟩ → f(v_1, ..., v_n) for a function f of the library, random if a v_i is.
 
-    ⟨map(f, I)⟩ → ⟨[f(x) for x in I]⟩ and ⟨filter(f, I)⟩ → ⟨[x for x in I if f(x)]⟩.
+    ⟨map(f, I)⟩ → ⟨[f(x) for x in I]⟩ and ⟨filter(f, I)⟩ → those x of I for which ⟨f(x)⟩ → True.
     """
     return Next("E-Call-Host", Config(result if isinstance(result, p.Comprehension) else Value(result), stack, state), node)
 

@@ -103,6 +103,12 @@ EXPECTED: Mapping[str, Mapping[str, Expectation]] = {
         "statement": Chance(0.5, lambda s: x_of(s) < 0, runs=20_000),
         "end": Chance(0.5 / Φ(1), lambda s: x_of(s) < 0, attempts=1 / Φ(1), runs=20_000, always=lambda s: x_of(s) < 1),
     },
+    "random-length": {
+        "value": Chance(
+            1 / 2, lambda s: s.params["x"] == 4, rivals=(1 / 3,), attempts=1.5,
+            always=lambda s: s.params["n"] == (1 if s.params["x"] == 4 else 2),
+        ),
+    },
     "offset-by": {"local": Gives([Vector(-5, 0)]), "global": Gives([Vector(0, 5)])},
     "oriented-offset": {"local": Gives([math.sqrt(50)]), "global": Gives([0])},
     "height": {"length": Gives([Vector(0, -2), Vector(9, -2), 4])},

@@ -331,7 +331,9 @@ def test_a_new_version_is_made_only_where_something_changes() -> None:
     assert len(seen) < 60
 
 
-VECTORS = load_vectors()
+TAKES_MORE = {"builtin-functions"}
+"""Has an iterator over a function that takes from a list: what it took is not taken back (`docs/machine.md`)."""
+VECTORS = [v for v in load_vectors() if v.name not in TAKES_MORE]
 PARTS = 8
 
 

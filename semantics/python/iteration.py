@@ -1,0 +1,54 @@
+"""What is iterated over: how many elements there are may not be random, but for functions that nothing branches in (reading `random-length`)."""
+
+# pyright: reportUnknownVariableType=false, reportUnknownArgumentType=false
+# What a program keeps in its containers has no type of ours.
+
+from __future__ import annotations
+
+import operator as python
+
+from ..kernel.budget import LARGEST_SEQUENCE
+from ..kernel.conditions import random_branch
+from ..kernel.config import State
+from ..kernel.errors import RunError
+from ..kernel.host import host, raw
+from ..kernel.kinds import is_vector
+from ..kernel.values import Origin, Random, plain, wrap
+from ..kernel.waiting import Waiting, needs_position
+from ..syntax.nodes import Node
+
+
+def elements(iterable: object, node: Node, state: State) -> list[object]:
+    """The items of something iterated over; how many there are may not be random."""
+    if type(iterable) is Random:
+        known = known_elements(iterable, state)
+        if known is None:
+            raise random_branch(iterable, node, "the number of its elements")
+        return known
+    if isinstance(iterable, range) and len(iterable) > LARGEST_SEQUENCE:
+        raise RunError(f"{len(iterable)} elements are too many", node.span)
+    if type(iterable) is Waiting:
+        raise needs_position(iterable)
+    result = raw(state.settings.door, state, list, iterable)
+    state.settings.door.budget.made(plain(result))
+    if type(result) is Random:  # an iterator of the program gave something random
+        raise random_branch(result, node, "what its iterator gives")
+    return result  # type: ignore[return-value]
+
+
+def known_elements(iterable: Random, state: State) -> list[object] | None:
+    """The items of a random vector, or of a draw among lists that all have the same number of them, each random; None for anything else."""
+    if is_vector(iterable.value):
+        return [host(state.settings.door, state, python.attrgetter(axis), iterable) for axis in ("x", "y")]
+    support = iterable.origin.distribution.support() if iterable.origin.distribution is not None else None
+    choices = [plain(v) for v, _ in support or ()]
+    if not choices or not all(isinstance(c, (list, tuple)) for c in choices) or len({len(c) for c in choices}) > 1:  # type: ignore[arg-type]
+        return None
+    return [host(state.settings.door, state, python.getitem, iterable, place) for place in range(len(choices[0]))]  # type: ignore[arg-type]
+
+
+def elements_in_this_run(iterable: object, node: Node, state: State) -> tuple[list[object], Origin | None]:
+    """The items of something iterated over where their number may be random, and the draw that it depends on, if it is."""
+    if type(iterable) is not Random or known_elements(iterable, state) is not None:
+        return elements(iterable, node, state), None
+    return [wrap(v, iterable.origin) for v in elements(iterable.value, node, state)], iterable.origin
