@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 import textwrap
+import tomllib
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from typing import cast
@@ -121,6 +123,35 @@ def allowed_page() -> str:
     return "\n".join(lines) + "\n"
 
 
+STATUS = {"read": "read", "reading": "read, by the reading", "refused": "refused"}
+
+
+def productions_page() -> str:
+    """Every production of the released grammars, as the file of the tests says."""
+    table = tomllib.loads((HERE.parents[1] / "tests/released/productions.toml").read_text(encoding="utf-8"))["production"]
+    counts = Counter((dialect, entry["status"]) for entry in table for dialect in entry["dialects"])
+    told = [
+        f"of `{d}` {counts[d, 'read']} are read, {counts[d, 'reading']} by a reading, {counts[d, 'refused']} refused"
+        for d in ("scenic-2.1", "scenic-3")
+    ]
+    about = (
+        "The grammars of the released implementations, 2.1.0 and 3.1.1 (in two dimensions), production by production, and what the dialects "
+        f"`scenic-2.1` and `scenic-3` make of them: {'; '.join(told)}. A test runs a program for each line. What a program means is said in "
+        "[the language](../language.md)."
+    )
+    lines = ["# What the released grammars have", "", paragraph(about)]
+    part = ""
+    for entry in table:
+        if entry["part"] != part:
+            part = entry["part"]
+            lines += ["", f"## {part}", "", "| production | `scenic-2.1` | `scenic-3` | |", "| --- | --- | --- | --- |"]
+        marks = ["x" if d in entry["dialects"] else "" for d in ("scenic-2.1", "scenic-3")]
+        links = ", ".join(f"[`{name}`](readings.md#{name})" for name in entry.get("readings", ()))
+        what = f"{STATUS[entry['status']]} {links}".strip() + (f": {cell(entry['why'])}" if "why" in entry else "")
+        lines.append(f"| {cell(entry['form'])} | {' | '.join(marks)} | {what} |")
+    return "\n".join(lines) + "\n"
+
+
 def commands_page(application: typer.Typer = app) -> str:
     """What `--help` says of every command that the application has, then the exit codes."""
     command = cast(TyperGroup, typer.main.get_command(application))  # what Typer draws its commands from is click, or a copy of it
@@ -139,7 +170,10 @@ def helps(command: TyperCommand | TyperGroup, name: str) -> Iterator[tuple[str, 
         yield from helps(found, f"{name} {inner}")
 
 
-PAGES = {"rules.md": rules_page, "readings.md": readings_page, "commands.md": commands_page, "allowed.md": allowed_page}
+PAGES = {
+    "rules.md": rules_page, "readings.md": readings_page, "commands.md": commands_page, "allowed.md": allowed_page,
+    "productions.md": productions_page,
+}  # fmt: skip
 
 
 def main() -> None:

@@ -17,6 +17,7 @@ from ..semantics.syntax.expressions import (
     DistancePast,
     Follow,
     InInitialScenario,
+    Intersects,
     NotVisible,
     ObjectDefinition,
     ObjectOrOperator,
@@ -59,8 +60,13 @@ class ScenicBuilder(BuilderBase):
 
     def make_sight(self, span: Span, parts: Parts) -> Expression:
         tree = parts[0]
-        for target in parts[1:]:
-            tree = CanSee(span=join(tree.span, target.span), viewer=tree, target=as_vector(target))
+        for word, operand in zip(parts[1::2], parts[2::2], strict=True):
+            whole = join(tree.span, operand.span)
+            if word.type == "CAN_SEE":
+                tree = CanSee(span=whole, viewer=tree, target=as_vector(operand))
+            else:
+                self.released("intersects", self.token_span(word), "write `R.intersects(S)` of regions")
+                tree = Intersects(span=whole, left=tree, right=operand)
         return tree
 
     def make_phrase(self, span: Span, parts: Parts) -> Expression:
@@ -68,6 +74,8 @@ class ScenicBuilder(BuilderBase):
         rest = iter(parts[1:])
         for token in rest:
             direction = next(rest) if token.type == "OFFSET_ALONG" else None
+            if token.type == "NOT_VISIBLE_FROM":
+                self.released("not visible from", self.token_span(token))
             links.append(Link(token.type, next(rest), self.token_span(token), direction))
         if len(links) > CHAIN_LIMIT:
             raise ParseError("nested too deeply", links[CHAIN_LIMIT].keyword)
@@ -236,7 +244,11 @@ class ScenicBuilder(BuilderBase):
 
     def make_not_visible(self, span: Span, parts: Parts) -> NotVisibleSpecifier:
         self.released("not visible", self.token_span(parts[0]))
-        return NotVisibleSpecifier(span=span, viewer=as_vector(parts[1]) if len(parts) > 1 else None)
+        return NotVisibleSpecifier(span=span)
+
+    def make_not_visible_from(self, span: Span, parts: Parts) -> NotVisibleSpecifier:
+        self.released("not visible from", self.token_span(parts[0]))
+        return NotVisibleSpecifier(span=span, viewer=as_vector(parts[1]))
 
     def make_following(self, span: Span, parts: Parts) -> FollowingSpecifier:
         field, origin, distance = parts

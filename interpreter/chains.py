@@ -6,12 +6,22 @@ from dataclasses import dataclass
 from typing import Literal
 
 from ..semantics.syntax import Expression, Span, Specifier
-from ..semantics.syntax.expressions import FieldAt, IntervalOrPair, ObjectDefinition, ObjectOrOperator, OffsetAlong, OffsetBy, RelativeTo, VisibleFrom
+from ..semantics.syntax.expressions import (
+    FieldAt,
+    IntervalOrPair,
+    NotVisible,
+    ObjectDefinition,
+    ObjectOrOperator,
+    OffsetAlong,
+    OffsetBy,
+    RelativeTo,
+    VisibleFrom,
+)
 from ..semantics.syntax.python_expressions import Attribute, Name, TupleDisplay
-from ..semantics.syntax.specifiers import AtSpecifier, OffsetAlongSpecifier, OffsetBySpecifier, VisibleSpecifier
+from ..semantics.syntax.specifiers import AtSpecifier, NotVisibleSpecifier, OffsetAlongSpecifier, OffsetBySpecifier, VisibleSpecifier
 
-Kind = Literal["AT", "VISIBLE_FROM", "RELATIVE_TO", "OFFSET_BY", "OFFSET_ALONG"]
-TO_THE_END = ("AT", "VISIBLE_FROM")
+Kind = Literal["AT", "VISIBLE_FROM", "NOT_VISIBLE_FROM", "RELATIVE_TO", "OFFSET_BY", "OFFSET_ALONG"]
+TO_THE_END = ("AT", "VISIBLE_FROM", "NOT_VISIBLE_FROM")
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +88,8 @@ def apply(link: Link, left: Expression, right: Expression) -> Expression:
             return FieldAt(span=span, field=left, vector=as_vector(right))
         case "VISIBLE_FROM":
             return VisibleFrom(span=span, region=left, viewer=right)
+        case "NOT_VISIBLE_FROM":
+            return NotVisible(span=span, region=left, viewer=right)
         case "RELATIVE_TO":
             return RelativeTo(span=span, left=left, right=right)
         case "OFFSET_BY":
@@ -95,6 +107,8 @@ def _specifier(link: Link, argument: Expression) -> Specifier:
             return AtSpecifier(span=span, vector=as_vector(argument))
         case "VISIBLE_FROM":
             return VisibleSpecifier(span=span, viewer=argument)
+        case "NOT_VISIBLE_FROM":
+            return NotVisibleSpecifier(span=span, viewer=argument)
         case "OFFSET_ALONG":
             assert link.direction is not None
             return OffsetAlongSpecifier(span=span, direction=link.direction, offset=as_vector(argument))

@@ -267,7 +267,12 @@ class ExpressionPrinter(StringPrinter):
         return f"visible {self.argument(node.region)}"
 
     def print_NotVisible(self, node: e.NotVisible) -> str:
+        if node.viewer is not None:
+            return f"{self.operand(node.region)} not visible from {self.operand(node.viewer)}"
         return f"not visible {self.argument(node.region)}"
+
+    def print_Intersects(self, node: e.Intersects) -> str:
+        return f"{self.operand(node.left)} intersects {self.operand(node.right)}"
 
     def print_VisibleFrom(self, node: e.VisibleFrom) -> str:
         return f"{self.operand(node.region)} visible from {self.operand(node.viewer)}"
@@ -296,6 +301,8 @@ class ExpressionPrinter(StringPrinter):
                     link, operator = f" at {self.operand(operator.vector)}", operator.field
                 case e.VisibleFrom():
                     link, operator = f" visible from {self.operand(operator.viewer)}", operator.region
+                case e.NotVisible(viewer=e.Expression() as viewer):
+                    link, operator = f" not visible from {self.operand(viewer)}", operator.region
                 case e.RelativeTo():
                     link, operator = f" relative to {self.operand(operator.right)}", operator.left
                 case e.OffsetBy():

@@ -122,6 +122,7 @@ _PAPER = [
     Rule("E-Branch", "conditional branching may not depend on random variables", 'Section "Syntax of Scenic"', conditions.random_branch),
     Rule("E-ObjectDefinition", "Object Definitions", EXPRESSIONS, object_definitions.construct),
     Rule("E-Member", "methods and derived properties", RELEASED, members.rewritten),
+    Rule("O-Intersects", "X intersects Y", RELEASED, members.meet),
     Rule("E-Seconds", "E seconds", 'Section "Stateful Behaviors"', expressions.conclude_seconds),
     Rule("E-InInitialScenario", "in initial scenario", INITIAL, queries.in_initial_scenario),
     Rule("R-ResolveSpecifiers", "resolveSpecifiers", ALGORITHM, resolution.resolve_specifiers),

@@ -28,6 +28,7 @@ from .python import (
     functions,
     imports,
     intervals,
+    members,
     specials,
 )
 from .python.texts import too_many_digits, without_addresses
@@ -78,6 +79,7 @@ REDUCE: Mapping[type, Reduction] = {
     e.Follow: operations.operator,
     e.RelativePosition: operations.operator,
     e.NotVisible: operations.operator,
+    e.Intersects: members.intersects,
     e.SideOf: operations.side_of,
     e.Seconds: expressions.seconds,
     e.IntervalOrPair: intervals.interval_or_pair,

@@ -9,6 +9,7 @@ Section "Data Types"). A `Reader` makes these interpretations and remembers whet
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from numbers import Real
 from typing import NamedTuple
 
@@ -17,8 +18,10 @@ from ..space.numeric import is_finite_number, number
 from ..space.regions import Region
 from ..space.symbols import Symbol
 from ..space.vectors import Vector
+from ..syntax.nodes import Span
 from .budget import PLAIN
 from .config import State
+from .errors import RunError
 from .values import Dynamic, Instance, Origin, Random, ScenicClass, each, plain, unwrap, wrap
 from .waiting import Waiting
 
@@ -203,6 +206,13 @@ def has_kind(value: object, kind: str) -> bool:
             return isinstance(value, Instance) and is_object(value)
         case _:
             raise AssertionError(kind)
+
+
+def refuse_third_dimension(what: str, operands: Iterable[object], span: Span, rule: str) -> None:
+    """Raises `RunError` if one of the operands has three coordinates or angles."""
+    for operand in operands:
+        if isinstance(operand, (tuple, list)) and len(operand) == 3 and all(map(is_scalar, operand)):
+            raise RunError(f"{what} is given three numbers, which is three-dimensional; this reference is two-dimensional", span, rule=rule)
 
 
 def kind_name(value: object) -> str:

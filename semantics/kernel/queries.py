@@ -50,11 +50,11 @@ def check_running(node: Node, state: State) -> Simulation:
 
 
 def attribute_of_clock(name: str, node: Node, state: State) -> object:
-    """`simulation.currentTime`: in seconds, or in steps (reading `time-unit`)."""
-    if name != "currentTime":
-        raise RunError(f"`simulation` has no {name}", node.span, rule="E-Attribute", hint="it has currentTime")
+    """`simulation.currentTime`: in seconds, or in steps (reading `time-unit`); `currentRealTime`, of the released ones, is in seconds."""
+    if name not in ("currentTime", "currentRealTime"):
+        raise RunError(f"`simulation` has no {name}", node.span, rule="E-Attribute", hint="it has currentTime and currentRealTime")
     simulation = check_running(node, state)
-    return simulation.step if state.reading("time-unit") == "steps" else simulation.step * simulation.timestep
+    return simulation.step if name == "currentTime" and state.reading("time-unit") == "steps" else simulation.step * simulation.timestep
 
 
 def distance_to_closest(closest: Closest, arguments: tuple[object, ...], node: Node, state: State) -> float:

@@ -83,7 +83,7 @@ GEOMETRY: Mapping[str, object] = {
         c.__name__: c
         for c in (
             regions.CircularRegion, regions.SectorRegion, regions.RectangularRegion, regions.PolygonalRegion, regions.PolylineRegion,
-            regions.PointSetRegion, regions.Workspace, VectorField, PolygonalVectorField, Vector,
+            regions.PointSetRegion, regions.Region, regions.Workspace, VectorField, PolygonalVectorField, Vector,
         )
     },
 }

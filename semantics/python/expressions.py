@@ -41,6 +41,7 @@ from ..kernel.values import (
 from ..kernel.versions import note_call, note_item
 from ..kernel.waiting import Waiting, needs_position
 from ..space.fields import VectorField
+from ..space.regions import PolylineRegion
 from ..space.vectors import Vector
 from ..syntax import expressions as e
 from ..syntax import python_expressions as p
@@ -278,6 +279,9 @@ def conclude_subscript(node: p.Subscript, values: list[object], stack: Stack, st
     """If ⟨E⟩ → c and ⟨I⟩ → i then ⟨E[I]⟩ → c[i]: the element keeps its own randomness; a random index or container makes it random."""
     if len(values) == 2 and isinstance(plain(values[0]), VectorField):
         return rewritten(node, lambda f, v: e.FieldAt(field=f, vector=v), (values[0], values[1]), stack, state)
+    if len(values) == 2 and isinstance(plain(values[0]), PolylineRegion):
+        points = p.Attribute(value=p.Constant(value=values[0]), name="points")
+        return rewritten(node, lambda i: p.Subscript(value=points, index=i), (values[1],), stack, state)
     return value("E-Subscript", get_item(node, values, state), stack, state, node)
 
 

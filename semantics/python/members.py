@@ -12,12 +12,17 @@ from typing import ClassVar
 
 from ..kernel.classes import ORIENTED_POINT_CLASS, canonical
 from ..kernel.config import Config, Stack, State
+from ..kernel.errors import RunError
 from ..kernel.host import HostException
-from ..kernel.kinds import is_object, is_oriented
+from ..kernel.kinds import OBJECT, REGION, Reader, has_kind, is_object, is_oriented, kind_name
 from ..kernel.outcome import Next, Outcome
-from ..kernel.values import Instance, plain
-from ..space import regions
-from ..space.fields import VectorField
+from ..kernel.premises import premises
+from ..kernel.values import Constructor, Instance, Native, plain
+from ..space import geometry, regions
+from ..space.boundaries import METRES
+from ..space.distributions import PointIn
+from ..space.fields import OutsideField, VectorField
+from ..space.numeric import lifted
 from ..space.vectors import Vector
 from ..syntax import expressions as e
 from ..syntax import python_expressions as p
@@ -86,6 +91,10 @@ SIDES: Mapping[str, Rewrite] = {
     "left": side("left"), "right": side("right"), "front": side("front"), "back": side("back"), "frontLeft": side("front left"),
     "frontRight": side("front right"), "backLeft": side("back left"), "backRight": side("back right"), "corners": corners,
 }  # fmt: skip
+AXES: Mapping[str, Rewrite] = {
+    axis: lambda o, axis=axis: p.Attribute(value=p.Attribute(value=o, name="position"), name=axis) for axis in ("x", "y")
+}
+"""The coordinates of a point's position, which has no properties of these names."""
 SEEING: Mapping[str, Rewrite] = {"visibleRegion": lambda o: e.VisibleFrom(region=p.Constant(value=regions.everywhere), viewer=o)}
 
 OF_POINTS: Mapping[str, Rewrite] = {
@@ -110,18 +119,69 @@ OF_VECTORS: Mapping[str, Rewrite] = {
     "offsetRotated": lambda v, h, w: e.OffsetAlong(base=v, direction=h, offset=w),
     "offsetRadially": lambda v, r, h: e.OffsetAlong(base=v, direction=h, offset=pair(number(0), r)),
 }
+def computed(function: Callable[..., object]) -> Rewrite:
+    """A function of the value, by the library."""
+    native = Native(function.__name__, function)
+    return lambda o: p.Call(function=p.Constant(value=native), arguments=(o,))
+
+
+def corners_of(r: regions.RectangularRegion) -> tuple[Vector, ...]:
+    """The four corners of a rectangle, from the front right one on, anticlockwise."""
+    return geometry.corners(r.position, r.heading, r.width, r.length)
+
+
+def bounding_box(r: regions.Region) -> tuple[tuple[float, float], tuple[float, float]]:
+    """The south-west and north-east corners of the box along the axes around a region. Raises ValueError if it is unbounded."""
+    bounds = r.bounds()
+    if bounds is None:
+        raise ValueError("the region is unbounded")
+    west, south, east, north = bounds
+    return (west, south), (east, north)
+
+
+def points_of(r: regions.PolylineRegion) -> tuple[Vector, ...]:
+    """The points of a polyline, from its beginning on."""
+    return tuple(point for line in r.lines for point in line)
+
+
+def field_of_regions(parts: list[regions.Region], tolerance: float = 0.0) -> VectorField:
+    """A field with the orientation of the first of some regions that has the point, or of the nearest one within `tolerance` metres."""
+
+    @lifted(float)
+    def heading(v: Vector) -> float:
+        near = next((r for r in parts if r.contains_point(v)), None) or min(parts, key=lambda r: r.distance_to(v), default=None)
+        if near is None or near.orientation is None or near.distance_to(v) > max(tolerance, METRES):
+            raise OutsideField(field, v)
+        return near.orientation.at(v)
+
+    if not all(isinstance(part, regions.Region) for part in parts):
+        raise TypeError("forUnionOf() takes a list of regions")
+    field = VectorField("union of regions", heading)
+    return field
+
+
+UNIFORM_POINT = Constructor("uniformPointIn", PointIn, keeps_values=False, takes="region")
+OF_REGION_CLASS: Mapping[str, Rewrite] = {"uniformPointIn": lambda r: p.Constant(value=UNIFORM_POINT)}
+FIELD_OF_REGIONS = Native("forUnionOf", field_of_regions)
+OF_FIELD_CLASS: Mapping[str, Rewrite] = {"forUnionOf": lambda f: p.Constant(value=FIELD_OF_REGIONS)}
 OF_FIELDS: Mapping[str, Rewrite] = {
     "followFrom": lambda f, v, s: p.Attribute(value=e.Follow(field=f, origin=v, distance=s), name="position"),
 }
 OF_POLYLINES: Mapping[str, Rewrite] = {
     "length": lambda r: number(r.value.measure()),
     "start": lambda r: oriented(r.value.lines[0][0], r.value),
+    "points": computed(points_of),
     "end": lambda r: oriented(r.value.lines[-1][-1], r.value),
 }
+OF_RECTANGLES: Mapping[str, Rewrite] = {"corners": computed(corners_of)}
 OF_REGIONS: Mapping[str, Rewrite] = {
+    "getAABB": computed(bounding_box),
     "distanceTo": lambda r, v: e.Distance(origin=v, target=r),
     "containsObject": lambda r, o: within(o, r),
 }
+
+
+CLASSES: Mapping[type, Mapping[str, Rewrite]] = {regions.Region: OF_REGION_CLASS, VectorField: OF_FIELD_CLASS}
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,7 +205,7 @@ def member(subject: object, name: str, state: State) -> tuple[Rewrite, bool] | N
         case Instance():
             if canonical(name) in state.objects[inner.number] or inner.class_.method(name) is not None:
                 return None
-            attributes = {**SEEING, **(SIDES if is_object(inner) else {})}
+            attributes = {**AXES, **SEEING, **(SIDES if is_object(inner) else {})}
             methods = OF_OBJECTS if is_object(inner) else OF_ORIENTED_POINTS if is_oriented(inner) else OF_POINTS
         case Vector():
             attributes, methods = {"coordinates": coordinates}, OF_VECTORS
@@ -154,7 +214,9 @@ def member(subject: object, name: str, state: State) -> tuple[Rewrite, bool] | N
         case regions.PolylineRegion():
             attributes, methods = OF_POLYLINES, OF_REGIONS
         case regions.Region():
-            attributes, methods = {}, OF_REGIONS
+            attributes, methods = OF_RECTANGLES if isinstance(inner, regions.RectangularRegion) else {}, OF_REGIONS
+        case type() if inner in CLASSES:
+            attributes, methods = CLASSES[inner], {}
         case _:
             return None
     if name in attributes:
@@ -171,6 +233,22 @@ def rewritten(node: Node, rewrite: Rewrite, values: tuple[object, ...], stack: S
     """⟦E.name(E_1, ..., E_n)⟧ = ⟦the operator that says the same⟧ of the values of E and E_i, and likewise ⟦E.name⟧."""
     expression = rewrite(*(p.Constant(value=v, span=node.span) for v in values))
     return Next("E-Member", Config(replace(expression, span=node.span), stack, state), node)
+
+
+def intersects(node: e.Intersects, stack: Stack, state: State) -> Outcome:
+    """The operands of `X intersects Y` come first."""
+    return premises(node, [node.left, node.right], meet, stack, state)
+
+
+def meet(node: e.Intersects, values: list[object], stack: Stack, state: State) -> Outcome:
+    """⟦X intersects Y⟧ = ⟦X⟧ ∩ ⟦Y⟧ ≠ ∅, where an object is its bounding box."""
+    reader = Reader(state)
+    for operand in map(reader.plain, values):
+        if not (has_kind(operand, REGION) or has_kind(operand, OBJECT)):
+            raise RunError(f"`intersects` expects a region or an Object, not {kind_name(operand)}", node.span, rule="O-Intersects")
+    left, right = (box(p.Constant(value=v)) if isinstance(plain(v), Instance) else p.Constant(value=v) for v in values)
+    meeting = p.Call(function=p.Attribute(value=left, name="intersects"), arguments=(right,), span=node.span)
+    return Next("O-Intersects", Config(meeting, stack, state), node)
 
 
 def call_member(node: Node, function: Member, arguments: tuple[object, ...], keywords: Mapping[str, object], stack: Stack, state: State) -> Outcome:

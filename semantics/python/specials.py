@@ -19,6 +19,7 @@ from ..kernel.premises import describe_origin
 from ..kernel.scopes import MISSING, Scope
 from ..kernel.values import Above, Dynamic, Function, Instance, Method, Origin, Random, ScenicClass, Special, plain, unwrap, wrap
 from ..kernel.versions import STORED
+from ..space.regions import PolylineRegion
 from ..syntax import python_expressions as p
 from ..syntax.nodes import Node
 from .assignment import assigned_to, set_attribute
@@ -267,7 +268,7 @@ def str_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack,
 
 
 STRUCTURAL: Mapping[Callable[..., object], Callable[..., object]] = {
-    len: len,
+    len: lambda xs: sum(map(len, xs.lines)) if isinstance(xs, PolylineRegion) else len(xs),
     list: list,
     tuple: tuple,
     dict: lambda *xs, **named: _settled(dict(*xs, **named)),

@@ -96,7 +96,7 @@ def link(node: p.Comparison, name: str, left: object, right: object, state: Stat
             return COMPARE[name](left, right)
     state.settings.door.budget.compared(plain(left), plain(right))
     check_written(plain(left), plain(right))
-    if name in ("==", "!=") and isinstance(plain(left), Vector) is not isinstance(plain(right), Vector) and state.reading("pairs") == "vector":
+    if name in ("==", "!=") and isinstance(plain(left), Vector) is not isinstance(plain(right), Vector):
         left, right = (as_vector(v, state) for v in (left, right))
     return host(state.settings.door, state, COMPARE[name], left, right)
 

@@ -8,7 +8,7 @@ from ..kernel.classes import ORIENTED_POINT_CLASS, built_in_defaults
 from ..kernel.config import Config, Stack, State, Value, value
 from ..kernel.errors import RunError, ScenicError
 from ..kernel.host import DoorStuck, HostException
-from ..kernel.kinds import OrientedPointAt, Reader, has_kind, is_oriented, kind_name
+from ..kernel.kinds import OrientedPointAt, Reader, has_kind, is_oriented, kind_name, refuse_third_dimension
 from ..kernel.outcome import Next, Outcome, Requirement, Stuck
 from ..kernel.positions import expression_of, specified, specifying, wait
 from ..kernel.premises import premises
@@ -103,6 +103,7 @@ def select(node: Node, equations: Sequence[o.Equation], operands: list[object]) 
         if all(has_kind(v, kind) for v, kind in zip(operands, equation.kinds, strict=True)):
             return equation
     expected = " or ".join(dict.fromkeys("(" + ", ".join(q.kinds) + ")" for q in equations))
+    refuse_third_dimension(operator_name(node), operands, node.span, equations[0].rule)
     found = ", ".join(kind_name(v) for v in operands)
     raise RunError(f"{operator_name(node)} expects {expected}, not ({found})", node.span, rule=equations[0].rule)
 

@@ -131,10 +131,18 @@ class RelativePosition(Expression):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NotVisible(Expression):
-    """`not visible R`; the `viewer` is ego, once the rules have said so."""
+    """`not visible R`, whose `viewer` is ego, once the rules have said so, and `R not visible from P`."""
 
     region: Expression
     viewer: Expression | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Intersects(Expression):
+    """`X intersects Y`, of objects and regions."""
+
+    left: Expression
+    right: Expression
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from functools import cache
 from importlib.resources import files
 
+from ...semantics.python.builtins import BUILTINS
 from .city import city
 from .gta import data
 
@@ -32,12 +33,23 @@ def driving_actions() -> Mapping[str, object]:
     return ACTIONS
 
 
+CORE = {
+    "vectors": "Vector VectorField PolygonalVectorField",
+    "regions": "Region everywhere nowhere CircularRegion SectorRegion RectangularRegion PolygonalRegion PolylineRegion PointSetRegion",
+    "workspaces": "Workspace",
+    "object_types": "Point OrientedPoint Object",
+    "distributions": "Range DiscreteRange Normal TruncatedNormal Uniform Discrete Options",
+}
+"""What the language has, under the names of the released implementations' modules."""
+
 WORLDS: Mapping[str, Callable[[], str | Mapping[str, object]]] = {
     "scenic.simulators.gta.model": lambda: _text("gta/model.scenic"),
     "scenic.simulators.gta.map": gta_map,
     "scenic.domains.driving.actions": driving_actions,
     "street": lambda: _text("street.scenic"),
     "gtaLib": lambda: "from scenic.simulators.gta.model import *\n",
+    "scenic.simulators.newtonian.model": lambda: "",  # it has no classes or regions of its own
+    **{f"scenic.core.{module}": lambda names=names: {name: BUILTINS[name] for name in names.split()} for module, names in CORE.items()},
     "mars": lambda: _text("mars/mars.scenic"),
     "scenic.simulators.webots.mars.model": lambda: "from mars import *\n",
 }

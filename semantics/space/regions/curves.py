@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from functools import cached_property
 
 import shapely
+import shapely.ops
 from shapely.geometry import LineString, MultiLineString, MultiPoint, Point, Polygon
 
 from ..boundaries import METRES
@@ -62,6 +63,24 @@ class PolylineRegion(Region):
         nearest = self._tree.query_nearest(Point(v.x, v.y), all_matches=True)
         start, end = self._all_segments[int(min(nearest))]
         return angle_of(end - start)
+
+    @lifted(float)
+    def signedDistanceTo(self, point: Vector | Sequence[float]) -> float:
+        """The distance from the line to the point in metres, negative to the right of the nearest segment (of the released implementations)."""
+        v = Vector(*point)
+        start, end = self._all_segments[int(min(self._tree.query_nearest(Point(v.x, v.y), all_matches=True)))]
+        along, off = end - start, v - start
+        return self.distance_to(v) if along.x * off.y - along.y * off.x >= 0 else -self.distance_to(v)
+
+    def project(self, point: Vector | Sequence[float]) -> Vector:
+        """The point of the line that is nearest (of the released implementations)."""
+        nearest, _ = shapely.ops.nearest_points(self.polyline, Point(*point))
+        return Vector(nearest.x, nearest.y)
+
+    def pointAlongBy(self, distance: float, normalized: bool = False) -> Vector:
+        """The point that many metres along the line, or that part of its length (of the released implementations)."""
+        part = shapely.line_interpolate_point(shapely.line_merge(self.polyline), distance, normalized=normalized)
+        return Vector(part.x, part.y)
 
     @cached_property
     def _tree(self) -> shapely.STRtree:
