@@ -10,6 +10,7 @@ from .. import __version__
 from .bench import bench
 from .check import check
 from .conformance import conformance
+from .convert import convert
 from .options import DebugOption
 from .readings import readings
 from .rules import rules
@@ -40,6 +41,7 @@ app.command("trace")(trace)
 app.command("rules")(rules)
 app.command("readings")(readings)
 app.command("check")(check)
+app.command("convert")(convert)
 app.command("conformance")(conformance)
 app.command("bench")(bench)
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from ..semantics.syntax import Block, Expression, Node, Program, Specifier, Statement
 from ..semantics.syntax import dynamics as d
 from ..semantics.syntax import statements as s
-from ..semantics.syntax.python_expressions import Parameter, Starred
+from ..semantics.syntax.python_expressions import BooleanOperation, Comparison, Parameter, Starred
 from .dialects import DEFAULT, DIALECTS
 from .printer_expressions import ExpressionPrinter
 
@@ -102,11 +102,11 @@ class StatementPrinter(ExpressionPrinter):
             case s.Model():
                 return f"model {node.name}"
             case s.Param():
-                return "param " + ", ".join([f"{parameter_name(a.name)} = {self.operand(a.value)}" for a in node.assignments])
+                return "param " + ", ".join([f"{parameter_name(a.name)} = {self.item(a.value)}" for a in node.assignments])
             case s.ChooseSimulator():
                 return f"simulator {self.operand(node.value)}"
             case s.Require():
-                return f"require ({self.test(node.condition)}){called(node.name)}"
+                return f"require {self.condition(node.condition)}{called(node.name)}"
             case s.SoftRequire():
                 return f"require[{self.test(node.probability)}] {self.operand(node.condition)}{called(node.name)}"
             case d.RequireAlways():
@@ -141,6 +141,11 @@ class StatementPrinter(ExpressionPrinter):
                 return f"override {self.operand(node.object)} {self.specifiers(node.specifiers)}"
             case _:
                 raise TypeError(f"no statement: {type(node).__name__}")
+
+    def condition(self, node: Expression) -> str:
+        """`node` behind `require`: a comparison, or `and` and `or`, that begin with a bracket or a word need no more brackets."""
+        text = self.test(node)
+        return text if isinstance(node, Comparison | BooleanOperation) and (text[0] == "(" or text[0].isalnum()) else self.argument(node)
 
     def invoked(self, nodes: tuple[Expression, ...]) -> str:
         return ", ".join([f"({self.test(node)})" for node in nodes])
@@ -215,7 +220,8 @@ class StatementPrinter(ExpressionPrinter):
         yield from self.block(node.body, *self.guards(node))
 
     def lines_MonitorDefinition(self, node: d.MonitorDefinition) -> Iterator[str]:
-        yield self.definition("monitor", node.name, node.parameters)
+        one = not (self.dialect.monitor_instances or node.parameters)
+        yield f"monitor {node.name}:" if one else self.definition("monitor", node.name, node.parameters)
         yield from self.block(node.body)
 
     def lines_ScenarioDefinition(self, node: d.ScenarioDefinition) -> Iterator[str]:

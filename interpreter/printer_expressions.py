@@ -87,6 +87,10 @@ TERMS = (
 )
 
 
+ARITHMETIC = (p.UnaryOperation, p.BinaryOperation, p.BooleanOperation, p.Comparison, e.VectorOf, e.Degrees)
+"""What needs no parentheses between commas."""
+
+
 class ExpressionPrinter(StringPrinter):
     """Prints expressions in one dialect."""
 
@@ -100,8 +104,13 @@ class ExpressionPrinter(StringPrinter):
 
     def argument(self, node: Expression) -> str:
         """`node` behind a soft keyword, which looks ahead for a word, a digit or a parenthesis."""
-        plain = is_dotted_name(node) or (isinstance(node, p.Call) and is_dotted_name(node.function)) or isinstance(node, p.TupleDisplay)
+        head = node.value if isinstance(node, e.Degrees) else node.function if isinstance(node, p.Call) else node
+        plain = is_dotted_name(head) or isinstance(head, p.Constant) or isinstance(node, p.TupleDisplay)
         return self.test(node) if plain else f"({self.test(node)})"
+
+    def item(self, node: Expression) -> str:
+        """`node` between commas."""
+        return self.test(node) if isinstance(node, (p.Starred, *ARITHMETIC)) else self.operand(node)
 
     def list_of_tests(self, node: Expression) -> str:
         """`node` where a tuple needs no parentheses."""
@@ -111,11 +120,11 @@ class ExpressionPrinter(StringPrinter):
 
     def items(self, nodes: Iterable[Expression]) -> str:
         """The items of a tuple."""
-        texts = [self.operand(node) if not isinstance(node, p.Starred) else self.test(node) for node in nodes]
+        texts = list(map(self.item, nodes))
         return texts[0] + "," if len(texts) == 1 else ", ".join(texts)
 
     def listed(self, nodes: Iterable[Expression]) -> str:
-        return ", ".join([self.operand(node) if not isinstance(node, p.Starred) else self.test(node) for node in nodes])
+        return ", ".join(map(self.item, nodes))
 
     # -- Python
 
@@ -135,7 +144,7 @@ class ExpressionPrinter(StringPrinter):
         return f"{{{self.listed(node.items)}}}"
 
     def print_DictDisplay(self, node: p.DictDisplay) -> str:
-        pairs = [f"**{self.operand(v)}" if k is None else f"{self.operand(k)}: {self.operand(v)}" for k, v in node.items]
+        pairs = [f"**{self.operand(v)}" if k is None else f"{self.operand(k)}: {self.item(v)}" for k, v in node.items]
         return "{" + ", ".join(pairs) + "}"
 
     def print_Attribute(self, node: p.Attribute) -> str:
@@ -153,9 +162,8 @@ class ExpressionPrinter(StringPrinter):
         return ":".join(ends) + (":" + self.operand(node.step) if node.step is not None else "")
 
     def print_Call(self, node: p.Call) -> str:
-        named = [f"{k.name}={self.operand(k.value)}" if k.name else f"**{self.operand(k.value)}" for k in node.keywords]
-        positional = [self.test(a) if isinstance(a, p.Starred) else self.operand(a) for a in node.arguments]
-        return f"{self.primary(node.function)}({', '.join(positional + named)})"
+        named = [f"{k.name}={self.item(k.value)}" if k.name else f"**{self.operand(k.value)}" for k in node.keywords]
+        return f"{self.primary(node.function)}({', '.join([*map(self.item, node.arguments), *named])})"
 
     def print_UnaryOperation(self, node: p.UnaryOperation) -> str:
         return f"{node.operator} {self.operand(node.operand)}" if node.operator == "not" else node.operator + self.operand(node.operand)

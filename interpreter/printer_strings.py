@@ -79,9 +79,13 @@ class StringPrinter(ABC):
             raise NoQuotesLeft("a literal piece does not fit")
         return text.replace("{", "{{").replace("}", "}}")
 
+    def within(self, quote: str) -> StringPrinter:
+        """A printer of what stands in an f-string between such quotes."""
+        return type(self)(self.dialect, (*self.outer, quote))
+
     def replacement(self, part: FormattedValue, quote: str) -> str:
         """`{(value)!conversion:format}`."""
-        text = type(self)(self.dialect, (*self.outer, quote)).test(part.value)
+        text = self.within(quote).test(part.value)
         if "\\" in text or quote in text:
             raise NoQuotesLeft("an interpolation does not fit")
         conversion = f"!{part.conversion}" if part.conversion else ""

@@ -14,6 +14,7 @@ from ...semantics.kernel.errors import (
     FuelExhausted,
     ImportRefused,
     MissingProperty,
+    NeedsPosition,
     ParseError,
     ProgramError,
     RandomBranch,
@@ -159,7 +160,10 @@ OPERATORS = (
     run("scalar as a field", "O-At", "wrong = 3 at (1, 2)"),
     run("vector relative to a scalar", "O-RelativeTo-Fields", "wrong = (1, 2) relative to 3"),
     run("oriented points relative to each other", "O-RelativeTo-Headings", "wrong = ego relative to ego"),
-    run("field relative to a heading for no object", "O-RelativeTo-HeadingField", "wrong = VectorField('wrong', lambda v: 1) relative to 3"),
+    Mistake(
+        "field relative to a heading for no object", "param wrong = VectorField('wrong', lambda v: 1) relative to 3", NeedsPosition,
+        "O-RelativeTo-HeadingField",
+    ),
     run("scalar offset by a vector", "O-OffsetBy-OrientedPoint", "wrong = 3 offset by (1, 2)"),
     run("offset along a string", "O-OffsetAlong-Heading", "wrong = (1, 2) offset along 'a' by (3, 4)"),
     run("visible scalar", "O-VisibleFrom", "wrong = visible (3)"),
@@ -230,7 +234,7 @@ BRANCHES = (
     branch("random filter", "wrong = [a for a in range(3) if Uniform(1, 2) < 3]"),
     branch("random assertion", "assert Uniform(1, 2) < 3"),
     branch("random function", "wrong = Uniform(lambda a: a, lambda a: 2 * a)(3)"),
-    branch("random number of arguments", "wrong = max(*range(Uniform(2, 3)))"),
+    branch("random number of arguments", "wrong = (lambda *a: a)(*range(Uniform(2, 3)))"),
 )
 
 EXCEPTIONS = (

@@ -1,0 +1,200 @@
+"""A program of one dialect in another: `convert`.
+
+The tree stays the same but for what the dialects spell differently; then it is printed, with the comments of the source. The printed text is parsed
+again, and must be the same program: what the other dialect cannot say is refused, with its place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import fields, replace
+from functools import partial
+from typing import Any
+
+from ..semantics.kernel.classes import BUILT_IN_CLASSES
+from ..semantics.kernel.errors import ParseError
+from ..semantics.kernel.scopes import descendants
+from ..semantics.syntax import Node, Program, Statement
+from ..semantics.syntax import dynamics as d
+from ..semantics.syntax import expressions as e
+from ..semantics.syntax import python_expressions as p
+from ..semantics.syntax import statements as s
+from .dialects import DEFAULT, DIALECTS, MARK, Dialect
+from .modules import with_old_imports
+from .parser import parse
+from .printer import StatementPrinter
+
+Change = Callable[[Node], Any]
+
+
+def convert(program: Program, dialect: str, library: Mapping[str, object]) -> str:
+    """The text of a program in a dialect; `library` holds the modules that it imports, for the names of their classes. Raises `ParseError`."""
+    source, target = DIALECTS[program.dialect], DIALECTS[dialect]
+    classes = classes_of([program, *(module for module in library.values() if isinstance(module, Program))])
+    statements = settled(with_old_imports(program, library).statements, classes)  # type: ignore[arg-type]
+    statements = monitored(changed(statements, partial(spelled, source, target)), source, target)
+    for statement in statements:
+        check_said(statement, target, classes)
+    mark = [] if dialect == DEFAULT else [f"# dialect: {dialect}"]
+    printer = Commented(target, program)
+    lines = [*mark, *(line.rstrip() for statement in statements for line in printer.lines(statement)), *printer.trailing()]
+    return "\n".join(lines) + "\n"
+
+
+def classes_of(programs: Iterable[Program]) -> frozenset[str]:
+    """The names of the Scenic classes: those that are built in, and those that the programs define (not from a class of Python)."""
+    found = set(BUILT_IN_CLASSES)
+    defined = [node for program in programs for statement in program.statements for node in descendants(statement)]
+    definitions = [node for node in defined if isinstance(node, s.ClassDefinition)]
+    while True:
+        more = {c.name for c in definitions if not c.superclasses or any(last_name(base) in found for base in c.superclasses)}
+        if more <= found:
+            return frozenset(found)
+        found |= more
+
+
+def last_name(node: Node) -> str:
+    """The last part of a dotted name, "" for anything else."""
+    return node.name if isinstance(node, (p.Name, p.Attribute)) else ""
+
+
+def changed(node: Any, change: Change) -> Any:
+    """The tree with every node in it replaced by what `change` makes of it, the innermost ones first."""
+    if isinstance(node, Node):
+        parts = {f.name: getattr(node, f.name) for f in fields(node) if f.name != "span"}
+        new = {name: changed(part, change) for name, part in parts.items()}
+        return change(node if all(new[name] is parts[name] for name in parts) else replace(node, **new))
+    if isinstance(node, tuple):
+        items = tuple(changed(item, change) for item in node)
+        if all(a is b for a, b in zip(items, node, strict=True)):
+            return node
+        return items if type(node) is tuple else type(node)(*items)
+    return node
+
+
+def settled(tree: Any, classes: frozenset[str]) -> Any:
+    """The tree in which every name that may begin an object definition does so if, and only if, it is that of a class."""
+
+    def settle(node: Node) -> Node:
+        match node:
+            case e.ObjectOrOperator(head=head, as_object=made, as_operator=operator):
+                return made if last_name(head) in classes else operator
+            case e.ObjectOrValue(value=value):
+                return e.ObjectDefinition(class_=value, span=node.span) if last_name(value) in classes else value
+            case _:
+                return node
+
+    return changed(tree, settle)
+
+
+def spelled(source: Dialect, target: Dialect, node: Node) -> Node:
+    """A node as the target spells it: intervals, the simulation, and monitors, which run when they are defined or when they are required."""
+    match node:
+        case e.IntervalOrPair(low=low, high=high) if not target.intervals:
+            return p.Call(function=p.Name(name="Range"), arguments=(low, high), span=node.span)
+        case p.Attribute(value=p.Name(name="simulation") as clock) if target.released and not source.released:
+            return replace(node, value=p.Call(function=clock, span=clock.span))
+        case d.MonitorDefinition():
+            node = replace(node, by_instance=target.monitor_instances)
+        case _:
+            pass
+    blocks = {f.name: getattr(node, f.name) for f in fields(node) if is_block(getattr(node, f.name))}
+    new = {name: monitored(block, source, target) for name, block in blocks.items()}
+    return replace(node, **new) if any(new[name] is not blocks[name] for name in new) else node
+
+
+def is_block(value: object) -> bool:
+    """Whether the value is a block of statements."""
+    return isinstance(value, tuple) and bool(value) and all(isinstance(item, Statement) for item in value)
+
+
+def monitored(block: tuple[Statement, ...], source: Dialect, target: Dialect) -> tuple[Statement, ...]:
+    """A block in which monitors run as they did: by `require monitor` behind their definitions, or without it. Raises `ParseError`."""
+    monitors = [node for node in block if isinstance(node, d.MonitorDefinition)]
+    if source.monitor_instances is target.monitor_instances or not (monitors or any(isinstance(node, d.RequireMonitor) for node in block)):
+        return block
+    if target.monitor_instances:
+        return tuple(new for node in block for new in ([node, required(node)] if isinstance(node, d.MonitorDefinition) else [node]))
+    asked = [node for node in block if isinstance(node, d.RequireMonitor)]
+    for node in asked:
+        if sum(required(monitor) == node for monitor in monitors) != 1 or sum(other.monitor == node.monitor for other in asked) != 1:
+            raise unsaid("a monitor runs where it is defined, once, without arguments", node, target)
+    for monitor in monitors:
+        if required(monitor) not in asked:
+            raise unsaid("a monitor that is defined runs, and this one is not required here", monitor, target)
+    return tuple(node for node in block if node not in asked)
+
+
+def required(monitor: d.MonitorDefinition) -> d.RequireMonitor:
+    """`require monitor M()`."""
+    return d.RequireMonitor(monitor=p.Call(function=p.Name(name=monitor.name)), span=monitor.span)
+
+
+def unsaid(what: str, node: Node, target: Dialect) -> ParseError:
+    """The error for what the target cannot say."""
+    return ParseError(f"dialect {target.name} cannot say this: {what}", node.span)
+
+
+def check_said(statement: Statement, target: Dialect, classes: frozenset[str]) -> None:
+    """Parse what is printed of a statement: it must be the same one. Raises `ParseError` at the innermost statement that is not."""
+    try:
+        text = "\n".join(StatementPrinter(target).lines(statement)) + "\n"
+        again = settled(parse(text, dialect=target.name).statements, classes)
+        reason = "" if again == (statement,) else "an object without specifiers, or a pair, where that means something else"
+    except ParseError as problem:
+        reason = problem.message
+    if reason:
+        for inner in descendants(statement):
+            if isinstance(inner, Statement) and inner is not statement:
+                check_said(inner, target, classes)
+        raise unsaid(reason, statement, target)
+
+
+class Commented(StatementPrinter):
+    """Prints statements with the comments and empty lines that stand directly before them in the source, and the comments behind them."""
+
+    def __init__(self, dialect: Dialect, program: Program) -> None:
+        super().__init__(dialect)
+        self.source = program.text.splitlines()
+        self.told = 0
+        """The last line whose statement is printed, or whose comment is."""
+
+    def within(self, quote: str) -> StatementPrinter:
+        """What stands in an f-string has no comments."""
+        return StatementPrinter(self.dialect, (*self.outer, quote))
+
+    def lines(self, node: Statement) -> Iterator[str]:
+        """The lines of a statement, and its comments."""
+        yield from self.before(node.span.line)
+        printed = list(super().lines(node))
+        yield printed[0] + (self.behind(node) if len(printed) == 1 else "")
+        yield from printed[1:]
+
+    def before(self, line: int) -> Iterator[str]:
+        """The lines of comments, and the empty ones, directly above a line."""
+        first = line
+        while first - 1 > self.told and is_comment(self.source[first - 2]):
+            first -= 1
+        yield from self.kept(first, line)
+        self.told = max(self.told, line)
+
+    def behind(self, node: Statement) -> str:
+        """The comment behind a statement of one line."""
+        rest = self.source[node.span.end_line - 1][node.span.end_column - 1 :].strip() if node.span.end_line else ""
+        return f"  {rest}" if rest.startswith("#") else ""
+
+    def trailing(self) -> Iterator[str]:
+        """The comments after the last statement."""
+        first = len(self.source) + 1
+        while first - 1 > self.told and is_comment(self.source[first - 2]):
+            first -= 1
+        yield from self.kept(first, len(self.source) + 1)
+
+    def kept(self, first: int, line: int) -> Iterator[str]:
+        """The lines from the first one up to another, without the mark of the dialect."""
+        yield from (text.strip() for text in self.source[first - 1 : line - 1] if not MARK.match(text))
+
+
+def is_comment(line: str) -> bool:
+    """Whether there is nothing but a comment in the line."""
+    return line.strip()[:1] in ("", "#")
