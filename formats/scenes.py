@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import math
+import pickle
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from ..semantics.kernel.config import State
@@ -17,8 +18,10 @@ from ..semantics.programs import ego_of
 from ..semantics.python.texts import stable_repr
 from ..semantics.scenes.default_requirements import workspace_of
 from ..semantics.space.geometry import normalise_heading
-from ..semantics.space.regions import Region, everywhere
+from ..semantics.space.regions import CircularRegion, RectangularRegion, Region, SectorRegion, everywhere
+from ..semantics.space.regions.region import Everywhere
 from ..semantics.space.vectors import Vector
+from .programs import program_of
 
 SCHEMA = "scenic-ref/scene/1"
 LARGEST_NUMBER_BITS = 10_000
@@ -109,6 +112,11 @@ class SceneObject:
         """Any property by name; KeyError if the object has none of that name."""
         return getattr(self, name) if name in OWN_FIELDS else self.properties[name]
 
+    def __reduce__(self) -> tuple[Callable[..., SceneObject], tuple[object, ...]]:
+        """For `pickle`: what is no plain data (behaviors, fields, other objects) is the text that stands for it in a file."""
+        values = tuple(getattr(self, name) for name in self.__slots__)
+        return SceneObject, (*values[:-1], portable(dict(self.properties)))
+
     def to_json(self) -> dict[str, object]:
         """The entry of the scene format."""
         properties = {k: json_value(v) for k, v in self.properties.items()}
@@ -141,6 +149,19 @@ class Scene:
             raise UsageError("the scene has no ego: a scenario that the compose block runs makes it")
         return self.objects[self.ego_id]
 
+    def __reduce__(self) -> tuple[Callable[..., Scene], tuple[object, ...]]:
+        """For `pickle`; see `SceneObject.__reduce__`. A workspace that cannot be pickled is forgotten."""
+        values = {name: getattr(self, name) for name in self.__slots__}
+        try:
+            pickle.dumps(self.workspace)
+        except Exception:  # it is oriented by a function of the program, say
+            values["workspace"] = everywhere
+        return Scene, tuple((values | {"params": portable(dict(self.params))}).values())
+
+    def to_scenic(self, dialect: str = "paper") -> str:
+        """A program, in a dialect, that makes just this scene; what cannot be written of it is a comment."""
+        return program_of(self, dialect)
+
     def to_json(self) -> dict[str, object]:
         """The scene as a JSON object."""
         params, objects = {k: json_value(v) for k, v in self.params.items()}, [o.to_json() for o in self.objects]
@@ -155,6 +176,35 @@ class Scene:
         from .pictures import picture
 
         return picture([self])
+
+
+@dataclass(frozen=True, slots=True)
+class TextOnly:
+    """A value of which only the text is left."""
+
+    text: str
+
+    def __repr__(self) -> str:
+        return self.text
+
+
+PLAIN_SHAPES = (Everywhere, CircularRegion, SectorRegion, RectangularRegion)
+
+
+def portable(value: object) -> object:
+    """A value that is plain data all through, with texts for what is not."""
+    match plain(value):
+        case None | bool() | int() | float() | str() | bytes() | Vector() | TextOnly() as inner:
+            return inner
+        case list() | tuple() | set() | frozenset() as inner:
+            items = list(map(portable, inner))
+            return tuple(items) if type(inner) is not list else items
+        case dict() as inner:
+            return {portable(k): portable(v) for k, v in inner.items()}
+        case Region() as inner if isinstance(inner, PLAIN_SHAPES):
+            return inner
+        case inner:
+            return TextOnly(stable_repr(unwrap(inner)[0]))
 
 
 def json_value(value: object) -> object:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 from .dynamics.initial import Finishing
@@ -21,11 +22,12 @@ from .syntax.statements import Block, If, Model
 
 def make_settings(
     readings: dict[str, str], library: dict[str, object], params: dict[str, object], model: str | None, scenario: str | None = None,
-    *, trusted: bool = False,
+    *, trusted: bool = False, given: Mapping[tuple[int, ...], object] | None = None,
 ) -> Settings:  # fmt: skip
     """What stays the same in every run of a program; its door is of no run (see `initial`)."""
     return Settings(
         readings=readings, library=library, machine=step, door=Door(enter), params=params, model=model, scenario=scenario, trusted=trusted,  # type: ignore[arg-type]
+        given=given or {},
     )  # fmt: skip
 
 

@@ -14,7 +14,7 @@ from .kernel.config import Abrupt, Config, Reduction, Resumption, Stack, State, 
 from .kernel.errors import GuardViolation, RunError, ScenicError, UncaughtException
 from .kernel.host import DoorStuck, HostException
 from .kernel.nesting import too_deep
-from .kernel.outcome import Fault, Next, Outcome, Requirement, Stuck, dated
+from .kernel.outcome import Draw, Fault, Next, Outcome, Requirement, Stuck, dated
 from .kernel.values import Random, ScenicClass
 from .kernel.waiting import Waiting
 from .python import (
@@ -33,7 +33,7 @@ from .python import (
 )
 from .python.texts import too_many_digits, without_addresses
 from .scenes import comparisons, object_definitions, operations, statements, termination
-from .space.distributions import BadParameters
+from .space.distributions import BadParameters, Uniform
 from .space.fields import BadField, OutsideField
 from .space.regions import BadRegion, EmptyRegion, UnboundedRegion
 from .syntax import dynamics as d
@@ -238,6 +238,8 @@ def step(config: Config) -> Outcome:
         outcome = stopped(problem, config)
     if not version.undo and type(outcome) is Next and outcome.config.state.version is version:
         return outcome
+    if type(outcome) is Draw and outcome.address in state.settings.given:
+        outcome = outcome._replace(distribution=Uniform((state.settings.given[outcome.address],)))
     return dated(outcome, version.versions.settled())
 
 

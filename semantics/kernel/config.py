@@ -23,6 +23,8 @@ Properties = Mapping[str, object]
 class Settings(NamedTuple):
     """What stays the same during a run: readings, importable modules, the machine itself (for calls from host code).
 
+    The draws at the addresses in `given` have these values (`Scenario.condition_on`).
+
     A `trusted` program may hold and ask anything (`allowed`), since it imports Python code that can do anything.
     """
 
@@ -35,6 +37,7 @@ class Settings(NamedTuple):
     euler_steps: int = 4
     scenario: str | None = None
     trusted: bool = False
+    given: Mapping[tuple[int, ...], object] = {}
 
 
 class Captured(NamedTuple):

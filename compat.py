@@ -1,0 +1,188 @@
+"""The names of the released implementations for the few calls that most scripts make.
+
+    import scenic_ref.compat as scenic
+
+    scenario = scenic.scenarioFromFile("crossing.scenic", params={"weather": "rain"})
+    scene, iterations = scenario.generate(maxIterations=1000)
+    print(scene.egoObject.position, scene.params["weather"])
+
+Programs are read in dialect `scenic-3`, or in `scenic-2.1` if they make no object by `new` (the comment `# dialect: NAME` in the first
+line decides), under the profile of the same name. Random numbers come from a seed that Python's `random` gives when the scenario is made,
+so that `random.seed(S)` before it makes a script repeatable.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from .formats.scenes import Scene as OurScene
+from .formats.scenes import SceneObject
+from .interpreter.dialects import MARK
+from .interpreter.modules import read_text
+from .interpreter.parser import parse
+from .scenario import Scenario as OurScenario
+from .scenario import loads
+from .semantics.kernel.errors import AttemptsExhausted, ParseError, ScenicError, UsageError
+from .semantics.kernel.scopes import descendants
+from .semantics.space.regions import Region
+from .semantics.space.vectors import Vector
+from .semantics.syntax.expressions import ObjectDefinition, ObjectOrOperator
+
+__all__ = [
+    "InvalidScenarioError", "Object", "RejectionException", "Scenario", "Scene", "ScenicSyntaxError", "Vector",
+    "scenarioFromFile", "scenarioFromString",
+]  # fmt: skip
+
+InvalidScenarioError = ScenicError
+"""What is wrong with a program; see `scenic_ref.errors` for the kinds."""
+ScenicSyntaxError = ParseError
+
+
+class RejectionException(Exception):
+    """No scene was found in `maxIterations` runs."""
+
+
+class Object:
+    """An object of a scene: its properties are attributes."""
+
+    def __init__(self, object_: SceneObject) -> None:
+        self._object = object_
+
+    def __getattr__(self, name: str) -> object:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        if name in ("x", "y") and name not in self._object.properties:
+            return getattr(self._object.position, name)
+        try:
+            return self._object[name]
+        except KeyError:
+            raise AttributeError(f"{self!r} has no property {name}") from None
+
+    def __repr__(self) -> str:
+        return f"<{self._object.class_name} {self._object.name or self._object.id}>"
+
+
+class Scene:
+    """A scene under the released names; `scene` is ours."""
+
+    def __init__(self, scene: OurScene) -> None:
+        self.scene = scene
+        self.objects = tuple(map(Object, scene.objects))
+
+    @property
+    def egoObject(self) -> Object:
+        """The object from whose point of view the scene is. Raises `UsageError` if there is none."""
+        return self.objects[self.scene.ego.id]
+
+    @property
+    def params(self) -> dict[str, object]:
+        """The global parameters."""
+        return dict(self.scene.params)
+
+    @property
+    def workspace(self) -> Region:
+        """The region in which all objects lie."""
+        return self.scene.workspace
+
+    def show(self, zoom: object = None, block: bool = True) -> None:
+        """Show the scene from above. Raises `UsageError` without the extra `plot`."""
+        self.show2D(zoom, block)
+
+    def show2D(self, zoom: object = None, block: bool = True) -> None:
+        """Show the scene from above. Raises `UsageError` without the extra `plot`."""
+        import io
+
+        data = self.scene._repr_png_()
+        import matplotlib.pyplot as plt
+
+        plt.imshow(plt.imread(io.BytesIO(data)))
+        plt.axis("off")
+        plt.show(block=block)
+
+
+class Scenario:
+    """A scenario under the released names; `scenario` is ours."""
+
+    def __init__(self, scenario: OurScenario) -> None:
+        self.scenario = scenario
+        self.seed = random.getrandbits(63)
+        self.index = 0
+
+    def generate(self, maxIterations: float = 2000, verbosity: int = 0, feedback: object = None) -> tuple[Scene, int]:
+        """The next scene, and in how many runs it was found. Raises `RejectionException` if there is none among `maxIterations` runs."""
+        if feedback is not None:
+            raise UsageError("there is no sampler here that takes feedback")
+        index, self.index = self.index, self.index + 1
+        try:
+            scene = self.scenario.sample(self.seed, index, max_attempts=int(min(maxIterations, 2**62)))
+        except AttemptsExhausted as problem:
+            raise RejectionException(f"failed to generate scenario in {maxIterations} iterations: {problem.message}") from None
+        if verbosity >= 1:
+            print(f"Generated scene in {scene.attempts} iterations.")
+        return Scene(scene), scene.attempts
+
+    def generateBatch(
+        self, numScenes: int, maxIterations: float = float("inf"), verbosity: int = 0, feedback: object = None
+    ) -> tuple[list[Scene], int]:
+        """So many scenes, and in how many runs they were found together; as `generate`."""
+        if feedback is not None:
+            raise UsageError("there is no sampler here that takes feedback")
+        most = int(min(maxIterations, 2**62))
+        try:
+            scenes = list(self.scenario.sample_many(numScenes, self.seed, start=self.index, max_attempts=most))
+        except AttemptsExhausted as problem:
+            raise RejectionException(f"failed to generate scenario in {maxIterations} iterations: {problem.message}") from None
+        self.index += numScenes
+        return list(map(Scene, scenes)), sum(scene.attempts for scene in scenes)
+
+    def conditionOn(self, scene: Scene | None = None, objects: Iterable[int] = (), params: Mapping[str, object] | None = None) -> None:
+        """From now on, the given objects are as in the scene, and the parameters have these values: as `Scenario.condition_on` says."""
+        wanted = list(objects)
+        self.scenario = self.scenario.condition_on(scene.scene if scene and wanted else None, objects=wanted or None, params=params)
+
+
+def scenarioFromString(
+    string: str, params: Mapping[str, object] | None = None, model: str | None = None, scenario: str | None = None, *, filename: str = "<string>",
+    mode2D: bool = True, trust: bool = False, directory: Path | None = None,
+) -> Scenario:
+    """The scenario of a program text. Raises `ScenicSyntaxError`, and `UsageError` for three dimensions."""
+    if not mode2D:
+        raise UsageError("this reference is two-dimensional", hint="leave out mode2D=False")
+    dialect = dialect_of(string, filename)
+    return Scenario(
+        loads(
+            string, file=filename, dialect=dialect, profile=dialect, params=params, model=model, scenario=scenario, trust=trust, directory=directory,
+        )
+    )
+
+
+def scenarioFromFile(
+    path: str | Path, params: Mapping[str, object] | None = None, model: str | None = None, scenario: str | None = None, *, mode2D: bool = True,
+    trust: bool = False,
+) -> Scenario:
+    """The scenario of a program file; modules next to it can be imported. Raises as `scenarioFromString`."""
+    text = read_text(Path(path))
+    return scenarioFromString(text, params, model, scenario, filename=str(path), mode2D=mode2D, trust=trust, directory=Path(path).parent)
+
+
+def dialect_of(text: str, filename: str) -> str:
+    """The dialect that the program names; else `scenic-2.1` if it can be read in that one, and makes no object by `new`; else `scenic-3`."""
+    mark = MARK.match(text)
+    if mark is not None:
+        return mark.group(1)
+    try:
+        newer = parse(text, filename, "scenic-3")
+    except ParseError:
+        pass
+    else:
+        nodes = [node for statement in newer.statements for node in descendants(statement)]
+        perhaps = {id(node.as_object) for node in nodes if isinstance(node, ObjectOrOperator)}
+        if any(isinstance(node, ObjectDefinition) and id(node) not in perhaps for node in nodes):
+            return "scenic-3"
+    try:
+        parse(text, filename, "scenic-2.1")
+    except ParseError:
+        return "scenic-3"
+    return "scenic-2.1"

@@ -1,0 +1,397 @@
+"""A scenario: a program with its readings, dialect, modules and parameters, ready to be sampled (DESIGN, section 7)."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from copy import copy
+from dataclasses import is_dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from ..formats.recorded import Recording, recording_of
+from ..formats.recordings import Simulated
+from ..formats.scenes import Scene, scene_of
+from ..inference.batch import Batch, Block, Impossible, NotLifted
+from ..inference.batch.devices import check_device
+from ..inference.batch.evaluate.features import features_in
+from ..inference.batch.jobs.blocks import block_of, jobs, scenes_of_jobs
+from ..inference.enumeration import DEFAULT_RUNS, Enumeration, enumerate_runs
+from ..inference.histories import Histories, enumerate_simulations
+from ..inference.importance import draw_importance
+from ..inference.inferred import Inferred
+from ..inference.mcmc import draw_mcmc
+from ..inference.pruning import TECHNIQUES, Finding, Pruning, prune
+from ..inference.rejection import DEFAULT_ATTEMPTS, Sampled, exhausted, sample
+from ..inference.simulation import SampledRun, sample_simulation
+from ..inference.sites.target import Target
+from ..inference.smc import draw_smc
+from ..inference.statistics.columns import FeatureTable, features_table
+from ..inference.statistics.facts import Facts
+from ..interpreter.checks import check
+from ..interpreter.choosers import AS_THEY_ARE, Draws, from_stream
+from ..interpreter.modules import library_of, module_named, with_old_imports
+from ..interpreter.running import DEFAULT_FUEL, Accepted, Run, Witness, rehearse, run
+from ..semantics.kernel.config import Config, Settings, State
+from ..semantics.kernel.errors import AttemptsExhausted, InternalError, UsageError
+from ..semantics.programs import initial, make_settings
+from ..semantics.readings import select
+from ..semantics.syntax import Program
+from ..simulators import by_name
+from ..simulators.actions import ACTIONS
+from ..simulators.protocol import Simulator
+from ..simulators.replays import replay_once
+from ..simulators.simulating import Failed
+from ..simulators.worlds import WORLDS
+from .checking import check_whole
+from .conditioning import draws_of, given_params, sites_of
+from .constants import constants_of, facts_of
+from .for_pyro import pyro_for
+
+if TYPE_CHECKING:
+    from ..inference.batch.tensors.margins import Margins
+    from ..inference.with_pyro import NumberModel, SceneKernel
+
+Backend = Literal["auto", "interpreter", "batch"]
+FEW = 10
+"""For fewer scenes than this a graph is not worth its time."""
+
+
+class Scenario:
+    """A loaded program.
+
+    `profile` and `readings` choose among the readings of the paper; `params` are global parameters that win over the
+    program's own; `model` is the world model that replaces the program's (or is added, if it names none). `scenario` is the modular scenario
+    to begin with, else `Main` if there is one, else the program itself.
+    """
+
+    def __init__(
+        self, program: Program, *, profile: str = "paper", readings: Mapping[str, str] | None = None, params: Mapping[str, object] | None = None,
+        model: str | None = None, trust: bool = False, directory: Path | None = None, fuel: int = DEFAULT_FUEL, scenario: str | None = None,
+    ) -> None:
+        self.program = program
+        self.readings = select(profile, readings)
+        self.params = dict(params or {})
+        self.model = model
+        self.trust = trust
+        self.directory = directory
+        self.fuel = fuel
+        self.scenario = scenario
+        self.draws: Draws = AS_THEY_ARE
+        self.factorised = False
+        self.device: str | None = None
+        self.given: Mapping[tuple[int, ...], object] = {}
+        self._rehearsed = False
+        check(program)
+
+    @cached_property
+    def settings(self) -> Settings:
+        """What stays the same during the runs of this scenario."""
+        library = library_of(
+            self.program, worlds=WORLDS, model=self.model, trust=self.trust, directory=self.directory,
+            dialect=self.program.dialect if self.program.dialect != "paper" else None,
+        )
+        world = None if self.model is None else module_named(self.model, library)
+        if isinstance(world, Exception):
+            raise UsageError(f"the world model: {world}", hint=getattr(world, "hint", "") or "; ".join(getattr(world, "__notes__", ())))
+        return make_settings(self.readings, library, self.params, self.model, self.scenario, trusted=self.trust, given=self.given)  # type: ignore[arg-type]
+
+    def start(self) -> Config:
+        """The configuration that every run begins with."""
+        return initial(with_old_imports(self.program, self.settings.library), self.settings)  # type: ignore[arg-type]
+
+    def rehearse(self) -> None:
+        """Run the program once, to find a branch on a random value. Raises the program's error."""
+        if not self._rehearsed:
+            rehearse(self.start(), from_stream(0, 0, 0), fuel=self.fuel)
+            self._rehearsed = True
+
+    @cached_property
+    def constants(self) -> dict[str, object]:
+        """The features of a scene that are the same whatever is drawn, by their place in the scene format. Raises `AttemptsExhausted`."""
+        self.rehearse()
+        return constants_of(self.start, fuel=self.fuel)
+
+    @cached_property
+    def facts(self) -> Facts:
+        """What is known of the scenes, whatever is drawn: for comparisons. Raises `AttemptsExhausted`."""
+        return facts_of(self.constants, self.batch, self.pruning.draws)
+
+    def sample(self, seed: int = 0, index: int = 0, *, max_attempts: int = DEFAULT_ATTEMPTS) -> Scene:
+        """Scene number `index` of `seed`."""
+        return self.sampled(seed, index, max_attempts=max_attempts).scene
+
+    def sampled(
+        self, seed: int = 0, index: int = 0, *, max_attempts: int = DEFAULT_ATTEMPTS, on_attempt: Callable[[int], None] | None = None,
+        witnessed: Callable[[int], Witness] | None = None,
+    ) -> Sampled:  # fmt: skip
+        """The scene with the statistics of its attempts. `on_attempt` and `witnessed` are those of `inference.rejection.sample`.
+
+        Where parts are drawn apart, the graph finds the attempts, which `on_attempt` is not told of; only the last run is witnessed, and its
+        steps are those that are given.
+        """
+        self.rehearse()
+        if not self.in_parts:
+            return sample(
+                self.start, seed, index, max_attempts=max_attempts, fuel=self.fuel, on_attempt=on_attempt, witnessed=witnessed, draws=self.draws,
+            )
+        block = self._alone(seed, index, max_attempts)
+        attempts = int(block.attempts[0])
+        ended = self.last_run(seed, index, attempts + 1, block, witness=None if witnessed is None else witnessed(attempts))
+        if not isinstance(ended, Accepted):
+            raise InternalError(f"the parts of scene {index} of seed {seed} make no scene: {ended.requirement.text}")
+        return Sampled(scene_of(ended.state, seed, index, attempts + 1, pruned=True), block.stuck, ended.steps)
+
+    def last_run(self, seed: int, index: int, attempts: int, block: Block | None = None, *, witness: Witness | None = None) -> Run:
+        """Only the last attempt at a scene that is known to need `attempts`; `block` is a drawing of it by the batch backend, if there is one."""
+        attempt: int | Callable[[tuple[int, ...]], int] = attempts - 1
+        if self.in_parts:
+            batch = self.batch
+            assert batch is not None
+            attempt = batch.attempts_of(block or self._alone(seed, index, attempts), index)
+        return run(self.start(), from_stream(seed, index, attempt, self.draws), fuel=self.fuel, witness=witness)
+
+    def last_state(self, witness: Witness) -> State:
+        """The state at the end of an accepted run, which `witness` has seen. Raises `AttemptsExhausted`."""
+        self.rehearse()
+        attempts = self.sampled().scene.attempts
+        ended = self.last_run(0, 0, attempts, witness=witness)
+        assert isinstance(ended, Accepted)
+        return ended.state
+
+    def _alone(self, seed: int, index: int, max_attempts: int) -> Block:
+        """A scene by the batch backend. Raises its error."""
+        batch = self.batch
+        assert batch is not None
+        block = block_of(batch, seed, index, index + 1, max_attempts)
+        if block.error is not None:
+            raise block.error
+        return block
+
+    @property
+    def in_parts(self) -> bool:
+        """Whether rejection is factorised and there is more than one component, so that parts of a scene are drawn apart."""
+        return self.factorised and self.batch is not None and bool(self.batch.stage.parts)
+
+    def simulate(
+        self, simulator: str | Simulator = "still", steps: int = 100, seed: int = 0, index: int = 0, *, timestep: float | None = None,
+        max_attempts: int = DEFAULT_ATTEMPTS, on_attempt: Callable[[int], None] | None = None,
+        on_failed: Callable[[Failed], None] | None = None, witnessed: Callable[[int], Witness | None] | None = None,
+    ) -> SampledRun:  # fmt: skip
+        """Simulation number `index` of `seed`, of at most `steps` time steps; rejected runs are discarded as a whole (reading `rejected-simulation`).
+
+        `simulator` is one of `simulators.SIMULATORS` by name (`timestep`, in seconds, is then that of the simulation), or a simulator itself.
+        """
+        check_whole(("steps", steps, 0), ("seed", seed, None), ("index", index, 0), ("max_attempts", max_attempts, 1))
+        self.rehearse()
+        found = by_name(simulator, timestep) if isinstance(simulator, str) else simulator
+        return sample_simulation(
+            self.start, found, steps, seed, index, max_attempts=max_attempts, fuel=self.fuel,
+            retry=self.readings["rejected-simulation"] == "retry", on_attempt=on_attempt, on_failed=on_failed, witnessed=witnessed,
+        )  # fmt: skip
+
+    def replay(self, record: Mapping[str, object] | Recording, simulator: str | Simulator = "still", *, timestep: float | None = None) -> Simulated:
+        """A simulation whose actions are those of `record`, a line of the simulation format as JSON; its time step is the recorded one by default.
+
+        Raises `UsageError` if the record is not one of this program, or if its actions cannot be taken.
+        """
+        self.rehearse()
+        recording = record if isinstance(record, Recording) else recording_of(record)
+        found = by_name(simulator, recording.timestep if timestep is None else timestep) if isinstance(simulator, str) else simulator
+        return replay_once(self.start(), recording, found, self.action_classes, fuel=self.fuel)
+
+    @property
+    def action_classes(self) -> dict[str, type]:
+        """The classes of actions by name: ours, and the dataclasses of the Python modules that the program imports."""
+        modules = [m for m in self.settings.library.values() if isinstance(m, Mapping)]
+        return {v.__name__: v for m in modules for v in m.values() if isinstance(v, type) and is_dataclass(v)} | ACTIONS
+
+    def enumerate_simulations(
+        self, simulator: str | Simulator = "still", steps: int = 10, *, timestep: float | None = None, max_runs: int = DEFAULT_RUNS
+    ) -> Histories:  # fmt: skip
+        """The exact distribution of simulations of at most `steps` time steps; see `inference.histories.enumerate_simulations`."""
+        check_whole(("steps", steps, 0), ("max_runs", max_runs, 1))
+        self.rehearse()
+        found = by_name(simulator, timestep) if isinstance(simulator, str) else simulator
+        return enumerate_simulations(self.start, found, steps, max_runs=max_runs, fuel=self.fuel)
+
+    @cached_property
+    def pruning(self) -> Pruning:
+        """Which points may be drawn from smaller regions, and why others may not (paper, Section "Domain-Specific Sampling Techniques")."""
+        self.rehearse()
+        try:
+            return prune(self.start, self.fuel)
+        except NotLifted as reason:
+            return Pruning((), tuple(Finding("all objects", technique, None, None, str(reason)) for technique in TECHNIQUES))
+
+    def pruned(self) -> Scenario:
+        """The same scenario with pruning and factorised rejection: other scenes for each seed, from the same distribution, with less work."""
+        found = copy(self)
+        found.__dict__.pop("_lifted", None)
+        found.draws, found.factorised = self.pruning.draws, True
+        return found
+
+    def condition_on(
+        self, scene: Scene | None = None, *, objects: Iterable[int] | None = None, params: Mapping[str, object] | None = None
+    ) -> Scenario:
+        """The same scenario, given what `objects` (all of them, by default) are in `scene`, and given the values of global parameters.
+
+        Every draw on which these objects depend has the value that it had there; a parameter that is itself a draw has the given value, and of any
+        other it is required. The rest keeps its distribution, and all requirements have to hold (docs/api.md). Raises `UsageError`.
+        """
+        found = copy(self)
+        for name in ("settings", "constants", "facts", "pruning", "_lifted"):
+            found.__dict__.pop(name, None)
+        found.draws, found.factorised, found._rehearsed = AS_THEY_ARE, False, False
+        given, requirements = given_params(self, params or {})
+        if scene is not None:
+            drawn = draws_of(self, scene)
+            sites = drawn.keys() if objects is None else sites_of(self, objects)
+            given |= {address: value for address, value in drawn.items() if address in sites}
+        found.given = {**self.given, **given}
+        found.program = replace(self.program, statements=(*self.program.statements, *requirements))
+        return found
+
+    def on_device(self, device: str) -> Scenario:
+        """The same scenario, whose graph torch evaluates on a device, "cpu" or "cuda": the same scenes up to 1e-9 (docs/batch.md).
+
+        Raises `UsageError` without the extra `torch`, and for a device that it cannot use.
+        """
+        check_device(device)
+        found = copy(self)
+        found.__dict__.pop("_lifted", None)
+        found.device = device
+        return found
+
+    def enumerate(
+        self, *, max_runs: int = DEFAULT_RUNS, discretize: int | None = None, on_run: Callable[[int, Fraction], None] | None = None
+    ) -> Enumeration:
+        """The exact distribution of the scenes; see `enumerate_runs`."""
+        self.rehearse()
+        return enumerate_runs(self.start, max_runs=max_runs, discretize=discretize, fuel=self.fuel, on_run=on_run)
+
+    @cached_property
+    def _lifted(self) -> Batch | AttemptsExhausted | str:
+        """The program as a graph, or why there is none; the error if it can have no scene."""
+        self.rehearse()
+        try:
+            batch = Batch(self.start, fuel=self.fuel, draws=self.draws, factorised=self.factorised)
+            if self.device is not None:
+                batch.use_tensors(self.device)
+            return batch
+        except Impossible as never:
+            text = f"no scene is possible: whatever is drawn, this fails: {never.requirement.text}"
+            return exhausted(text, 1, Counter([never.requirement]))
+        except NotLifted as reason:
+            return str(reason)
+
+    @property
+    def share(self) -> float:
+        """The probability that a run is one of those from the smaller regions of `pruned`, as all accepted ones are."""
+        return self.pruning.share if self.draws else 1.0
+
+    @property
+    def impossible(self) -> AttemptsExhausted | None:
+        """The error if a requirement fails whatever is drawn, as far as bounds of the values show that."""
+        return self._lifted if isinstance(self._lifted, AttemptsExhausted) else None
+
+    @property
+    def batch(self) -> Batch | None:
+        """The program as a graph that draws many scenes at a time; None if it cannot be made one. Raises the program's error."""
+        return self._lifted if isinstance(self._lifted, Batch) else None
+
+    @property
+    def not_lifted(self) -> str | None:
+        """Why the program cannot be made a graph, so that the interpreter draws its scenes; None if it can."""
+        if self.impossible is not None:
+            return self.impossible.message
+        return self._lifted if isinstance(self._lifted, str) else None
+
+    def sample_many(
+        self, n: int, seed: int = 0, *, start: int = 0, max_attempts: int = DEFAULT_ATTEMPTS, backend: Backend = "auto"
+    ) -> Iterator[Scene]:
+        """Scenes `start` to `start + n - 1` of `seed`, one after the other: the same ones whatever the backend.
+
+        "batch" draws many at a time if the program can be made a graph (else `not_lifted` says why); "auto" does so for
+        more than a few scenes, and says at once that none is possible, if bounds show it (`AttemptsExhausted`).
+        Raises `UsageError` for other backends.
+        """
+        if backend not in ("auto", "interpreter", "batch"):
+            raise UsageError(f"there is no backend {backend}", hint="the backends are auto, interpreter and batch")
+        if backend == "batch" or (backend == "auto" and n >= FEW):
+            if self.impossible is not None:
+                raise self.impossible
+            batch = self.batch
+            if batch is not None:
+                return scenes_of_jobs(batch, n, seed, start, max_attempts)
+        return (self.sample(seed, index, max_attempts=max_attempts) for index in range(start, start + n))
+
+    def infer(
+        self, backend: str, n: int, seed: int = 0, *, resample: bool = False, max_attempts: int = DEFAULT_ATTEMPTS,
+        on_progress: Callable[[str], None] | None = None,
+    ) -> Inferred:  # fmt: skip
+        """`n` scenes by "importance", "smc" or "mcmc", with an estimate of how likely the requirements are, and what the scenes are worth.
+
+        Points are drawn from the smaller regions of `pruning`. `resample` gives scenes of weight 1 by importance sampling, and
+        `max_attempts` bounds its runs for each scene. Raises `UsageError` for other backends, for programs that cannot be made a graph, and
+        with the reading `soft=scene`; `AttemptsExhausted` where no scene is found; and the program's errors.
+        """
+        check_whole(("n", n, 1), ("seed", seed, None), ("max_attempts", max_attempts, 1))
+        if backend not in ("importance", "smc", "mcmc"):
+            raise UsageError(f"there is no backend {backend}", hint="these backends are importance, smc and mcmc")
+        batch = self._pruned_batch(backend)
+        share = self.pruning.share
+        tell = on_progress or (lambda text: None)
+        match backend:
+            case "importance":
+                return draw_importance(
+                    batch, n, seed, share=share, resample=resample, max_attempts=max_attempts, on_scenes=lambda found: tell(f"{found:,} scenes"),
+                )
+            case "smc":
+                return draw_smc(batch, n, seed, share=share, on_level=lambda part, level: tell(f"{part:.0%} accepted, violation {level:.3g}"))
+            case _:
+                return draw_mcmc(batch, n, seed, share=share, on_draw=lambda part: tell(f"{part:.0%}"))
+
+    def margins(self, seed: int = 0, device: str = "cpu") -> Margins:
+        """By how much the requirements are met, with gradients by random numbers and poses. Raises as `infer` and `on_device` do."""
+        check_device(device)
+        if self.batch is None:
+            raise self.impossible or UsageError(f"there are no margins of this program: {self.not_lifted}")
+        from ..inference.batch.tensors.margins import Margins
+
+        return Margins(Target(self.batch, seed), device)
+
+    def pyro_kernel(self, seed: int = 0) -> SceneKernel:
+        """The moves of `infer("mcmc")` as a kernel of `pyro.infer.MCMC`. Raises as `infer` does, and `UsageError` without the extra `pyro`."""
+        return pyro_for("`pyro_kernel`").kernel(self._pruned_batch("Pyro's MCMC", "`pyro_model` can be used all the same"), seed)
+
+    def pyro_numbers(self, seed: int = 0) -> NumberModel:
+        """The scenario as a model of Pyro in the random numbers of its runs, for `NUTS`: see `inference.with_pyro.NumberModel`. Raises the same."""
+        return pyro_for("`pyro_numbers`").numbers(self._pruned_batch("Pyro's MCMC", "`pyro_model` can be used all the same"), seed)
+
+    def pyro_model(self) -> Callable[[], Scene | None]:
+        """The scenario as a model of Pyro: see `inference.with_pyro.model_of`. Raises `UsageError` without the extra `pyro`."""
+        self.rehearse()
+        return pyro_for("`pyro_model`").model(self.start, self.fuel)
+
+    def _pruned_batch(self, backend: str, otherwise: str = "the interpreter can: --backend interpreter") -> Batch:
+        """The graph, in which points are drawn from the smaller regions of `pruning`. Raises `AttemptsExhausted`, `UsageError`."""
+        if self.impossible is not None:
+            raise self.impossible
+        if self.batch is None:
+            raise UsageError(f"{backend} cannot draw from this program: {self.not_lifted}", hint=otherwise)
+        return Batch(self.start, fuel=self.fuel, draws=self.pruning.draws)
+
+    def feature_tables(
+        self, n: int, seed: int = 0, *, start: int = 0, max_attempts: int = DEFAULT_ATTEMPTS
+    ) -> Iterator[FeatureTable]:  # fmt: skip
+        """The features of scenes `start` to `start + n - 1` of `seed`, as columns of some scenes after the other; for comparisons."""
+        if self.impossible is not None:
+            raise self.impossible
+        if self.batch is None:
+            yield features_table(self.sample(seed, index, max_attempts=max_attempts) for index in range(start, start + n))
+            return
+        for block in jobs(self.batch, n, seed, start, max_attempts):
+            yield features_in(self.batch.template, block)

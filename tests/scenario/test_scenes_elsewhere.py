@@ -1,0 +1,95 @@
+"""Scenes outside of their run: pickled, as programs, and under the released names."""
+
+from __future__ import annotations
+
+import pickle
+import random
+from pathlib import Path
+
+import pytest
+import scenic_ref
+from scenic_ref import compat
+from scenic_ref.formats.scenes import Scene
+
+RICH = """
+workspace = Workspace(RectangularRegion((0, 0), 0.5, 80, 80))
+behavior B(n):
+    wait
+class Car:
+    model: {'a': [1, (2, 'b')]}
+    other: None
+    width: 2
+ego = Car at (Range(1, 2), -2), facing Range(-200, 200) deg, with behavior B(3), with region CircularRegion((0, 0), 3), with v Vector(1, 2)
+second = Object at (-5, 5), with far float('inf'), with mutationScale 0, with f VectorField('f', lambda p: 1)
+Car at (9, 9), with other ego, with name_ 'unnamed', with requireVisible False
+param weather = 'sun', time = Range(0, 24), "no name" = [True, None]
+mutate second
+"""
+SCENE = scenic_ref.loads(RICH).sample(1)
+
+
+def told(scene: Scene, *without: str) -> list[object]:
+    """What a scene says of its objects and parameters."""
+    objects = [o.to_json() for o in scene.objects]
+    for o in objects:
+        o["properties"] = {k: v for k, v in o["properties"].items() if k not in without}  # type: ignore[attr-defined]
+    return [sorted(scene.to_json()["params"].items()), scene.ego_id, objects]  # type: ignore[attr-defined]
+
+
+def test_a_pickled_scene_says_the_same() -> None:
+    again = pickle.loads(pickle.dumps(SCENE))
+    assert again.to_line() == SCENE.to_line()
+    assert len(pickle.dumps(SCENE)) < 10_000
+    assert again.ego["region"].contains_point(again.ego.position)
+    assert repr(again.workspace) == repr(SCENE.workspace)
+
+
+@pytest.mark.parametrize("dialect", ["paper", "scenic-2.1", "scenic-3"])
+def test_the_program_of_a_scene_makes_that_scene(dialect: str) -> None:
+    text = SCENE.to_scenic(dialect)
+    left_out = ("behavior", "f", "other", "mutationScale")
+    for seed in (0, 5):
+        assert told(scenic_ref.loads(text).sample(seed), *left_out) == told(SCENE, *left_out)
+    assert text.count("# ") == (3 if dialect == "paper" else 4)
+    assert all(f": {name} was " in text for name in left_out[:3])
+
+
+@pytest.mark.parametrize("path", sorted(Path("examples/gallery").glob("*.scenic")), ids=lambda path: path.stem)
+def test_scenes_of_the_gallery_as_programs(path: Path) -> None:
+    scene = scenic_ref.load(path).sample(2)
+    unwritten = {name for o in scene.objects for name, v in o.to_json()["properties"].items() if isinstance(v, dict) and "repr" in v}  # type: ignore[attr-defined]
+    again = scenic_ref.loads(scene.to_scenic()).sample()
+    assert told(again, "mutationScale", *unwritten)[1:] == told(scene, "mutationScale", *unwritten)[1:]
+
+
+PROGRAM = "ego = new Object at (Range(0, 1), 0), with c 3\nparam t = Uniform('day', 'night')\nrequire ego.x > 0.5\n"
+
+
+def test_scripts_for_the_released_implementations_change_one_import(tmp_path: Path) -> None:
+    path = tmp_path / "p.scenic"
+    path.write_text(PROGRAM)
+    found = []
+    for _ in range(2):
+        random.seed(3)
+        scenario = compat.scenarioFromFile(str(path), params={"w": 5})
+        scene, iterations = scenario.generate(maxIterations=100)
+        assert iterations >= 1 and scene.egoObject.x == scene.objects[0].position.x > 0.5
+        assert (scene.egoObject.c, scene.params["w"]) == (3, 5)
+        scenario.conditionOn(scene=scene, objects=(0,), params={"t": "day"})
+        others, _ = scenario.generateBatch(12)
+        assert {(s.egoObject.x, s.params["t"]) for s in others} == {(scene.egoObject.x, "day")}
+        found.append((scene.egoObject.position, [s.params for s in others]))
+    assert found[0] == found[1]
+
+
+def test_the_released_names_of_errors(tmp_path: Path) -> None:
+    old = compat.scenarioFromString("ego = Object at (0, 0)\nrequire ego.x > Range(0, 1)")
+    assert old.scenario.program.dialect == "scenic-2.1"
+    with pytest.raises(compat.RejectionException, match="in 10 iterations"):
+        old.generate(maxIterations=10)
+    with pytest.raises(compat.ScenicSyntaxError):
+        compat.scenarioFromString("ego = = 3")
+    with pytest.raises(compat.InvalidScenarioError, match="two-dimensional"):
+        compat.scenarioFromString(PROGRAM, mode2D=False)
+    with pytest.raises(AttributeError, match="has no property zz"):
+        _ = compat.scenarioFromString(PROGRAM).generate()[0].egoObject.zz
