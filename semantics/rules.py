@@ -110,7 +110,8 @@ def _specifier_rules() -> list[Rule]:
 def _released_rules() -> list[Rule]:
     """Operators and specifiers that are not in the paper."""
     rewritings = [_equation(r.rule, r.rewrite, RELEASED) for r in (*released.OPERATOR_REWRITINGS.values(), *released.SPECIFIER_REWRITINGS.values())]
-    equations = [_equation(q.rule, q.function, RELEASED) for _, equations in released.OPERATORS.values() for q in equations]
+    tables = (*(equations for _, equations in released.OPERATORS.values()), *released.WRAPPED.values())
+    equations = [_equation(q.rule, q.function, RELEASED) for equations in tables for q in equations]
     forms = [f for forms in (*(forms for _, forms in released.SPECIFIERS.values()), *released.BESIDE.values(), (released.BEYOND,)) for f in forms]
     return [*rewritings, *equations, *(_equation(f.rule, f.function, RELEASED) for f in forms)]
 

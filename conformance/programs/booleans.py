@@ -116,6 +116,10 @@ def spatial(draft: Draft, other: Expression) -> list[Option]:
     if draft.allows("regions"):
         subject = draft.choices.pick([other, vectors.argument(draft, 1)])
         options.append((3, lambda: is_in(subject, regions.argument(draft))))
+        if draft.allows("released"):
+            options.append((6, lambda: is_in(subject, e.NotVisible(region=regions.argument(draft)))))
+    if draft.allows("released"):
+        options.append((6, lambda: p.UnaryOperation(operator="not", operand=e.Intersects(left=name("ego"), right=other))))
     return options
 
 

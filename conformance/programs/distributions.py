@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import ceil, floor
+
 from ...semantics.syntax import Expression
 from ...semantics.syntax import python_expressions as p
 from . import scalars
@@ -12,6 +14,8 @@ from .tree import call, constant, name, number, operation
 def distribution(draft: Draft, low: float, high: float, depth: int) -> Expression | None:
     """A draw with values in [low, high]; None if it cannot be afforded."""
     options: list[Option] = [(3, lambda: uniform(draft, low, high, depth)), (2, lambda: discrete(draft, low, high, depth))]
+    if draft.allows("released") and high - low >= 1:
+        options.append((2, lambda: whole(draft, low, high)))
     if not draft.settings.finite:
         options += [(5, lambda: interval(draft, low, high, depth)), (2, lambda: truncated(draft, low, high)), (1, lambda: normal(draft, low, high))]
     elif draft.choices.chance(0.05):
@@ -36,6 +40,13 @@ def uniform(draft: Draft, low: float, high: float, depth: int) -> Expression | N
     if not draft.afford(count):
         return None
     return call("Uniform", *(inner(draft, low, high, depth) for _ in range(count)))
+
+
+def whole(draft: Draft, low: float, high: float) -> Expression | None:
+    """`DiscreteRange(a, b)`."""
+    first = ceil(low)
+    last = min(floor(high), first + draft.choices.integer(0, 2))
+    return call("DiscreteRange", number(first), number(last)) if draft.afford(last - first + 1) else None
 
 
 def discrete(draft: Draft, low: float, high: float, depth: int) -> Expression | None:
@@ -106,6 +117,8 @@ def ways_of(node: Expression) -> int:
             return len(arguments)
         case p.Call(function=p.Name(name="Discrete"), arguments=(p.DictDisplay(items=items),)):
             return len(items)
+        case p.Call(function=p.Name(name="DiscreteRange")):
+            return 3
         case p.Call(function=p.Name(name="Range" | "TruncatedNormal" | "Normal")):
             return 1
         case _:

@@ -13,10 +13,12 @@ from ...semantics.syntax.python_expressions import Name
 from .choices import Choices
 from .settings import ProgramSettings
 
-Kind = Literal["scalar", "heading", "vector", "boolean", "region", "field", "point", "object", "list", "dictionary", "function", "maker"]
+Kind = Literal[
+    "scalar", "heading", "vector", "boolean", "region", "field", "point", "object", "list", "dictionary", "function", "maker", "waiting", "lists"
+]
 
 FAR = 1e9
-DISTRIBUTIONS = frozenset({"Range", "Uniform", "Discrete", "Normal", "TruncatedNormal"})
+DISTRIBUTIONS = frozenset({"Range", "Uniform", "Discrete", "DiscreteRange", "Normal", "TruncatedNormal"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +27,7 @@ class Variable:
 
     `random` says whether its value may be random; `ways` is the number of values if it was itself drawn, so that `resample`
     can draw it again, else 0. A function is called with scalars in the intervals `takes`; one call makes `cost` combined outcomes
-    and `makes` objects. `size` is the least length of a list, `most` its greatest.
+    and `makes` objects. `size` is the least length of a list (of `lists`, which is a random one), `most` its greatest.
     """
 
     name: str

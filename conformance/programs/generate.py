@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from ...interpreter.printer import to_source
 from ...semantics.syntax import Program, Statement
@@ -20,8 +21,8 @@ def generate(choices: Choices, settings: ProgramSettings = DEFAULT) -> Program:
     features = frozenset(name for name, probability in settings.features() if choices.chance(probability))
     draft = Draft(choices, settings, features)
     body = tuple(top_level(draft))
-    program = Program(statements=body, file=FILE, text="")
-    return Program(statements=body, file=FILE, text=to_source(program))
+    program = Program(statements=body, file=FILE, text="", dialect="scenic-2.1" if draft.allows("released") else "paper")
+    return replace(program, text=to_source(program))
 
 
 def top_level(draft: Draft) -> Iterator[Statement]:

@@ -32,7 +32,7 @@ class IllFormed:
 
 def right(settings: ProgramSettings) -> ProgramSettings:
     """The settings without whatever could end a run before it comes to the mistake."""
-    return replace(settings, requirements=0.0, soft=0.0, regions=0.0, visibility=0.0)
+    return replace(settings, requirements=0.0, soft=0.0, regions=0.0, visibility=0.0, random_length=0.0, released=0.0)
 
 
 def ill_formed(choices: Choices, settings: ProgramSettings = DEFAULT) -> IllFormed:
@@ -64,7 +64,7 @@ def planted(choices: Choices, program: Program, mistake: Mistake) -> IllFormed:
 def housed(choices: Choices, mistake: Mistake) -> str:
     """The lines of the mistake; those that fail at run time may also stand in a block or in a function."""
     lines = mistake.lines + "\n"
-    if not issubclass(mistake.error, RunError) or mistake.last or "class " in lines:
+    if not issubclass(mistake.error, RunError) or mistake.last or "class " in lines or "scenario " in lines:
         return lines
     match choices.integer(0, 3):
         case 0:

@@ -51,7 +51,8 @@ def permuted(program: Program, choices: Choices, *, drawless: bool = False) -> P
         return replace(node, specifiers=tuple(choices.some(node.specifiers, count, count)))
 
     statements = tuple(rewritten(statement, shuffled) for statement in program.statements)
-    return replace(program, statements=statements, text=to_source(statements))
+    changed = replace(program, statements=statements)
+    return replace(changed, text=to_source(changed))
 
 
 def draws_nothing(definition: e.ObjectDefinition, drawing: frozenset[str]) -> bool:

@@ -64,6 +64,8 @@ def composed(draft: Draft, low: float, high: float, depth: int) -> list[Option]:
         options.append((1, lambda: conditional(draft, low, high, depth)))
     if draft.known("list"):
         options.append((2, lambda: from_list(draft, low, high, depth)))
+    if draft.known("lists") and not (draft.settled or draft.drawless):
+        options.append((3, lambda: from_random_list(draft, low, high)))
     if draft.known("dictionary"):
         options.append((2, lambda: from_dictionary(draft, low, high)))
     if callable_here(draft, low, high):
@@ -113,6 +115,22 @@ def from_list(draft: Draft, low: float, high: float, depth: int) -> Expression:
         return clamped(whole, low, high)
     element = p.Subscript(value=xs, index=place)
     return element if low <= chosen.low and chosen.high <= high else clamped(element, low, high)
+
+
+def from_random_list(draft: Draft, low: float, high: float) -> Expression | None:
+    """The length of a list of random length, or something that its elements give; one of them, where there is one for sure."""
+    chosen = draft.choices.pick(draft.known("lists"))
+    xs = name(chosen.name)
+    options: list[Option] = [
+        (2, lambda: call(draft.choices.pick(["len", "sum"]), xs)),
+        (1, lambda: call(draft.choices.pick(["max", "min"]), p.Starred(value=xs), number(chosen.low), number(chosen.low))),
+    ]
+    if chosen.size:
+        options.append((2, lambda: p.Subscript(value=xs, index=number(draft.choices.pick([0, -1])))))
+        if draft.may_draw():
+            options.append((3, lambda: call("Uniform", p.Starred(value=xs)) if draft.afford(chosen.most) else None))
+    value = draft.choices.weighted(options)()
+    return None if value is None else clamped(value, low, high)
 
 
 def from_dictionary(draft: Draft, low: float, high: float) -> Expression:
@@ -173,6 +191,12 @@ def measures(draft: Draft, depth: int) -> list[Option]:
         (1, lambda: e.ApparentHeading(oriented_point=someone, origin=vectors.argument(draft, depth))),
         (1, lambda: e.DistancePast(oriented_point=someone, vector=vectors.argument(draft, depth))),
     ]
+    if draft.allows("released"):
+        options += [
+            (1, lambda: attribute(someone, draft.choices.pick(["x", "y"]))),
+            (1, lambda: call(attribute(someone, "distanceTo"), vectors.argument(draft, depth))),
+            (1, lambda: call(attribute(someone, "angleTo"), vectors.argument(draft, depth))),
+        ]
     if draft.known("object"):
         thing = name(draft.choices.pick(draft.known("object")).name)
         options.append((2, lambda: attribute(thing, draft.choices.pick(["width", "length", "viewDistance"]))))

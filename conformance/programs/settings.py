@@ -72,6 +72,12 @@ class ProgramSettings:
     """`workspace`, and objects with `regionContainedIn`."""
     chained_draws: float = 0.5
     """Parameters of distributions that are random values."""
+    waiting: float = 0.4
+    """Values that wait for the position of an object, in variables and lists (needs `fields`)."""
+    random_length: float = 0.3
+    """Lists of random length, what `filter` leaves of a list, random pairs that are unpacked."""
+    released: float = 0.3
+    """Dialect `scenic-2.1`: operators, members and distributions of the released implementations."""
 
     def __post_init__(self) -> None:
         """Raises `UsageError` for a size below its least value and for a probability outside [0, 1]."""

@@ -120,6 +120,7 @@ def facing(draft: Draft, depth: int, *, free: bool) -> Specifier:
         forms += [(2, "toward"), (2, "away"), (1, "apparently from")]
         forms += [(2, "apparently")] if draft.has_ego else []
         forms += [(3, "field"), (3, "relative")] if draft.known("field") else []
+        forms += [(12, "waiting")] if draft.known("waiting") else []
     match draft.choices.weighted(forms):
         case "with":
             return q.WithSpecifier(property="heading", value=headings.argument(draft, 1))
@@ -135,6 +136,10 @@ def facing(draft: Draft, depth: int, *, free: bool) -> Specifier:
             return q.FacingSpecifier(direction=name(draft.choices.pick(draft.known("field")).name))
         case "relative":
             return q.FacingSpecifier(direction=relative(draft))
+        case "waiting":
+            waiting = name(draft.choices.pick(draft.known("waiting")).name)
+            direction = call("max", waiting, headings.literal(draft)) if draft.choices.chance(0.2) else waiting
+            return q.FacingSpecifier(direction=direction)
         case _:
             return q.FacingSpecifier(direction=headings.argument(draft, depth))
 

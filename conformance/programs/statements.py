@@ -8,9 +8,9 @@ from ...semantics.syntax import Block, Expression
 from ...semantics.syntax import python_expressions as p
 from ...semantics.syntax import specifiers as q
 from ...semantics.syntax import statements as s
-from . import booleans, distributions, functions, headings, objects, regions, scalars, vectors
+from . import booleans, distributions, functions, headings, objects, regions, scalars, specifiers, vectors
 from .draft import FAR, Draft, Variable
-from .tree import alone, assign, attribute, call, constant, name, new_object, number, operation
+from .tree import alone, assign, attribute, call, comparison, constant, name, new_object, number, operation
 
 Form = Callable[[Draft], "Block | None"]
 
@@ -143,6 +143,53 @@ def listed(draft: Draft) -> Block:
     if draft.choices.chance(0.2):
         value = p.Subscript(value=value, index=p.Slice(step=number(-1)))
     return (assign(draft.define(Variable(draft.fresh("xs"), "list", low, high, size=size, most=size)).name, value),)
+
+
+def delayed(draft: Draft) -> Block | None:
+    """`w = H relative to F`, or a list of such values, and perhaps an object that it waits for; a field, where there is none."""
+    if not draft.known("field"):
+        return None if draft.settled else field(draft)
+    value = specifiers.relative(draft)
+    if draft.choices.chance(0.4):
+        value = operation(value, draft.choices.pick(["+", "-"]), scalars.scalar(draft, -1, 1, 1))
+    if draft.choices.chance(0.2):
+        value = p.Subscript(value=p.ListDisplay(items=(value, constant(0))), index=constant(0))
+    waiting = assign(draft.define(Variable(draft.fresh("w"), "waiting")).name, value)
+    if not objects.may_create(draft) or draft.choices.chance(0.3):
+        return (waiting,)
+    return (waiting, *(thing(draft) or ()))
+
+
+def random_list(draft: Draft) -> Block | None:
+    """`xs = Uniform([...], [...])`, or `xs = filter(lambda v: v > c, ys)`: its length is random."""
+    low, high = draft.choices.pick(INTERVALS[:4])
+    target = draft.fresh("ls")
+    known = draft.known("list", "lists")
+    if known and draft.choices.chance(0.6):
+        chosen = draft.choices.pick(known)
+        test = p.Lambda(parameters=(p.Parameter(name="v"),), body=comparison(name("v"), ">", scalars.literal(draft, chosen.low, chosen.high)))
+        value: Expression = call("filter", test, name(chosen.name))
+        draft.define(Variable(target, "lists", chosen.low, chosen.high, size=0, most=chosen.most))
+        return (assign(target, value),)
+    if not draft.afford(2):
+        return None
+    sizes = [draft.choices.integer(1, draft.settings.max_loop) for _ in range(2)]
+    value = call("Uniform", *(p.ListDisplay(items=tuple(scalars.literal(draft, low, high) for _ in range(size))) for size in sizes))
+    draft.define(Variable(target, "lists", low, high, size=min(sizes), most=max(sizes)))
+    return (assign(target, value),)
+
+
+def random_pair(draft: Draft) -> Block | None:
+    """`a, b = Uniform((E, E), (E, E))`."""
+    low, high = draft.choices.pick(INTERVALS)
+    if not draft.afford(2):
+        return None
+    pairs = (p.TupleDisplay(items=(scalars.literal(draft, low, high), scalars.literal(draft, low, high))) for _ in range(2))
+    first, second = draft.fresh("x"), draft.fresh("x")
+    for each in (first, second):
+        draft.define(Variable(each, "scalar", low, high))
+    target = p.TupleDisplay(items=(name(first), name(second)))
+    return (s.Assignment(targets=(target,), value=call("Uniform", *pairs)),)
 
 
 def appended(draft: Draft) -> Block | None:

@@ -50,6 +50,9 @@ def composed(draft: Draft, reach: float, depth: int) -> list[Option]:
     if draft.known("object", "point") and draft.has_ego:
         options.append((2, lambda: attribute(name(draft.choices.pick(draft.known("object", "point")).name), "position")))
         options.append((1, lambda: offset_by(attribute(name("ego"), "position"), vector(draft, half, depth))))
+        if draft.allows("released"):
+            options.append((3, lambda: e.RelativePosition(target=argument(draft, depth), origin=argument(draft, depth))))
+            options.append((1, lambda: e.RelativePosition(target=argument(draft, depth))))
     return options
 
 

@@ -28,6 +28,7 @@ from ..kernel.values import Instance, Origin, Random, ScenicClass
 from ..python.functions import LARGEST_DEPTH
 from ..space.distributions import BadParameters, PointIn
 from ..space.fields import OutsideField
+from ..space.geometry import normalise_heading
 from ..space.regions import Region
 from ..space.vectors import Vector
 from ..syntax import expressions as e
@@ -151,9 +152,17 @@ def assign(rule: str, v: Mapping[str, object], stack: Stack, state: State) -> Ne
     specification, names = frame.order[frame.i]
     place = frame.node.span if specification.is_default else specification.node.span
     chosen = {n: checked_property(n, v[n], place, specification.name, state) for n in names if n in v}
+    if "heading" in chosen and state.reading("heading-property") == "wrapped":
+        chosen["heading"] = wrapped(chosen["heading"], state)
     following = Construction(frame.node, frame.instance, frame.order, frame.i + 1, frame.outer, frame.depth)
     after = state.with_properties(frame.instance, chosen)
     return Next(rule, Config(Value(None), (following, rest), after), specification.node, Change("O", "", None, frame.instance))
+
+
+def wrapped(heading: object, state: State) -> object:
+    """The heading in (-π, π] (reading `heading-property`)."""
+    reader = Reader(state)
+    return reader.wrap(compute(normalise_heading, [reader.plain(heading)], reader))
 
 
 def outside(frame: Construction, state: State) -> State:

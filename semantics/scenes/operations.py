@@ -44,7 +44,7 @@ def apply_side(node: e.SideOf, values: list[object], stack: Stack, state: State)
 
 def apply_operator(node: Node, values: list[object], stack: Stack, state: State) -> Outcome:
     """The operands are reduced: choose the equation by their kinds and conclude."""
-    return apply_equation(node, released.equations_of(node, state.reading("oriented-offset")), values, stack, state)
+    return apply_equation(node, released.equations_of(node, state.reading("oriented-offset"), state.reading("angle")), values, stack, state)
 
 
 def apply_equation(node: Node, equations: Sequence[o.Equation], values: list[object], stack: Stack, state: State) -> Outcome:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from ..kernel.kinds import POINT, REGION, SCALAR, VECTOR, OrientedPointAt, View
+from ..kernel.kinds import HEADING, ORIENTED_POINT, POINT, REGION, SCALAR, VECTOR, OrientedPointAt, View
 from ..space import geometry
 from ..space.regions import Region
 from ..space.vectors import Vector
@@ -31,6 +31,16 @@ def relative_position_from_ego(node: e.RelativePosition) -> Node:
 def relative_position(v1: Vector, v2: Vector) -> Vector:
     """⟦relative position of V1 from V2⟧ = ⟦V1⟧ - ⟦V2⟧, along the global axes."""
     return v1 - v2
+
+
+def relative_heading_wrapped(h1: float, h2: float) -> float:
+    """⟦relative heading of H1 from H2⟧ = ⟦H1⟧ - ⟦H2⟧, as the angle in (-π, π] that is the same up to full turns (reading `angle`)."""
+    return geometry.normalise_heading(operators.relative_heading(h1, h2))
+
+
+def apparent_heading_wrapped(op: View, v: Vector) -> float:
+    """⟦apparent heading of OP from V⟧ = ⟦OP.heading⟧ - arctan(⟦OP.position⟧ - ⟦V⟧), as the angle in (-π, π] (reading `angle`)."""
+    return geometry.normalise_heading(operators.apparent_heading(op, v))
 
 
 def region_not_visible_from_ego(node: e.NotVisible) -> Node:
@@ -102,13 +112,21 @@ SPECIFIER_REWRITINGS: Mapping[type[Node], Rewriting] = {
 BESIDE: Mapping[str, tuple[Form, ...]] = {side: tuple(by_vector(f, side) for f in forms) for side, forms in specifiers.BESIDE.items()}
 BEYOND = Form("P-Beyond-Scalar", (VECTOR, SCALAR, VECTOR), beyond_by_scalar)
 
+WRAPPED: Mapping[type[Node], tuple[Equation, ...]] = {
+    e.RelativeHeading: (Equation("O-RelativeHeading-Wrapped", (HEADING, HEADING), relative_heading_wrapped),),
+    e.ApparentHeading: (Equation("O-ApparentHeading-Wrapped", (ORIENTED_POINT, VECTOR), apparent_heading_wrapped),),
+}
+"""The equations of differences of headings under `angle=wrapped`."""
+
 EQUATIONS = {**operators.EQUATIONS, **OPERATORS}
 REWRITINGS = {**operators.REWRITINGS, **OPERATOR_REWRITINGS, **specifiers.REWRITINGS, **SPECIFIER_REWRITINGS}
 FORMS = {**specifiers.FORMS, **SPECIFIERS}
 
 
-def equations_of(node: Node, oriented_offset: str) -> tuple[Equation, ...]:
-    """The equations among which the kinds of the operands choose; `oriented_offset` is the alternative of that reading."""
+def equations_of(node: Node, oriented_offset: str, angle: str) -> tuple[Equation, ...]:
+    """The equations among which the kinds of the operands choose; `oriented_offset` and `angle` are the alternatives of these readings."""
+    if angle == "wrapped" and type(node) in WRAPPED:
+        return WRAPPED[type(node)]
     return operators.OFFSET_BY[oriented_offset] if isinstance(node, e.OffsetBy) else EQUATIONS[type(node)][1]
 
 

@@ -25,12 +25,12 @@ FEATURES = {
     "classes": "ClassDefinition", "functions": "FunctionDefinition", "loops": "For", "branches": "Try", "resample": "resample",
     "fields": "VectorField",
     "visibility": "CanSee", "requirements": "Require", "soft": "SoftRequire", "mutate": "Mutate", "workspace": "Workspace", "regions": "InSpecifier",
+    "random_length": "filter", "released": "RelativePosition",
 }
 NEVER = {
     "Seconds": "a unit of time, in dynamic programs", "IntervalOrPair": "another dialect", "InInitialScenario": "dynamic programs",
     "Delete": "no variable may go", "Raise": "the ill-formed flavour", "Global": "no function assigns a global variable",
     "ImportFrom": "`import` stands for it",
-    "RelativePosition": "the released implementations", "NotVisible": "the released implementations", "Intersects": "the released implementations",
     "ChooseSimulator": "the released implementations",
     "NotVisibleSpecifier": "the released implementations", "ContainedInSpecifier": "the released implementations",
     "Interrupt": "dynamic programs", "Model": "programs of the language alone", "SetDisplay": "the order of a set is not the program's",

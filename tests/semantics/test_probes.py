@@ -103,6 +103,7 @@ EXPECTED: Mapping[str, Mapping[str, Expectation]] = {
         "statement": Chance(0.5, lambda s: x_of(s) < 0, runs=20_000),
         "end": Chance(0.5 / Φ(1), lambda s: x_of(s) < 0, attempts=1 / Φ(1), runs=20_000, always=lambda s: x_of(s) < 1),
     },
+    "heading-property": {"raw": Gives([3.5]), "wrapped": Gives([3.5 - 2 * math.pi])},
     "random-length": {
         "value": Chance(
             1 / 2, lambda s: s.params["x"] == 4, rivals=(1 / 3,), attempts=1.5,
@@ -144,7 +145,10 @@ EXPECTED: Mapping[str, Mapping[str, Expectation]] = {
         )
     },
     # silences
-    "angle": {"heading": Gives([math.pi / 2, math.pi, -math.pi / 2, 0, 19 * math.pi / 9])},
+    "angle": {
+        "heading": Gives([math.pi / 2, math.pi, -math.pi / 2, 0, 19 * math.pi / 9]),
+        "wrapped": Gives([math.pi / 2, math.pi, -math.pi / 2, 0, math.pi / 9]),
+    },
     "resample": {"remembered": Chance(0.5, lambda s: s.ego["gap"] < 0, rivals=(0,), always=lambda s: 0 <= s.ego["above"] <= 1)},  # type: ignore[operator]
     "resample-constant": {"point-mass": Gives([3]), "error": Fails(errors.RunError, "E-Resample")},
     "distance-past": {"local-y": Gives([5, -2, 3])},
