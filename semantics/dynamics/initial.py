@@ -111,7 +111,15 @@ def resume_finishing(frame: Finishing, result: object, stack: Stack, state: Stat
         hint = other if scenarios and state.initial is None else "write ego = Object ..."
         text = "the program never assigns ego, the object from whose point of view the scene is"
         raise RunError(text, NOWHERE, rule="T-Mutate", hint=hint)
-    return apply_termination_rules(stack, state)
+    return apply_termination_rules(stack, in_order(state))
+
+
+def in_order(state: State) -> State:
+    """The state whose objects stand in the order of the scene (reading `object-order`)."""
+    ego = plain(state.ego)
+    if state.reading("object-order") == "creation" or ego not in state.scene:
+        return state
+    return state._replace(scene=(ego, *(o for o in state.scene if o is not ego)))
 
 
 def may_come_later(state: State) -> bool:

@@ -41,7 +41,7 @@ ORIGIN = _pair(_constant(0), _constant(0))
 
 POINT_CLASS = ScenicClass(
     name="Point",
-    superclass=None,
+    superclasses=(),
     own_defaults={
         "position": _constant(Vector(0.0, 0.0)),
         "viewDistance": _constant(50),
@@ -54,7 +54,7 @@ POINT_CLASS = ScenicClass(
 
 ORIENTED_POINT_CLASS = ScenicClass(
     name="OrientedPoint",
-    superclass=POINT_CLASS,
+    superclasses=(POINT_CLASS,),
     own_defaults={
         "heading": _constant(0.0),
         "viewAngle": _constant(math.radians(360)),
@@ -66,7 +66,7 @@ ORIENTED_POINT_CLASS = ScenicClass(
 
 OBJECT_CLASS = ScenicClass(
     name="Object",
-    superclass=ORIENTED_POINT_CLASS,
+    superclasses=(ORIENTED_POINT_CLASS,),
     own_defaults={
         "width": _constant(1),
         "length": _constant(1),

@@ -10,7 +10,7 @@ Booleans, scalars, strings, tuples, lists, ... are Python's own; vectors, fields
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -148,7 +148,7 @@ class ScenicClass:
     """A Scenic class: its own defaults as expressions, its methods, and the scope in which both are evaluated."""
 
     name: str
-    superclass: ScenicClass | None
+    superclasses: tuple[ScenicClass, ...]
     own_defaults: Mapping[str, Node]
     scope: Scope
     methods: Mapping[str, object] = field(default_factory=dict)
@@ -168,14 +168,13 @@ class ScenicClass:
 
     @cached_property
     def lineage(self) -> tuple[ScenicClass, ...]:
-        """This class, its superclass, and so on up to Point."""
-        return (self,) if self.superclass is None else (self, *self.superclass.lineage)
+        """This class, its superclasses, and so on up to Point: in Python's order of resolution. Raises TypeError if there is none."""
+        return (self, *merged([*(list(c.lineage) for c in self.superclasses), list(self.superclasses)]))
 
     @cached_property
     def defaults(self) -> Mapping[str, tuple[Node, ScenicClass]]:
         """The most-derived default value expression of every property, with the class that it stands in."""
-        inherited = {} if self.superclass is None else dict(self.superclass.defaults)
-        return inherited | {name: (value, self) for name, value in self.own_defaults.items()}
+        return {name: (value, c) for c in reversed(self.lineage) for name, value in c.own_defaults.items()}
 
     def is_subclass_of(self, other: ScenicClass) -> bool:
         """Whether `other` is this class or one above it."""
@@ -187,6 +186,16 @@ class ScenicClass:
 
     def __repr__(self) -> str:
         return f"<class {self.name}>"
+
+
+def merged(orders: list[list[ScenicClass]]) -> Iterator[ScenicClass]:
+    """The classes of these orders in one that agrees with all of them (C3, as in Python). Raises TypeError if there is none."""
+    while orders := [order for order in orders if order]:
+        first = next((order[0] for order in orders if not any(order[0] in other[1:] for other in orders)), None)
+        if first is None:
+            raise TypeError("the superclasses can be brought into no order: a class stands before one that is derived from it")
+        yield first
+        orders = [order[1:] if order[0] is first else order for order in orders]
 
 
 @dataclass(frozen=True, slots=True)

@@ -29,7 +29,7 @@ class ClassBody(NamedTuple):
 
     node: s.ClassDefinition
     outer: Scope
-    superclass: ScenicClass | tuple[type, ...]
+    superclasses: tuple[ScenicClass, ...] | tuple[type, ...]
 
 
 def class_definition(node: s.ClassDefinition, stack: Stack, state: State) -> Outcome:
@@ -38,14 +38,16 @@ def class_definition(node: s.ClassDefinition, stack: Stack, state: State) -> Out
 
 
 def conclude_superclasses(node: s.ClassDefinition, values: list[object], stack: Stack, state: State) -> Outcome:
-    """A Scenic class has one Scenic superclass; below Python classes it is a Python class."""
+    """Below Scenic classes it is a Scenic class, below Python classes a Python class."""
     superclasses = [plain(v) for v in values] or [OBJECT_CLASS]
     scope = Scope("class", state.sigma, NO_NAMES)
     inner = state._replace(sigma=scope)
     if isinstance(superclasses[0], ScenicClass):
-        if len(superclasses) > 1:
-            raise RunError(f"the Scenic class {node.name} has more than one superclass", node.span, rule="S-Class")
-        return block(node.body, (ClassBody(node, state.sigma, superclasses[0]), stack), inner)
+        foreign = next((c for c in superclasses if not isinstance(c, ScenicClass)), None)
+        if foreign is not None:
+            what = f"the Python class {foreign.__name__}" if isinstance(foreign, type) else kind_name(foreign)
+            raise RunError(f"the Scenic class {node.name} cannot be derived from {what} as well", node.span, rule="S-Class")
+        return block(node.body, (ClassBody(node, state.sigma, tuple(superclasses)), stack), inner)  # type: ignore[arg-type]
     for superclass in superclasses:
         if not (isinstance(superclass, type) and (state.settings.trusted or is_base(superclass))):
             name = superclass.__name__ if isinstance(superclass, type) else kind_name(superclass)
@@ -64,9 +66,9 @@ def resume_class_body(frame: ClassBody, result: object, stack: Stack, state: Sta
     members = state.sigma.bindings
     outer = state._replace(sigma=frame.outer)
     state.settings.door.state = state  # an enumeration may run functions of the program when it is made
-    made = make_scenic_class(node, frame.superclass, members, frame.outer) if isinstance(frame.superclass, ScenicClass) else make_python_class(
-        node, frame.superclass, members
-    )
+    above = frame.superclasses
+    is_scenic = isinstance(above[0], ScenicClass)
+    made = make_scenic_class(node, above, members, frame.outer) if is_scenic else make_python_class(node, above, members)  # type: ignore[arg-type]
     frame.outer.bind(node.name, made)
     return done("S-Class", node, stack, outer, Change("σ", node.name, made))
 
@@ -76,18 +78,26 @@ def unwind_class_body(frame: ClassBody, abrupt: Abrupt, stack: Stack, state: Sta
     return Next("", Config(abrupt, stack, state._replace(sigma=frame.outer)))
 
 
-def make_scenic_class(node: s.ClassDefinition, superclass: ScenicClass, members: Mapping[str, object], scope: Scope) -> ScenicClass:
+def make_scenic_class(
+    node: s.ClassDefinition, superclasses: tuple[ScenicClass, ...], members: Mapping[str, object], scope: Scope
+) -> ScenicClass:
     """The class with its own default value expressions; they are evaluated for each object."""
+    try:
+        inheriting = ScenicClass(node.name, superclasses, {}, scope)
+        inherited = inheriting.defaults
+    except TypeError as exception:
+        raise HostException(exception) from None
     defaults: dict[str, Node] = {}
     for default in node.properties:
         name = canonical(default.name)
         if name in defaults:
             raise CheckError(f"the property {name} has two defaults in class {node.name}", default.span)
-        defaults[name] = all_of(default, name, superclass, scope) if "additive" in default.attributes else default.value
+        defaults[name] = all_of(default, name, inheriting.lineage[1:], scope) if "additive" in default.attributes else default.value
     for name in members:
-        if canonical(name) in superclass.defaults:
+        if canonical(name) in inherited:
+            owner = inherited[canonical(name)][1]
             raise RunError(
-                f"{name} is a property of {superclass.name}, and `=` does not give it a default", node.span, rule="S-Class", hint=f"write {name}: ..."
+                f"{name} is a property of {owner.name}, and `=` does not give it a default", node.span, rule="S-Class", hint=f"write {name}: ..."
             )
     if "__init__" in members:
         raise RunError(
@@ -95,13 +105,13 @@ def make_scenic_class(node: s.ClassDefinition, superclass: ScenicClass, members:
             hint=f"for a Python class write class {node.name}(object):",
         )
     finals = frozenset(canonical(d.name) for d in node.properties if "final" in d.attributes)
-    return ScenicClass(node.name, superclass, defaults, scope, dict(members), node.span, own_finals=finals)
+    return ScenicClass(node.name, superclasses, defaults, scope, dict(members), node.span, own_finals=finals)
 
 
-def all_of(default: s.PropertyDefault, name: str, superclass: ScenicClass, scope: Scope) -> Node:
+def all_of(default: s.PropertyDefault, name: str, above: tuple[ScenicClass, ...], scope: Scope) -> Node:
     """The released implementations, `p[additive]: E`: the tuple of E and the defaults of the classes above, the nearest first."""
     items: list[Node] = [default.value]
-    for owner in superclass.lineage:
+    for owner in above:
         expression = owner.own_defaults.get(name)
         if expression is None:
             continue

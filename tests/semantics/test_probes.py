@@ -103,6 +103,10 @@ EXPECTED: Mapping[str, Mapping[str, Expectation]] = {
         "statement": Chance(0.5, lambda s: x_of(s) < 0, runs=20_000),
         "end": Chance(0.5 / Φ(1), lambda s: x_of(s) < 0, attempts=1 / Φ(1), runs=20_000, always=lambda s: x_of(s) < 1),
     },
+    "object-order": {
+        "creation": Gives([Vector(5, 5), Vector(0, 0)], lambda s: [o.position for o in s.objects]),
+        "ego-first": Gives([Vector(0, 0), Vector(5, 5)], lambda s: [o.position for o in s.objects]),
+    },
     "heading-property": {"raw": Gives([3.5]), "wrapped": Gives([3.5 - 2 * math.pi])},
     "random-length": {
         "value": Chance(
