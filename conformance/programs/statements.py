@@ -147,8 +147,10 @@ def listed(draft: Draft) -> Block:
 
 def delayed(draft: Draft) -> Block | None:
     """`w = H relative to F`, or a list of such values, and perhaps an object that it waits for; a field, where there is none."""
+    if not draft.allows("fields"):
+        return None
     if not draft.known("field"):
-        return None if draft.settled else field(draft)
+        return field(draft)
     value = specifiers.relative(draft)
     if draft.choices.chance(0.4):
         value = operation(value, draft.choices.pick(["+", "-"]), scalars.scalar(draft, -1, 1, 1))
