@@ -26,6 +26,7 @@ from .scenario import Scenario as OurScenario
 from .scenario import loads
 from .semantics.kernel.errors import AttemptsExhausted, ParseError, ScenicError, UsageError
 from .semantics.kernel.scopes import descendants
+from .semantics.space import geometry
 from .semantics.space.regions import Region
 from .semantics.space.vectors import Vector
 from .semantics.syntax.expressions import ObjectDefinition, ObjectOrOperator
@@ -55,10 +56,22 @@ class Object:
             raise AttributeError(name)
         if name in ("x", "y") and name not in self._object.properties:
             return getattr(self._object.position, name)
+        if name == "visibleDistance":
+            name = "viewDistance"
         try:
             return self._object[name]
         except KeyError:
             raise AttributeError(f"{self!r} has no property {name}") from None
+
+    @property
+    def corners(self) -> tuple[Vector, ...]:
+        """The four corners, from the front right one on, anticlockwise."""
+        return geometry.corners(self._object.position, self._object.heading, self._object.width, self._object.length)
+
+    def distanceTo(self, point: Object | Vector | tuple[float, float]) -> float:
+        """The distance between the positions, in metres."""
+        x, y = point._object.position if isinstance(point, Object) else point
+        return geometry.distance(self._object.position, Vector(x, y))
 
     def __repr__(self) -> str:
         return f"<{self._object.class_name} {self._object.name or self._object.id}>"

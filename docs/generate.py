@@ -136,7 +136,8 @@ def productions_page() -> str:
     ]
     about = (
         "The grammars of the released implementations, 2.1.0 and 3.1.1 (in two dimensions), production by production, and what the dialects "
-        f"`scenic-2.1` and `scenic-3` make of them: {'; '.join(told)}. A test runs a program for each line. What a program means is said in "
+        f"`scenic-2.1` and `scenic-3` make of them: {'; '.join(told)}. Without an `x` the release lacks the production; the dialect may read "
+        "it all the same. A test runs a program for each line. What a program means is said in "
         "[the language](../language.md)."
     )
     lines = ["# What the released grammars have", "", paragraph(about)]

@@ -196,9 +196,8 @@ def portable(value: object) -> object:
     match plain(value):
         case None | bool() | int() | float() | str() | bytes() | Vector() | TextOnly() as inner:
             return inner
-        case list() | tuple() | set() | frozenset() as inner:
-            items = list(map(portable, inner))
-            return tuple(items) if type(inner) is not list else items
+        case list() | tuple() as inner if type(inner) in (list, tuple):
+            return type(inner)(map(portable, inner))
         case dict() as inner:
             return {portable(k): portable(v) for k, v in inner.items()}
         case Region() as inner if isinstance(inner, PLAIN_SHAPES):

@@ -81,6 +81,13 @@ class DynamicsBuilder(BuilderBase):
             span=span, name=self.identifier(name), parameters=parameters or (), body=body, by_instance=self.dialect.monitor_instances
         )
 
+    def make_monitor_without_parentheses(self, span: Span, parts: Parts) -> MonitorDefinition:
+        name, body = parts
+        if self.dialect.monitor_instances:
+            hint = f"write `monitor {name}():`, and `require monitor {name}()` where it is to run"
+            raise ParseError(f"a monitor of dialect {self.dialect.name} has parentheses", self.token_span(name), hint=hint)
+        return MonitorDefinition(span=span, name=self.identifier(name), parameters=(), body=body)
+
     def make_scenario(self, span: Span, parts: Parts) -> ScenarioDefinition:
         name, parameters, (preconditions, invariants, body, blocks) = parts
         setup, compose = blocks.get("setup"), blocks.get("compose")

@@ -28,6 +28,7 @@ from ..semantics.syntax.expressions import (
     SideOf,
     Visible,
 )
+from ..semantics.syntax.python_expressions import Conditional
 from ..semantics.syntax.specifiers import (
     ApparentlyFacingSpecifier,
     AtSpecifier,
@@ -253,6 +254,11 @@ class ScenicBuilder(BuilderBase):
     def make_following(self, span: Span, parts: Parts) -> FollowingSpecifier:
         field, origin, distance = parts
         return FollowingSpecifier(span=span, field=field, origin=vector_or_none(origin), distance=distance)
+
+    def make_facing_conditional(self, span: Span, parts: Parts) -> FacingSpecifier:
+        then, test, otherwise = parts
+        whole = Conditional(span=join(then.span, otherwise.span), test=test, then=then, otherwise=otherwise)
+        return FacingSpecifier(span=span, direction=whole)
 
     def make_facing(self, span: Span, parts: Parts) -> FacingSpecifier:
         return FacingSpecifier(span=span, direction=parts[0])

@@ -135,12 +135,15 @@ def unsaid(what: str, node: Node, target: Dialect) -> ParseError:
     return ParseError(f"dialect {target.name} cannot say this: {what}", node.span)
 
 
+AMBIGUOUS = "an object without specifiers, or a pair, which would mean something else there; or a name that is not known to be a class"
+
+
 def check_said(statement: Statement, target: Dialect, classes: frozenset[str]) -> None:
     """Parse what is printed of a statement: it must be the same one. Raises `ParseError` at the innermost statement that is not."""
     try:
-        text = "\n".join(StatementPrinter(target).lines(statement)) + "\n"
+        text = "\n".join(Converted(target).lines(statement)) + "\n"
         again = settled(parse(text, dialect=target.name).statements, classes)
-        reason = "" if again == (statement,) else "an object without specifiers, or a pair, where that means something else"
+        reason = "" if again == (statement,) else AMBIGUOUS
     except ParseError as problem:
         reason = problem.message
     if reason:
@@ -150,7 +153,15 @@ def check_said(statement: Statement, target: Dialect, classes: frozenset[str]) -
         raise unsaid(reason, statement, target)
 
 
-class Commented(StatementPrinter):
+class Converted(StatementPrinter):
+    """Prints for another implementation: what is a class is known by now, and the released ones have no `is in`."""
+
+    @property
+    def membership(self) -> str:  # pyright: ignore[reportIncompatibleVariableOverride]
+        return "in" if self.dialect.released else "is in"
+
+
+class Commented(Converted):
     """Prints statements with the comments and empty lines that stand directly before them in the source, and the comments behind them."""
 
     def __init__(self, dialect: Dialect, program: Program) -> None:
@@ -159,9 +170,9 @@ class Commented(StatementPrinter):
         self.told = 0
         """The last line whose statement is printed, or whose comment is."""
 
-    def within(self, quote: str) -> StatementPrinter:
+    def within(self, quote: str) -> Converted:
         """What stands in an f-string has no comments."""
-        return StatementPrinter(self.dialect, (*self.outer, quote))
+        return Converted(self.dialect, (*self.outer, quote))
 
     def lines(self, node: Statement) -> Iterator[str]:
         """The lines of a statement, and its comments."""

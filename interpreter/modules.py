@@ -5,6 +5,7 @@ modules below. Any other Python module runs arbitrary code and needs `trust`.
 """
 
 from __future__ import annotations
+import __future__
 
 import importlib
 import importlib.util
@@ -59,7 +60,7 @@ class Seeded(random.Random):
         return super().choices(population, weights, cum_weights=cum_weights, k=k)
 
 
-HARMLESS: Mapping[str, Mapping[str, object]] = {**MODULES, "random": {"Random": Seeded}}
+HARMLESS: Mapping[str, Mapping[str, object]] = {**MODULES, "random": {"Random": Seeded}, "__future__": dict.fromkeys(__future__.all_feature_names)}
 """The standard modules that need no trust."""
 
 

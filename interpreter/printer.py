@@ -204,8 +204,12 @@ class StatementPrinter(ExpressionPrinter):
     def lines_ClassDefinition(self, node: s.ClassDefinition) -> Iterator[str]:
         superclasses = ", ".join([self.test(c) if isinstance(c, Starred) else self.operand(c) for c in node.superclasses])
         yield f"class {node.name}({superclasses}):" if superclasses else f"class {node.name}:"
-        properties = [f"{item.name}{attributes(item)}: {self.list_of_tests(item.value)}" for item in node.properties]
+        properties = [f"{item.name}{attributes(item)}: {self.default(item.value)}" for item in node.properties]
         yield from self.block(node.body, *properties)
+
+    def default(self, node: Expression) -> str:
+        """A default value: a tuple in brackets where the releases need them, and without where `(a, b)` would be an interval."""
+        return self.test(node) if self.dialect.released else self.list_of_tests(node)
 
     def definition(self, word: str, name: str, parameters: tuple[Parameter, ...]) -> str:
         return f"{word} {name}({self.parameters(parameters)}):"

@@ -94,6 +94,9 @@ ARITHMETIC = (p.UnaryOperation, p.BinaryOperation, p.BooleanOperation, p.Compari
 class ExpressionPrinter(StringPrinter):
     """Prints expressions in one dialect."""
 
+    membership = "is in"
+    """How `x in y` is spelt for a name x, which might be that of a class."""
+
     def test(self, node: Expression) -> str:
         """`node` where any expression may stand."""
         return getattr(self, "print_" + type(node).__name__)(node)
@@ -177,7 +180,7 @@ class ExpressionPrinter(StringPrinter):
     def print_Comparison(self, node: p.Comparison) -> str:
         operators: tuple[str, ...] = node.operators
         if operators == ("in",) and is_dotted_name(node.left):
-            operators = ("is in",)  # `in` could be read as a specifier
+            operators = (self.membership,)  # `in` could be read as a specifier
         rest = [f" {word} {self.operand(item)}" for word, item in zip(operators, node.operands, strict=True)]
         return self.operand(node.left) + "".join(rest)
 

@@ -121,6 +121,7 @@ class Scenario:
 
     def sample(self, seed: int = 0, index: int = 0, *, max_attempts: int = DEFAULT_ATTEMPTS) -> Scene:
         """Scene number `index` of `seed`."""
+        check_whole(("seed", seed, None), ("index", index, 0), ("max_attempts", max_attempts, 1))
         return self.sampled(seed, index, max_attempts=max_attempts).scene
 
     def sampled(
@@ -318,6 +319,7 @@ class Scenario:
         more than a few scenes, and says at once that none is possible, if bounds show it (`AttemptsExhausted`).
         Raises `UsageError` for other backends.
         """
+        check_whole(("n", n, 0), ("seed", seed, None), ("start", start, 0), ("max_attempts", max_attempts, 1))
         if backend not in ("auto", "interpreter", "batch"):
             raise UsageError(f"there is no backend {backend}", hint="the backends are auto, interpreter and batch")
         if backend == "batch" or (backend == "auto" and n >= FEW):

@@ -87,7 +87,13 @@ def side(name: e.Side) -> Rewrite:
     return lambda o: e.SideOf(side=name, object=o)
 
 
+def half(name: str) -> Rewrite:
+    """Half of a size of an object."""
+    return lambda o: p.BinaryOperation(operator="/", left=p.Attribute(value=o, name=name), right=number(2))
+
+
 SIDES: Mapping[str, Rewrite] = {
+    "hw": half("width"), "hl": half("length"),
     "left": side("left"), "right": side("right"), "front": side("front"), "back": side("back"), "frontLeft": side("front left"),
     "frontRight": side("front right"), "backLeft": side("back left"), "backRight": side("back right"), "corners": corners,
 }  # fmt: skip
@@ -98,6 +104,7 @@ AXES: Mapping[str, Rewrite] = {
 SEEING: Mapping[str, Rewrite] = {"visibleRegion": lambda o: e.VisibleFrom(region=p.Constant(value=regions.everywhere), viewer=o)}
 
 OF_POINTS: Mapping[str, Rewrite] = {
+    "toVector": lambda o: p.Attribute(value=o, name="position"),
     "distanceTo": lambda o, v: e.Distance(origin=o, target=v),
     "angleTo": lambda o, v: e.Angle(origin=o, target=v),
     "canSee": lambda o, v: e.CanSee(viewer=o, target=v),
@@ -113,6 +120,7 @@ OF_OBJECTS: Mapping[str, Rewrite] = {
 OF_VECTORS: Mapping[str, Rewrite] = {
     "distanceTo": lambda v, w: e.Distance(origin=v, target=w),
     "angleTo": lambda v, w: e.Angle(origin=v, target=w),
+    "toVector": lambda v: v,
     "norm": length,
     "normalized": lambda v: p.BinaryOperation(operator="/", left=v, right=length(v)),
     "rotatedBy": turned,

@@ -29,9 +29,9 @@ def param(node: s.Param, stack: Stack, state: State) -> Outcome:
 def conclude_param(node: s.Param, values: list[object], stack: Stack, state: State) -> Outcome:
     """If ⟨E, σ, π, O⟩ → ⟨v, σ, π, O'⟩ then ⟨param x = E, σ, π, O⟩ → ⟨pass, σ, π[x/v], O'⟩; a value from the command line wins."""
     assigned = {a.name: v for a, v in zip(node.assignments, values, strict=True) if a.name not in state.settings.params}
-    unwrap(assigned)  # none may wait for a position
     for name, assignment in assigned.items():
         check_nesting(f"the parameter {name}", assignment, node.span)
+    unwrap(assigned)  # none may wait for a position
     change = Change("π", ", ".join(assigned), next(iter(assigned.values()), None))
     return done("S-Param", node, stack, state._replace(params={**state.params, **assigned}), change)
 

@@ -164,6 +164,8 @@ CONDITIONAL = {
     "O-RelativeTo-HeadingField": "heading-relative-to-field",
     "S-Assignment": "random-elements-of-containers",
     "S-Require": "requirement-about-geometry",
+    "S-Class": "several-superclasses",
+    "O-Intersects": "intersects",
     "S-SoftReq-Check": "soft-requirement-of-probability-one",
     "T-Mutate": "no-mutation-no-noise",
     "E-Call-Host": "methods-of-texts-and-their-arguments",

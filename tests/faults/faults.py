@@ -69,7 +69,7 @@ FAULTS = (
                 "    from .termination import apply_termination_rules\n\n    return apply_termination_rules(stack, state)\n",
             ),
             Edit(
-                "semantics/dynamics/initial.py", "    return apply_termination_rules(stack, state)\n",
+                "semantics/dynamics/initial.py", "    return apply_termination_rules(stack, in_order(state))\n",
                 "    from ..kernel.config import PASS, Config\n    from ..kernel.outcome import Next\n    from ..scenes.termination import Late\n\n"
                 '    return Next("T-Mutate", Config(PASS, (Late(0, 0), stack), state))\n',
             ),
@@ -155,8 +155,8 @@ FAULTS = (
                 '        return assign("P-Default", sp.default_value(name, once[1]), stack, state)\n',
             ),
             Edit(
-                "semantics/scenes/object_definitions.py", "    construction: Construction = stack[0]\n",
-                "    construction: Construction = stack[0]\n"
+                "semantics/scenes/object_definitions.py", "    construction, rest = stack\n",
+                "    construction, rest = stack\n"
                 "    name = construction.specification.specifies[0]\n"
                 "    owner = construction.instance.class_.defaults[name][1]\n"
                 "    if not owner.built_in:\n"

@@ -128,3 +128,12 @@ def test_the_examples_can_be_written_in_the_dialects_of_the_releases_and_back(pa
         text = convert(program, target, library)
         again = convert(parse(text, str(path)), "paper", library)
         assert convert(parse(again, str(path)), target, library) == text
+
+
+def test_the_text_is_that_of_the_releases() -> None:
+    text = "class A:\n    r: (1, 2)\nego = A at (0, 0), facing 1 if True else 2\nrequire ego is in CircularRegion((0, 0), 5)\n"
+    assert converted(text, "scenic-2.1") == (
+        "# dialect: scenic-2.1\nclass A:\n    r: (1, 2)\nego = A at (0, 0), facing (1 if True else 2)\nrequire ego in CircularRegion((0, 0), 5)\n"
+    )
+    with pytest.raises(ParseError, match="a monitor of dialect scenic-3 has parentheses"):
+        parse("monitor M:\n    wait\n", dialect="scenic-3")

@@ -117,6 +117,10 @@ class Region(ABC):
 class Everywhere(Region):
     """The whole plane."""
 
+    def __reduce__(self) -> str:
+        """There is one."""
+        return "everywhere"
+
     def contains_point(self, v: Vector) -> bool:
         return True
 
