@@ -99,10 +99,6 @@ class Scene:
         """The region in which all objects lie."""
         return self.scene.workspace
 
-    def show(self, zoom: object = None, block: bool = True) -> None:
-        """Show the scene from above. Raises `UsageError` without the extra `plot`."""
-        self.show2D(zoom, block)
-
     def show2D(self, zoom: object = None, block: bool = True) -> None:
         """Show the scene from above. Raises `UsageError` without the extra `plot`."""
         import io
@@ -113,6 +109,8 @@ class Scene:
         plt.imshow(plt.imread(io.BytesIO(data)))
         plt.axis("off")
         plt.show(block=block)
+
+    show = show2D
 
 
 class Scenario:
