@@ -100,7 +100,7 @@ class Scene:
         return self.scene.workspace
 
     def show2D(self, zoom: object = None, block: bool = True) -> None:
-        """Show the scene from above. Raises `UsageError` without the extra `plot`."""
+        """Show the scene from above, by matplotlib."""
         import io
 
         data = self.scene._repr_png_()
