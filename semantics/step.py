@@ -33,7 +33,7 @@ from .python import (
 )
 from .python.texts import too_many_digits, without_addresses
 from .scenes import comparisons, object_definitions, operations, statements, termination
-from .space.distributions import BadParameters, Uniform
+from .space.distributions import BadParameters
 from .space.fields import BadField, OutsideField
 from .space.regions import BadRegion, EmptyRegion, UnboundedRegion
 from .syntax import dynamics as d
@@ -239,7 +239,7 @@ def step(config: Config) -> Outcome:
     if not version.undo and type(outcome) is Next and outcome.config.state.version is version:
         return outcome
     if type(outcome) is Draw and outcome.address in state.settings.given:
-        outcome = outcome._replace(distribution=Uniform((state.settings.given[outcome.address],)))
+        outcome = outcome._replace(distribution=state.settings.given[outcome.address].of(outcome.distribution))
     return dated(outcome, version.versions.settled())
 
 

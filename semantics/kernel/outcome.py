@@ -6,11 +6,11 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
+from ..space.distributions import Distribution, Uniform
 from ..syntax.nodes import Node, Span
 from .errors import ScenicError
 
 if TYPE_CHECKING:
-    from ..space.distributions import Distribution
     from .config import Config, State
     from .values import Instance
     from .versions import Version
@@ -48,6 +48,19 @@ class Next(NamedTuple):
     node: Node | None = None
     change: Change | None = None
     beyond: Config | None = None
+
+
+class Given(NamedTuple):
+    """What a draw is known to have given: its value, or, where there are finitely many, its place among those of the distribution."""
+
+    value: object
+    place: int | None = None
+
+    def of(self, distribution: Distribution) -> Distribution:
+        """The distribution that gives just this."""
+        support = distribution.support() if self.place is not None else None
+        return Uniform((self.value if support is None or self.place is None else support[self.place][0],))
+
 
 
 class Draw(NamedTuple):
