@@ -9,7 +9,7 @@ from ..formats.scenes import Scene
 from ..inference.batch.trace.graph import GraphNode, RowDraw, Site
 from ..inference.batch.trace.structures import nodes_in
 from ..semantics.kernel.errors import UsageError
-from ..semantics.kernel.outcome import Draw, Given, Outcome
+from ..semantics.kernel.outcome import Draw, KnownDraw, Outcome
 from ..semantics.kernel.values import Random, unwrap
 from ..semantics.syntax import python_expressions as p
 from ..semantics.syntax import statements as s
@@ -20,15 +20,15 @@ if TYPE_CHECKING:
 Address = tuple[int, ...]
 
 
-def draws_of(scenario: Scenario, scene: Scene) -> dict[Address, Given]:
+def draws_of(scenario: Scenario, scene: Scene) -> dict[Address, KnownDraw]:
     """What every draw of a scene gave, by address. Raises `UsageError` for what is not a scene of this scenario."""
-    found: dict[Address, Given] = {}
+    found: dict[Address, KnownDraw] = {}
 
     def keep(outcome: Outcome, drawn: object) -> None:
         if isinstance(outcome, Draw):
             support = outcome.distribution.support()
             place = next((i for i, (v, _) in enumerate(support or ()) if v is drawn), None)
-            found[outcome.address] = Given(unwrap(drawn)[0], place)
+            found[outcome.address] = KnownDraw(unwrap(drawn)[0], place)
 
     again = scenario.sampled(scene.seed, scene.index, max_attempts=scene.attempts, witnessed=lambda attempt: found.clear() or keep).scene
     if again.to_json() != scene.to_json():
@@ -67,7 +67,7 @@ def sites_below(values: object) -> set[Address]:
     return found
 
 
-def given_params(scenario: Scenario, params: Mapping[str, object]) -> tuple[dict[Address, Given], list[s.Require]]:
+def given_params(scenario: Scenario, params: Mapping[str, object]) -> tuple[dict[Address, KnownDraw], list[s.Require]]:
     """The draws that are parameters themselves, with the values given for them; of other parameters requirements.
 
     A draw whose distribution depends on other draws is not given its value, which would forget how likely that is: it is required. Raises
@@ -80,7 +80,7 @@ def given_params(scenario: Scenario, params: Mapping[str, object]) -> tuple[dict
             draws[id(outcome.distribution)] = outcome
 
     state = scenario.last_state(keep)
-    given: dict[Address, Given] = {}
+    given: dict[Address, KnownDraw] = {}
     requirements: list[s.Require] = []
     for name, value in params.items():
         if name not in state.params:
@@ -98,10 +98,10 @@ def given_params(scenario: Scenario, params: Mapping[str, object]) -> tuple[dict
     return given, requirements
 
 
-def possible(name: str, draw: Draw, value: object) -> Given:
+def possible(name: str, draw: Draw, value: object) -> KnownDraw:
     """The value for a parameter that is a draw. Raises `UsageError` if it cannot be drawn."""
     support = draw.distribution.support()
     place = next((i for i, (v, _) in enumerate(support or ()) if unwrap(v)[0] == value), None)
     if place is None and (support is not None or draw.distribution.log_density(value) == float("-inf")):
         raise UsageError(f"the parameter {name} cannot be {value!r}: it is drawn from {draw.distribution!r}")
-    return Given(value, place)
+    return KnownDraw(value, place)

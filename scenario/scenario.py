@@ -36,7 +36,7 @@ from ..interpreter.modules import library_of, module_named, with_old_imports
 from ..interpreter.running import DEFAULT_FUEL, Accepted, Run, Witness, rehearse, run
 from ..semantics.kernel.config import Config, Settings, State
 from ..semantics.kernel.errors import AttemptsExhausted, InternalError, UsageError
-from ..semantics.kernel.outcome import Given
+from ..semantics.kernel.outcome import KnownDraw
 from ..semantics.programs import initial, make_settings
 from ..semantics.readings import select
 from ..semantics.syntax import Program
@@ -83,7 +83,7 @@ class Scenario:
         self.draws: Draws = AS_THEY_ARE
         self.factorised = False
         self.device: str | None = None
-        self.given: Mapping[tuple[int, ...], Given] = {}
+        self.given: Mapping[tuple[int, ...], KnownDraw] = {}
         self._rehearsed = False
         check(program)
 

@@ -10,7 +10,7 @@ from .kernel.config import Config, Settings, State
 from .kernel.errors import RunError
 from .kernel.host import Door
 from .kernel.kinds import is_object
-from .kernel.outcome import Given
+from .kernel.outcome import KnownDraw
 from .kernel.scopes import Scope
 from .kernel.values import Instance, plain
 from .python.builtins import builtin_scope
@@ -23,7 +23,7 @@ from .syntax.statements import Block, If, Model
 
 def make_settings(
     readings: dict[str, str], library: dict[str, object], params: dict[str, object], model: str | None, scenario: str | None = None,
-    *, trusted: bool = False, given: Mapping[tuple[int, ...], Given] | None = None,
+    *, trusted: bool = False, given: Mapping[tuple[int, ...], KnownDraw] | None = None,
 ) -> Settings:  # fmt: skip
     """What stays the same in every run of a program; its door is of no run (see `initial`)."""
     return Settings(

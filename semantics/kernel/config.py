@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
 from ..syntax.nodes import NOWHERE, Node, Span
-from .outcome import Change, Given, Next
+from .outcome import Change, KnownDraw, Next
 from .scopes import Scope
 from .values import Dynamic, Instance, Origin
 from .versions import Version
@@ -37,7 +37,7 @@ class Settings(NamedTuple):
     euler_steps: int = 4
     scenario: str | None = None
     trusted: bool = False
-    given: Mapping[tuple[int, ...], Given] = {}
+    given: Mapping[tuple[int, ...], KnownDraw] = {}
 
 
 class Captured(NamedTuple):

@@ -50,7 +50,7 @@ class Next(NamedTuple):
     beyond: Config | None = None
 
 
-class Given(NamedTuple):
+class KnownDraw(NamedTuple):
     """What a draw is known to have given: its value, or, where there are finitely many, its place among those of the distribution."""
 
     value: object
