@@ -97,6 +97,7 @@ def test_a_parameter_whose_distribution_depends_on_draws_tells_about_them() -> N
 
 
 def test_a_choice_of_objects_is_given_as_that_of_each_run() -> None:
-    chosen = scenic_ref.loads("ego = Object at (0, 0)\nb = Object at (Range(5, 9), 0)\nany = Uniform(ego, b)\nparam same = any is b, x = any.position.x")
+    objects = "ego = Object at (0, 0)\nb = Object at (Range(5, 9), 0)\nany = Uniform(ego, b)\n"
+    chosen = scenic_ref.loads(objects + "param same = any is b, x = any.position.x")
     scene = chosen.sample(2)
     assert all(s.params == scene.params for s in chosen.condition_on(scene).sample_many(3))
