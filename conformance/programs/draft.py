@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Literal
 
 from ...interpreter.nesting import children
 from ...semantics.syntax import Expression, Node
+from ...semantics.syntax import expressions as e
 from ...semantics.syntax.python_expressions import Name
 from .choices import Choices
 from .settings import ProgramSettings
@@ -19,6 +20,8 @@ Kind = Literal[
 
 FAR = 1e9
 DISTRIBUTIONS = frozenset({"Range", "Uniform", "Discrete", "DiscreteRange", "Normal", "TruncatedNormal"})
+FROM_EGO = (e.Angle, e.ApparentHeading, e.Distance, e.DistancePast, e.Follow, e.RelativeHeading, e.RelativePosition)
+"""The operators that measure from ego where an operand is left out."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,12 +92,14 @@ class Draft:
         return feature in self.features
 
     def is_random(self, node: Node) -> bool:
-        """Whether an expression draws, or mentions a variable that may be random."""
+        """Whether an expression draws, or mentions a variable that may be random; ego, which may be, is mentioned where an operand is left out."""
         random = DISTRIBUTIONS | {v.name for v in self.variables if v.random}
         pending = [node]
         while pending:
             current = pending.pop()
             if isinstance(current, Name) and current.name in random:
+                return True
+            if isinstance(current, FROM_EGO) and any(getattr(current, each.name) is None for each in fields(current)):
                 return True
             pending.extend(children(current))
         return False

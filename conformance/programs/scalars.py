@@ -38,7 +38,7 @@ def scalar(draft: Draft, low: float, high: float, depth: int) -> Expression:
     fitting = [v for v in draft.known("scalar") if low <= v.low and v.high <= high]
     if fitting:
         options.append((6, lambda: name(draft.choices.pick(fitting).name)))
-    if draft.own:
+    if draft.own and not draft.settled:
         options.append((8, lambda: own_property(draft, low, high)))
     if depth > 0:
         options += composed(draft, low, high, depth - 1)
