@@ -15,6 +15,7 @@ from .kernel.scopes import Scope
 from .kernel.values import Instance, plain
 from .python.builtins import builtin_scope
 from .python.functions import enter
+from .python.generators import expand
 from .step import step
 from .syntax import Program
 from .syntax.python_expressions import Constant
@@ -27,7 +28,7 @@ def make_settings(
 ) -> Settings:  # fmt: skip
     """What stays the same in every run of a program; its door is of no run (see `initial`)."""
     return Settings(
-        readings=readings, library=library, machine=step, door=Door(enter), params=params, model=model, scenario=scenario, trusted=trusted,  # type: ignore[arg-type]
+        readings=readings, library=library, machine=step, door=Door(enter, expand), params=params, model=model, scenario=scenario, trusted=trusted,  # type: ignore[arg-type]
         given=given or {},
     )  # fmt: skip
 
@@ -37,7 +38,7 @@ def initial(program: Program, settings: Settings) -> Config:
 
     Each run has a door of its own, so that runs of one program side by side never meet.
     """
-    settings = settings._replace(door=Door(enter))  # type: ignore[arg-type]
+    settings = settings._replace(door=Door(enter, expand))  # type: ignore[arg-type]
     budget = settings.door.budget
     scope = Scope("module", builtin_scope(budget))
     statements: Block = program.statements

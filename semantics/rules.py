@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from .dynamics import actions, choices, declarations, guards, initial, interrupts, invocations, overrides, policy, scenarios
 from .kernel import conditions, draws, queries
-from .python import assignment, calls, comprehensions, control, definitions, expressions, functions, imports, members, specials
+from .python import assignment, calls, comprehensions, control, definitions, elementwise, expressions, functions, imports, members, specials
 from .scenes import comparisons, default_requirements, mutation, object_definitions, operators, released, resolution, specifiers, statements
 from .syntax import expressions as e
 from .syntax import specifiers as q
@@ -164,14 +164,16 @@ _INHERITED = [
     ("E-Lambda", "lambda", functions.lambda_rule),
     ("E-Call", "calls of functions of the program", calls.apply),
     ("E-Return", "the end of a call", functions.resume_called),
-    ("E-Call-Host", "calls of library functions", specials.returned),
+    ("E-Call-Host", "calls of library functions", functions.returned),
     ("E-Call-Dynamic", "behaviors, monitors and scenarios with arguments", calls.invocation),
     ("E-Comprehension", "comprehensions", comprehensions.advance),
+    ("E-Generator", "generators", comprehensions.generator),
+    ("E-Next", "the next element of a generator", elementwise.resume_asking),
     ("E-Print", "print", specials.print_rule),
     ("E-Raise", "exceptions raised by operations", control.raised),
     ("S-If", "if", control.resume_branching),
     ("S-While", "while", control.resume_testing),
-    ("S-For", "for", control.next_turn),
+    ("S-For", "for", control.turn),
     ("S-Break", "break", control.unwind_looping),
     ("S-Def", "def", control.conclude_function),
     ("S-Return", "return", control.conclude_return),

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from .dynamics import actions, choices, declarations, frames, guards, initial, interrupts, invocations, overrides, policy, processes, scenarios
 from .kernel import conditions, draws, premises, queries, simulation
 from .kernel.config import Abrupt, Config, Reduction, Resumption, Stack, State, Unwinding, Value
-from .kernel.errors import GuardViolation, RunError, ScenicError, UncaughtException
+from .kernel.errors import GuardViolation, NeedsElements, RunError, ScenicError, UncaughtException
 from .kernel.host import DoorStuck, HostException
 from .kernel.nesting import too_deep
 from .kernel.outcome import Draw, Fault, Next, Outcome, Requirement, Stuck, dated
@@ -23,13 +23,14 @@ from .python import (
     comprehensions,
     control,
     definitions,
+    elementwise,
     expression_statements,
     expressions,
     functions,
+    generators,
     imports,
     intervals,
     members,
-    specials,
 )
 from .python.texts import too_many_digits, without_addresses
 from .scenes import comparisons, object_definitions, operations, statements, termination
@@ -146,7 +147,7 @@ RESUME: Mapping[type, Resumption] = {
     functions.Called: functions.resume_called,
     functions.InScope: functions.resume_in_scope,
     comprehensions.Comprehending: comprehensions.resume_comprehension,
-    specials.Selecting: specials.resume_selecting,
+    elementwise.Selecting: elementwise.resume_selecting,
     object_definitions.ClassOf: object_definitions.resume_class,
     object_definitions.Construction: object_definitions.construct,
     object_definitions.Defaulting: object_definitions.resume_defaulting,
@@ -157,6 +158,12 @@ RESUME: Mapping[type, Resumption] = {
     control.Looping: control.resume_looping,
     control.Testing: control.resume_testing,
     control.Iterating: control.resume_iterating,
+    control.Turning: control.resume_turning,
+    elementwise.Asking: elementwise.resume_asking,
+    generators.Expanding: generators.resume_expanding,
+    elementwise.Pairing: elementwise.resume_pairing,
+    elementwise.Quantifying: elementwise.resume_quantifying,
+    elementwise.Slicing: elementwise.resume_slicing,
     control.Handling: control.resume_handling,
     control.Choosing: control.resume_choosing,
     control.Handled: control.resume_handled,
@@ -196,6 +203,7 @@ UNWIND: Mapping[type, Unwinding] = {
     functions.InScope: functions.unwind_in_scope,
     object_definitions.Construction: object_definitions.unwind_construction,
     control.Looping: control.unwind_looping,
+    generators.Giving: generators.unwind_giving,
     control.Handling: control.unwind_handling,
     control.Handled: control.unwind_handled,
     control.Finally: control.unwind_finally,
@@ -234,6 +242,9 @@ def step(config: Config) -> Outcome:
             outcome = unwind(control_, stack, state)  # type: ignore[arg-type]
         else:
             outcome = REDUCE[kind](control_, stack, state)
+    except NeedsElements as needed:
+        version.versions.go_to(version)
+        outcome = generators.expand(needed, config)
     except Exception as problem:
         outcome = stopped(problem, config)
     if not version.undo and type(outcome) is Next and outcome.config.state.version is version:

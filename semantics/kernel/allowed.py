@@ -23,6 +23,7 @@ from ..space.regions import CircularRegion, PolygonalRegion, PolylineRegion, Rec
 from ..space.symbols import NotLifted, Symbol
 from ..space.vectors import Vector
 from .budget import Metered
+from .generators import Generator
 from .queries import Clock, Closest, Parameters
 from .sets import FrozenSet, Set
 from .values import Above, Bound, Constructor, Dynamic, Entries, Function, Instance, Method, Module, Native, Pairs, Random, ScenicClass, Special
@@ -102,8 +103,8 @@ KEY = type(cmp_to_key(lambda first, second: 0))
 """What `functools.cmp_to_key` gives."""
 
 OWN: tuple[type, ...] = (
-    Above, Bound, Clock, Closest, Constructor, Dynamic, Entries, Function, Instance, Metered, Method, Module, Native, Pairs, Parameters, Random,
-    ScenicClass, Special, Waiting, Symbol, Region, VectorField, KEY,
+    Above, Bound, Clock, Closest, Constructor, Dynamic, Entries, Function, Generator, Instance, Metered, Method, Module, Native, Pairs, Parameters,
+    Random, ScenicClass, Special, Waiting, Symbol, Region, VectorField, KEY,
 )  # fmt: skip
 """Types of the machine, and of what it computes with: the rules of the language say what may be done with them."""
 

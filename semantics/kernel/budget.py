@@ -14,7 +14,7 @@ from collections import deque
 from collections.abc import Iterable, Iterator, Sized
 from typing import Any
 
-from .errors import FuelExhausted, RunError
+from .errors import FuelExhausted, NeedsElements, RunError
 from .versions import Note, Slot, Versions
 
 LARGEST_WORK = 400_000_000
@@ -99,7 +99,10 @@ class Metered:
     def __next__(self) -> object:
         place, versions = self.place, self.budget.versions
         if place.next is None:
-            place.item = next(place.items)
+            try:
+                place.item = next(place.items)
+            except NeedsElements as needed:
+                raise (needed if needed.generator is place.items else RunError(needed.message, hint=needed.hint, rule="E-Call-Host")) from None
             place.next = Place(place.items)
         self.budget.spend(ITEM + (8 * len(place.item) if isinstance(place.item, (tuple, str, list)) else 0))
         if self.since is not versions.current.undo:  # one note per version

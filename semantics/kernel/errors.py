@@ -93,6 +93,14 @@ class NeedsPosition(RunError):
     """A value was needed that waits for the position of an object (reading `field-dependency`)."""
 
 
+class NeedsElements(RunError):
+    """Library code goes through a generator, whose elements have not been computed: the machine computes them, and makes the call again."""
+
+    def __init__(self, generator: object) -> None:
+        super().__init__("library code keeps a generator and goes through it later", hint="make a list of it first")
+        self.generator = generator
+
+
 class RandomBranch(RunError):
     """Control flow outside a behavior depends on a random value (reading `random-branch`)."""
 

@@ -16,11 +16,12 @@ import numpy as np
 
 from .allowed import is_value
 from .budget import PLAIN, STEP, Budget
-from .config import Abrupt, Config, State, Value
+from .config import PASS, Abrupt, Config, State, Value
 from .driving import Arrived, Machine, Unfinished, drive_machine
-from .errors import FuelExhausted, RunError, ScenicError
+from .errors import FuelExhausted, NeedsElements, RunError, ScenicError
+from .generators import Generator
 from .nesting import too_deep
-from .outcome import Draw, Fault, Outcome, Stuck
+from .outcome import Draw, Fault, Next, Outcome, Stuck
 from .values import Function, Instance, Origin, unwrap, wrap
 from .versions import Slot
 
@@ -55,10 +56,13 @@ class DoorStuck(Exception):
 class Door:
     """The one way in: `call` runs a function of the program to its value in the state of the surrounding host call."""
 
-    __slots__ = ("budget", "called", "calls", "enter", "lift", "origin", "state")
+    __slots__ = ("budget", "called", "calls", "enter", "expand", "lift", "origin", "state")
 
-    def __init__(self, enter: Callable[[Function, tuple[object, ...], Mapping[str, object], State], Config]) -> None:
+    def __init__(
+        self, enter: Callable[[Function, tuple[object, ...], Mapping[str, object], State], Config], expand: Callable[[NeedsElements, Config], Next]
+    ) -> None:
         self.enter = enter
+        self.expand = expand
         self.budget = Budget()
         self.state: State | None = None
         self.origin: Origin | None = None
@@ -73,13 +77,15 @@ class Door:
         state, outer, self.called = self.state, self.origin, True
         versions = self.budget.versions
         versions.note(Slot(self, "calls", self.calls))
-        self.calls += 1
+        self.calls = number = self.calls + 1
         begun = state._replace(made=state.made + self.calls * NUMBERS_PER_CALL, version=versions.settled())
         config = self.run(function, self.enter(function, arguments, keywords, begun), state.settings.machine)
         match config.control:
             case Abrupt(kind="raise", value=BaseException() as exception):
                 raise exception
             case Value(value=value):
+                if type(value) is Generator and value.calls >= number:  # it would be another one if the library made its call again
+                    config = self.run(function, self.expand(NeedsElements(value), Config(PASS, (), config.state)).config, state.settings.machine)
                 check_unchanged(function, begun, config.state)
                 result, origin = unwrap(value)
                 if any(i.number >= begun.made for i in instances_in(result)):
@@ -144,7 +150,7 @@ def host(door: Door, state: State, operation: Callable[..., object], *arguments:
     origin: Origin | None = None
     plain_arguments = []
     for argument in arguments:
-        value, found = unwrap(argument)
+        value, found = unwrap((argument.taken_ahead() or argument) if type(argument) is Generator else argument)
         origin = origin or found
         plain_arguments.append(value)
     plain_keywords = {}

@@ -45,11 +45,12 @@ from ..syntax import python_expressions as p
 from ..syntax.dynamics import ScenarioDefinition
 from ..syntax.nodes import Node
 from .assignment import random_write
-from .functions import bind, enter
+from .elementwise import generator_rule
+from .functions import bind, enter, returned
 from .iteration import elements, elements_in_this_run
 from .members import Member, call_member
 from .prices import as_callback, check_arguments
-from .specials import HOST_RULES, SPECIALS, call_container_method, container_method, returned
+from .specials import HOST_RULES, SPECIALS, call_container_method, container_method
 from .texts import without_addresses
 
 
@@ -152,7 +153,8 @@ def apply(node: Node, function: object, arguments: tuple[object, ...], keywords:
             check_call(function, arguments, keywords, state)
             return HOST_RULES[function](node, arguments, keywords, stack, state)
         case _:
-            return call_host(node, function, arguments, keywords, stack, state)
+            lazily = generator_rule(function, arguments)
+            return lazily(node, arguments, keywords, stack, state) if lazily else call_host(node, function, arguments, keywords, stack, state)
 
 
 def refuse_waiting(arguments: tuple[object, ...]) -> None:

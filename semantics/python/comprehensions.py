@@ -1,4 +1,4 @@
-"""Comprehensions, as in Python: the first iterable is reduced in the scope around, the rest in a scope of its own."""
+"""Comprehensions, as in Python: the first iterable is reduced in the scope around, the rest in a scope of its own; a generator waits to be asked."""
 
 from __future__ import annotations
 
@@ -13,16 +13,14 @@ from ..syntax import python_expressions as p
 from .assignment import bind_target
 from .expressions import host_container
 from .functions import InScope
-from .iteration import elements
+from .generators import EXHAUSTED, GO_ON, Generator, give, in_order, made, pull, taken, walk
 
 
 class Comprehending(NamedTuple):
-    """Frame of a comprehension: the elements and position of each open clause, what was found (a chain, last
-    first), what is being reduced.
-    """
+    """Frame of a comprehension: what gives the elements of each open clause, what was found (a chain, last first), what is being reduced."""
 
     node: p.Comprehension
-    iterators: tuple[tuple[tuple[object, ...], int], ...]
+    sources: tuple[object, ...]
     found: tuple
     phase: tuple[str, int, int]
     key: object = None
@@ -45,46 +43,60 @@ def resume_comprehension(frame: Comprehending, result: object, stack: Stack, sta
     """Go on where the frame's phase says."""
     phase, clause, condition = frame.phase
     node = frame.node
-    if phase == "iterable":
-        source = tuple(elements(result, node.clauses[clause].iterable, state))
-        inner = state if clause else state._replace(sigma=inner_scope(node, state.sigma))
-        return advance(frame._replace(iterators=(*frame.iterators, (source, 0))), stack, inner)
-    if phase == "condition":
-        test = node.clauses[clause].conditions[condition]
-        if not truth(result, test, state, "the condition of this comprehension"):
+    match phase:
+        case _ if result is GO_ON:
             return advance(frame, stack, state)
-        return check_conditions(frame, clause, condition + 1, stack, state)
-    if phase == "key":
-        return reduce(node.element, frame._replace(phase=("element", 0, 0), key=result), stack, state)
-    found = (frame.key, result) if node.kind == "dict" else result
-    return advance(frame._replace(found=(found, frame.found)), stack, state)
+        case "iterable":
+            opened = frame._replace(sources=(*frame.sources, walk(result, node.clauses[clause].iterable, state)))
+            if clause:
+                return advance(opened, stack, state)
+            inner = inner_scope(node, state.sigma)
+            return generator(opened, inner, stack, state) if node.kind == "generator" else advance(opened, stack, state._replace(sigma=inner))
+        case "next":
+            return advance(frame._replace(sources=frame.sources[:-1]), stack, state) if result is EXHAUSTED else turn(frame, result, stack, state)
+        case "condition":
+            test = node.clauses[clause].conditions[condition]
+            if not truth(result, test, state, "the condition of this comprehension"):
+                return advance(frame, stack, state)
+            return check_conditions(frame, clause, condition + 1, stack, state)
+        case "key":
+            return reduce(node.element, frame._replace(phase=("element", 0, 0), key=result), stack, state)
+        case _ if node.kind == "generator":
+            return give(frame, result, stack, state)
+        case _:
+            found = (frame.key, result) if node.kind == "dict" else result
+            return advance(frame._replace(found=(found, frame.found)), stack, state)
+
+
+def generator(frame: Comprehending, scope: Scope, stack: Stack, state: State) -> Outcome:
+    """If ⟨I⟩ → v then ⟨(E for x in I if B), σ⟩ → a generator g; asked for the next one, g gives the value of E for the next x of v for which B."""
+    return value("E-Generator", made(frame, scope, state), stack, state, frame.node)
 
 
 def advance(frame: Comprehending, stack: Stack, state: State) -> Outcome:
     """⟨[E for x in I if B]⟩ → the values of E, for those elements x of I for which B holds, in order.
 
-    Take the next element of the innermost iterator; an exhausted one gives way to the one around it.
+    Take the next element of the innermost source; an exhausted one gives way to the one around it.
     """
-    iterators = frame.iterators
-    while iterators:
-        *outer, (source, position) = iterators
-        if position == len(source):
-            iterators = tuple(outer)
-            continue
-        index = len(outer)
-        bind_target(frame.node.clauses[index].target, source[position], state)
-        return check_conditions(frame._replace(iterators=(*outer, (source, position + 1))), index, 0, stack, state)
-    kinds = {"list": list, "generator": list, "set": Set, "dict": dict}
+    while frame.sources:
+        *outer, source = frame.sources
+        if type(source) is Generator:
+            return pull(source, (frame._replace(phase=("next", 0, 0)), stack), state)
+        element, source = taken(source, state)
+        if element is not EXHAUSTED:
+            return turn(frame._replace(sources=(*outer, source)), element, stack, state)
+        frame = frame._replace(sources=tuple(outer))
+    if frame.node.kind == "generator":
+        return give(None, EXHAUSTED, stack, state)
+    kinds = {"list": list, "set": Set, "dict": dict}
     return value("E-Comprehension", host_container(kinds[frame.node.kind], in_order(frame.found), state), stack, state, frame.node)
 
 
-def in_order(found: tuple) -> list[object]:
-    """The elements of a chain (last, (..., (first, ()))), first to last."""
-    items: list[object] = []
-    while found:
-        item, found = found
-        items.append(item)
-    return items[::-1]
+def turn(frame: Comprehending, element: object, stack: Stack, state: State) -> Outcome:
+    """The innermost clause has its next element."""
+    clause = len(frame.sources) - 1
+    bind_target(frame.node.clauses[clause].target, element, state)
+    return check_conditions(frame, clause, 0, stack, state)
 
 
 def check_conditions(frame: Comprehending, clause: int, condition: int, stack: Stack, state: State) -> Outcome:

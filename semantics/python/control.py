@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 from ..kernel.conditions import random_branch, truth
@@ -17,7 +16,7 @@ from ..syntax import statements as s
 from ..syntax.nodes import Node, Span
 from .assignment import bind_target, done
 from .functions import make_function
-from .iteration import elements
+from .generators import EXHAUSTED, Generator, pull, taken, walk
 
 
 class Rest(NamedTuple):
@@ -71,11 +70,10 @@ def resume_branching(frame: Branching, result: object, stack: Stack, state: Stat
 
 
 class Looping(NamedTuple):
-    """Frame of a loop's body: afterwards the loop goes on, a `for` with the element at `position`; `break` and `continue` stop here."""
+    """Frame of a loop's body: afterwards the loop goes on, a `for` with the next element of its `source`; `break` and `continue` stop here."""
 
     node: s.While | s.For
-    elements: Sequence[object] | None
-    position: int = 0
+    source: object = None
 
 
 class Testing(NamedTuple):
@@ -99,7 +97,7 @@ def resume_testing(frame: Testing, result: object, stack: Stack, state: State) -
     """If ⟨B⟩ → True then ⟨while B: s⟩ → ⟨s; while B: s⟩; if ⟨B⟩ → False then its `else` block."""
     node = frame.node
     if truth(result, node.test, state, "the condition of this `while`"):
-        return block(node.body, (Looping(node, None), stack), state, "S-While", node)
+        return block(node.body, (Looping(node), stack), state, "S-While", node)
     return block(node.otherwise, stack, state, "S-While", node)
 
 
@@ -109,26 +107,43 @@ def for_statement(node: s.For, stack: Stack, state: State) -> Outcome:
 
 
 def resume_iterating(frame: Iterating, result: object, stack: Stack, state: State) -> Outcome:
-    """The elements are known: the first turn."""
-    iterable = plain(result)
-    if isinstance(iterable, (range, list, tuple)) and iterable is result:  # as they are: a list may grow during the loop
-        return next_turn(frame.node, iterable, 0, stack, state)
-    return next_turn(frame.node, tuple(elements(result, frame.node.iterable, state)), 0, stack, state)
+    """What gives the elements is known: the first turn."""
+    return next_turn(frame.node, walk(result, frame.node.iterable, state), stack, state)
 
 
-def next_turn(node: s.For, source: Sequence[object], position: int, stack: Stack, state: State) -> Outcome:
+def next_turn(node: s.For, source: object, stack: Stack, state: State) -> Outcome:
+    """The next element, where it takes no more than to look for it."""
+    if type(source) is Generator:
+        return pull(source, (Turning(node, source), stack), state)
+    element, source = taken(source, state)
+    return turn(node, element, source, stack, state)
+
+
+class Turning(NamedTuple):
+    """Frame: the next element of a `for` over a generator is being computed."""
+
+    node: s.For
+    source: Generator
+
+
+def resume_turning(frame: Turning, result: object, stack: Stack, state: State) -> Outcome:
+    """The generator gave an element, or ended."""
+    return turn(frame.node, result, frame.source, stack, state)
+
+
+def turn(node: s.For, element: object, source: object, stack: Stack, state: State) -> Outcome:
     """⟨for x in (v, ...): s⟩ → ⟨s; for x in (...): s, σ[x/v]⟩; after the last element, its `else` block."""
-    if position == len(source):
+    if element is EXHAUSTED:
         return block(node.otherwise, stack, state, "S-For", node)
-    bind_target(node.target, source[position], state)
-    return block(node.body, (Looping(node, source, position + 1), stack), state, "S-For", node)
+    bind_target(node.target, element, state)
+    return block(node.body, (Looping(node, source), stack), state, "S-For", node)
 
 
 def resume_looping(frame: Looping, result: object, stack: Stack, state: State) -> Outcome:
     """The body ended: go on."""
-    if frame.elements is None:
+    if frame.source is None:
         return Next("", Config(frame.node, stack, state))
-    return next_turn(frame.node, frame.elements, frame.position, stack, state)  # type: ignore[arg-type]
+    return next_turn(frame.node, frame.source, stack, state)  # type: ignore[arg-type]
 
 
 def unwind_looping(frame: Looping, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:

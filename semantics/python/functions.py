@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from ..kernel.config import Abrupt, Config, Stack, State, value
+from ..kernel.config import Abrupt, Config, Stack, State, Value, value
 from ..kernel.errors import RunError
 from ..kernel.host import Misapplied
 from ..kernel.outcome import Next, Outcome
@@ -132,3 +132,11 @@ def resume_in_scope(frame: InScope, result: object, stack: Stack, state: State) 
 def unwind_in_scope(frame: InScope, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
     """Restore σ and go on unwinding."""
     return Next("", Config(abrupt, stack, state._replace(sigma=frame.outer)))
+
+
+def returned(node: Node, result: object, stack: Stack, state: State) -> Outcome:
+    """If ⟨E_i⟩ → v_i then ⟨f(E_1, ..., E_n)⟩ → f(v_1, ..., v_n) for a function f of the library, random if a v_i is.
+
+    ⟨map(f, I)⟩ → ⟨(f(x) for x in I)⟩ and ⟨filter(f, I)⟩ → the list of those x of I for which ⟨f(x)⟩ → True.
+    """
+    return Next("E-Call-Host", Config(result if isinstance(result, p.Comprehension) else Value(result), stack, state), node)

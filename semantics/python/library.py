@@ -18,6 +18,7 @@ from typing import Any
 
 from ..kernel.allowed import BUILTINS, MARK, OURS_OF_MATH, is_user_made
 from ..kernel.budget import ITEM, Budget, Metered, length_of, refuse_too_large, refuse_too_long, size_of, whole
+from ..kernel.generators import Generator
 from ..kernel.sets import FrozenSet, Set
 from ..kernel.values import Bound, Native
 from ..kernel.versions import note_attribute, note_container
@@ -59,8 +60,10 @@ def sum_of(budget: Budget, items: Iterable[Any], start: Any = 0) -> Any:
     return total
 
 
-def iterator(budget: Budget, subject: Any, *sentinel: object) -> Metered:
+def iterator(budget: Budget, subject: Any, *sentinel: object) -> Metered | Generator:
     """`iter(subject)`, `iter(function, sentinel)`."""
+    if type(subject) in (Metered, Generator) and not sentinel:
+        return subject
     return budget.metered(python.iter(as_callback(subject, budget) if sentinel else subject, *sentinel))  # type: ignore[call-overload]
 
 
@@ -112,7 +115,7 @@ def hash_of(value: object) -> int:
 
 
 def listing(make: Callable[..., Iterable[object]]) -> Native:
-    """A builtin of Python's that gives its elements when they are asked for, as one that gives a list.
+    """A builtin of Python's that gives its elements when they are asked for, as library code calls it: it gives a list.
 
     Python frees a long chain of such iterators, and goes through it, by a recursion that it does not count.
     """
@@ -125,7 +128,7 @@ def listed(make: Callable[..., Iterable[object]], *arguments: object, **keywords
 
 
 LISTING = {made.name: made for made in map(listing, (python.map, python.filter, python.zip, python.enumerate, python.reversed))}
-"""Builtins that are lazy in Python, by name."""
+"""Builtins that are lazy in Python, by name; called by the program they have rules (`specials`)."""
 
 BUILTIN: Mapping[str, object] = {
     **LISTING,
@@ -210,11 +213,17 @@ def metered_items(
     make: Callable[..., Iterator[object]], check: Callable[..., None] | None, budget: Budget, *arguments: object, **keywords: object
 ) -> Metered:  # fmt: skip
     """What a function of `itertools` gives, paid for item by item. It is no closure, since the state of a run can be saved."""
+    arguments = tuple(map(in_full, arguments))
     if check is not None:
         check(*arguments, **keywords)
     if make.__name__ in CALLING:
         arguments, keywords = tuple(with_callbacks(arguments, budget)), {k: as_callback(v, budget) for k, v in keywords.items()}
     return budget.metered(make(*arguments, **keywords))
+
+
+def in_full(argument: Any) -> Any:
+    """The elements of a generator in a list, since an iterator of Python's that keeps it cannot wait for the machine; anything else as it is."""
+    return list(argument) if type(argument) is Generator else argument
 
 
 def check_product(*pools: Any, repeat: int = 1) -> None:
@@ -230,12 +239,12 @@ def check_size(items: object, r: Any = None) -> None:
 def tee(budget: Budget, items: Iterable[object], n: int = 2) -> tuple[Metered, ...]:
     """`itertools.tee(items, n)`."""
     refuse_too_long(n := whole(n))
-    return tuple(budget.metered(copy) for copy in itertools.tee(items, n))
+    return tuple(budget.metered(copy) for copy in itertools.tee(in_full(items), n))
 
 
 def grouped(budget: Budget, items: Iterable[object], key: Callable[[object], object] | None = None) -> Metered:
     """`itertools.groupby(items, key)`."""
-    return budget.metered((k, budget.metered(iter(list(group)))) for k, group in itertools.groupby(items, as_callback(key, budget)))  # type: ignore[arg-type]
+    return budget.metered((k, budget.metered(iter(list(group)))) for k, group in itertools.groupby(in_full(items), as_callback(key, budget)))  # type: ignore[arg-type]
 
 
 ITERTOOLS: Mapping[str, object] = {

@@ -5,16 +5,15 @@ from __future__ import annotations
 from collections import Counter, deque
 from collections.abc import Callable, Collection, Mapping
 from types import BuiltinFunctionType, MethodType
-from typing import NamedTuple
 
 from ..kernel.allowed import is_known
-from ..kernel.config import Config, Stack, State, Value, value
+from ..kernel.config import Stack, State, value
 from ..kernel.draws import ask
 from ..kernel.errors import RunError
 from ..kernel.host import HostException, host, raw
 from ..kernel.kinds import kind_name
 from ..kernel.nesting import check_written
-from ..kernel.outcome import Change, Next, Outcome
+from ..kernel.outcome import Change, Outcome
 from ..kernel.premises import describe_origin
 from ..kernel.scopes import MISSING, Scope
 from ..kernel.values import Above, Dynamic, Function, Instance, Method, Origin, Random, ScenicClass, Special, plain, unwrap, wrap
@@ -23,10 +22,10 @@ from ..space.regions import PolylineRegion
 from ..syntax import python_expressions as p
 from ..syntax.nodes import Node
 from .assignment import assigned_to, set_attribute
+from .elementwise import ELEMENTWISE
 from .expressions import attribute_is, get_attribute, host_container, instance_text
-from .functions import InScope
-from .iteration import elements, elements_in_this_run
-from .library import LISTING
+from .functions import returned
+from .iteration import elements
 from .texts import written
 
 Arguments = tuple[object, ...]
@@ -177,70 +176,6 @@ def callable_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: S
     return returned(node, wrap(result, origin), stack, state)
 
 
-_F, _X, _XS = p.Name(name="<function>"), p.Name(name="<element>"), p.Name(name="<elements>")
-
-
-def map_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
-    """`map(f, xs)` is `[f(x) for x in xs]`, a list; with several iterables the elements are taken side by side."""
-    if len(arguments) < 2:
-        raise HostException(TypeError("map() takes a function and at least one iterable"))
-    function, *iterables = arguments
-    if len(iterables) == 1:
-        return _comprehend(node, function, iterables[0], p.Call(function=_F, arguments=(_X,), span=node.span), (), stack, state)
-    rows = list(zip(*(elements(i, node, state) for i in iterables), strict=False))
-    element = p.Call(function=_F, arguments=(p.Starred(value=_X),), span=node.span)
-    return _comprehend(node, function, rows, element, (), stack, state)
-
-
-def filter_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
-    """`filter(f, xs)` is `[x for x in xs if f(x)]`, a list (Section 3.3 picks from one with `Uniform(*roads)`), perhaps a random one."""
-    if len(arguments) != 2:
-        raise HostException(TypeError("filter() takes a function and an iterable"))
-    items, origin = elements_in_this_run(arguments[1], node, state)
-    test = _X if arguments[0] is None else p.Call(function=_F, arguments=(_X,), span=node.span)
-    return _comprehend(node, arguments[0], items, test, (), (Selecting(node, items, origin), stack), state)
-
-
-class Selecting(NamedTuple):
-    """Frame of `filter`: whether the function holds of each of the `items`, whose number may depend on the draw `origin`, is being reduced."""
-
-    node: Node
-    items: list[object]
-    origin: Origin | None
-
-
-def resume_selecting(frame: Selecting, truths: list[object], stack: Stack, state: State) -> Outcome:
-    """The elements of which the function holds; the list is random where that is."""
-    door, items = state.settings.door, frame.items
-    holds = [host(door, state, bool, t) for t in truths]
-    if frame.origin is None and not any(type(t) is Random for t in holds):
-        return value("", [item for item, t in zip(items, holds, strict=True) if t], stack, state)
-    chosen, origin = unwrap(host(door, state, select, items, holds))
-    return value("", wrap(chosen, frame.origin or origin), stack, state)
-
-
-def select(items: list[object], truths: list[bool]) -> list[object]:
-    """The items whose truth is True."""
-    return [item for item, holds in zip(items, truths, strict=True) if holds]
-
-
-def returned(node: Node, result: object, stack: Stack, state: State) -> Outcome:
-    """If ⟨E_i⟩ → v_i then ⟨f(E_1, ..., E_n)⟩ → f(v_1, ..., v_n) for a function f of the library, random if a v_i is.
-
-    ⟨map(f, I)⟩ → ⟨[f(x) for x in I]⟩ and ⟨filter(f, I)⟩ → those x of I for which ⟨f(x)⟩ → True.
-    """
-    return Next("E-Call-Host", Config(result if isinstance(result, p.Comprehension) else Value(result), stack, state), node)
-
-
-def _comprehend(
-    node: Node, function: object, iterable: object, element: p.Expression, tests: tuple[p.Expression, ...], stack: Stack, state: State
-) -> Outcome:
-    scope = Scope("comprehension", state.sigma, bindings={"<function>": function, "<elements>": iterable})
-    clause = p.ComprehensionClause(target=_X, iterable=_XS, conditions=tests)
-    body = p.Comprehension(kind="list", element=element, clauses=(clause,), span=node.span)
-    return returned(node, body, (InScope(state.sigma), stack), state._replace(sigma=scope))
-
-
 def super_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
     """`super()` in a method: its first argument, as the classes see it that stand behind the one in which the method is defined."""
     scope: Scope | None = state.sigma
@@ -272,11 +207,8 @@ STRUCTURAL: Mapping[Callable[..., object], Callable[..., object]] = {
     list: list,
     tuple: tuple,
     dict: lambda *xs, **named: _settled(dict(*xs, **named)),
-    LISTING["zip"]: LISTING["zip"].function,
-    LISTING["enumerate"]: LISTING["enumerate"].function,
-    LISTING["reversed"]: LISTING["reversed"].function,
 }
-"""Builtins that look at a container, not at its elements: these keep their randomness. Lazy ones give lists."""
+"""Builtins that look at a container, not at its elements: these keep their randomness."""
 
 
 def _settled(entries: dict) -> object:
@@ -370,6 +302,6 @@ SPECIALS: Mapping[str, Rule] = {
 SPECIAL_VALUES: Mapping[str, Special] = {name: Special(name) for name in SPECIALS}
 
 HOST_RULES: Mapping[Callable[..., object], Rule] = {
-    **{builtin: structural(builtin) for builtin in STRUCTURAL}, LISTING["map"]: map_rule, LISTING["filter"]: filter_rule, str: str_rule,
-}
+    **{builtin: structural(builtin) for builtin in STRUCTURAL}, str: str_rule, **ELEMENTWISE,
+}  # fmt: skip
 """Python's own builtins with a rule of their own where the program calls them; elsewhere they are ordinary values."""

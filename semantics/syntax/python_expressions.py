@@ -186,7 +186,7 @@ class ComprehensionClause(Node):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Comprehension(Expression):
-    """`[element for ...]` and its set, dict (`key: element`) and generator forms; a generator is evaluated as a list."""
+    """`[element for ...]` and its set, dict (`key: element`) and generator forms."""
 
     kind: Literal["list", "set", "dict", "generator"]
     element: Expression

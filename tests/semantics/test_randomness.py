@@ -48,7 +48,7 @@ VALUES = {
         2,
     ),
     "builtins are ordinary values": (
-        "param r = (isinstance([], list), type([]) is list, sorted(['aaa', 'b'], key=len), map(len, ['ab']), filter(None, [0, 1]))\n",
+        "param r = (isinstance([], list), type([]) is list, sorted(['aaa', 'b'], key=len), list(map(len, ['ab'])), filter(None, [0, 1]))\n",
         (True, True, ["b", "aaa"], [2], [1]),
     ),
     "a class below list": (
