@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from .dynamics import actions, choices, declarations, frames, guards, initial, interrupts, invocations, overrides, policy, processes, scenarios
 from .kernel import conditions, draws, premises, queries, simulation
 from .kernel.config import Abrupt, Config, Reduction, Resumption, Stack, State, Unwinding, Value
-from .kernel.errors import GuardViolation, NeedsElements, RunError, ScenicError, UncaughtException
+from .kernel.errors import GuardViolation, NeedsElements, NeedsPosition, RunError, ScenicError, UncaughtException
 from .kernel.host import DoorStuck, HostException
 from .kernel.nesting import too_deep
 from .kernel.outcome import Draw, Fault, Next, Outcome, Requirement, Stuck, dated
@@ -150,6 +150,7 @@ RESUME: Mapping[type, Resumption] = {
     elementwise.Selecting: elementwise.resume_selecting,
     object_definitions.ClassOf: object_definitions.resume_class,
     object_definitions.Construction: object_definitions.construct,
+    operations.Settling: operations.resume_settling,
     object_definitions.Defaulting: object_definitions.resume_defaulting,
     object_definitions.Placing: object_definitions.resume_placing,
     control.Rest: control.resume_rest,
@@ -245,6 +246,8 @@ def step(config: Config) -> Outcome:
     except NeedsElements as needed:
         version.versions.go_to(version)
         outcome = generators.expand(needed, config)
+    except NeedsPosition as problem:
+        outcome = object_definitions.wait_whole(config) or stopped(problem, config)
     except Exception as problem:
         outcome = stopped(problem, config)
     if not version.undo and type(outcome) is Next and outcome.config.state.version is version:
@@ -299,7 +302,7 @@ def carried(result: object, frame: object) -> object:
     match frame:
         case premises.Premises(node=node) if type(node) in premises.CARRIERS:
             return result
-        case functions.Called() | functions.InScope():
+        case functions.Called() | functions.InScope() | operations.Settling():
             return result
         case object_definitions.ClassOf() if not isinstance(result.value, ScenicClass):
             return result

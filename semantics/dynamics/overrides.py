@@ -6,9 +6,11 @@ from ..kernel.config import PASS, Config, Stack, State
 from ..kernel.errors import RunError
 from ..kernel.kinds import is_object, kind_name
 from ..kernel.outcome import Change, Next, Outcome
+from ..kernel.positions import expression_of, specifying, waits
 from ..kernel.premises import premises
 from ..kernel.simulation import Agent, Overridden, Running, Setting, simulation_of, with_agent, with_scenario, with_simulation
 from ..kernel.values import Instance, plain
+from ..python.functions import InScope
 from ..syntax import dynamics as d
 from ..syntax import specifiers as q
 from .processes import Coroutine
@@ -34,6 +36,9 @@ def conclude_override(node: d.Override, values: list[object], stack: Stack, stat
         raise RunError(f"only Objects can be overridden, not {kind_name(target)}", node.span, rule="D-Override")
     if state.simulation is None:
         raise RunError("`override` needs a scenario that runs: the initial one sets the properties themselves", node.span, rule="D-Override")
+    if any(map(waits, assigned)):
+        inner = state._replace(sigma=specifying(target, state.sigma))
+        return premises(node, list(map(expression_of, values)), conclude_override, (InScope(state.sigma), stack), inner)
     changes: dict[str, object] = {}
     for specifier, value in zip(node.specifiers, assigned, strict=True):
         assert isinstance(specifier, q.WithSpecifier)

@@ -57,8 +57,10 @@ class State(NamedTuple):
     share. `prefix` and `draws` address the next draw; `modules` holds what was imported in this run; `late` the
     requirements that wait for the end, each with what held at its statement (reading `require-time=end`); `dynamic`
     those for the policy, with their scopes; `handling` the exceptions being handled, innermost last; `depth` counts open calls, `made` the
-    instances. `initial` is the modular scenario that the run began with, if it is one, and `simulation` what there is while it runs (None:
-    the scene is being generated). `version` is that of the scopes and containers, which are updated in place (`versions`).
+    instances. `initial` is the modular scenario that the run began with, if it is one, and `simulation` what there is
+    while it runs (None: the scene is being generated). `settled` are the random values of what waited for a position,
+    for each object (and time step). `version` is that of the scopes and containers, which are updated in place
+    (`versions`).
     """
 
     sigma: Scope
@@ -80,6 +82,7 @@ class State(NamedTuple):
     made: int = 0
     initial: Dynamic | None = None
     simulation: Simulation | None = None
+    settled: Mapping[tuple[object, int, int | None], object] = {}
 
     @property
     def runs(self) -> bool:

@@ -11,6 +11,7 @@ from difflib import get_close_matches
 from typing import NamedTuple
 
 from ..syntax.dynamics import Do
+from ..syntax.expressions import ObjectDefinition
 from ..syntax.nodes import Expression, Node
 from ..syntax.python_expressions import Call, Constant, Name
 from ..syntax.statements import Assignment, Return
@@ -20,7 +21,8 @@ from .host import HostException, Misapplied
 from .outcome import Next, Outcome
 from .positions import remaining, specified, wait
 from .scopes import MISSING, Scope
-from .values import Origin, Random, plain
+from .values import Bound, Origin, Random, Special, plain
+from .versions import changes_its_owner
 
 Conclusion = Callable[..., Outcome]
 """Gets the node, the values of its premises, the stack and the state: `conclude(node, values, stack, state)`."""
@@ -29,13 +31,17 @@ NOT_AN_AXIOM = object()
 
 
 class Premises(NamedTuple):
-    """The frame of a rule whose premise number `position` is being reduced; `values` are those of the ones before it."""
+    """The frame of a rule whose premise number `position` is being reduced; `values` are those of the ones before it.
+
+    `begun` is the state before it, if it is an argument of a specifier, which may turn out to need a position (`object_definitions.wait_whole`).
+    """
 
     node: Node
     expressions: Sequence[Node | None]
     position: int
     values: tuple[object, ...]
     conclude: Conclusion
+    begun: State | None = None
 
 
 def premises(
@@ -51,7 +57,8 @@ def premises(
         expression = expressions[index]
         result = None if expression is None else read(expression, state)
         if result is NOT_AN_AXIOM:
-            frame = Premises(node, expressions, index, tuple(values), conclude)
+            begun = state if type(node) is ObjectDefinition else None
+            frame = Premises(node, expressions, index, tuple(values), conclude, begun)
             return Next("", Config(expression, (frame, stack), state))  # type: ignore[arg-type]
         values.append(result)
     try:
@@ -69,9 +76,14 @@ def await_position(node: Node, conclude: Conclusion, stack: Stack, state: State,
     rest = remaining(values)
     if rest is not None and specified(state) is not None:
         return premises(node, rest, conclude, stack, state)
-    if rest is None or not isinstance(node, Expression):
+    if rest is None or not isinstance(node, Expression) or (isinstance(node, Call) and must_be_made_now(plain(values[0]))):
         raise
     return Next("", Config(Value(wait(node, values, conclude, state)), stack, state), node)
+
+
+def must_be_made_now(function: object) -> bool:
+    """Whether a call does more than to give a value that follows from its arguments."""
+    return isinstance(function, (Special, Bound)) or changes_its_owner(function)
 
 
 def resume_premises(frame: Premises, result: object, stack: Stack, state: State) -> Outcome:

@@ -263,6 +263,12 @@ def note_attribute(budget: Budget, subject: object, name: str) -> None:
         budget.versions.note(Slot(subject, name, own(subject, name)))
 
 
+def changes_its_owner(function: object) -> bool:
+    """Whether this is a method that changes the container which it belongs to."""
+    owner = getattr(function, "__self__", None) if isinstance(function, (BuiltinFunctionType, MethodType)) else None
+    return isinstance(owner, CHANGEABLE) and getattr(function, "__name__", "") in STORED
+
+
 def note_call(budget: Budget, function: object, arguments: Collection[object]) -> None:
     """A function of Python is about to be called: if it is a method that changes a container, note what that holds."""
     kind = type(function)

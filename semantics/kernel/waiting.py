@@ -27,6 +27,12 @@ class Waiting(Node):
     conclude: Callable[..., Any]
     scope: Scope
 
+    def __eq__(self, other: object) -> bool:
+        return self is other
+
+    def __hash__(self) -> int:
+        return id(self)
+
     def __repr__(self) -> str:
         return "<waits for a position>"
 

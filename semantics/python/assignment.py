@@ -14,16 +14,18 @@ from ..kernel.errors import RunError
 from ..kernel.host import HostException, host, raw
 from ..kernel.kinds import is_object, is_sequence, kind_name
 from ..kernel.outcome import Change, Next, Outcome
+from ..kernel.positions import wait
 from ..kernel.premises import SHARED, axiom, describe_origin, premises
 from ..kernel.properties import checked_property
 from ..kernel.scopes import MISSING
 from ..kernel.values import Function, Instance, Method, Module, Random, ScenicClass, plain, unwrap
-from ..kernel.versions import note_attribute, note_container, note_item
+from ..kernel.versions import CHANGEABLE, note_attribute, note_container, note_item
+from ..kernel.waiting import Waiting, needs_position
 from ..syntax import python_expressions as p
 from ..syntax import statements as s
 from ..syntax.nodes import Node
 from .arithmetic import BINARY
-from .expressions import as_vectors, get_attribute, get_item
+from .expressions import as_vectors, conclude_binary, get_attribute, get_item
 from .iteration import elements
 from .keys import check_key
 
@@ -227,6 +229,8 @@ def set_item(container: object, index: object, assigned: object, node: Node, sta
     """`container[index] = v`; the element keeps its randomness."""
     if type(container) is Random:
         raise random_write(container, node)
+    if type(container) is Waiting:
+        raise needs_position(container)
     if isinstance(index, slice) and isinstance(container, list):
         assigned = elements(assigned, node, state)
     note_item(state.settings.door.budget, container, index)
@@ -255,7 +259,10 @@ def conclude_augmented(node: s.AugmentedAssignment, values: list[object], stack:
     """Compute and bind."""
     *parts, current, operand = values
     operation = IN_PLACE[node.operator]
-    if hasattr(type(plain(current)), f"__{operation.__name__}__"):
+    if any(type(v) is Waiting for v in (current, operand)) and not isinstance(current, CHANGEABLE):
+        written = p.BinaryOperation(operator=node.operator, left=p.Constant(value=None), right=node.value, span=node.span)
+        result = wait(written, (current, operand), conclude_binary, state)
+    elif hasattr(type(plain(current)), f"__{operation.__name__}__"):
         result = change_in_place(node, operation, current, operand, state)
     else:
         result = host(state.settings.door, state, BINARY[node.operator], *as_vectors([current, operand], state))

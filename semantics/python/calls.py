@@ -15,6 +15,7 @@ from ..kernel.host import HostException, host, raw
 from ..kernel.kinds import is_scalar, kind_name
 from ..kernel.nesting import check_written
 from ..kernel.outcome import Next, Outcome, Requirement, Stuck
+from ..kernel.positions import specified
 from ..kernel.premises import premises
 from ..kernel.queries import Clock, Closest, check_running, distance_to_closest
 from ..kernel.scopes import Scope, function_names
@@ -133,6 +134,8 @@ def apply(node: Node, function: object, arguments: tuple[object, ...], keywords:
                 rule="E-ObjectDefinition", hint=f"write {function.name} at ..., or {function.name} alone",
             )
         case Dynamic():
+            if specified(state) is not None:
+                refuse_waiting((*arguments, *keywords.values()))
             return value("E-Call-Dynamic", invocation(function, arguments, keywords), stack, state, node)
         case Clock():
             check_running(node, state)
@@ -158,11 +161,10 @@ def apply(node: Node, function: object, arguments: tuple[object, ...], keywords:
 
 
 def refuse_waiting(arguments: tuple[object, ...]) -> None:
-    """Raises `RunError` where an argument waits for a position."""
+    """Raises `NeedsPosition` where an argument waits for a position."""
     for argument in arguments:
         if type(argument) is Waiting:
-            problem = needs_position(argument)
-            raise RunError(problem.message, problem.span, rule=problem.rule, hint=problem.hint)
+            raise needs_position(argument)
 
 
 def invocation(dynamic: Dynamic, arguments: tuple[object, ...], keywords: Mapping[str, object]) -> Dynamic:

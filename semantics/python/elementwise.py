@@ -10,7 +10,7 @@ from itertools import count
 from types import BuiltinFunctionType
 from typing import Any, Literal, NamedTuple
 
-from ..kernel.budget import whole
+from ..kernel.budget import Metered, whole
 from ..kernel.config import Stack, State, value
 from ..kernel.generators import EXHAUSTED, Generator
 from ..kernel.host import HostException, host, raw
@@ -40,11 +40,14 @@ class Asking(NamedTuple):
 
 
 def next_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
-    """`next(g, default)` of a generator."""
-    generator, *default = arguments
+    """`next(g, default)` of a generator, or of an iterator of the library."""
+    iterator, *default = arguments
     if len(default) > 1 or keywords:
         raise HostException(TypeError("next() takes an iterator and a default"))
-    return pull(generator, (Asking(node, tuple(default)), stack), state)  # type: ignore[arg-type]
+    frame = Asking(node, tuple(default))
+    if type(iterator) is Metered:
+        return resume_asking(frame, taken(iterator, state)[0], stack, state)
+    return pull(iterator, (frame, stack), state)  # type: ignore[arg-type]
 
 
 def resume_asking(frame: Asking, result: object, stack: Stack, state: State) -> Outcome:
@@ -54,6 +57,12 @@ def resume_asking(frame: Asking, result: object, stack: Stack, state: State) -> 
     if result is EXHAUSTED and not frame.default:
         raise HostException(StopIteration())
     return value("E-Next", next(iter(frame.default)) if result is EXHAUSTED else result, stack, state, frame.node)
+
+
+def iter_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
+    """`iter(xs)` of a list, whose elements stay what they are."""
+    items: Any = arguments[0]
+    return returned(node, state.settings.door.budget.metered(items), stack, state)
 
 
 class Quantifying(NamedTuple):
@@ -287,7 +296,16 @@ GENERATOR_RULES: Mapping[object, Rule] = {
 
 
 def generator_rule(function: object, arguments: Arguments) -> Rule | None:
-    """The rule of a call whose first argument is a generator, if there is one for it."""
-    if not arguments or type(arguments[0]) is not Generator or not isinstance(function, (BuiltinFunctionType, Native, Bound)):
+    """The rule of a call whose first argument is a generator, another iterator or a list, if there is one for it."""
+    if not arguments or not isinstance(function, (BuiltinFunctionType, Native, Bound)):
         return None
-    return GENERATOR_RULES.get(function.function if type(function) is Bound else function)
+    called = function.function if type(function) is Bound else function
+    match arguments[0]:
+        case Generator():
+            return GENERATOR_RULES.get(called)
+        case Metered() if called is BUILTIN["next"]:
+            return next_rule
+        case list() | tuple() if called is BUILTIN["iter"].function and len(arguments) == 1:  # type: ignore[attr-defined]
+            return iter_rule
+        case _:
+            return None

@@ -9,6 +9,7 @@ from ..kernel.config import Abrupt, Config, Stack, State, Value, value
 from ..kernel.errors import RunError
 from ..kernel.host import Misapplied
 from ..kernel.outcome import Next, Outcome
+from ..kernel.positions import SPECIFIED, specified
 from ..kernel.premises import premises
 from ..kernel.scopes import Scope, function_names
 from ..kernel.values import Function
@@ -92,6 +93,9 @@ def enter(
     if state.depth >= LARGEST_DEPTH:
         raise RunError(f"{function.name} calls itself too deeply ({LARGEST_DEPTH} calls are open)", function.span, rule="E-Call")
     bindings = bind(function.name, function.parameters, function.defaults, arguments, keywords)
+    instance = specified(state)
+    if instance is not None:
+        bindings[SPECIFIED] = instance
     scope = Scope("function", function.scope, function.names, bindings)
     frame = Called(state.sigma, node if node is not None else p.Constant(value=None, span=function.span))
     inner = state._replace(sigma=scope, depth=state.depth + 1)

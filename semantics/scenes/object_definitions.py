@@ -13,18 +13,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..kernel.config import Abrupt, Config, Stack, State, Value, reduce, value
 from ..kernel.errors import RunError
 from ..kernel.kinds import OrientedPointAt, Reader, is_object, kind_name
 from ..kernel.outcome import Change, Draw, Next, Outcome, Requirement, Stuck
-from ..kernel.positions import expression_of, specifying, waits
-from ..kernel.premises import NOT_AN_AXIOM, axiom, premises
+from ..kernel.positions import expression_of, specified, specifying, wait, waits
+from ..kernel.premises import NOT_AN_AXIOM, Premises, axiom, premises
 from ..kernel.properties import checked_property
 from ..kernel.scopes import Scope
 from ..kernel.simulation import check_setup
 from ..kernel.values import Instance, Origin, Random, ScenicClass
+from ..kernel.waiting import Waiting
 from ..python.functions import LARGEST_DEPTH
 from ..space.distributions import BadParameters, PointIn
 from ..space.fields import OutsideField
@@ -191,7 +192,9 @@ def evaluate(stack: Stack, state: State) -> Outcome:
 
 
 def conclude_late(node: Node, values: list[object], stack: Stack, state: State) -> Outcome:
-    """The arguments that waited for the position are reduced."""
+    """The arguments that waited for the position are reduced; what they evaluate to may hold something that waits as well."""
+    if any(map(waits, values)):
+        return premises(node, list(map(expression_of, values)), conclude_late, stack, state)
     frame: Construction = stack[0]
     around = outside(frame, state)
     if frame.specification.is_default:
@@ -202,7 +205,10 @@ def conclude_late(node: Node, values: list[object], stack: Stack, state: State) 
 
 
 class Defaulting(NamedTuple):
-    """Frame above `Construction`: a default value expression is being reduced, with `self` bound to the object so far."""
+    """Frame above `Construction`: a default value expression is being reduced, with `self` bound to the object so far; `begun` is the state then."""
+
+    expression: Node
+    begun: State
 
 
 def evaluate_default(frame: Construction, stack: Stack, state: State) -> Outcome:
@@ -216,7 +222,8 @@ def evaluate_default(frame: Construction, stack: Stack, state: State) -> Outcome
         text = f"the class {owner.name} creates objects of its own kind in its default of {name}, without end"
         raise RunError(text, node.span, rule="E-ObjectDefinition")
     scope = Scope("specifier", owner.scope, bindings={"self": frame.instance})
-    return reduce(node, Defaulting(), stack, state._replace(sigma=scope, depth=state.depth + 1))
+    inner = state._replace(sigma=scope, depth=state.depth + 1)
+    return reduce(node, Defaulting(node, inner), stack, inner)
 
 
 def resume_defaulting(frame: Defaulting, result: object, stack: Stack, state: State) -> Outcome:
@@ -230,6 +237,34 @@ def resume_defaulting(frame: Defaulting, result: object, stack: Stack, state: St
         frame_ = construction._replace(order=order)
         return Next("", Config(Value(None), (frame_, rest), outside(construction, state)), construction.node, Change("", "order", order))
     return assign("P-Default", sp.default_value(construction.specification.specifies[0], result), stack, outside(construction, state))
+
+
+def wait_whole(config: Config) -> Outcome | None:
+    """Something needs the value of what waits for a position, and cannot wait with it: a condition, a function of the program. Else None.
+
+    Where a position is meant, what waits is reduced. Within the argument of a specifier or a default value, that as a whole waits for the position of
+    the object, and the state is that before it (paper, Section "Expressions": a field is "interpreted ... at the position of the object being
+    specified").
+    """
+    control, stack, state = config
+    if isinstance(control, Value) and type(control.value) is Waiting and specified(state) is not None:
+        return Next("", Config(control.value, stack, state))
+    while stack:
+        frame, below = stack
+        begun = frame.begun if isinstance(frame, (Premises, Defaulting)) else None
+        if begun is not None:
+            begun.version.versions.go_to(begun.version)
+            expression: Any = frame.expressions[frame.position] if isinstance(frame, Premises) else frame.expression
+            return Next("", Config(Value(wait(expression, (), itself, begun)), stack, begun))
+        if isinstance(frame, Construction):
+            return None
+        stack = below
+    return None
+
+
+def itself(node: Node, values: list[object], stack: Stack, state: State) -> Outcome:
+    """An expression that was not begun."""
+    return Next("", Config(node, stack, state))  # type: ignore[arg-type]
 
 
 def specify(form: sp.Form | None, arguments: tuple[object, ...], stack: Stack, state: State) -> Outcome:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 from ..kernel.classes import ORIENTED_POINT_CLASS, built_in_defaults
 from ..kernel.config import Config, Stack, State, Value, value
@@ -122,12 +123,33 @@ def operator_name(node: Node) -> str:
     return f"`{names.get(type(node), type(node).__name__)}`"
 
 
+class Settling(NamedTuple):
+    """Frame: what waited is being reduced for an object (at a time step); `draws` were made before."""
+
+    key: tuple[Waiting, int, int | None]
+    draws: int
+
+
 def waited(node: Waiting, stack: Stack, state: State) -> Outcome:
     """What waited for a position is reduced, with the variables of the place where it stands, and the object whose position is meant here."""
     instance = specified(state)
     assert instance is not None
+    key = (node, instance.number, None if state.simulation is None else state.simulation.step)
+    if key in state.settled:
+        return Next("", Config(Value(state.settled[key]), stack, state))
     inner = state._replace(sigma=specifying(instance, node.scope))
-    return premises(node.node, list(map(expression_of, node.values)), node.conclude, (InScope(state.sigma), stack), inner)
+    below = (Settling(key, state.draws), (InScope(state.sigma), stack))
+    return premises(node.node, list(map(expression_of, node.values)), node.conclude, below, inner)
+
+
+def resume_settling(frame: Settling, result: object, stack: Stack, state: State) -> Outcome:
+    """What was drawn for the object is what it is wherever the object mentions it again: an expression is evaluated once (paper, Section
+    "Expressions").
+    """
+    if state.draws != frame.draws:
+        now = frame.key[2]
+        state = state._replace(settled={**{key: v for key, v in state.settled.items() if key[2] == now}, frame.key: result})
+    return Next("", Config(Value(result), stack, state))
 
 
 def new_oriented_point(at: OrientedPointAt, reader: Reader, state: State) -> tuple[Instance, State]:
