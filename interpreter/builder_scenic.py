@@ -26,6 +26,7 @@ from ..semantics.syntax.expressions import (
     Seconds,
     Side,
     SideOf,
+    VectorOf,
     Visible,
 )
 from ..semantics.syntax.python_expressions import Conditional
@@ -84,8 +85,12 @@ class ScenicBuilder(BuilderBase):
 
     # -- Postfix and prefix operators
 
-    def make_degrees(self, span: Span, parts: Parts) -> Degrees:
-        return Degrees(span=span, value=parts[0])
+    def make_degrees(self, span: Span, parts: Parts) -> Expression:
+        """`S deg`; in the releases `X @ Y deg` is `(X @ Y) deg`, hence `(X deg) @ (Y deg)`."""
+        value = parts[0]
+        if self.dialect.released and isinstance(value, VectorOf):
+            return VectorOf(span=span, x=Degrees(span=value.x.span, value=value.x), y=Degrees(span=value.y.span, value=value.y))
+        return Degrees(span=span, value=value)
 
     def make_seconds(self, span: Span, parts: Parts) -> Seconds:
         return Seconds(span=span, value=parts[0])
