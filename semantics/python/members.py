@@ -117,6 +117,19 @@ OF_ORIENTED_POINTS: Mapping[str, Rewrite] = {
 OF_OBJECTS: Mapping[str, Rewrite] = {
     **OF_ORIENTED_POINTS, "containsPoint": lambda o, v: within(v, box(o)), "intersects": boxes_meet,
 }  # fmt: skip
+
+
+def to_box(o: Expression, v: Expression) -> Expression:
+    """The distance between the bounding box of an object and a position."""
+    return e.Distance(origin=v, target=box(o))
+
+
+def to_position_or_box(v: Expression, to: Expression) -> Expression:
+    """The distance between a position and the bounding box of an object, or another position."""
+    inner = plain(to.value) if isinstance(to, p.Constant) else None
+    return to_box(to, v) if isinstance(inner, Instance) and is_object(inner) else e.Distance(origin=v, target=to)
+
+
 OF_VECTORS: Mapping[str, Rewrite] = {
     "distanceTo": lambda v, w: e.Distance(origin=v, target=w),
     "angleTo": lambda v, w: e.Angle(origin=v, target=w),
@@ -229,6 +242,8 @@ def member(subject: object, name: str, state: State) -> tuple[Rewrite, bool] | N
             return None
     if name in attributes:
         return attributes[name], False
+    if name == "distanceTo" and isinstance(inner, (Instance, Vector)) and state.reading("distance-method") == "box":
+        return (to_box if methods is OF_OBJECTS else to_position_or_box), True
     return (methods[name], True) if name in methods else None
 
 
