@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import pickle
 
+from ..interpreter.nesting import room
 from ..semantics.kernel.config import State
 from ..semantics.kernel.errors import UsageError
 
 
+@room()
 def save(state: State) -> bytes:
     """The state of a run, with what its coroutines still have to do, for the same version on the same machine.
 
@@ -23,6 +25,7 @@ def save(state: State) -> bytes:
         raise UsageError(f"this run cannot be saved: {problem}") from None
 
 
+@room()
 def resume(saved: bytes) -> State:
     """The state that was saved; `saved` can be used again. Only for what `save` gave: pickled data can run any code."""
     state = pickle.loads(saved)

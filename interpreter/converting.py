@@ -21,12 +21,14 @@ from ..semantics.syntax import python_expressions as p
 from ..semantics.syntax import statements as s
 from .dialects import DEFAULT, DIALECTS, MARK, Dialect
 from .modules import with_old_imports
+from .nesting import room
 from .parser import parse
 from .printer import StatementPrinter
 
 Change = Callable[[Node], Any]
 
 
+@room()
 def convert(program: Program, dialect: str, library: Mapping[str, object]) -> str:
     """The text of a program in a dialect; `library` holds the modules that it imports, for the names of their classes. Raises `ParseError`."""
     source, target = DIALECTS[program.dialect], DIALECTS[dialect]

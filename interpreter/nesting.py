@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import fields
 from functools import cache
 
@@ -10,8 +12,21 @@ from ..semantics.kernel.errors import ParseError
 from ..semantics.syntax import Node
 from ..semantics.syntax.expressions import ObjectOrOperator
 
-LIMIT = 150
+LIMIT = 400
+ROOM = 20 * LIMIT
+"""Calls on Python's stack that a recursive walk over a tree of this depth may take."""
 READINGS_LIMIT = 12  # A tree with n nested ObjectOrOperator has 2 ** n paths.
+
+
+@contextmanager
+def room() -> Iterator[None]:
+    """Python lets a walk over a tree recurse to its depth: printing, comparing, pickling."""
+    before = sys.getrecursionlimit()
+    sys.setrecursionlimit(max(before, ROOM))
+    try:
+        yield
+    finally:
+        sys.setrecursionlimit(before)
 
 
 @cache

@@ -11,11 +11,13 @@ from ..semantics.syntax import dynamics as d
 from ..semantics.syntax import statements as s
 from ..semantics.syntax.python_expressions import BooleanOperation, Comparison, Parameter, Starred
 from .dialects import DEFAULT, DIALECTS
+from .nesting import room
 from .printer_expressions import ExpressionPrinter
 
 INDENT = "    "
 
 
+@room()
 def to_source(what: Program | Node | Block, dialect: str = DEFAULT) -> str:
     """The text of a program (in its own dialect, which its first line names), a block, a statement or an expression.
 
