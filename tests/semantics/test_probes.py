@@ -131,6 +131,8 @@ EXPECTED: Mapping[str, Mapping[str, Expectation]] = {
     "scene-objects": {"objects": Gives(1, lambda s: len(s.objects))},
     "nested-objects": {"kept": Gives([Vector(5, 0), Vector(0, 0)], positions)},
     "velocity": {"derived": Gives([Vector(-2, 0)])},
+    "superclasses": {"python": Gives([3, 4])},
+    "wide-views": {"sector": Gives([False, True])},
     "sees-box": {"box": Gives([True, False])},
     "oncoming-range": {"conditioned": Chance(5 / 10.5, lambda s: s.ego["y"] < 25, rivals=(1 / 4,), attempts=20 / 10.5)},  # type: ignore[operator]
     "distance-words": {"either": Gives([3 * math.sqrt(2), 3 * math.sqrt(2), 5, math.pi / 2])},
