@@ -111,10 +111,24 @@ def from_list(draft: Draft, low: float, high: float, depth: int) -> Expression:
     xs = name(chosen.name)
     whole = call(draft.choices.pick(["sum", "max", "min", "len"]), xs)
     place = number(draft.choices.integer(-chosen.size, chosen.size - 1))
+    if draft.choices.chance(0.3):
+        return clamped(gone_through(draft, xs), low, high)
     if draft.choices.chance(0.5):
         return clamped(whole, low, high)
     element = p.Subscript(value=xs, index=place)
     return element if low <= chosen.low and chosen.high <= high else clamped(element, low, high)
+
+
+def gone_through(draft: Draft, xs: Expression) -> Expression:
+    """What a generator over a list gives: its first element, or all of them together."""
+    one, other = draft.fresh("y"), draft.fresh("y")
+    if draft.choices.chance(0.5):
+        target, source, element = name(one), draft.choices.pick([xs, call("reversed", xs)]), operation(name(one), "+", literal(draft, 0, 2))
+    else:
+        target, source = p.TupleDisplay(items=(name(one), name(other))), call("zip", xs, call("reversed", xs))
+        element = operation(name(one), "-", name(other))
+    generator = p.Comprehension(kind="generator", element=element, clauses=(p.ComprehensionClause(target=target, iterable=source),))
+    return call(draft.choices.pick(["next", "sum", "max"]), generator)
 
 
 def from_random_list(draft: Draft, low: float, high: float) -> Expression | None:
