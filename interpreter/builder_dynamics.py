@@ -34,6 +34,7 @@ from ..semantics.syntax.expressions import Seconds
 from ..semantics.syntax.python_expressions import BinaryOperation, Constant, DictDisplay, UnaryOperation
 from ..semantics.syntax.statements import ExpressionStatement
 from .dialects import having
+from .formulas import refuse_formulas
 from .tree_builder import BuilderBase, Parts, condition
 
 
@@ -143,10 +144,16 @@ class DynamicsBuilder(BuilderBase):
     # -- Requirements over time
 
     def make_require_always(self, span: Span, parts: Parts) -> RequireAlways:
-        return RequireAlways(span=span, condition=condition(parts[0]), name=parts[1] or "")
+        return RequireAlways(span=span, condition=self.without_formulas(parts[0]), name=parts[1] or "")
 
     def make_require_eventually(self, span: Span, parts: Parts) -> RequireEventually:
-        return RequireEventually(span=span, condition=condition(parts[0]), name=parts[1] or "")
+        return RequireEventually(span=span, condition=self.without_formulas(parts[0]), name=parts[1] or "")
+
+    def without_formulas(self, node: Expression) -> Expression:
+        """The condition `node`. Raises `ParseError` where it has operators over time."""
+        part = condition(node)
+        refuse_formulas(part, self.dialect)
+        return part
 
     def make_require_monitor(self, span: Span, parts: Parts) -> RequireMonitor:
         word, monitor, name = parts

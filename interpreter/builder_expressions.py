@@ -20,7 +20,6 @@ from ..semantics.syntax.python_expressions import (
     Comparison,
     Comprehension,
     ComprehensionClause,
-    Conditional,
     Constant,
     DictDisplay,
     Keyword,
@@ -198,9 +197,6 @@ class ExpressionBuilder(BuilderBase):
 
     def comparison_operator(self, token: Token) -> str:
         return "in" if token.type == "IS_IN" else " ".join(token.split())
-
-    def make_conditional(self, span: Span, parts: Parts) -> Conditional:
-        return Conditional(span=span, then=parts[0], test=condition(parts[1]), otherwise=parts[2])
 
     def make_lambda(self, span: Span, parts: Parts) -> Lambda:
         return Lambda(span=span, parameters=tuple(parts[0] or ()), body=parts[1])

@@ -4,10 +4,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import get_args
 
 from ..semantics.kernel.errors import ParseError
-from ..semantics.syntax import Expression, Span
+from ..semantics.syntax import Expression, Span, Specifier
 from ..semantics.syntax.expressions import (
     Angle,
     ApparentHeading,
@@ -26,9 +28,10 @@ from ..semantics.syntax.expressions import (
     Seconds,
     Side,
     SideOf,
+    VectorOf,
     Visible,
 )
-from ..semantics.syntax.python_expressions import Conditional
+from ..semantics.syntax.python_expressions import Conditional, UnaryOperation
 from ..semantics.syntax.specifiers import (
     ApparentlyFacingSpecifier,
     AtSpecifier,
@@ -48,9 +51,15 @@ from ..semantics.syntax.specifiers import (
 )
 from .chains import Link, as_vector, associate, is_dotted_name, join
 from .dialects import having
-from .tree_builder import BuilderBase, Parts, is_number
+from .tree_builder import BuilderBase, Parts, condition, is_number
 
 CHAIN_LIMIT = 50
+BEGIN = "begin with a class, as in `Car at X, facing H`"
+SPECIFIER_ARGUMENTS: Mapping[type[Specifier], str] = {
+    AtSpecifier: "vector", OffsetBySpecifier: "offset", OffsetAlongSpecifier: "offset", InSpecifier: "region",
+    VisibleSpecifier: "viewer", NotVisibleSpecifier: "viewer",
+}
+"""The last argument of the specifiers that are operators as well."""
 SIDES: dict[str, Side] = {side: side for side in get_args(Side)}
 
 
@@ -84,8 +93,14 @@ class ScenicBuilder(BuilderBase):
 
     # -- Postfix and prefix operators
 
-    def make_degrees(self, span: Span, parts: Parts) -> Degrees:
-        return Degrees(span=span, value=parts[0])
+    def make_degrees(self, span: Span, parts: Parts) -> Expression:
+        """`S deg`; in the releases `X @ Y deg` is `(X @ Y) deg`, hence `(X deg) @ (Y deg)`, and `-S deg` is `(-S) deg`, hence `-(S deg)`."""
+        value = parts[0]
+        if self.dialect.released and isinstance(value, UnaryOperation) and value.operator == "-":
+            return UnaryOperation(span=span, operator="-", operand=Degrees(span=span, value=value.operand))
+        if self.dialect.released and isinstance(value, VectorOf):
+            return VectorOf(span=span, x=Degrees(span=value.x.span, value=value.x), y=Degrees(span=value.y.span, value=value.y))
+        return Degrees(span=span, value=value)
 
     def make_seconds(self, span: Span, parts: Parts) -> Seconds:
         return Seconds(span=span, value=parts[0])
@@ -153,6 +168,23 @@ class ScenicBuilder(BuilderBase):
 
     # -- Object definitions
 
+    def make_conditional(self, span: Span, parts: Parts) -> Expression:
+        """`E if B else E`; in `scenic-2.1` what stands behind `C at`, without brackets, is one argument of the specifier if C is a class."""
+        then, test, otherwise = parts[0], condition(parts[1]), parts[2]
+        whole = Conditional(span=span, then=then, test=test, otherwise=otherwise)
+        bracketed = (then.span.line, then.span.column) != (span.line, span.column)
+        if not self.dialect.released or self.dialect.explicit_new or bracketed or not isinstance(then, ObjectOrOperator):
+            return whole
+        followed = self.stray.pop(otherwise.span, None) is not None
+        last, more = (otherwise.class_, otherwise.specifiers) if followed else (otherwise, ())
+        first = then.as_object.specifiers[0]
+        name = SPECIFIER_ARGUMENTS[type(first)]
+        value = Conditional(span=join(first.span, last.span), then=getattr(first, name), test=test, otherwise=last)
+        made = ObjectDefinition(span=span, class_=then.head, specifiers=(replace(first, **{name: value}), *more))
+        if followed:
+            return made
+        return ObjectOrOperator(span=span, head=then.head, as_object=made, as_operator=replace(whole, then=then.as_operator))
+
     def make_object_definition(self, span: Span, parts: Parts) -> ObjectDefinition:
         class_, *specifiers = parts
         self.require_class(class_)
@@ -161,28 +193,18 @@ class ScenicBuilder(BuilderBase):
     def make_object_after_operator(self, span: Span, parts: Parts) -> ObjectDefinition:
         first, *specifiers = parts
         if not isinstance(first, ObjectOrOperator):
-            if is_number(first):
-                raise ParseError("a vector needs parentheses", first.span, hint="write `(x, y)`")
-            if isinstance(specifiers[0], VisibleSpecifier) and specifiers[0].viewer is None:
-                hint = "write `(visible)` if a variable of that name is meant"
-                raise ParseError("`visible` is a specifier here, but no object stands before it", specifiers[0].span, hint=hint)
-            self.require_class(first, followed=True)
-            raise ParseError("a comma stands before the first specifier", first.span, hint="remove the comma after the class")
+            self.stray[span] = stray(first, specifiers[0])
+            return ObjectDefinition(span=span, class_=first, specifiers=tuple(specifiers))
         definition = first.as_object
         return self.defined(ObjectDefinition(span=span, class_=definition.class_, specifiers=definition.specifiers + tuple(specifiers)))
 
     def make_new_object(self, span: Span, parts: Parts) -> ObjectDefinition:
-        word, defined = parts
+        word, class_, *specifiers = parts
         if not self.dialect.explicit_new:
             message = f"`new` belongs to dialect {having('explicit_new')}"
             raise ParseError(message, self.token_span(word), hint="leave out `new`, or choose that dialect")
-        if isinstance(defined, ObjectOrOperator):
-            defined = defined.as_object
-        if isinstance(defined, ObjectDefinition):
-            self.without_new.pop(defined.span, None)
-            return ObjectDefinition(span=span, class_=defined.class_, specifiers=defined.specifiers)
-        self.require_class(defined)
-        return ObjectDefinition(span=span, class_=defined)
+        self.require_class(class_)
+        return ObjectDefinition(span=span, class_=class_, specifiers=tuple(specifiers))
 
     def defined(self, definition: ObjectDefinition) -> ObjectDefinition:
         """`definition`, noted as one that still lacks its `new` where the dialect wants one."""
@@ -190,11 +212,10 @@ class ScenicBuilder(BuilderBase):
             self.without_new[definition.span] = definition
         return definition
 
-    def require_class(self, node: Expression, *, followed: bool = False) -> None:
+    def require_class(self, node: Expression) -> None:
         """Raises ParseError unless `node` can name a class."""
         if not is_dotted_name(node):
-            message = "specifiers must follow the name of a class" if not followed else "a specifier follows an expression"
-            raise ParseError(message, node.span, hint="begin with a class, as in `Car at X, facing H`")
+            raise ParseError("specifiers must follow the name of a class", node.span, hint=BEGIN)
 
     # -- Specifiers
 
@@ -255,11 +276,6 @@ class ScenicBuilder(BuilderBase):
         field, origin, distance = parts
         return FollowingSpecifier(span=span, field=field, origin=vector_or_none(origin), distance=distance)
 
-    def make_facing_conditional(self, span: Span, parts: Parts) -> FacingSpecifier:
-        then, test, otherwise = parts
-        whole = Conditional(span=join(then.span, otherwise.span), test=test, then=then, otherwise=otherwise)
-        return FacingSpecifier(span=span, direction=whole)
-
     def make_facing(self, span: Span, parts: Parts) -> FacingSpecifier:
         return FacingSpecifier(span=span, direction=parts[0])
 
@@ -271,6 +287,18 @@ class ScenicBuilder(BuilderBase):
 
     def make_apparently_facing(self, span: Span, parts: Parts) -> ApparentlyFacingSpecifier:
         return ApparentlyFacingSpecifier(span=span, heading=parts[0], origin=vector_or_none(parts[1]))
+
+
+def stray(first: Expression, specifier: Specifier) -> ParseError:
+    """The error for a specifier behind a comma that follows no object."""
+    if is_number(first):
+        return ParseError("a vector needs parentheses", first.span, hint="write `(x, y)`")
+    if isinstance(specifier, VisibleSpecifier) and specifier.viewer is None:
+        hint = "write `(visible)` if a variable of that name is meant"
+        return ParseError("`visible` is a specifier here, but no object stands before it", specifier.span, hint=hint)
+    if not is_dotted_name(first):
+        return ParseError("a specifier follows an expression", first.span, hint=BEGIN)
+    return ParseError("a comma stands before the first specifier", first.span, hint="remove the comma after the class")
 
 
 def vector_or_none(node: Expression | None) -> Expression | None:

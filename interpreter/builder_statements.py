@@ -8,6 +8,7 @@ from lark import Token
 
 from ..semantics.kernel.errors import ParseError
 from ..semantics.syntax import Block, Expression, Span
+from ..semantics.syntax.dynamics import RequireAlways, RequireEventually
 from ..semantics.syntax.python_expressions import Attribute, Name, Subscript
 from ..semantics.syntax.statements import (
     Assert,
@@ -45,6 +46,7 @@ from ..semantics.syntax.statements import (
 from . import literals
 from .builder_expressions import BareGenerator
 from .chains import join
+from .formulas import over_time, refuse_formulas
 from .targets import deleted, single_target, target
 from .tree_builder import BuilderBase, Parts, condition, names_of
 
@@ -241,10 +243,14 @@ class StatementBuilder(BuilderBase):
         except literals.LiteralFault as fault:
             raise ParseError(fault.message, self.token_span(token)) from None
 
-    def make_require(self, span: Span, parts: Parts) -> Require:
-        return Require(span=span, condition=condition(parts[0]), name=parts[1] or "")
+    def make_require(self, span: Span, parts: Parts) -> Require | RequireAlways | RequireEventually:
+        """`require B`; `require always (B)` may look like a call of a function."""
+        word, part = over_time(condition(parts[0]), self.dialect)
+        kinds = {"": Require, "always": RequireAlways, "eventually": RequireEventually}
+        return kinds[word](span=span, condition=part, name=parts[1] or "")
 
     def make_soft_require(self, span: Span, parts: Parts) -> SoftRequire:
+        refuse_formulas(condition(parts[1]), self.dialect)
         return SoftRequire(span=span, probability=parts[0], condition=condition(parts[1]), name=parts[2] or "")
 
     def make_requirement_name(self, span: Span, parts: Parts) -> str:

@@ -126,11 +126,15 @@ def imported_names(program: Program, package: str) -> Iterator[Asked]:
 
 
 def absent(name: str, worlds: Mapping[str, World]) -> ModuleNotFoundError:
-    """The error that there is no such module, with the nearest name that there is."""
-    error = ModuleNotFoundError(f"there is no module {name}")
-    near = get_close_matches(name, [*worlds, *HARMLESS], n=1)
+    """The error that there is no such module, with the nearest name that there is; those of the released implementations are named as theirs."""
+    theirs = name.startswith("scenic.")
+    outside = f"the module {name} of the released implementations is outside this reference"
+    error = ModuleNotFoundError(outside if theirs else f"there is no module {name}")
+    near = get_close_matches(name, [*worlds, *HARMLESS], n=1, cutoff=0.9 if theirs else 0.6)
     if near:
         error.add_note(f"did you mean {near[0]}?")
+    elif theirs:
+        error.add_note(f"of theirs there are: {', '.join(key for key in worlds if key.startswith('scenic.'))}")
     return error
 
 

@@ -36,7 +36,7 @@ def parse(text: str, file: str = "<string>", dialect: str | None = None) -> Prog
     chosen = dialects.choose(text, dialect)
     origin = TextOrigin(file)
     source = normal(text, origin)
-    tree = parse_tree(source, "program", origin)
+    tree = parse_tree(source, "program", origin, chosen)
     statements = TreeBuilder(origin, chosen).build(tree)
     check_nesting(statements)
     return Program(statements=statements, file=file, text=text, dialect=chosen.name)
@@ -52,10 +52,10 @@ def normal(text: str, origin: TextOrigin) -> str:
     return source if source.endswith("\n") else source + "\n"
 
 
-def parse_tree(source: str, start: Start, origin: TextOrigin) -> Tree[Token]:
+def parse_tree(source: str, start: Start, origin: TextOrigin, dialect: Dialect) -> Tree[Token]:
     """Lark's tree of `source`. Raises ParseError, with its place in the file."""
     try:
-        return tables().parse(source, start=start)
+        return tables(dialect.released).parse(source, start=start)
     except UnexpectedInput as fault:
         raise syntax_errors.explain(fault, source, origin) from None
     except ParseError as fault:  # from the post-lexer
@@ -63,8 +63,8 @@ def parse_tree(source: str, start: Start, origin: TextOrigin) -> Tree[Token]:
 
 
 @cache
-def tables() -> Lark:
-    """The parser's tables, built once per process or loaded from the user's cache directory."""
+def tables(loose_degrees: bool) -> Lark:
+    """The parser's tables, built once per process or loaded from the user's cache directory, with the layout of the releases or without."""
     grammar = files("scenic_ref.interpreter").joinpath("grammar.lark").read_text("utf-8")
     return Lark(
         grammar,
@@ -73,7 +73,7 @@ def tables() -> Lark:
         start=["program", "interpolation"],
         propagate_positions=True,
         maybe_placeholders=True,
-        postlex=Layout(),
+        postlex=Layout(loose_degrees),
         cache=cache_file() or False,
     )
 
@@ -136,7 +136,7 @@ class TreeBuilder(ExpressionBuilder, ScenicBuilder, StatementBuilder, DynamicsBu
         origin = TextOrigin(self.origin.file, start.line - 1, start.column - 2)  # the added "(" has column 1
         source = f"({piece.expression})"
         builder = TreeBuilder(origin, self.dialect, self.interpolated + 1)
-        value = builder.build(parse_tree(source, "interpolation", origin))
+        value = builder.build(parse_tree(source, "interpolation", origin, self.dialect))
         layout = None
         if piece.format is not None:
             layout = FString(span=self.token_span(token), parts=tuple(self.formatted(piece.format, token)))

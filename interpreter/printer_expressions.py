@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 from ..semantics.syntax import Expression, Specifier
 from ..semantics.syntax import expressions as e
@@ -303,6 +304,9 @@ class ExpressionPrinter(StringPrinter):
     def print_ObjectOrOperator(self, node: e.ObjectOrOperator) -> str:
         """The flat chain that gives both readings: the operators along the left spine of the operator reading."""
         operator = node.as_operator
+        if isinstance(operator, p.Conditional):
+            first = replace(node, as_operator=operator.then)
+            return f"{self.print_ObjectOrOperator(first)} if {self.operand(operator.test)} else {self.operand(operator.otherwise)}"
         if isinstance(operator, p.Comparison):
             return f"{self.operand(node.head)} in {self.operand(operator.operands[0])}"
         links: list[str] = []

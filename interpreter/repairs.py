@@ -6,6 +6,8 @@ import difflib
 import re
 from dataclasses import dataclass
 
+from .formulas import HINT, MESSAGE
+
 SPECIFIERS = (
     "with",
     "at",
@@ -79,8 +81,7 @@ TABLE: tuple[tuple[str, str, str], ...] = (
     (r"^\s*record\b.*\bto\b.*", "values are recorded in the file of the simulation, not `to` another one", "leave out `to ...`"),
     (
         r"^\s*require\b.*\b(?:until|implies|next|always|eventually)\b.*",
-        "over time there are `require always B` and `require eventually B` for a condition B, and no other formulas (`next`, `until`, `implies`)",
-        "write `not B or C` for `B implies C`, and a monitor for what else is required",
+        MESSAGE, HINT,
     ),
     (r"\belse\s+if\b", "`else if` is spelt `elif`", "write `elif`"),
     (r"^\s*(?:elsif|elseif)\b.*", "`elsif` is spelt `elif`", "write `elif`"),

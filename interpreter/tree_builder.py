@@ -48,6 +48,7 @@ class BuilderBase:
     def __init__(self, origin: TextOrigin, dialect: Dialect) -> None:
         self.origin = origin
         self.dialect = dialect
+        self.stray: dict[Span, ParseError] = {}
         self.without_new: dict[Span, ObjectDefinition] = {}
         self.properties: dict[Span, PropertyDefault] = {}
 
@@ -69,6 +70,8 @@ class BuilderBase:
             parts = values[len(values) - size :]
             del values[len(values) - size :]
             values.append(getattr(self, "make_" + item.data)(self.span_of(item), parts))
+        for error in self.stray.values():
+            raise error
         for place in self.properties:
             raise ParseError("`name: default` lines belong in classes", place, hint="give the variable a value, as in `x: int = 3`")
         for place in self.without_new:

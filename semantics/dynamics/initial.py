@@ -28,13 +28,13 @@ def main_scenario(state: State) -> Dynamic | None:
     if wanted is not None and wanted not in scenarios:
         known = ", ".join(sorted(scenarios)) or "none"
         raise UsageError(f"the program defines no scenario {wanted}", hint=f"the scenarios of the program: {known}")
-    if wanted is None and MAIN not in scenarios and state.reading("only-scenario") == "begins" and state.ego is None:
-        return only_scenario(scenarios)
+    if wanted is None and MAIN not in scenarios and state.reading("only-scenario") == "begins":
+        return only_scenario({name: v for name, v in scenarios.items() if v.scope is state.sigma})
     return scenarios.get(wanted or MAIN)
 
 
 def only_scenario(scenarios: dict[str, Dynamic]) -> Dynamic | None:
-    """The scenario, if there is but one, and if it needs no arguments. Raises `UsageError` if there are several."""
+    """The one of the scenarios that the program itself defines, if it needs no arguments. Raises `UsageError` if there are several."""
     if len(scenarios) > 1:
         raise UsageError(f"there are several scenarios to begin with: {', '.join(scenarios)}", hint="choose one by --scenario, or call it Main")
     found = next(iter(scenarios.values()), None)

@@ -220,6 +220,8 @@ def get_attribute(subject: object, node: p.Attribute, state: State) -> object:
             return result
         case ScenicClass():
             found = subject.method(name)
+            if found is None and name == "__name__":
+                return subject.name
             if found is None:
                 raise HostException(AttributeError(f"class {subject.name} has no attribute {name}; a property needs an instance"))
             return member_of(found, None, subject, state)

@@ -197,8 +197,8 @@ def load(key: str, name: str, node: Node, stack: Stack, state: State) -> Outcome
 
 
 def absent(name: str, found: object) -> HostException:
-    """The exception of a module that does not exist, with what the library noted of it."""
-    error = ModuleNotFoundError(f"there is no module {name}")
+    """The exception of a module that does not exist, with what the library says of it."""
+    error = ModuleNotFoundError(str(found) if isinstance(found, ModuleNotFoundError) else f"there is no module {name}")
     for note in getattr(found, "__notes__", ()):
         error.add_note(note)
     return HostException(error)

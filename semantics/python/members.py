@@ -70,6 +70,11 @@ def turned(v: Expression, h: Expression) -> Expression:
     return e.OffsetAlong(base=ZERO, direction=h, offset=v)
 
 
+def product(v: Expression, w: Expression, axis: str) -> Expression:
+    """The product of a coordinate of two vectors."""
+    return p.BinaryOperation(operator="*", left=p.Attribute(value=v, name=axis), right=p.Attribute(value=w, name=axis))
+
+
 def corners(o: Expression) -> Expression:
     """The four corners of an object, from the front right one on, anticlockwise."""
     sides: tuple[e.Side, ...] = ("front right", "front left", "back left", "back right")
@@ -117,11 +122,25 @@ OF_ORIENTED_POINTS: Mapping[str, Rewrite] = {
 OF_OBJECTS: Mapping[str, Rewrite] = {
     **OF_ORIENTED_POINTS, "containsPoint": lambda o, v: within(v, box(o)), "intersects": boxes_meet,
 }  # fmt: skip
+
+
+def to_box(o: Expression, v: Expression) -> Expression:
+    """The distance between the bounding box of an object and a position."""
+    return e.Distance(origin=v, target=box(o))
+
+
+def to_position_or_box(v: Expression, to: Expression) -> Expression:
+    """The distance between a position and the bounding box of an object, or another position."""
+    inner = plain(to.value) if isinstance(to, p.Constant) else None
+    return to_box(to, v) if isinstance(inner, Instance) and is_object(inner) else e.Distance(origin=v, target=to)
+
+
 OF_VECTORS: Mapping[str, Rewrite] = {
     "distanceTo": lambda v, w: e.Distance(origin=v, target=w),
     "angleTo": lambda v, w: e.Angle(origin=v, target=w),
     "toVector": lambda v: v,
     "norm": length,
+    "dot": lambda v, w: p.BinaryOperation(operator="+", left=product(v, w, "x"), right=product(v, w, "y")),
     "normalized": lambda v: p.BinaryOperation(operator="/", left=v, right=length(v)),
     "rotatedBy": turned,
     "offsetRotated": lambda v, h, w: e.OffsetAlong(base=v, direction=h, offset=w),
@@ -145,6 +164,19 @@ def bounding_box(r: regions.Region) -> tuple[tuple[float, float], tuple[float, f
         raise ValueError("the region is unbounded")
     west, south, east, north = bounds
     return (west, south), (east, north)
+
+
+def boundary_of(r: regions.PolygonalRegion | regions.RectangularRegion) -> regions.PolylineRegion:
+    """The boundary of a polygon or rectangle, with that of holes."""
+    if isinstance(r, regions.RectangularRegion):
+        first, *others = corners_of(r)
+        return regions.PolylineRegion([first, *others, first])
+    return regions.PolylineRegion(polyline=r.polygon.boundary)  # type: ignore[arg-type]
+
+
+def area_of(r: regions.PolygonalRegion | regions.RectangularRegion) -> float:
+    """The area of a polygon or rectangle, in square metres."""
+    return r.width * r.length if isinstance(r, regions.RectangularRegion) else r.polygon.area
 
 
 def points_of(r: regions.PolylineRegion) -> tuple[Vector, ...]:
@@ -181,7 +213,8 @@ OF_POLYLINES: Mapping[str, Rewrite] = {
     "points": computed(points_of),
     "end": lambda r: oriented(r.value.lines[-1][-1], r.value),
 }
-OF_RECTANGLES: Mapping[str, Rewrite] = {"corners": computed(corners_of)}
+OF_POLYGONS: Mapping[str, Rewrite] = {"boundary": computed(boundary_of), "area": computed(area_of)}
+OF_RECTANGLES: Mapping[str, Rewrite] = {**OF_POLYGONS, "corners": computed(corners_of)}
 OF_REGIONS: Mapping[str, Rewrite] = {
     "getAABB": computed(bounding_box),
     "distanceTo": lambda r, v: e.Distance(origin=v, target=r),
@@ -221,6 +254,8 @@ def member(subject: object, name: str, state: State) -> tuple[Rewrite, bool] | N
             attributes, methods = {}, OF_FIELDS
         case regions.PolylineRegion():
             attributes, methods = OF_POLYLINES, OF_REGIONS
+        case regions.PolygonalRegion():
+            attributes, methods = OF_POLYGONS, OF_REGIONS
         case regions.Region():
             attributes, methods = OF_RECTANGLES if isinstance(inner, regions.RectangularRegion) else {}, OF_REGIONS
         case type() if inner in CLASSES:
@@ -229,6 +264,8 @@ def member(subject: object, name: str, state: State) -> tuple[Rewrite, bool] | N
             return None
     if name in attributes:
         return attributes[name], False
+    if name == "distanceTo" and isinstance(inner, (Instance, Vector)) and state.reading("distance-method") == "box":
+        return (to_box if methods is OF_OBJECTS else to_position_or_box), True
     return (methods[name], True) if name in methods else None
 
 

@@ -84,6 +84,22 @@ def test_and_back() -> None:
     assert converted(converted(NEW, "paper"), "scenic-3") == NEW
 
 
+def test_degrees_of_a_term_keep_their_value() -> None:
+    assert converted("ego = new Object\nx = [2 ** 3 deg, 1 @ 2 deg, -y deg]\n", "paper", "scenic-3") == (
+        "ego = Object\nx = [(2 ** 3) deg, (1 deg) @ (2 deg), -(y deg)]\n"
+    )
+    assert converted("ego = Object\nx = [2 ** 3 deg, 1 @ 2 deg, -y deg]\n", "scenic-3") == (
+        "# dialect: scenic-3\nego = new Object\nx = [2 ** (3 deg), 1 @ (2 deg), -(y deg)]\n"
+    )
+
+
+def test_an_argument_of_a_specifier_reaches_as_far_as_in_the_releases() -> None:
+    text = "f = VectorField('f', (lambda p: 1))\nego = Object at 1 @ 2 if b else 3 @ 4\nx = f at 1 @ 2 if b else 3\n"
+    assert converted(text, "paper", "scenic-2.1") == (
+        "f = VectorField('f', (lambda p: 1))\nego = Object at ((1 @ 2) if b else (3 @ 4))\nx = (f at (1 @ 2)) if b else 3\n"
+    )
+
+
 def test_intervals_of_the_gallery_become_ranges() -> None:
     text = "import mars\nego = Rover at (0, 2) @ 3\nGoal at (1, 2) @ 2\nx = (3, 'a')\n"
     assert converted(text, "paper", "pldi19") == (

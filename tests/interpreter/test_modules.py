@@ -139,3 +139,17 @@ def test_keys():
     assert [beside("b", level, ".sub.deep") for level in (1, 2, 3, 4)] == [".sub.deep.b", ".sub.b", ".b", "..b"]
     assert [beside("", level, ".") for level in (1, 2)] == [".", ".."]
     assert [package_of(key) for key in (".a", ".sub.a", "..a", "..sub.deep.a", "math")] == [".", ".sub", "..", "..sub.deep", "."]
+
+
+@pytest.mark.parametrize(
+    "text", ["from scenic.domains.driving.roads import Network", "import scenic.syntax.veneer", "model scenic.simulators.carla.model"]
+)
+def test_a_module_of_the_releases_that_is_not_here_is_named(tmp_path, text):
+    with pytest.raises(UncaughtException) as found:
+        params(tmp_path, {}, f"{text}\nego = Object\n")
+    assert f"the module {text.split()[1]} of the released implementations is outside this reference" in str(found.value)
+    assert "of theirs there are: scenic.simulators.gta.model" in found.value.hint
+    assert found.value.span.line == 1
+    with pytest.raises(UncaughtException, match=r"scenic\.simulators\.gta\.modle") as found:
+        params(tmp_path, {}, "model scenic.simulators.gta.modle\nego = Object\n")
+    assert found.value.hint == "did you mean scenic.simulators.gta.model?"

@@ -99,3 +99,18 @@ def test_odd_text_gives_a_tree_or_a_parse_error(text: str) -> None:
 def test_unknown_dialect_is_a_usage_error() -> None:
     with pytest.raises(UsageError, match="klingon"):
         parse("x = 1", dialect="klingon")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "require always ((b) and eventually (c))", "require (always (b)) and c", "require not (eventually (b))", "require always eventually (b)",
+        "require[0.5] always (b)", "require next (b)",
+    ],
+)
+def test_a_formula_over_time_that_looks_like_a_call_is_refused_when_it_is_read(text: str) -> None:
+    with pytest.raises(ParseError) as refused:
+        parse(f"ego = new Object\n{text}\n", "p.scenic", "scenic-3")
+    assert refused.value.span.line == 2
+    assert "no other formulas" in str(refused.value)
+    parse(f"ego = Object\n{text}\n", "p.scenic", "paper")

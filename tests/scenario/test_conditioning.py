@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import pickle
 from fractions import Fraction
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.kernel.errors import UsageError
+from scenic_ref.semantics.kernel.errors import AttemptsExhausted, UsageError
 
 PROGRAM = """
 ego = Object at (Range(0, 1), 0)
@@ -101,3 +102,15 @@ def test_a_choice_of_objects_is_given_as_that_of_each_run() -> None:
     chosen = scenic_ref.loads(objects + "param same = any is b, x = any.position.x")
     scene = chosen.sample(2)
     assert all(s.params == scene.params for s in chosen.condition_on(scene).sample_many(3))
+
+
+def test_a_parameter_that_hardly_ever_has_the_value_is_named() -> None:
+    scenario = scenic_ref.loads("param a = Range(0, 1)\nparam b = globalParameters.a + 1\nego = Object\n")
+    with pytest.raises(AttemptsExhausted, match="that the parameter b has the value that is given"):
+        scenario.condition_on(params={"b": 1.5}).sample(max_attempts=9)
+
+
+def test_a_pickled_scene_can_be_given() -> None:
+    scene = pickle.loads(pickle.dumps(SCENE))
+    assert SCENARIO.condition_on(scene).sample(8).params == SCENE.params
+    assert SCENARIO.condition_on(scene, objects=(1,)).sample(8).objects[1].position == SCENE.objects[1].position

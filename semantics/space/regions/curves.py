@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Sequence
+import math
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
 
 import shapely
@@ -23,6 +24,8 @@ from .intervals import Intervals
 from .polygons import intervals_within
 from .region import Region
 from .sampling import Numbers, Segment, SegmentSampler
+
+MOST_POINTS = 100_000
 
 
 class PolylineRegion(Region):
@@ -81,6 +84,21 @@ class PolylineRegion(Region):
         """The point that many metres along the line, or that part of its length (of the released implementations)."""
         part = shapely.line_interpolate_point(shapely.line_merge(self.polyline), distance, normalized=normalized)
         return Vector(part.x, part.y)
+
+    def equallySpacedPoints(self, num: int) -> list[Vector]:
+        """So many points, at equal distances along the line, its ends among them; one is its beginning (of the released implementations)."""
+        if not isinstance(num, int) or not 1 <= num <= MOST_POINTS:
+            raise ValueError(f"there can be 1 to {MOST_POINTS} points, not {num!r}")
+        return [self.pointAlongBy(i / max(num - 1, 1), normalized=True) for i in range(num)]
+
+    def pointsSeparatedBy(self, distance: float) -> list[Vector]:
+        """The points of the line at that distance along it from each other, from its beginning on (of the released implementations)."""
+        if not distance > 0 or self.polyline.length / distance > MOST_POINTS:
+            raise ValueError(f"the points of a line of {self.polyline.length} m cannot be {distance!r} m apart")
+        return [self.pointAlongBy(i * distance) for i in range(math.ceil(self.polyline.length / distance))]
+
+    def __iter__(self) -> Iterator[Vector]:
+        return (point for line in self.lines for point in line)
 
     @cached_property
     def _tree(self) -> shapely.STRtree:
