@@ -17,8 +17,8 @@ import random
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
+from .formats.released_objects import Object
 from .formats.scenes import Scene as OurScene
-from .formats.scenes import SceneObject
 from .interpreter.dialects import MARK
 from .interpreter.modules import read_text
 from .interpreter.parser import parse
@@ -26,7 +26,7 @@ from .scenario import Scenario as OurScenario
 from .scenario import loads
 from .semantics.kernel.errors import AttemptsExhausted, ParseError, ScenicError, UsageError
 from .semantics.kernel.scopes import descendants
-from .semantics.space import geometry
+from .semantics.kernel.values import Random
 from .semantics.space.regions import Region
 from .semantics.space.vectors import Vector
 from .semantics.syntax.expressions import ObjectDefinition, ObjectOrOperator
@@ -45,44 +45,12 @@ class RejectionException(Exception):
     """No scene was found in `maxIterations` runs."""
 
 
-class Object:
-    """An object of a scene: its properties are attributes."""
-
-    def __init__(self, object_: SceneObject) -> None:
-        self._object = object_
-
-    def __getattr__(self, name: str) -> object:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        if name in ("x", "y") and name not in self._object.properties:
-            return getattr(self._object.position, name)
-        if name == "visibleDistance":
-            name = "viewDistance"
-        try:
-            return self._object[name]
-        except KeyError:
-            raise AttributeError(f"{self!r} has no property {name}") from None
-
-    @property
-    def corners(self) -> tuple[Vector, ...]:
-        """The four corners, from the front right one on, anticlockwise."""
-        return geometry.corners(self._object.position, self._object.heading, self._object.width, self._object.length)
-
-    def distanceTo(self, point: Object | Vector | tuple[float, float]) -> float:
-        """The distance between the positions, in metres."""
-        x, y = point._object.position if isinstance(point, Object) else point
-        return geometry.distance(self._object.position, Vector(x, y))
-
-    def __repr__(self) -> str:
-        return f"<{self._object.class_name} {self._object.name or self._object.id}>"
-
-
 class Scene:
     """A scene under the released names; `scene` is ours."""
 
-    def __init__(self, scene: OurScene) -> None:
+    def __init__(self, scene: OurScene, readings: Mapping[str, str]) -> None:
         self.scene = scene
-        self.objects = tuple(map(Object, scene.objects))
+        self.objects = tuple(Object(o, readings["distance-method"] == "box") for o in scene.objects)
 
     @property
     def egoObject(self) -> Object:
@@ -121,18 +89,18 @@ class Scenario:
         self.seed = random.getrandbits(63)
         self.index = 0
 
+    @property
+    def params(self) -> dict[str, object]:
+        """The global parameters at the end of a run, with the distributions of those that are drawn. Raises `AttemptsExhausted`."""
+        found = self.scenario.last_state(lambda outcome, drawn: None).params
+        return {name: value.origin.distribution or value if isinstance(value, Random) else value for name, value in found.items()}
+
     def generate(self, maxIterations: float = 2000, verbosity: int = 0, feedback: object = None) -> tuple[Scene, int]:
         """The next scene, and in how many runs it was found. Raises `RejectionException` if there is none among `maxIterations` runs."""
-        if feedback is not None:
-            raise UsageError("there is no sampler here that takes feedback")
-        index, self.index = self.index, self.index + 1
-        try:
-            scene = self.scenario.sample(self.seed, index, max_attempts=int(min(maxIterations, 2**62)))
-        except AttemptsExhausted as problem:
-            raise RejectionException(f"failed to generate scenario in {maxIterations} iterations: {problem.message}") from None
+        scenes, attempts = self.generateBatch(1, maxIterations, 0, feedback)
         if verbosity >= 1:
-            print(f"Generated scene in {scene.attempts} iterations.")
-        return Scene(scene), scene.attempts
+            print(f"Generated scene in {attempts} iterations.")
+        return scenes[0], attempts
 
     def generateBatch(
         self, numScenes: int, maxIterations: float = float("inf"), verbosity: int = 0, feedback: object = None
@@ -140,13 +108,13 @@ class Scenario:
         """So many scenes, and in how many runs they were found together; as `generate`."""
         if feedback is not None:
             raise UsageError("there is no sampler here that takes feedback")
+        start, self.index = self.index, self.index + numScenes
         most = int(min(maxIterations, 2**62))
         try:
-            scenes = list(self.scenario.sample_many(numScenes, self.seed, start=self.index, max_attempts=most))
+            scenes = list(self.scenario.sample_many(numScenes, self.seed, start=start, max_attempts=most))
         except AttemptsExhausted as problem:
             raise RejectionException(f"failed to generate scenario in {maxIterations} iterations: {problem.message}") from None
-        self.index += numScenes
-        return list(map(Scene, scenes)), sum(scene.attempts for scene in scenes)
+        return [Scene(scene, self.scenario.readings) for scene in scenes], sum(scene.attempts for scene in scenes)
 
     def conditionOn(self, scene: Scene | None = None, objects: Iterable[int] = (), params: Mapping[str, object] | None = None) -> None:
         """From now on, the given objects are as in the scene, and the parameters have these values: as `Scenario.condition_on` says."""

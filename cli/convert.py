@@ -19,8 +19,8 @@ def convert(
 ) -> None:
     """Write a program in another dialect.
 
-    Comments before a statement, and behind one of one line, are kept; others, and the layout, are not. What the other dialect cannot say is an
-    error, with its place. Only the spelling is converted: where the meaning differs, it is a matter of readings (`readings --profile scenic-3`).
+    Comments are kept, those inside of a statement above it; the layout is not. What the other dialect cannot say is an error, with its place.
+    Only the spelling is converted: where the meaning differs, it is a matter of readings (`readings --profile scenic-3`).
     """
     from pathlib import Path
 

@@ -14,16 +14,17 @@ from typing import Any
 from ..semantics.kernel.classes import BUILT_IN_CLASSES
 from ..semantics.kernel.errors import ParseError
 from ..semantics.kernel.scopes import descendants
-from ..semantics.syntax import Node, Program, Statement
+from ..semantics.syntax import Block, Node, Program, Statement
 from ..semantics.syntax import dynamics as d
 from ..semantics.syntax import expressions as e
 from ..semantics.syntax import python_expressions as p
 from ..semantics.syntax import statements as s
+from .comments import Comments, place_of
 from .dialects import DEFAULT, DIALECTS, MARK, Dialect
 from .modules import with_old_imports
 from .nesting import room
 from .parser import parse
-from .printer import StatementPrinter
+from .printer import INDENT, Item, StatementPrinter
 
 Change = Callable[[Node], Any]
 
@@ -37,10 +38,12 @@ def convert(program: Program, dialect: str, library: Mapping[str, object]) -> st
     statements = monitored(changed(statements, partial(spelled, source, target)), source, target)
     for statement in statements:
         check_said(statement, target, classes)
-    mark = [] if dialect == DEFAULT else [f"# dialect: {dialect}"]
     printer = Commented(target, program)
-    lines = [*mark, *(line.rstrip() for statement in statements for line in printer.lines(statement)), *printer.trailing()]
-    return "\n".join(lines) + "\n"
+    lines = [line.rstrip() for statement in statements for line in printer.lines(statement)]
+    lines += printer.comments.trailing()
+    if dialect != DEFAULT or printer.comments.mark or MARK.match("".join(lines[:1])):
+        lines.insert(0, f"# dialect: {dialect}{printer.comments.mark}")
+    return "".join([line + "\n" for line in lines])
 
 
 def classes_of(programs: Iterable[Program]) -> frozenset[str]:
@@ -164,50 +167,36 @@ class Converted(StatementPrinter):
 
 
 class Commented(Converted):
-    """Prints statements with the comments and empty lines that stand directly before them in the source, and the comments behind them."""
+    """Prints the statements of a program with its comments and the empty lines between the statements, in the order of the source."""
 
     def __init__(self, dialect: Dialect, program: Program) -> None:
         super().__init__(dialect)
-        self.source = program.text.splitlines()
-        self.told = 0
-        """The last line whose statement is printed, or whose comment is."""
+        self.comments = Comments(program)
 
     def within(self, quote: str) -> Converted:
         """What stands in an f-string has no comments."""
         return Converted(self.dialect, (*self.outer, quote))
 
-    def lines(self, node: Statement) -> Iterator[str]:
-        """The lines of a statement, and its comments."""
-        yield from self.before(node.span.line)
-        printed = list(super().lines(node))
-        yield printed[0] + (self.behind(node) if len(printed) == 1 else "")
-        yield from printed[1:]
+    def one(self, node: Node, text: str) -> Iterator[str]:
+        """The text of a node, below what is above it or inside of it, and the comment behind it, if it is the last in its line."""
+        comments, place = self.comments, place_of(node)
+        number = comments.code_at(place)
+        yield from comments.above(number)
+        yield text + (comments.behind(number) if comments.last.get(number, place) <= place else "")
 
-    def before(self, line: int) -> Iterator[str]:
-        """The lines of comments, and the empty ones, directly above a line."""
-        first = line
-        while first - 1 > self.told and is_comment(self.source[first - 2]):
-            first -= 1
-        yield from self.kept(first, line)
-        self.told = max(self.told, line)
-
-    def behind(self, node: Statement) -> str:
-        """The comment behind a statement of one line."""
-        rest = self.source[node.span.end_line - 1][node.span.end_column - 1 :].strip() if node.span.end_line else ""
-        return f"  {rest}" if rest.startswith("#") else ""
-
-    def trailing(self) -> Iterator[str]:
-        """The comments after the last statement."""
-        first = len(self.source) + 1
-        while first - 1 > self.told and is_comment(self.source[first - 2]):
-            first -= 1
-        yield from self.kept(first, len(self.source) + 1)
-
-    def kept(self, first: int, line: int) -> Iterator[str]:
-        """The lines from the first one up to another, without the mark of the dialect."""
-        yield from (text.strip() for text in self.source[first - 1 : line - 1] if not MARK.match(text))
+    def clause(self, head: str, statements: Block, more: Iterable[Item] = ()) -> Iterator[str]:
+        """A head and its block, with the comments above the head, inside of it and behind it, and those at the end of the block."""
+        items = sourced([*more, *self.statements(statements)])
+        yield from self.comments.head(head + ":", next((place_of(node) for node, _ in items if node is not None), None))
+        width = self.comments.inner
+        yield from self.block(items)
+        yield from (INDENT + line for line in self.comments.ending(width))
 
 
-def is_comment(line: str) -> bool:
-    """Whether there is nothing but a comment in the line."""
-    return line.strip()[:1] in ("", "#")
+def sourced(items: list[Item]) -> list[Item]:
+    """The items of a block in the order of the source; what belongs to no node stays behind what is before it."""
+    place, keys = (0, 0), []
+    for node, _ in items:
+        place = place_of(node) if node is not None else place
+        keys.append(place)
+    return [items[i] for i in sorted(range(len(items)), key=keys.__getitem__)]

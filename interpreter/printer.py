@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from ..semantics.syntax import Block, Expression, Node, Program, Specifier, Statement
 from ..semantics.syntax import dynamics as d
@@ -15,6 +15,8 @@ from .nesting import room
 from .printer_expressions import ExpressionPrinter
 
 INDENT = "    "
+Item = tuple[Node | None, Iterator[str]]
+"""What stands in a block, and its lines; a block within that belongs to no node (`setup`) has none."""
 
 
 @room()
@@ -45,20 +47,26 @@ class StatementPrinter(ExpressionPrinter):
         """The lines of a statement, without line ends."""
         yield from getattr(self, "lines_" + type(node).__name__, self.simple)(node)
 
-    def block(self, statements: Block, *more: str) -> Iterator[str]:
-        """The indented lines of a block, with `more` lines before its statements."""
-        for line in more:
-            yield INDENT + line
-        for statement in statements:
-            for line in self.lines(statement):
+    def clause(self, head: str, statements: Block, more: Iterable[Item] = ()) -> Iterator[str]:
+        """`head:` and its block, with `more` items before its statements."""
+        yield head + ":"
+        yield from self.block([*more, *self.statements(statements)])
+
+    def statements(self, statements: Block) -> list[Item]:
+        """The items of a block that are statements."""
+        return [(statement, self.lines(statement)) for statement in statements]
+
+    def block(self, items: list[Item]) -> Iterator[str]:
+        """The indented lines of the items of a block."""
+        for _, lines in items:
+            for line in lines:
                 yield INDENT + line
-        if not statements and not more:
+        if not items:
             yield INDENT + "pass"
 
-    def clause(self, head: str, statements: Block) -> Iterator[str]:
-        """`head:` and its block."""
-        yield head + ":"
-        yield from self.block(statements)
+    def one(self, node: Node, text: str) -> Iterator[str]:
+        """The text of a node that has a line of its own."""
+        yield text
 
     def optional(self, head: str, statements: Block | None) -> Iterator[str]:
         """`head:` and its block, if there is one."""
@@ -69,7 +77,7 @@ class StatementPrinter(ExpressionPrinter):
 
     def simple(self, node: Statement) -> Iterator[str]:
         """The one line of a simple statement."""
-        yield self.line(node)
+        yield from self.one(node, self.line(node))
 
     def line(self, node: Statement) -> str:
         match node:
@@ -190,7 +198,7 @@ class StatementPrinter(ExpressionPrinter):
 
     def lines_FunctionDefinition(self, node: s.FunctionDefinition) -> Iterator[str]:
         for decorator in node.decorators:
-            yield "@" + self.operand(decorator)
+            yield from self.one(decorator, "@" + self.operand(decorator))
         yield from self.clause(f"def {node.name}({self.parameters(node.parameters)})", node.body)
 
     def lines_Try(self, node: s.Try) -> Iterator[str]:
@@ -205,40 +213,35 @@ class StatementPrinter(ExpressionPrinter):
 
     def lines_ClassDefinition(self, node: s.ClassDefinition) -> Iterator[str]:
         superclasses = ", ".join([self.test(c) if isinstance(c, Starred) else self.operand(c) for c in node.superclasses])
-        yield f"class {node.name}({superclasses}):" if superclasses else f"class {node.name}:"
-        properties = [f"{item.name}{attributes(item)}: {self.default(item.value)}" for item in node.properties]
-        yield from self.block(node.body, *properties)
+        properties = [(item, self.one(item, f"{item.name}{attributes(item)}: {self.default(item.value)}")) for item in node.properties]
+        yield from self.clause(f"class {node.name}({superclasses})" if superclasses else f"class {node.name}", node.body, properties)
 
     def default(self, node: Expression) -> str:
         """A default value: a tuple in brackets where the releases need them, and without where `(a, b)` would be an interval."""
         return self.test(node) if self.dialect.released else self.list_of_tests(node)
 
     def definition(self, word: str, name: str, parameters: tuple[Parameter, ...]) -> str:
-        return f"{word} {name}({self.parameters(parameters)}):"
+        return f"{word} {name}({self.parameters(parameters)})"
 
-    def guards(self, node: d.BehaviorDefinition | d.ScenarioDefinition) -> list[str]:
-        """The lines of preconditions and invariants."""
-        lines = [f"precondition: {self.operand(condition)}" for condition in node.preconditions]
-        return lines + [f"invariant: {self.operand(condition)}" for condition in node.invariants]
+    def guards(self, node: d.BehaviorDefinition | d.ScenarioDefinition) -> Iterator[Item]:
+        """Preconditions and invariants."""
+        for word, conditions in (("precondition", node.preconditions), ("invariant", node.invariants)):
+            yield from ((condition, self.one(condition, f"{word}: {self.operand(condition)}")) for condition in conditions)
 
     def lines_BehaviorDefinition(self, node: d.BehaviorDefinition) -> Iterator[str]:
-        yield self.definition("behavior", node.name, node.parameters)
-        yield from self.block(node.body, *self.guards(node))
+        yield from self.clause(self.definition("behavior", node.name, node.parameters), node.body, self.guards(node))
 
     def lines_MonitorDefinition(self, node: d.MonitorDefinition) -> Iterator[str]:
         one = not (self.dialect.monitor_instances or node.parameters)
-        yield f"monitor {node.name}:" if one else self.definition("monitor", node.name, node.parameters)
-        yield from self.block(node.body)
+        yield from self.clause(f"monitor {node.name}" if one else self.definition("monitor", node.name, node.parameters), node.body)
 
     def lines_ScenarioDefinition(self, node: d.ScenarioDefinition) -> Iterator[str]:
-        yield self.definition("scenario", node.name, node.parameters)
-        yield from self.block((), *self.guards(node), *self.parts(node))
+        yield from self.clause(self.definition("scenario", node.name, node.parameters), (), [*self.guards(node), *self.parts(node)])
 
-    def parts(self, node: d.ScenarioDefinition) -> Iterator[str]:
-        if node.setup is not None:
-            yield from self.clause("setup", node.setup)
-        if node.compose is not None:
-            yield from self.clause("compose", node.compose)
+    def parts(self, node: d.ScenarioDefinition) -> Iterator[Item]:
+        for word, block in (("setup", node.setup), ("compose", node.compose)):
+            if block is not None:
+                yield None, self.clause(word, block)
 
 
 def imported(name: s.ImportedName) -> str:

@@ -52,7 +52,8 @@ NEW = """\
 # A car, and another one.
 
 class Car:
-    width: 2
+    width: 2  # metres
+    # of a sedan
     length: 4
 
 monitor Watch():

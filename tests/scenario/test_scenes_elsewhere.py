@@ -93,3 +93,39 @@ def test_the_released_names_of_errors(tmp_path: Path) -> None:
         compat.scenarioFromString(PROGRAM, mode2D=False)
     with pytest.raises(AttributeError, match="has no property zz"):
         _ = compat.scenarioFromString(PROGRAM).generate()[0].egoObject.zz
+
+
+BOXES = """
+param a = Range(1, 2), b = 'x', c = Range(0, 1) + 1
+ego = NEW Object at Vector(0, 0), with width 2, with length 4, facing 30 deg
+NEW Object at Vector(5, 5)
+workspace = Workspace(CircularRegion(Vector(0, 0), 30))
+"""
+
+
+@pytest.mark.parametrize("new, near, far", [("new ", 3.3674539287354204, 5.830127018922194), ("", 5.0, 7.0710678118654755)])
+def test_distances_and_points_are_those_of_the_release(new: str, near: float, far: float) -> None:
+    """The numbers are those that Scenic 3.1.1 and 2.1.0 give."""
+    scene, _ = compat.scenarioFromString(BOXES.replace("NEW ", new)).generate()
+    ego, other = scene.objects
+    assert ego.distanceTo(compat.Vector(5, 0)) == pytest.approx(near)
+    assert ego.distanceTo(other) == ego.distanceTo(other.position) == pytest.approx(far)
+    assert ego.containsPoint((0.5, 0)) and not ego.containsPoint(other)
+    assert scene.workspace.containsPoint(other.position) and not scene.workspace.containsPoint((30, 1))
+
+
+def test_parameters_of_a_scenario_have_values_or_distributions() -> None:
+    params = compat.scenarioFromString(BOXES.replace("NEW", "new"), params={"more": 3}).params
+    assert (params["b"], params["more"], str(params["a"])) == ("x", 3, "Range(low=1.0, high=2.0)")
+    assert not isinstance(params["c"], float)
+
+
+def test_a_scenario_goes_on_after_a_failure() -> None:
+    scenario = compat.scenarioFromString("ego = new Object\nrequire Range(0, 1) > 0.7\n")
+    found = []
+    for _ in range(60):
+        try:
+            found.append(scenario.generate(maxIterations=1))
+        except compat.RejectionException:
+            found.append(None)
+    assert None in found and any(found)
