@@ -32,7 +32,7 @@ def heading(draft: Draft, depth: int) -> Expression:
 def turned(draft: Draft, depth: int) -> Expression:
     """`Range(a, b) deg`, or `Uniform(a, b) deg`: also across the half turn."""
     low = draft.choices.pick([0, -90, 100, 170, -190])
-    return e.Degrees(value=scalars.scalar(draft, low, low + draft.choices.pick([10, 45, 90]), min(depth, 1)))
+    return degrees(scalars.scalar(draft, low, low + draft.choices.pick([10, 45, 90]), min(depth, 1)))
 
 
 def composed(draft: Draft, depth: int) -> list[Option]:

@@ -86,7 +86,7 @@ GRAMMAR = (
     parse("new of another dialect", "wrong = new Object"),
     parse("no character of the language", "wrong = 1 ? 2"),
     parse("soft requirement without brackets", "require 0.5 True"),
-    parse("statement nested too deeply", "wrong = " + "(1, " * 200 + "1" + ")" * 200),
+    parse("statement nested too deeply", "wrong = " + "(1, " * 500 + "1" + ")" * 500),
     parse("NUL character", "wrong = '\0'"),
 )
 

@@ -77,9 +77,13 @@ def is_in(left: Expression, region: Expression) -> p.Comparison:
     return p.Comparison(left=left, operators=("in",), operands=(region,))
 
 
-def degrees(value: float) -> e.Degrees:
-    """`value deg`."""
-    return e.Degrees(value=number(value))
+def degrees(value: Expression | float) -> Expression:
+    """`value deg`; `-S deg` means `-(S deg)` in every dialect."""
+    if isinstance(value, (int, float)):
+        return degrees(number(value))
+    if isinstance(value, p.UnaryOperation) and value.operator == "-":
+        return p.UnaryOperation(operator="-", operand=degrees(value.operand))
+    return e.Degrees(value=value)
 
 
 def clamped(node: Expression, low: float, high: float) -> Expression:
