@@ -82,6 +82,22 @@ def test_scripts_for_the_released_implementations_change_one_import(tmp_path: Pa
     assert found[0] == found[1]
 
 
+def test_a_scene_can_be_given_twice_under_the_released_names() -> None:
+    random.seed(5)
+    for _ in range(10):
+        scenario = compat.scenarioFromString("ego = new Object at (Range(0, 1), 0)\nb = new Object at (Range(5, 9), Range(0, 3))\nrequire b.y > 2")
+        scene, _ = scenario.generate()
+        scenario.conditionOn(scene, objects=(0,))
+        scenario.conditionOn(scene, objects=(1,))
+        other, _ = scenario.generate()
+        assert [o.position for o in other.objects] == [o.position for o in scene.objects]
+
+
+def test_the_older_dialect_under_the_released_names() -> None:
+    scene, _ = compat.scenarioFromString("# dialect: pldi19\nego = Object at (1, 2) @ 3").generate()
+    assert 1 <= scene.egoObject.x <= 2
+
+
 def test_the_released_names_of_errors(tmp_path: Path) -> None:
     old = compat.scenarioFromString("ego = Object at (0, 0)\nrequire ego.x > Range(0, 1)")
     assert old.scenario.program.dialect == "scenic-2.1"
