@@ -44,14 +44,42 @@ def test_a_pickled_scene_says_the_same() -> None:
     assert repr(again.workspace) == repr(SCENE.workspace)
 
 
+AWKWARD = scenic_ref.loads("""
+ego = Object at (0, 0), with pair (3, 4), with pairs [(1, 2), ('a', (5, 6))], with cls Object, with classes (Object, [Point])
+for i in range(2):
+    car = Object at (5 + 3 * i, Range(5, 6))
+Car = Object at (-9, 9)
+param 'class' = (3, 4), 'True' = 1, at = {(1, 2): (3, 4)}, triple = (1, 2, 3)
+""").sample(1)
+
+
+@pytest.mark.parametrize("dialect", ["paper", "pldi19", "scenic-2.1", "scenic-3"])
+def test_pairs_and_names_survive_in_the_program_of_a_scene(dialect: str) -> None:
+    again = scenic_ref.loads(AWKWARD.to_scenic(dialect)).sample(7)
+    assert told(again, "cls", "classes") == told(AWKWARD, "cls", "classes")
+    assert again.params == AWKWARD.params and list(again.params) == ["class", "True", "at", "triple"]
+    assert [o.name for o in again.objects] == ["ego", "car", "car", "Car"]
+
+
+def test_a_name_that_the_program_of_a_scene_cannot_keep_is_told() -> None:
+    scene = scenic_ref.loads("class Car:\n    pass\nego = Car at (0, 0)\nCar = Car at (5, 5)").sample()
+    text = scene.to_scenic()
+    assert "# Car: its name was Car" in text
+    assert told(scenic_ref.loads(text).sample())[2][0] == told(scene)[2][0]
+
+
+def test_a_pickled_scene_with_classes_says_the_same() -> None:
+    assert pickle.loads(pickle.dumps(AWKWARD)).to_line() == AWKWARD.to_line()
+
+
 @pytest.mark.parametrize("dialect", ["paper", "scenic-2.1", "scenic-3"])
 def test_the_program_of_a_scene_makes_that_scene(dialect: str) -> None:
     text = SCENE.to_scenic(dialect)
     left_out = ("behavior", "f", "other", "mutationScale")
     for seed in (0, 5):
         assert told(scenic_ref.loads(text).sample(seed), *left_out) == told(SCENE, *left_out)
-    assert text.count("# ") == (3 if dialect == "paper" else 4)
-    assert all(f": {name} was " in text for name in left_out[:3])
+    assert text.count("# ") == (4 if dialect == "paper" else 5)
+    assert all(f": {name} was " in text for name in left_out)
 
 
 @pytest.mark.parametrize("path", sorted(Path("examples/gallery").glob("*.scenic")), ids=lambda path: path.stem)
