@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import keyword
 import math
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from ..interpreter.dialects import DEFAULT, choose
+from ..interpreter.printer import parameter_name
 from ..semantics.kernel.classes import BUILT_IN_CLASSES, OBJECT_CLASS, built_in_defaults
 from ..semantics.kernel.values import unwrap
 from ..semantics.python.builtins import BUILTINS
@@ -17,57 +18,58 @@ from ..semantics.space.vectors import Vector
 if TYPE_CHECKING:
     from .scenes import Scene, SceneObject
 
-REFUSED = frozenset({"mutationScale"})
-"""Properties that would change the scene: it is mutated already."""
-
-
 class Unwritten(Exception):
     """A value that no expression gives."""
 
 
 def program_of(scene: Scene, dialect: str = DEFAULT) -> str:
     """The text of a program whose one scene has the objects, properties and parameters of `scene`. Raises `UsageError` for an unknown dialect."""
-    new = "new " if choose("", dialect).explicit_new else ""
+    syntax = choose("", dialect)
+    new, pair = "new " if syntax.explicit_new else "", "tuple([{}])" if syntax.intervals else "({})"
     lines = [] if dialect == DEFAULT else [f"# dialect: {dialect}"]
     classes = dict.fromkeys(o.class_name for o in scene.objects if o.class_name not in BUILT_IN_CLASSES)
     for name in classes:
         lines += [f"class {name}:", "    pass"]
-    lines += optional("workspace = ", scene.workspace) if scene.workspace.bounds() is not None else []
+    lines += optional("workspace = ", scene.workspace, pair) if scene.workspace.bounds() is not None else []
     taken = {*classes, *BUILTINS, "ego", "workspace"}
     for o in scene.objects:
-        own, comments = written(o)
-        name = o.name if o.name and o.name.isidentifier() and not keyword.iskeyword(o.name) and o.name not in taken else ""
-        taken.add(name)
-        left = f"{name} = " if name else "ego = " if o.id == scene.ego_id else ""
-        lines += [*comments, f"{left}{new}{o.class_name} {', '.join(own)}"]
-        if name and o.id == scene.ego_id:
+        own, comments = written(o, pair)
+        name = o.name if o.name and o.name not in taken else "ego" if o.id == scene.ego_id else ""
+        if o.name and o.name != name:
+            comments.append(f"# {o.class_name}: its name was {o.name}")
+        lines += [*comments, f"{name} = {new}{o.class_name} {', '.join(own)}" if name else f"{new}{o.class_name} {', '.join(own)}"]
+        if name != "ego" and o.id == scene.ego_id:
             lines.append(f"ego = {name}")
     for name, value in scene.params.items():
-        lines += optional(f"param {name if name.isidentifier() else repr(name)} = ", value)
+        lines += optional(f"param {parameter_name(name)} = ", value, pair)
     return "\n".join(lines) + "\n"
 
 
-def optional(begin: str, value: object) -> list[str]:
+def optional(begin: str, value: object, pair: str) -> list[str]:
     """The line of a statement about a value, or a comment that says what is missing."""
     try:
-        return [f"{begin}{expression(value)}"]
+        return [f"{begin}{expression(value, pair)}"]
     except Unwritten:
         return [f"# {begin}{text_of(value)}"]
 
 
-def written(o: SceneObject) -> tuple[list[str], list[str]]:
+def written(o: SceneObject, pair: str) -> tuple[list[str], list[str]]:
     """The specifiers of an object, for what is not the built-in default, and comments for properties that no expression gives."""
-    x, y = map(expression, o.position)
-    specifiers = [f"at ({x}, {y})", f"facing {expression(o.heading)}"]
+    x, y = (expression(v, pair) for v in o.position)
+    specifiers = [f"at ({x}, {y})", f"facing {expression(o.heading, pair)}"]
     comments: list[str] = []
     values = {"width": o.width, "length": o.length, **o.properties}
     for name, value in values.items():
         default = DEFAULTS.get(name, Unwritten)
-        if name in REFUSED or (type(value) is type(default) and value == default):
+        if type(value) is type(default) and value == default:
             continue
         try:
-            specifiers.append(f"with {name} {expression(value)}")
+            text = expression(value, pair)
         except Unwritten:
+            text = ""
+        if text and name != "mutationScale":  # which would add noise again
+            specifiers.append(f"with {name} {text}")
+        else:
             comments.append(f"# {o.name or o.class_name}: {name} was {text_of(value)}")
     return specifiers, comments
 
@@ -80,29 +82,33 @@ def text_of(value: object) -> str:
     return " ".join(stable_repr(unwrap(value)[0]).split())
 
 
-def expression(value: object) -> str:
-    """An expression of the language with this value. Raises `Unwritten`."""
+def expression(value: object, pair: str) -> str:
+    """An expression of the language with this value; `pair` is how a tuple of two is written. Raises `Unwritten`."""
+
+    def inside(values: Iterable[object]) -> str:
+        return ", ".join(expression(v, pair) for v in values)
+
     match value:
         case None | bool() | int() | str():
             return repr(value)
         case float():
             return repr(value) if math.isfinite(value) else f"float('{value!r}')"
         case Vector(x=x, y=y):
-            return f"Vector({expression(x)}, {expression(y)})"
+            return f"Vector({inside((x, y))})"
         case list():
-            return f"[{', '.join(map(expression, value))}]"
+            return f"[{inside(value)}]"
         case tuple() if type(value) is tuple:
-            return f"({', '.join(map(expression, value))}{',' if len(value) == 1 else ''})"
+            return pair.format(inside(value)) if len(value) == 2 else f"({inside(value)}{',' if len(value) == 1 else ''})"
         case dict():
-            return f"{{{', '.join(f'{expression(k)}: {expression(v)}' for k, v in value.items())}}}"
+            return f"{{{', '.join(f'{expression(k, pair)}: {expression(v, pair)}' for k, v in value.items())}}}"
         case Workspace(region=region):
-            return f"Workspace({expression(region)})"
+            return f"Workspace({expression(region, pair)})"
         case CircularRegion(center=center, radius=radius):
-            return f"CircularRegion({expression(center)}, {expression(radius)})"
+            return f"CircularRegion({inside((center, radius))})"
         case SectorRegion(center=center, radius=radius, heading=heading, angle=angle):
-            return f"SectorRegion({', '.join(map(expression, (center, radius, heading, angle)))})"
+            return f"SectorRegion({inside((center, radius, heading, angle))})"
         case RectangularRegion(position=position, heading=heading, width=width, length=length):
-            return f"RectangularRegion({', '.join(map(expression, (position, heading, width, length)))})"
+            return f"RectangularRegion({inside((position, heading, width, length))})"
         case _:
             raise Unwritten
 

@@ -196,14 +196,18 @@ def portable(value: object) -> object:
     match plain(value):
         case None | bool() | int() | float() | str() | bytes() | Vector() | TextOnly() as inner:
             return inner
-        case list() | tuple() as inner if type(inner) in (list, tuple):
-            return type(inner)(map(portable, inner))
+        case list() as inner:
+            return list(map(portable, inner))
+        case tuple() as inner:
+            return tuple(map(portable, inner))
         case dict() as inner:
             return {portable(k): portable(v) for k, v in inner.items()}
         case Region() as inner if isinstance(inner, PLAIN_SHAPES):
             return inner
+        case ScenicClass(name=name):
+            return TextOnly(name)
         case inner:
-            return TextOnly(stable_repr(unwrap(inner)[0]))
+            return float(inner) if is_scalar(inner) else TextOnly(stable_repr(unwrap(inner)[0]))  # type: ignore[arg-type]
 
 
 def json_value(value: object) -> object:

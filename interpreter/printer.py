@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import keyword
 from collections.abc import Iterable, Iterator
 
 from ..semantics.syntax import Block, Expression, Node, Program, Specifier, Statement
@@ -260,5 +261,5 @@ def attributes(item: s.PropertyDefault) -> str:
 
 
 def parameter_name(name: str) -> str:
-    """The name of a global parameter, quoted unless it is an identifier."""
-    return name if name.isidentifier() else repr(name)
+    """The name of a global parameter, quoted unless it is an identifier and no keyword."""
+    return name if name.isidentifier() and not keyword.iskeyword(name) else repr(name)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from copy import copy
-from dataclasses import is_dataclass, replace
+from dataclasses import is_dataclass
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
@@ -36,7 +36,7 @@ from ..interpreter.modules import library_of, module_named, with_old_imports
 from ..interpreter.running import DEFAULT_FUEL, Accepted, Run, Witness, rehearse, run
 from ..semantics.kernel.config import Config, Settings, State
 from ..semantics.kernel.errors import AttemptsExhausted, InternalError, UsageError
-from ..semantics.kernel.outcome import KnownDraw
+from ..semantics.kernel.outcome import GivenValues
 from ..semantics.programs import initial, make_settings
 from ..semantics.readings import select
 from ..semantics.syntax import Program
@@ -47,7 +47,7 @@ from ..simulators.replays import replay_once
 from ..simulators.simulating import Failed
 from ..simulators.worlds import WORLDS
 from .checking import check_whole
-from .conditioning import draws_of, given_params, sites_of
+from .conditioning import conditioned
 from .constants import constants_of, facts_of
 from .for_pyro import pyro_for
 
@@ -83,7 +83,8 @@ class Scenario:
         self.draws: Draws = AS_THEY_ARE
         self.factorised = False
         self.device: str | None = None
-        self.given: Mapping[tuple[int, ...], KnownDraw] = {}
+        self.given = GivenValues()
+        self.conditioned_from: Scenario | None = None
         self._rehearsed = False
         check(program)
 
@@ -241,20 +242,10 @@ class Scenario:
         """The same scenario, given what `objects` (all of them, by default) are in `scene`, and given the values of global parameters.
 
         Every draw on which these objects depend has the value that it had there; a parameter that is itself a draw has the given value, and of any
-        other it is required. The rest keeps its distribution, and all requirements have to hold (docs/api.md). Raises `UsageError`.
+        other it is required. The rest keeps its distribution, and all requirements have to hold (docs/api.md). Raises `UsageError`, also where it
+        is known that no scene is so (else sampling raises `AttemptsExhausted`), and the errors that the program has given all this.
         """
-        found = copy(self)
-        for name in ("settings", "constants", "facts", "pruning", "_lifted"):
-            found.__dict__.pop(name, None)
-        found.draws, found.factorised, found._rehearsed = AS_THEY_ARE, False, False
-        given, requirements = given_params(self, params or {})
-        if scene is not None:
-            drawn = draws_of(self, scene)
-            sites = drawn.keys() if objects is None else sites_of(self, objects)
-            given |= {address: value for address, value in drawn.items() if address in sites}
-        found.given = {**self.given, **given}
-        found.program = replace(self.program, statements=(*self.program.statements, *requirements))
-        return found
+        return conditioned(self, scene, objects, params or {})
 
     def on_device(self, device: str) -> Scenario:
         """The same scenario, whose graph torch evaluates on a device, "cpu" or "cuda": the same scenes up to 1e-9 (docs/batch.md).

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 from .dynamics.initial import Finishing
@@ -10,7 +9,7 @@ from .kernel.config import Config, Settings, State
 from .kernel.errors import RunError
 from .kernel.host import Door
 from .kernel.kinds import is_object
-from .kernel.outcome import KnownDraw
+from .kernel.outcome import GivenValues
 from .kernel.scopes import Scope
 from .kernel.values import Instance, plain
 from .python.builtins import builtin_scope
@@ -21,15 +20,17 @@ from .syntax import Program
 from .syntax.python_expressions import Constant
 from .syntax.statements import Block, If, Model
 
+NOTHING_GIVEN = GivenValues()
+
 
 def make_settings(
     readings: dict[str, str], library: dict[str, object], params: dict[str, object], model: str | None, scenario: str | None = None,
-    *, trusted: bool = False, given: Mapping[tuple[int, ...], KnownDraw] | None = None,
+    *, trusted: bool = False, given: GivenValues = NOTHING_GIVEN,
 ) -> Settings:  # fmt: skip
     """What stays the same in every run of a program; its door is of no run (see `initial`)."""
     return Settings(
         readings=readings, library=library, machine=step, door=Door(enter, expand), params=params, model=model, scenario=scenario, trusted=trusted,  # type: ignore[arg-type]
-        given=given or {},
+        given=given,
     )  # fmt: skip
 
 

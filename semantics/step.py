@@ -252,8 +252,8 @@ def step(config: Config) -> Outcome:
         outcome = stopped(problem, config)
     if not version.undo and type(outcome) is Next and outcome.config.state.version is version:
         return outcome
-    if type(outcome) is Draw and outcome.address in state.settings.given:
-        outcome = outcome._replace(distribution=state.settings.given[outcome.address].of(outcome.distribution))
+    if type(outcome) is Draw and outcome.address in state.settings.given.draws:
+        outcome = outcome._replace(distribution=state.settings.given.draws[outcome.address].of(outcome.distribution))
     return dated(outcome, version.versions.settled())
 
 

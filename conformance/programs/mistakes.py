@@ -262,6 +262,7 @@ MISTAKES: tuple[Mistake, ...] = (
 )  # fmt: skip
 
 UNREACHABLE: dict[str, str] = {
+    "NeedsElements": "the machine computes the elements, and makes the call again",
     "SimulatorError": "it is the fault of a simulator, not of the program",
     "SpecifiedTwiceOptionally": "only position specifiers specify another property optionally, and two of them specify the position twice",
 }

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
 from ..syntax.nodes import NOWHERE, Node, Span
-from .outcome import Change, KnownDraw, Next
+from .outcome import Change, GivenValues, Next
 from .scopes import Scope
 from .values import Dynamic, Instance, Origin
 from .versions import Version
@@ -23,8 +23,6 @@ Properties = Mapping[str, object]
 class Settings(NamedTuple):
     """What stays the same during a run: readings, importable modules, the machine itself (for calls from host code).
 
-    The draws at the addresses in `given` have these values (`Scenario.condition_on`).
-
     A `trusted` program may hold and ask anything (`allowed`), since it imports Python code that can do anything.
     """
 
@@ -37,7 +35,7 @@ class Settings(NamedTuple):
     euler_steps: int = 4
     scenario: str | None = None
     trusted: bool = False
-    given: Mapping[tuple[int, ...], KnownDraw] = {}
+    given: GivenValues = GivenValues()
 
 
 class Captured(NamedTuple):

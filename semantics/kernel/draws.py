@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from ..space.distributions import BadParameters, Distribution
+from ..space.distributions import BadParameters, Distribution, NoValues
 from ..syntax.nodes import Node, Span
 from .config import Abrupt, Config, Stack, State, Value
 from .errors import RunError
@@ -21,11 +21,20 @@ def draw(node: Node, constructor: Constructor, arguments: tuple[object, ...], ke
             distribution = constructor.make(*arguments, **keywords)
         else:
             distribution = constructor.make(*(unwrap(a)[0] for a in arguments), **{k: unwrap(v)[0] for k, v in keywords.items()})
+    except NoValues as bad:
+        if any(type(a) is Random for a in arguments):
+            return of_nothing(constructor, node.span)
+        return invalid("E-Distributions", bad, node.span, state)
     except BadParameters as bad:
         return invalid("E-Distributions", bad, node.span, state)
     except TypeError:
         raise RunError(f"the parameters of {constructor.name} are ({constructor.takes})", node.span, rule="E-Distributions") from None
     return ask(node, distribution, "E-Distributions", stack, state, f"{constructor.name}(...)")
+
+
+def of_nothing(constructor: Constructor, span: Span) -> Stuck:
+    """A distribution over the values of a container of random length has no value where that is empty (reading `random-length`)."""
+    return Stuck("E-Distributions", Requirement("parameters", span, f"{constructor.name} of an empty list"))
 
 
 def invalid(rule: str, bad: BadParameters, span: Span, state: State) -> Stuck:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
-from ..space.distributions import Distribution, Uniform
+from ..space.distributions import Discrete, Distribution, Uniform
 from ..syntax.nodes import Node, Span
 from .errors import ScenicError
 
@@ -51,16 +51,25 @@ class Next(NamedTuple):
 
 
 class KnownDraw(NamedTuple):
-    """What a draw is known to have given: its value, or, where there are finitely many, its place among those of the distribution."""
+    """What a draw is known to give: its value, or, where there are finitely many, at which places among those of the distribution it is."""
 
     value: object
-    place: int | None = None
+    places: tuple[int, ...] | None = None
 
     def of(self, distribution: Distribution) -> Distribution:
-        """The distribution that gives just this."""
-        support = distribution.support() if self.place is not None else None
-        return Uniform((self.value if support is None or self.place is None else support[self.place][0],))
+        """The distribution, given this."""
+        support = distribution.support() if self.places is not None else None
+        if support is None or self.places is None:
+            return Uniform((self.value,))
+        kept = tuple(support[place] for place in self.places)
+        return Discrete(kept) if len(kept) > 1 else Uniform(tuple(value for value, _ in kept))
 
+
+class GivenValues(NamedTuple):
+    """What is given of the runs (`Scenario.condition_on`): draws by address, and the values of global parameters at the end, by name."""
+
+    draws: Mapping[tuple[int, ...], KnownDraw] = {}
+    params: Mapping[str, object] = {}
 
 
 class Draw(NamedTuple):

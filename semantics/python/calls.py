@@ -9,12 +9,12 @@ from types import BuiltinFunctionType, MethodType
 from ..kernel.allowed import is_known, is_user_class
 from ..kernel.conditions import random_branch
 from ..kernel.config import Stack, State, Value, value
-from ..kernel.draws import draw
+from ..kernel.draws import draw, of_nothing
 from ..kernel.errors import RunError
 from ..kernel.host import HostException, host, raw
 from ..kernel.kinds import is_scalar, kind_name
 from ..kernel.nesting import check_written
-from ..kernel.outcome import Next, Outcome, Requirement, Stuck
+from ..kernel.outcome import Next, Outcome
 from ..kernel.positions import specified
 from ..kernel.premises import premises
 from ..kernel.queries import Clock, Closest, check_running, distance_to_closest
@@ -86,7 +86,7 @@ def conclude_call(node: p.Call, values: list[object], stack: Stack, state: State
         else:
             raise HostException(TypeError(f"{kind_name(argument)} after ** is not a mapping"))
     if origin is not None and isinstance(function, Constructor) and not arguments:
-        return Stuck("E-Distributions", Requirement("parameters", node.span, f"{function.name} of an empty list"))
+        return of_nothing(function, node.span)
     outcome = apply(node, function, tuple(arguments), keywords, stack, state)
     return outcome if origin is None else depending_on(origin, outcome)
 

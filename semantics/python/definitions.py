@@ -88,6 +88,7 @@ def make_scenic_class(
     except TypeError as exception:
         raise HostException(exception) from None
     defaults: dict[str, Node] = {}
+    check_finals(node, inheriting)
     for default in node.properties:
         name = canonical(default.name)
         if name in defaults:
@@ -108,6 +109,20 @@ def make_scenic_class(
     return ScenicClass(node.name, superclasses, defaults, scope, dict(members), node.span, own_finals=finals)
 
 
+def check_finals(node: s.ClassDefinition, inheriting: ScenicClass) -> None:
+    """The released Scenic 3: no class before another one in the lineage gives a default to a final property of that one."""
+    own = {canonical(default.name): default.span for default in node.properties}
+    lineage = inheriting.lineage
+    for i, owner in enumerate(lineage):
+        for name in sorted(owner.own_finals):
+            overriding = node.name if name in own else next((c.name for c in lineage[:i] if name in c.own_defaults), None)
+            if overriding is not None:
+                raise RunError(
+                    f"the property {name} of {owner.name} is final: {overriding} cannot give it another default", own.get(name, node.span),
+                    rule="S-Class", hint=f"leave out [final] in {owner.name}, or the default",
+                )
+
+
 def all_of(default: s.PropertyDefault, name: str, above: tuple[ScenicClass, ...], scope: Scope) -> Node:
     """The released implementations, `p[additive]: E`: the tuple of E and the defaults of the classes above, the nearest first."""
     items: list[Node] = [default.value]
@@ -115,12 +130,11 @@ def all_of(default: s.PropertyDefault, name: str, above: tuple[ScenicClass, ...]
         expression = owner.own_defaults.get(name)
         if expression is None:
             continue
+        if isinstance(expression, TupleDisplay) and expression.span is ADDED:  # those that it adds are those of the classes that follow
+            expression = expression.items[0]
         if owner.scope is not scope and not isinstance(expression, Constant):
             text = f"the default of {name} in {owner.name}, which is to be added, belongs to another module"
             raise RunError(text, default.span, rule="S-Class", hint="make it a constant")
-        if isinstance(expression, TupleDisplay) and expression.span is ADDED:  # which holds those above it already
-            items.extend(expression.items)
-            break
         items.append(expression)
     return TupleDisplay(items=tuple(items), span=ADDED)  # type: ignore[arg-type]
 

@@ -93,7 +93,7 @@ def resume_quantifying(frame: Quantifying, result: object, stack: Stack, state: 
         frame = frame._replace(found=(result, frame.found))
         if type(result) is Random or host(door, state, bool, result) is not (function is any):
             return pull(frame.generator, (frame, stack), state)
-    return value("E-Call-Host", host(door, state, function, in_order(frame.found)), stack, state, frame.node)
+    return returned(frame.node, host(door, state, function, in_order(frame.found)), stack, state)
 
 
 # islice
@@ -116,7 +116,7 @@ def islice_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Sta
     if chosen.step == 0:
         raise HostException(ValueError("islice() takes a step of at least 1"))
     wanted = range(chosen.start or 0, ENDLESS if chosen.stop is None else chosen.stop, chosen.step or 1)
-    return value("E-Call-Host", made(Slicing(generator, wanted), state.sigma, state), stack, state, node)  # type: ignore[arg-type]
+    return returned(node, made(Slicing(generator, wanted), state.sigma, state), stack, state)  # type: ignore[arg-type]
 
 
 ENDLESS = 2**62
@@ -169,7 +169,7 @@ def enumerate_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: 
 
 def paired(frame: Pairing, stack: Stack, state: State) -> Outcome:
     """The generator of rows."""
-    return value("E-Call-Host", made(frame, state.sigma, state), stack, state, frame.node)
+    return returned(frame.node, made(frame, state.sigma, state), stack, state)
 
 
 def advance_pairing(frame: Pairing, stack: Stack, state: State) -> Outcome:

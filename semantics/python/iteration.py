@@ -6,6 +6,8 @@
 from __future__ import annotations
 
 import operator as python
+from collections.abc import Mapping
+from typing import Any
 
 from ..kernel.budget import LARGEST_SEQUENCE
 from ..kernel.conditions import random_branch
@@ -13,8 +15,10 @@ from ..kernel.config import State
 from ..kernel.errors import RunError
 from ..kernel.host import host, raw
 from ..kernel.kinds import is_vector
+from ..kernel.sets import FrozenSet, Set
 from ..kernel.values import Origin, Random, plain, wrap
 from ..kernel.waiting import Waiting, needs_position
+from ..space.vectors import Vector
 from ..syntax.nodes import Node
 
 
@@ -37,18 +41,35 @@ def elements(iterable: object, node: Node, state: State) -> list[object]:
 
 
 def known_elements(iterable: Random, state: State) -> list[object] | None:
-    """The items of a random vector, or of a draw among lists that all have the same number of them, each random; None for anything else."""
-    if is_vector(iterable.value):
+    """The items of a random vector, or of a draw among containers that all have the same number of them, each random; None for anything else."""
+    length = known_length(iterable)
+    if is_vector(iterable.value) and (length is not None or iterable.origin.distribution is None):
         return [host(state.settings.door, state, python.attrgetter(axis), iterable) for axis in ("x", "y")]
-    support = iterable.origin.distribution.support() if iterable.origin.distribution is not None else None
-    choices = [plain(v) for v, _ in support or ()]
-    if not choices or not all(isinstance(c, (list, tuple)) for c in choices) or len({len(c) for c in choices}) > 1:  # type: ignore[arg-type]
+    if length is not None and length > LARGEST_SEQUENCE:
+        raise RunError(f"{length} elements are too many")
+    return None if length is None else [host(state.settings.door, state, element_at, iterable, place) for place in range(length)]
+
+
+def known_length(value: object) -> int | None:
+    """How many items a value has in every run; None if it may be something else than a container or a vector, or if their number differs."""
+    if type(value) is not Random:
+        return len(value) if isinstance(value, (*INDEXED, Mapping, Set, FrozenSet)) else None
+    if value.origin.distribution is None:
         return None
-    return [host(state.settings.door, state, python.getitem, iterable, place) for place in range(len(choices[0]))]  # type: ignore[arg-type]
+    lengths = {known_length(v) for v, _ in value.origin.distribution.support() or ((None, 1),)}
+    return lengths.pop() if len(lengths) == 1 else None
+
+
+INDEXED = (list, tuple, str, range, Vector)
+
+
+def element_at(container: Any, place: int) -> object:
+    """The item that is the next one after so many, when the container is iterated over."""
+    return container[place] if isinstance(container, INDEXED) else list(container)[place]
 
 
 def elements_in_this_run(iterable: object, node: Node, state: State) -> tuple[list[object], Origin | None]:
     """The items of something iterated over where their number may be random, and the draw that it depends on, if it is."""
-    if type(iterable) is not Random or known_elements(iterable, state) is not None:
+    if type(iterable) is not Random or known_elements(iterable, state):
         return elements(iterable, node, state), None
     return [wrap(v, iterable.origin) for v in elements(iterable.value, node, state)], iterable.origin

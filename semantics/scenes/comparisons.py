@@ -15,10 +15,8 @@ from ..kernel.nesting import check_written
 from ..kernel.outcome import Next, Outcome
 from ..kernel.premises import Premises, premises
 from ..kernel.values import Random, plain, unwrap
-from ..python.expressions import as_vector
 from ..python.keys import check_key
 from ..space.regions import Region
-from ..space.vectors import Vector
 from ..syntax import python_expressions as p
 from .operations import membership
 
@@ -96,8 +94,6 @@ def link(node: p.Comparison, name: str, left: object, right: object, state: Stat
             return COMPARE[name](left, right)
     state.settings.door.budget.compared(plain(left), plain(right))
     check_written(plain(left), plain(right))
-    if name in ("==", "!=") and isinstance(plain(left), Vector) is not isinstance(plain(right), Vector):
-        left, right = (as_vector(v, state) for v in (left, right))
     return host(state.settings.door, state, COMPARE[name], left, right)
 
 

@@ -29,7 +29,6 @@ from ..kernel.waiting import Waiting
 from ..python.functions import LARGEST_DEPTH
 from ..space.distributions import BadParameters, PointIn
 from ..space.fields import OutsideField
-from ..space.geometry import normalise_heading
 from ..space.regions import Region
 from ..space.vectors import Vector
 from ..syntax import expressions as e
@@ -38,7 +37,7 @@ from ..syntax import specifiers as q
 from ..syntax.nodes import Node
 from . import released
 from . import specifiers as sp
-from .operations import compute
+from .operations import compute, heading_property
 from .resolution import Ordered, Specification, postponed, resolve_specifiers
 from .specifier_arguments import arguments_of, choose_form, default_specification, describe, forms_under
 
@@ -153,17 +152,12 @@ def assign(rule: str, v: Mapping[str, object], stack: Stack, state: State) -> Ne
     specification, names = frame.order[frame.i]
     place = frame.node.span if specification.is_default else specification.node.span
     chosen = {n: checked_property(n, v[n], place, specification.name, state) for n in names if n in v}
-    if "heading" in chosen and state.reading("heading-property") == "wrapped":
-        chosen["heading"] = wrapped(chosen["heading"], state)
+    if "heading" in chosen:
+        reader = Reader(state)
+        chosen["heading"] = reader.wrap(heading_property(reader.plain(chosen["heading"]), reader))
     following = Construction(frame.node, frame.instance, frame.order, frame.i + 1, frame.outer, frame.depth)
     after = state.with_properties(frame.instance, chosen)
     return Next(rule, Config(Value(None), (following, rest), after), specification.node, Change("O", "", None, frame.instance))
-
-
-def wrapped(heading: object, state: State) -> object:
-    """The heading in (-π, π] (reading `heading-property`)."""
-    reader = Reader(state)
-    return reader.wrap(compute(normalise_heading, [reader.plain(heading)], reader))
 
 
 def outside(frame: Construction, state: State) -> State:

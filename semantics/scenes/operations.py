@@ -17,6 +17,7 @@ from ..kernel.values import Instance
 from ..kernel.waiting import Waiting
 from ..python.functions import InScope
 from ..space.fields import OutsideField
+from ..space.geometry import normalise_heading
 from ..space.vectors import Vector
 from ..syntax import expressions as e
 from ..syntax.nodes import Node
@@ -159,8 +160,13 @@ def new_oriented_point(at: OrientedPointAt, reader: Reader, state: State) -> tup
     properties = dict(built_in_defaults(ORIENTED_POINT_CLASS))
     properties["position"] = reader.wrap(at.position)
     if at.heading is not None:
-        properties["heading"] = reader.wrap(at.heading)
+        properties["heading"] = reader.wrap(heading_property(at.heading, reader))
     return point, state._replace(objects={**state.objects, number: properties}, made=number + 1)
+
+
+def heading_property(heading: object, reader: Reader) -> object:
+    """What the property heading is: the number, or the angle in (-π, π] (reading `heading-property`)."""
+    return compute(normalise_heading, [heading], reader) if reader.state.reading("heading-property") == "wrapped" else heading
 
 
 def membership(node: Node, left: object, right: object, stack: Stack, state: State) -> Outcome:

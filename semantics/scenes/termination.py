@@ -14,6 +14,7 @@ from ..kernel.outcome import Done, Draw, Next, Observe, Outcome, Stuck
 from ..kernel.values import Origin, Random
 from ..syntax.python_expressions import Constant
 from .default_requirements import Premise, check_default_requirements, default_requirements
+from .given import given_params
 from .mutation import NOISY_PROPERTIES, apply_mutations
 from .statements import enforce
 
@@ -79,7 +80,7 @@ def resume_late(frame: Late, result: object, stack: Stack, state: State) -> Outc
     if frame.i < len(state.late):
         node, captured = state.late[frame.i]
         return enforce(node, (Late(frame.i + 1, frame.since, state), stack), as_captured(captured, state))  # type: ignore[arg-type]
-    return Next("", Config(PASS, (Checking(tuple(default_requirements(state, frame.since))), stack), state._replace(late=())))
+    return Next("", Config(PASS, (Checking((*default_requirements(state, frame.since), *given_params(state))), stack), state._replace(late=())))
 
 
 def as_captured(captured: Captured, state: State) -> State:

@@ -8,10 +8,18 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Vector:
-    """The vector ⟨x, y⟩; `x` points East, `y` North; floats, or arrays of one shape for many vectors at once."""
+    """The vector ⟨x, y⟩; `x` points East, `y` North; floats, or arrays of one shape for many vectors at once.
+
+    It equals the pair of its coordinates, which is the paper's syntax for it, and has the hash of that.
+    """
 
     x: float
     y: float
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is Vector:
+            return (self.x, self.y) == (other.x, other.y)
+        return (self.x, self.y) == other if type(other) is tuple else NotImplemented
 
     def __iter__(self) -> Iterator[float]:
         yield self.x

@@ -7,7 +7,7 @@ distribution is made: `BadParameters` says which is wrong, and why.
 
 from ..regions.sampling import Numbers
 from .continuous import Normal, Range, TruncatedNormal
-from .distribution import BadParameters, Distribution, Support
+from .distribution import BadParameters, Distribution, NoValues, Support
 from .finite import Coin, Discrete, Uniform
 from .points import PointIn
 
@@ -16,6 +16,7 @@ __all__ = [
     "Coin",
     "Discrete",
     "Distribution",
+    "NoValues",
     "Normal",
     "Numbers",
     "PointIn",

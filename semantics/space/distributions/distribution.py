@@ -24,6 +24,10 @@ class BadParameters(ValueError):
         self.reason = reason
 
 
+class NoValues(BadParameters):
+    """A distribution over values has none."""
+
+
 def exact(number: float | Fraction) -> Fraction:
     """The number as a fraction; a float counts as the shortest decimal that is written for it, so that 0.1 is 1/10."""
     return Fraction(repr(float(number))) if isinstance(number, float) else Fraction(number)

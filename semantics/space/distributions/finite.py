@@ -10,7 +10,7 @@ from itertools import accumulate
 
 from ..numeric import pick, search
 from ..regions.sampling import Numbers
-from .distribution import BadParameters, Named, Support, exact
+from .distribution import BadParameters, Named, NoValues, Support, exact
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class Uniform(Named):
     def __post_init__(self) -> None:
         object.__setattr__(self, "values", tuple(self.values))
         if not self.values:
-            raise BadParameters(self.name, "values", "must not be empty")
+            raise NoValues(self.name, "values", "must not be empty")
 
     def sample(self, uniform: Numbers) -> object:
         return pick(self.values, uniform() * len(self.values))
@@ -49,8 +49,10 @@ class Discrete(Named):
                 raise BadParameters(self.name, "weight", f"of {value!r} must be a finite number, not {weight!r}")
             if weight < 0:
                 raise BadParameters(self.name, "weight", f"of {value!r} must not be negative, but it is {weight}")
+        if not pairs:
+            raise NoValues(self.name, "weights", "must not be empty")
         if not any(weight > 0 for _, weight in pairs):
-            raise BadParameters(self.name, "weights", "must not all be 0" if pairs else "must not be empty")
+            raise BadParameters(self.name, "weights", "must not all be 0")
 
     @cached_property
     def choices(self) -> tuple[object, ...]:
