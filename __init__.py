@@ -11,9 +11,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from . import errors
     from .formats.scenes import Scene, SceneObject
     from .scenario import Scenario, load, loads
-    from .semantics.kernel import errors
 
 __version__ = "0.1.0"
 
@@ -21,7 +21,7 @@ __all__ = ["Scenario", "Scene", "SceneObject", "__version__", "errors", "load", 
 
 _HOMES = {
     "Scene": ".formats.scenes", "SceneObject": ".formats.scenes", "Scenario": ".scenario", "load": ".scenario", "loads": ".scenario",
-    "errors": ".semantics.kernel.errors",
+    "errors": ".errors",
 }
 
 

@@ -109,6 +109,12 @@ def test_every_exit_code_is_documented(pages: dict[str, str]):
         assert all(f"\n| {code} | " in page for code in used)
 
 
+def test_the_classes_of_errors_are_those_of_a_module_of_their_own():
+    names = {kind.__name__ for kind in family(errors.ScenicError) if kind.__module__ == errors.__name__}
+    public = importlib.import_module("scenic_ref.errors")
+    assert {name: getattr(public, name) for name in names} == {name: getattr(errors, name) for name in names}
+
+
 def test_every_class_of_error_is_documented():
     page = (ROOT / "docs" / "errors.md").read_text()
     names = {kind.__name__ for kind in family(errors.ScenicError)}
