@@ -150,12 +150,12 @@ def host(door: Door, state: State, operation: Callable[..., object], *arguments:
     origin: Origin | None = None
     plain_arguments = []
     for argument in arguments:
-        value, found = unwrap((argument.taken_ahead() or argument) if type(argument) is Generator else argument)
+        value, found = unwrap(in_list(argument))
         origin = origin or found
         plain_arguments.append(value)
     plain_keywords = {}
     for name, argument in keywords.items():
-        plain_keywords[name], found = unwrap(argument)
+        plain_keywords[name], found = unwrap(in_list(argument))
         origin = origin or found
     door.state, door.origin = state, None
     door.budget.go_through(plain_arguments)
@@ -175,6 +175,11 @@ def host(door: Door, state: State, operation: Callable[..., object], *arguments:
     if type(result) not in PLAIN:
         result = settled(result, state)
     return wrap(result, origin or door.origin)
+
+
+def in_list(argument: object) -> object:
+    """The elements of a generator that were computed ahead, so that what is random in them is seen; anything else as it is."""
+    return (argument.taken_ahead() or argument) if type(argument) is Generator else argument
 
 
 def settled(result: object, state: State) -> object:

@@ -6,7 +6,7 @@ The paper's equation for it reads `self.position`, "the position of the object b
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -43,3 +43,10 @@ def needs_position(waiting: Waiting) -> NeedsPosition:
         "a vector field relative to something has no value by itself: it needs the position of an object being specified",
         waiting.span, rule="O-RelativeTo-HeadingField", hint="use it inside a specifier, or write `field at position`",
     )  # fmt: skip
+
+
+def refuse_waiting(arguments: Iterable[object]) -> None:
+    """Raises `NeedsPosition` where an argument waits for a position."""
+    for argument in arguments:
+        if type(argument) is Waiting:
+            raise needs_position(argument)

@@ -260,8 +260,8 @@ def conclude_augmented(node: s.AugmentedAssignment, values: list[object], stack:
     *parts, current, operand = values
     operation = IN_PLACE[node.operator]
     if any(type(v) is Waiting for v in (current, operand)) and not isinstance(current, CHANGEABLE):
-        written = p.BinaryOperation(operator=node.operator, left=p.Constant(value=None), right=node.value, span=node.span)
-        result = wait(written, (current, operand), conclude_binary, state)
+        binary = p.BinaryOperation(operator=node.operator, left=p.Constant(value=None), right=node.value, span=node.span)
+        result = wait(binary, (current, operand), conclude_binary, state)
     elif hasattr(type(plain(current)), f"__{operation.__name__}__"):
         result = change_in_place(node, operation, current, operand, state)
     else:

@@ -36,7 +36,7 @@ from ..kernel.values import (
     wrap,
 )  # fmt: skip
 from ..kernel.versions import STORED, note_call
-from ..kernel.waiting import Waiting, needs_position
+from ..kernel.waiting import refuse_waiting
 from ..space.distributions import BadParameters
 from ..space.fields import BadField, VectorField
 from ..space.numeric import number
@@ -158,13 +158,6 @@ def apply(node: Node, function: object, arguments: tuple[object, ...], keywords:
         case _:
             lazily = generator_rule(function, arguments)
             return lazily(node, arguments, keywords, stack, state) if lazily else call_host(node, function, arguments, keywords, stack, state)
-
-
-def refuse_waiting(arguments: tuple[object, ...]) -> None:
-    """Raises `NeedsPosition` where an argument waits for a position."""
-    for argument in arguments:
-        if type(argument) is Waiting:
-            raise needs_position(argument)
 
 
 def invocation(dynamic: Dynamic, arguments: tuple[object, ...], keywords: Mapping[str, object]) -> Dynamic:

@@ -179,6 +179,11 @@ def area_of(r: regions.PolygonalRegion | regions.RectangularRegion) -> float:
     return r.width * r.length if isinstance(r, regions.RectangularRegion) else r.polygon.area
 
 
+def length_of_line(line: regions.PolylineRegion) -> float:
+    """`line.length`."""
+    return line.measure()
+
+
 def points_of(r: regions.PolylineRegion) -> tuple[Vector, ...]:
     """The points of a polyline, from its beginning on."""
     return tuple(point for line in r.lines for point in line)
@@ -208,7 +213,7 @@ OF_FIELDS: Mapping[str, Rewrite] = {
     "followFrom": lambda f, v, s: p.Attribute(value=e.Follow(field=f, origin=v, distance=s), name="position"),
 }
 OF_POLYLINES: Mapping[str, Rewrite] = {
-    "length": lambda r: number(r.value.measure()),
+    "length": computed(length_of_line),
     "start": lambda r: oriented(r.value.lines[0][0], r.value),
     "points": computed(points_of),
     "end": lambda r: oriented(r.value.lines[-1][-1], r.value),

@@ -18,7 +18,7 @@ from ..kernel.premises import describe_origin
 from ..kernel.scopes import MISSING, Scope
 from ..kernel.values import Above, Dynamic, Function, Instance, Method, Origin, Random, ScenicClass, Special, plain, unwrap, wrap
 from ..kernel.versions import STORED
-from ..kernel.waiting import Waiting, needs_position
+from ..kernel.waiting import refuse_waiting
 from ..space.regions import PolylineRegion
 from ..syntax import python_expressions as p
 from ..syntax.nodes import Node
@@ -223,9 +223,7 @@ def structural(builtin: Callable[..., object]) -> Rule:
 
     def rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
         options = () if builtin is dict else keywords.values()
-        for argument in arguments:
-            if type(argument) is Waiting:
-                raise needs_position(argument)
+        refuse_waiting(arguments)
         if any(type(a) is Random for a in (*arguments, *options)):
             return returned(node, host(state.settings.door, state, function, *arguments, **keywords), stack, state)
         made = raw(state.settings.door, state, function, *arguments, **keywords)

@@ -76,8 +76,8 @@ def capture(node: s.Require, stack: Stack, state: State) -> Outcome:
 
 def enforce(node: s.Require, stack: Stack, state: State) -> Outcome:
     """Reduce the condition: now, or at the end of the program in the state of the statement (reading `require-time`)."""
-    text = f"the requirement on line {node.span.line}" if node.span.line else f"that the parameter {node.name} has the value that is given"
-    return reduce(node.condition, Requiring(Requirement("require", node.span, text), required), stack, state)
+    requirement = Requirement("require", node.span, f"the requirement on line {node.span.line}")
+    return reduce(node.condition, Requiring(requirement, required), stack, state)
 
 
 def soft_requirement(node: s.SoftRequire, stack: Stack, state: State) -> Outcome:

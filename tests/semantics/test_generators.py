@@ -32,6 +32,11 @@ def caught(f, *kinds):
 
 DRAWS = [
     (
+        "random elements, by keyword",
+        "x = Uniform(3, 3)\nr = PolylineRegion(points=(Vector(x * i, 0) for i in range(3)))\nparam r = r.length",
+        6,
+    ),
+    (
         'drawn when asked for',
         'g = (Uniform(x, x) for x in (1, 2))\nparam r = [next(g), sum(g)]',
         [1, 2],
