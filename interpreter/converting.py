@@ -22,7 +22,7 @@ from ..semantics.syntax import statements as s
 from .comments import Comments, place_of
 from .dialects import DEFAULT, DIALECTS, MARK, Dialect
 from .modules import with_old_imports
-from .nesting import room
+from .nesting import room, same
 from .parser import parse
 from .printer import INDENT, Item, StatementPrinter
 
@@ -148,7 +148,7 @@ def check_said(statement: Statement, target: Dialect, classes: frozenset[str]) -
     try:
         text = "\n".join(Converted(target).lines(statement)) + "\n"
         again = settled(parse(text, dialect=target.name).statements, classes)
-        reason = "" if again == (statement,) else AMBIGUOUS
+        reason = "" if same(again, (statement,)) else AMBIGUOUS
     except ParseError as problem:
         reason = problem.message
     if reason:
