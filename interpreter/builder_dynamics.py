@@ -149,6 +149,11 @@ class DynamicsBuilder(BuilderBase):
     def make_require_eventually(self, span: Span, parts: Parts) -> RequireEventually:
         return RequireEventually(span=span, condition=self.without_formulas(parts[0]), name=parts[1] or "")
 
+    def make_require_formula(self, span: Span, parts: Parts) -> RequireAlways | RequireEventually:
+        word, operand, name = parts
+        kind = RequireAlways if word.type == "ALWAYS" else RequireEventually
+        return kind(span=span, condition=self.without_formulas(operand), name=name or "")
+
     def without_formulas(self, node: Expression) -> Expression:
         """The condition `node`. Raises `ParseError` where it has operators over time."""
         part = condition(node)

@@ -188,7 +188,7 @@ class ExpressionBuilder(BuilderBase):
     def make_comparison(self, span: Span, parts: Parts) -> Expression:
         operators: Any = tuple(self.comparison_operator(token) for token in parts[1::2])
         node = Comparison(span=span, left=parts[0], operators=operators, operands=tuple(parts[2::2]))
-        if operators != ("in",) or not is_dotted_name(parts[0]) or parts[1].type == "IS_IN":
+        if self.dialect.explicit_new or operators != ("in",) or not is_dotted_name(parts[0]) or parts[1].type == "IS_IN":
             return node
         place = join(self.token_span(parts[1]), parts[2].span)
         specifier = InSpecifier(span=place, keyword="in", region=parts[2])

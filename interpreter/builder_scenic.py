@@ -17,12 +17,15 @@ from ..semantics.syntax.expressions import (
     Degrees,
     Distance,
     DistancePast,
+    FieldAt,
     Follow,
     InInitialScenario,
     Intersects,
     NotVisible,
     ObjectDefinition,
     ObjectOrOperator,
+    OffsetAlong,
+    OffsetBy,
     RelativeHeading,
     RelativePosition,
     Seconds,
@@ -30,8 +33,9 @@ from ..semantics.syntax.expressions import (
     SideOf,
     VectorOf,
     Visible,
+    VisibleFrom,
 )
-from ..semantics.syntax.python_expressions import Conditional, UnaryOperation
+from ..semantics.syntax.python_expressions import Comparison, Conditional, UnaryOperation
 from ..semantics.syntax.specifiers import (
     ApparentlyFacingSpecifier,
     AtSpecifier,
@@ -51,9 +55,12 @@ from ..semantics.syntax.specifiers import (
 )
 from .chains import Link, as_vector, associate, is_dotted_name, join
 from .dialects import having
+from .nesting import children
 from .tree_builder import BuilderBase, Parts, condition, is_number
 
 CHAIN_LIMIT = 50
+OPERATORS = Comparison | FieldAt | NotVisible | OffsetAlong | OffsetBy | VisibleFrom
+"""What `C` and a first specifier look like where objects are made with `new`."""
 BEGIN = "begin with a class, as in `Car at X, facing H`"
 SPECIFIER_ARGUMENTS: Mapping[type[Specifier], str] = {
     AtSpecifier: "vector", OffsetBySpecifier: "offset", OffsetAlongSpecifier: "offset", InSpecifier: "region",
@@ -89,7 +96,7 @@ class ScenicBuilder(BuilderBase):
             links.append(Link(token.type, next(rest), self.token_span(token), direction))
         if len(links) > CHAIN_LIMIT:
             raise ParseError("nested too deeply", links[CHAIN_LIMIT].keyword)
-        return associate(parts[0], links)
+        return associate(parts[0], links, objects=not self.dialect.explicit_new)
 
     # -- Postfix and prefix operators
 
@@ -193,7 +200,8 @@ class ScenicBuilder(BuilderBase):
     def make_object_after_operator(self, span: Span, parts: Parts) -> ObjectDefinition:
         first, *specifiers = parts
         if not isinstance(first, ObjectOrOperator):
-            self.stray[span] = stray(first, specifiers[0])
+            lacks_new = self.dialect.explicit_new and isinstance(first, OPERATORS) and is_dotted_name(next(children(first)))  # type: ignore[arg-type]
+            self.stray[span] = self.needs_new(first.span) if lacks_new else stray(first, specifiers[0])
             return ObjectDefinition(span=span, class_=first, specifiers=tuple(specifiers))
         definition = first.as_object
         return self.defined(ObjectDefinition(span=span, class_=definition.class_, specifiers=definition.specifiers + tuple(specifiers)))
@@ -220,7 +228,7 @@ class ScenicBuilder(BuilderBase):
     # -- Specifiers
 
     def make_with(self, span: Span, parts: Parts) -> WithSpecifier:
-        return WithSpecifier(span=span, property=self.identifier(parts[0]), value=parts[1])
+        return WithSpecifier(span=span, property=self.two_dimensional(self.identifier(parts[0]), span), value=parts[1])
 
     def make_at(self, span: Span, parts: Parts) -> AtSpecifier:
         return AtSpecifier(span=span, vector=as_vector(parts[1]))

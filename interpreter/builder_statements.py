@@ -192,7 +192,7 @@ class StatementBuilder(BuilderBase):
                 return Pass(span=span)
             raise ParseError("a property is written `name: default`", span)
         names = () if attributes is None else tuple(attributes.strip("[] \t").replace(",", " ").split())
-        node = PropertyDefault(span=span, name=left.name, value=self.object_place(annotation), attributes=names)
+        node = PropertyDefault(span=span, name=self.two_dimensional(left.name, span), value=self.object_place(annotation), attributes=names)
         self.properties[span] = node
         return node
 

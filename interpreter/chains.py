@@ -53,14 +53,14 @@ def as_vector(node: Expression) -> Expression:
     return node
 
 
-def associate(first: Expression, links: list[Link]) -> Expression:
-    """The tree of `first link link ...`; where a (dotted) name heads a chain, it may be a class."""
+def associate(first: Expression, links: list[Link], objects: bool) -> Expression:
+    """The tree of `first link link ...`; where a (dotted) name heads a chain, it may be a class, if `objects` are made without `new`."""
     operands = [first, *(link.operand for link in links)]
     trees = operands[:]  # trees[i]: the tree of everything from operand i to the end
     for index in range(len(links) - 1, -1, -1):
         head, opening = operands[index], links[index]
         operator = _fold(index, links, trees, head)
-        if opening.kind != "RELATIVE_TO" and is_dotted_name(head):
+        if objects and opening.kind != "RELATIVE_TO" and is_dotted_name(head):
             definition = ObjectDefinition(span=operator.span, class_=head, specifiers=(_specifier(opening, trees[index + 1]),))
             trees[index] = ObjectOrOperator(span=operator.span, head=head, as_object=definition, as_operator=operator)
         else:

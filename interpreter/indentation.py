@@ -1,4 +1,4 @@
-"""Layout: the post-lexer that drops line breaks inside brackets, turns indentation into tokens and says how tightly `deg` binds."""
+"""Layout: the post-lexer that drops line breaks inside brackets, turns indentation into tokens and knows the words of the releases."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ class Layout:
     """A token stream with `_INDENT` and `_DEDENT`; it keeps no state between texts.
 
     Layout tokens stand where the last significant token ended, so that blocks end where their last statement does. In the dialects of the releases
-    (`loose_degrees`) `deg` is an operator like `*`.
+    (`released`) `deg` is an operator like `*`, and elsewhere `always` and `eventually` are names.
     """
 
     always_accept = ("_NEWLINE",)
 
-    def __init__(self, loose_degrees: bool) -> None:
-        self.degrees = "LOOSE_DEG" if loose_degrees else "DEG"
+    def __init__(self, released: bool) -> None:
+        self.others = {"DEG": "LOOSE_DEG"} if released else {"ALWAYS": "NAME", "EVENTUALLY": "NAME"}
 
     def process(self, stream: Iterator[Token]) -> Iterator[Token]:
         """The tokens of `stream`, with layout made explicit. Raises ParseError on inconsistent indentation."""
@@ -49,7 +49,7 @@ class Layout:
             line_start = token.type == "SEMICOLON"
             depth += (token.type in OPENING) - (token.type in CLOSING)
             last = token
-            yield Token.new_borrow_pos(self.degrees, token, token) if token.type == "DEG" else token
+            yield Token.new_borrow_pos(self.others[token.type], token, token) if token.type in self.others else token
         while len(levels) > 1:
             levels.pop()
             yield _after(last, "_DEDENT", last)

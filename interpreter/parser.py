@@ -63,7 +63,7 @@ def parse_tree(source: str, start: Start, origin: TextOrigin, dialect: Dialect) 
 
 
 @cache
-def tables(loose_degrees: bool) -> Lark:
+def tables(released: bool) -> Lark:
     """The parser's tables, built once per process or loaded from the user's cache directory, with the layout of the releases or without."""
     grammar = files("scenic_ref.interpreter").joinpath("grammar.lark").read_text("utf-8")
     return Lark(
@@ -73,7 +73,7 @@ def tables(loose_degrees: bool) -> Lark:
         start=["program", "interpolation"],
         propagate_positions=True,
         maybe_placeholders=True,
-        postlex=Layout(loose_degrees),
+        postlex=Layout(released),
         cache=cache_file() or False,
     )
 

@@ -75,8 +75,12 @@ class BuilderBase:
         for place in self.properties:
             raise ParseError("`name: default` lines belong in classes", place, hint="give the variable a value, as in `x: int = 3`")
         for place in self.without_new:
-            raise ParseError(f"dialect {self.dialect.name} makes objects with `new`", place, hint="write `new` before the class")
+            raise self.needs_new(place)
         return values[0]
+
+    def needs_new(self, place: Span) -> ParseError:
+        """The error for an object without `new`."""
+        return ParseError(f"dialect {self.dialect.name} makes objects with `new`", place, hint="write `new` before the class")
 
     def span_of(self, tree: Tree[Token]) -> Span:
         """The place of a rule's text."""
@@ -102,6 +106,13 @@ class BuilderBase:
         if not self.dialect.released:
             raise ParseError(f"`{construct}` belongs to dialects {having('released')}", span, hint=hint or "choose that dialect by --dialect")
 
+    def two_dimensional(self, name: str, span: Span) -> str:
+        """The name of a property. Raises ParseError where it is one from which the released Scenic 3 makes an orientation in space."""
+        if self.dialect.explicit_new and name in ORIENTATION:
+            text = f"the property `{name}` is three-dimensional; this reference is two-dimensional"
+            raise ParseError(text, span, hint="write `facing A`, or give a default to `heading`" if name == "yaw" else "leave it out")
+        return name
+
     def object_place(self, node: Expression) -> Expression:
         """`node` where an object may stand: a (dotted) name alone may then be a class (reading `bare-class`)."""
         if not self.dialect.explicit_new and is_dotted_name(node):
@@ -109,6 +120,10 @@ class BuilderBase:
         if isinstance(node, TupleDisplay):
             _refuse_split_vector(node)
         return node
+
+
+ORIENTATION = {"yaw", "pitch", "roll", "parentOrientation", "orientation"}
+"""The properties of the released Scenic 3 that are parts of an orientation in space."""
 
 
 def _refuse_split_vector(node: TupleDisplay) -> None:

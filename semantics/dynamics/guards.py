@@ -10,7 +10,7 @@ from ..kernel.config import PASS, Abrupt, Config, Stack, State
 from ..kernel.errors import InvariantViolation, PreconditionViolation
 from ..kernel.outcome import Next, Outcome
 from ..kernel.scopes import Scope, function_names
-from ..kernel.simulation import simulation_of
+from ..kernel.simulation import TOP, simulation_of
 from ..kernel.values import Dynamic
 from ..python.functions import bind
 from ..syntax import dynamics as d
@@ -140,6 +140,15 @@ def do_returns(stack: Stack, state: State) -> Outcome:
     behavior/scenario are checked as above." They have been: ⟨do B⟩ → ⟨pass⟩.
     """
     return Next("D-Do-Return", Config(PASS, stack, state))
+
+
+def opening_guards(state: State) -> tuple[Guards, ...]:
+    """The preconditions of the initial scenario in the first time step, under the reading `initial-guards=first-step`."""
+    simulation = simulation_of(state)
+    top = simulation.scenarios[TOP]
+    if simulation.step > 0 or top.dynamic is None or state.reading("initial-guards") == "around-setup":
+        return ()
+    return guards_of(top.dynamic, top.scope)[:1]
 
 
 def compose_guards(number: int, state: State) -> Guards:

@@ -60,11 +60,13 @@ class OpeningGuards(NamedTuple):
 def begin_initial(main: Dynamic, stack: Stack, state: State) -> Outcome:
     """Check the preconditions of the initial scenario, then run its setup block as part of the generation of the scene.
 
-    Its invariants are checked in each time step, as those of other scenarios are (reading `initial-guards`).
+    Its invariants are checked in each time step, as those of other scenarios are; under the reading `initial-guards=first-step` its preconditions
+    are so in the first one.
     """
     scenario = main if main.arguments is not None else invocation(main, (), {})
     assert scenario.space is not None
-    return check_preconditions(OpeningGuards(scenario, 0, state.sigma), stack, state._replace(initial=scenario, sigma=scenario.space))
+    done = len(scenario.definition.preconditions) if state.reading("initial-guards") == "first-step" else 0  # type: ignore[attr-defined]
+    return check_preconditions(OpeningGuards(scenario, done, state.sigma), stack, state._replace(initial=scenario, sigma=scenario.space))
 
 
 def check_preconditions(frame: OpeningGuards, stack: Stack, state: State) -> Outcome:

@@ -34,6 +34,7 @@ from ..kernel.values import Dynamic, plain
 from ..syntax import dynamics as d
 from ..syntax.nodes import NOWHERE, Node
 from .endings import end_scenario
+from .guards import guarded, opening_guards
 from .interrupts import run_for_one_step
 from .invocations import Begin, Beginning, begin_all, with_arguments
 from .processes import Ended, Yielded, address_of
@@ -93,7 +94,7 @@ def compose_blocks(frame: Step, result: object, stack: Stack, state: State) -> O
     terminate when conditions is true, or it executes terminate, set a flag to remember this".
     """
     if result is None:
-        return step_of_scenario(TOP, (frame, stack), with_simulation(state, active=()))
+        return guarded(opening_guards(state), partial(step_of_scenario, TOP), (frame, stack), with_simulation(state, active=()))
     reason = result.reason if isinstance(result, Over) else ""
     return following(frame, "D-Policy-1", stack, flagged(reason, state))
 
@@ -145,11 +146,11 @@ def eventually(number: int, place: int, node: d.RequireEventually, result: objec
 def record(node: d.Record, result: object, stack: Stack, state: State) -> Outcome:
     """If ⟨E, σ⟩ → v in time step t then ⟨record E as name, σ⟩ → ⟨pass, σ⟩, and (t, v) is recorded under the name.
 
-    Of `record initial E` that is so in the first time step of the scenario, of `record final E` in its last.
+    Of `record initial E` that is so in the first time step of the scenario, of `record final E` in its last. The last statement of a name counts.
     """
     name, now = name_of_record(node), simulation_of(state).step
     recorded = simulation_of(state).recorded
-    before = () if node.time == "final" else recorded.get(name, ())
+    before = () if node.time == "final" else tuple(earlier for earlier in recorded.get(name, ()) if earlier[0] < now)
     after = with_simulation(state, recorded={**recorded, name: (*before, (now, plain(result)))})
     return Next("D-Record", Config(PASS, stack, after), node)
 

@@ -14,15 +14,19 @@ from .scopes import Scope
 from .values import ScenicClass
 from .versions import Versions
 
-ALIASES: Mapping[str, str] = {"height": "length", "visibleDistance": "viewDistance"}
-"""Second spellings of properties (readings `height` and `view-distance`)."""
-
 EMPTY = Scope("builtins", Versions())
 
 
-def canonical(name: str) -> str:
-    """The property that a name stands for."""
-    return ALIASES.get(name, name)
+SPELLINGS: Mapping[str, Mapping[str, str]] = {
+    "length": {"height": "length", "visibleDistance": "viewDistance"},
+    "own": {"visibleDistance": "viewDistance"},
+}
+"""Second spellings of properties (reading `view-distance`), by the alternatives of the reading `height`."""
+
+
+def canonical(name: str, height: str) -> str:
+    """The property that a name stands for, under an alternative of the reading `height`."""
+    return SPELLINGS[height].get(name, name)
 
 
 def _constant(value: object) -> Constant:

@@ -81,12 +81,6 @@ def corners(o: Expression) -> Expression:
     return p.TupleDisplay(items=tuple(p.Attribute(value=e.SideOf(side=s, object=o), name="position") for s in sides))
 
 
-def oriented(at: Vector, line: regions.PolylineRegion) -> Expression:
-    """A point of a polyline, oriented along it."""
-    specifiers = (q.AtSpecifier(vector=p.Constant(value=at)), q.FacingSpecifier(direction=number(line.heading_at(at))))
-    return e.ObjectDefinition(class_=p.Constant(value=ORIENTED_POINT_CLASS), specifiers=specifiers)
-
-
 def side(name: e.Side) -> Rewrite:
     """`front of O` and its siblings."""
     return lambda o: e.SideOf(side=name, object=o)
@@ -189,6 +183,28 @@ def points_of(r: regions.PolylineRegion) -> tuple[Vector, ...]:
     return tuple(point for line in r.lines for point in line)
 
 
+def start_of(line: regions.PolylineRegion) -> Vector:
+    """The first point of a polyline."""
+    return line.lines[0][0]
+
+
+def end_of(line: regions.PolylineRegion) -> Vector:
+    """The last point of a polyline."""
+    return line.lines[-1][-1]
+
+
+def oriented(point: Callable[[regions.PolylineRegion], Vector]) -> Rewrite:
+    """A point of a polyline, oriented along it: `OrientedPoint at (the point), facing (the heading of the line there)`."""
+
+    def heading_there(line: regions.PolylineRegion) -> float:
+        return line.heading_at(point(line))
+
+    return lambda r: e.ObjectDefinition(
+        class_=p.Constant(value=ORIENTED_POINT_CLASS),
+        specifiers=(q.AtSpecifier(vector=computed(point)(r)), q.FacingSpecifier(direction=computed(heading_there)(r))),
+    )
+
+
 def field_of_regions(parts: list[regions.Region], tolerance: float = 0.0) -> VectorField:
     """A field with the orientation of the first of some regions that has the point, or of the nearest one within `tolerance` metres."""
 
@@ -214,9 +230,9 @@ OF_FIELDS: Mapping[str, Rewrite] = {
 }
 OF_POLYLINES: Mapping[str, Rewrite] = {
     "length": computed(length_of_line),
-    "start": lambda r: oriented(r.value.lines[0][0], r.value),
+    "start": oriented(start_of),
     "points": computed(points_of),
-    "end": lambda r: oriented(r.value.lines[-1][-1], r.value),
+    "end": oriented(end_of),
 }
 OF_POLYGONS: Mapping[str, Rewrite] = {"boundary": computed(boundary_of), "area": computed(area_of)}
 OF_RECTANGLES: Mapping[str, Rewrite] = {**OF_POLYGONS, "corners": computed(corners_of)}
@@ -249,7 +265,7 @@ def member(subject: object, name: str, state: State) -> tuple[Rewrite, bool] | N
     inner = plain(subject)
     match inner:
         case Instance():
-            if canonical(name) in state.objects[inner.number] or inner.class_.method(name) is not None:
+            if canonical(name, state.reading("height")) in state.objects[inner.number] or inner.class_.method(name) is not None:
                 return None
             attributes = {**AXES, **SEEING, **(SIDES if is_object(inner) else {})}
             methods = OF_OBJECTS if is_object(inner) else OF_ORIENTED_POINTS if is_oriented(inner) else OF_POINTS

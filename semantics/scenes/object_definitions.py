@@ -111,7 +111,7 @@ def resolve(class_: ScenicClass, node: e.ObjectDefinition, values: list[object],
         if final:
             text = f"the property {min(final)} of {class_.name} is final: no specifier may specify it"
             raise RunError(text, one.node.span, rule="E-ObjectDefinition")
-    defaults = {name: default_specification(name, expression, owner) for name, (expression, owner) in class_.defaults.items()}
+    defaults = {name: default_specification(name, expression, owner, state) for name, (expression, owner) in class_.defaults.items()}
     known = frozenset(defaults) if state.reading("optional-unknown") == "ignore" else None
     absent = frozenset({"width", "length"}) if state.reading("point-size") == "zero" else frozenset()
     order = resolve_specifiers(node.span, specifications, defaults, known, absent)

@@ -105,7 +105,8 @@ def postponed(remaining: Ordered, changed: Specification, span: Span) -> Ordered
 def specified_twice(name: str, first: Specification, second: Specification) -> SpecifiedTwice:
     """Algorithm 1 (resolveSpecifiers), gather all specified properties: if "P ∈ dom specForProperty", "syntax error: property P specified twice"."""
     text = f"the property {name} is specified twice: by `{first.name}` and by `{second.name}`"
-    return SpecifiedTwice(text, second.node.span, rule="R-SpecifiedTwice")
+    hint = "height is another spelling of length, unless the reading is `height=own`" if "with height" in (first.name, second.name) else ""
+    return SpecifiedTwice(text, second.node.span, rule="R-SpecifiedTwice", hint=hint)
 
 
 def specified_twice_optionally(name: str, candidates: list[Specification]) -> SpecifiedTwiceOptionally:

@@ -41,6 +41,7 @@ SHOWN: dict[tuple[str, str], list[object]] = {
     ("ego-of-scenarios", "shared"): [None, None, "terminated"],
     ("finally-of-coroutines", "own-way-out"): [1, 4, None, None, LIMIT],
     ("initial-guards", "around-setup"): [None, "terminated"],
+    ("initial-guards", "first-step"): REJECTED,
     ("compose-only", "when-needed"): [None, "terminated"],
 }
 SHARES = {("choose-weights", "renormalised"), ("rejected-simulation", "discard"), ("rejected-simulation", "retry"), ("compose-only", "scene")}
