@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from ..interpreter.dialects import DEFAULT, choose
 from ..interpreter.printer import parameter_name
 from ..semantics.kernel.classes import BUILT_IN_CLASSES, OBJECT_CLASS, built_in_defaults
+from ..semantics.kernel.sets import Set
 from ..semantics.kernel.values import unwrap
 from ..semantics.python.builtins import BUILTINS
 from ..semantics.python.texts import stable_repr
@@ -101,6 +102,8 @@ def expression(value: object, pair: str) -> str:
             return pair.format(inside(value)) if len(value) == 2 else f"({inside(value)}{',' if len(value) == 1 else ''})"
         case dict():
             return f"{{{', '.join(f'{expression(k, pair)}: {expression(v, pair)}' for k, v in value.items())}}}"
+        case Set():
+            return f"{{{inside(value)}}}" if value else "set()"
         case Workspace(region=region):
             return f"Workspace({expression(region, pair)})"
         case CircularRegion(center=center, radius=radius):

@@ -115,6 +115,8 @@ def sites_of(scenario: Scenario, objects: Iterable[int]) -> set[Address]:
             f"it cannot be told on which draws single objects depend: {scenario.not_lifted}", hint="condition on the whole scene, or on parameters"
         )
     state = graph.state
+    if not isinstance(objects, Iterable):
+        raise UsageError(f"objects are given by their numbers in the scene, not as {objects!r}", hint="condition_on(scene, objects=[0])")
     wanted = list(objects)
     unknown = next((k for k in wanted if not (type(k) is int and 0 <= k < len(state.scene))), None)
     if unknown is not None:

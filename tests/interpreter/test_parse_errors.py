@@ -114,3 +114,34 @@ def test_a_formula_over_time_that_looks_like_a_call_is_refused_when_it_is_read(t
     assert refused.value.span.line == 2
     assert "no other formulas" in str(refused.value)
     parse(f"ego = Object\n{text}\n", "p.scenic", "paper")
+
+
+@pytest.mark.parametrize(
+    ("text", "same"),
+    [
+        ("require (always ego.x < 3 and ego.y < 3)", "require always ego.x < 3 and ego.y < 3"),
+        ("require ((always (ego.x) < 3))", "require always ego.x < 3"),
+        ("require (eventually (ego.x < 3) or b) as c", "require eventually ego.x < 3 or b as c"),
+    ],
+)
+@pytest.mark.parametrize("dialect", ["scenic-2.1", "scenic-3"])
+def test_a_formula_over_time_in_parentheses_is_the_statement(text: str, same: str, dialect: str) -> None:
+    assert parse(text, dialect=dialect).statements == parse(same, dialect=dialect).statements
+
+
+@pytest.mark.parametrize("text", ["require (always)", "require (always (x) < 3)", "require ((eventually and x))"])
+def test_in_the_papers_dialect_these_words_are_names(text: str) -> None:
+    assert "name='" in repr(parse(text).statements[0].condition)  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("text", ["Object at 1 @ 2, with width 3", "Object in R, with width 3", "Object offset by 1 @ 1, facing 3", "Object with width 3"])
+def test_objects_of_scenic_3_need_new(text: str) -> None:
+    with pytest.raises(ParseError, match="makes objects with `new`"):
+        parse(f"ego = {text}\n", dialect="scenic-3")
+
+
+@pytest.mark.parametrize("text", ["ego = new Object with yaw 3", "class C:\n    pitch: 3", "override ego with roll 3"])
+def test_orientations_in_space_are_refused(text: str) -> None:
+    with pytest.raises(ParseError, match="three-dimensional"):
+        parse(f"{text}\n", dialect="scenic-3")
+    assert parse(text.replace("new ", "") + "\n").statements

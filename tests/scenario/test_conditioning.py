@@ -72,6 +72,7 @@ def test_parameters_that_are_draws_are_given_without_rejection() -> None:
         ({"params": {"t": "dusk"}}, "cannot be 'dusk'"),
         ({"params": {"h": 30}}, "cannot be 30"),
         ({"scene": SCENE, "objects": (7,)}, "there is no object 7"),
+        ({"scene": SCENE, "objects": 0}, "by their numbers"),
         ({"scene": FINITE.sample(1)}, "not a scene"),
     ],
 )

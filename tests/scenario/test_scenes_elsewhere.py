@@ -22,7 +22,7 @@ class Car:
 ego = Car at (Range(1, 2), -2), facing Range(-200, 200) deg, with behavior B(3), with region CircularRegion((0, 0), 3), with v Vector(1, 2)
 second = Object at (-5, 5), with far float('inf'), with mutationScale 0, with f VectorField('f', lambda p: 1)
 Car at (9, 9), with other ego, with name_ 'unnamed', with requireVisible False
-param weather = 'sun', time = Range(0, 24), "no name" = [True, None]
+param weather = 'sun', words = {'b', 'a'}, none = set(), time = Range(0, 24), "no name" = [True, None]
 mutate second
 """
 SCENE = scenic_ref.loads(RICH).sample(1)

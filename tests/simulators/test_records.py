@@ -27,3 +27,8 @@ def test_recorded_values_have_their_time_steps():
 def test_without_a_record_statement_there_is_none_in_the_file():
     run = loads("ego = Object at 1 @ 2\n").simulate(steps=2, seed=1).simulation
     assert "records" not in json.loads(to_line(run, 1))
+
+
+def test_of_two_statements_of_one_name_the_last_counts():
+    run = loads("ego = Object at 1 @ 2\nrecord ego.x as a\nrecord ego.y as a\n", dialect="scenic-2.1").simulate(steps=2, seed=1).simulation
+    assert run.records["a"] == ((0, 2), (1, 2), (2, 2))
