@@ -134,10 +134,10 @@ def test_in_the_papers_dialect_these_words_are_names(text: str) -> None:
     assert "name='" in repr(parse(text).statements[0].condition)  # type: ignore[attr-defined]
 
 
-@pytest.mark.parametrize("text", ["Object at 1 @ 2, with width 3", "Object in R, with width 3", "Object offset by 1 @ 1, facing 3", "Object with width 3"])
+@pytest.mark.parametrize("text", ["at 1 @ 2, with width 3", "in R, with width 3", "offset by 1 @ 1, facing 3", "with width 3"])
 def test_objects_of_scenic_3_need_new(text: str) -> None:
     with pytest.raises(ParseError, match="makes objects with `new`"):
-        parse(f"ego = {text}\n", dialect="scenic-3")
+        parse(f"ego = Object {text}\n", dialect="scenic-3")
 
 
 @pytest.mark.parametrize("text", ["ego = new Object with yaw 3", "class C:\n    pitch: 3", "override ego with roll 3"])
