@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Literal
 
 from ...interpreter.nesting import children
@@ -149,7 +149,9 @@ class Draft:
         try:
             yield
         finally:
-            self.variables, self.classes, self.repeats = known, classes, times
+            most = {v.name: v.most for v in self.variables}  # a list that became longer here is longer afterwards
+            self.variables = [replace(v, most=max(v.most, most.get(v.name, 0))) for v in known]
+            self.classes, self.repeats = classes, times
 
     @contextmanager
     def definition(self) -> Iterator[None]:

@@ -201,8 +201,8 @@ def appended(draft: Draft) -> Block | None:
         return None
     chosen = draft.choices.pick(known)
     value = scalars.scalar(draft, chosen.low, chosen.high, 1)
-    if draft.inside == "program":
-        draft.define(Variable(chosen.name, "list", chosen.low, chosen.high, size=chosen.size + 1, most=chosen.most + 1))
+    sure = draft.inside == "program"
+    draft.define(Variable(chosen.name, "list", chosen.low, chosen.high, size=chosen.size + sure, most=chosen.most + 1))
     return (alone(call(attribute(name(chosen.name), "append"), value)),)
 
 

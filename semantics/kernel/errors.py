@@ -28,9 +28,18 @@ class ScenicError(Exception):
         self.rule = rule
         self.hint = hint
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """Errors cross processes whole, whatever the arguments of their constructors are."""
+        return _again, (type(self), self.args), vars(self)
+
     def __str__(self) -> str:
         place = f"{self.span}: " if self.span is not NOWHERE else ""
         return place + self.message
+
+
+def _again(kind: type[ScenicError], arguments: tuple[object, ...]) -> ScenicError:
+    """An error without its attributes, which the caller gives it."""
+    return kind.__new__(kind, *arguments)
 
 
 class ProgramError(ScenicError):
