@@ -202,5 +202,5 @@ def told() -> Iterator[None]:
 
 def refusal(error: ScenicError, phase: str) -> Refused:
     """An error of the program."""
-    line = error.span.line if error.span is not NOWHERE and error.span.line > NO_LINE else None
+    line = error.span.line if error.span != NOWHERE and error.span.line > NO_LINE else None
     return Refused(phase, error.message, class_name=type(error).__name__, rule=error.rule or None, line=line)

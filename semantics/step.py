@@ -279,7 +279,7 @@ def stopped(problem: Exception, config: Config) -> Outcome:
         case RunError(rule="E-Variable") if caught(config.stack):
             return control.raised(HostException(NameError(problem.message)), place(config), config.stack, config.state)
         case ScenicError():
-            if problem.span is NOWHERE or problem.span.line == 0:
+            if problem.span == NOWHERE or problem.span.line == 0:
                 problem.span = place(config)
             return Fault(problem)
         case _:
@@ -347,7 +347,7 @@ def place(config: Config) -> Span:
     """Where in the source the control stands: its node, or the innermost frame that has one."""
     control_, stack, _ = config
     span = getattr(control_, "span", NOWHERE)
-    while (span is NOWHERE or span.line == 0) and stack:
+    while (span == NOWHERE or span.line == 0) and stack:
         frame, stack = stack
         node = getattr(frame, "node", None)
         span = node.span if isinstance(node, Node) else NOWHERE

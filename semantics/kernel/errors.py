@@ -33,7 +33,7 @@ class ScenicError(Exception):
         return _again, (type(self), self.args), vars(self)
 
     def __str__(self) -> str:
-        place = f"{self.span}: " if self.span is not NOWHERE else ""
+        place = f"{self.span}: " if self.span != NOWHERE else ""
         return place + self.message
 
 
