@@ -51,3 +51,30 @@ def test_beyond_it(shape: str):
         parse(f"ego = Object\n{NESTED[shape](LIMIT + 10)}\n")
     assert "nested too deeply" in caught.value.message
     assert caught.value.span.line > 1
+
+
+FAR_BEYOND = {
+    "parentheses": "(" * 5000 + "x" + ")" * 5000,
+    "unary": "-" * 5000 + "x",
+    "sum": "x" + " + x" * 10000,
+    "lists": "[" * 5000 + "]" * 5000,
+    "calls": "f(" * 3000 + ")" * 3000,
+    "attributes": "x" + ".a" * 10000,
+    "readings": "x" + " at x" * 40,
+    "chain": "x" + " offset by x" * 3000,
+    "conjunction": "x" + " and x" * 10000,
+    "lambdas": "lambda: " * 3000 + "x",
+    "conditionals": "1 if x else " * 3000 + "2",
+    "elif": "if a: pass\n" + "elif b: pass\n" * 2000,
+    "blocks": "\n".join(" " * i + "if x:" for i in range(500)) + "\n" + " " * 500 + "pass",
+    "targets": "((" * 300 + "a" + ",),)" * 300 + " = 3",
+    "limit": "do x for " + "-" * 3000 + "3 seconds",
+}
+
+
+@pytest.mark.parametrize("text", FAR_BEYOND.values(), ids=FAR_BEYOND)
+def test_deep_nesting_gives_a_tree_or_a_parse_error(text: str) -> None:
+    try:
+        parse(text)
+    except ParseError as error:
+        assert "nested too deeply" in error.message
