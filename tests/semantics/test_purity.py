@@ -41,7 +41,7 @@ from .stepping import stepping
 def told(value: Any, seen: dict[int, tuple[int, object]]) -> object:
     """All that a program can reach from a value, as something to compare; `seen` numbers what was met before."""
     if isinstance(value, (bool, int, float, str, bytes, type(None))) and not is_user_made(value):
-        return repr(value)
+        return repr(value) if not isinstance(value, int) or value.bit_length() < 1000 else hex(value)  # too long for a decimal one
     if id(value) in seen:
         return ("again", seen[id(value)][0])
     seen[id(value)] = (len(seen), value)
@@ -69,7 +69,7 @@ def told(value: Any, seen: dict[int, tuple[int, object]]) -> object:
         case Bound():
             return (value.name, told(value.subject, seen))
         case type() if is_user_made(value):
-            return (value.__name__, [(n, told(v, seen)) for n, v in vars(value).items() if not n.startswith("__")])
+            return (value.__name__, [(n, told(v, seen)) for n, v in vars(value).items() if not (n.startswith("_") and n.endswith("_"))])
         case OrderedDict():
             parts: object = [(told(k, seen), told(v, seen)) for k, v in OrderedDict.items(value)]
         case dict():
