@@ -8,7 +8,7 @@ PLAIN ?= .venv-plain
 TESTS ?=
 MARK ?=
 
-.PHONY: demo test test-all test-plain nightly mutants check docs bench clean
+.PHONY: demo test test-all test-plain nightly mutants results check docs bench clean
 
 $(VENV)/.core: pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit("scenic-ref needs Python 3.11 or later" if sys.version_info < (3, 11) else 0)'
@@ -47,6 +47,11 @@ $(PLAIN)/.test: pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(PLAIN)
 	$(PLAIN)/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test]'
 	touch $@
+
+## What the releases say of every vector, anew: some ten minutes; then the differences that are new go to conformance/known_differences.toml
+results: $(VENV)/.core
+	-$(BIN)/scenic-ref conformance --impl scenic==2.1.0 --seconds 15 --results conformance/results/scenic-2.1.0.json
+	-$(BIN)/scenic-ref conformance --impl scenic==3.1.1 --seconds 15 --results conformance/results/scenic-3.1.1.json
 
 ## Statistical checks with fresh seeds, which are printed (a failure is a finding, and its seed repeats it); are all tests green without extras? are the vectors for the releases programs of them?
 nightly: $(VENV)/.test

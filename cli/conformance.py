@@ -1,10 +1,10 @@
-"""`scenic-ref conformance`: the vectors, run on scenic-ref itself."""
+"""`scenic-ref conformance`: the vectors, run on scenic-ref itself or on another implementation."""
 
 from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -12,6 +12,7 @@ import typer
 from .options import DebugOption
 
 if TYPE_CHECKING:
+    from ..conformance.external import External
     from ..conformance.implementation import Implementation
     from ..conformance.reports import Chapter
     from ..conformance.running import Result
@@ -26,6 +27,16 @@ def conformance(
     dialect: Annotated[
         str | None, typer.Option("--dialect", metavar="D", help="Run the programs in that dialect: paper, pldi19, scenic-2.1 or scenic-3.")
     ] = None,
+    impl: Annotated[
+        str | None,
+        typer.Option("--impl", metavar="I", help="Another implementation: scenic==3.1.1, scenic==2.1.0, or a command of the harness protocol."),
+    ] = None,
+    seconds: Annotated[float, typer.Option("--seconds", metavar="T", help="How long an answer of it may take.")] = 60.0,
+    known: Annotated[
+        str | None, typer.Option("--known", metavar="PATH", help="The differences that are known of it, .toml; by default the ones that ship.")
+    ] = None,
+    results: Annotated[str | None, typer.Option("--results", metavar="PATH", help="Write a line per vector, .json, to be kept.")] = None,
+    against: Annotated[str | None, typer.Option("--against", metavar="PATH", help="Compare with such a file: what changed fails.")] = None,
     output: Annotated[str | None, typer.Option("--json", metavar="PATH", help="Write the results as JSON; - for stdout.")] = None,
     verbose: Annotated[bool, typer.Option("-v", "--verbose", help="List every vector, not only those that did not pass.")] = False,
     seed: Annotated[int, typer.Option("--seed", metavar="S", help="The seed of the statistical vectors; a nightly run takes a fresh one.")] = 20,
@@ -35,24 +46,40 @@ def conformance(
 
     A vector is a program with what the paper says about its scenes or simulations. A table by chapter of the paper counts the results;
     each vector that did not pass is listed with the reason. The exit code is 0 if nothing failed or errored.
+
+    With --impl the vectors are put to another implementation, in a process of its own. Differences that are known are counted by class;
+    the exit code is 0 if all are known and all that are listed still show.
     """
     from ..conformance import Ourselves, load_vectors
     from ..conformance.reports import all_passed
-    from .files import check_ending, check_place
+    from .judging import Kept, judge_another
 
-    implementation = Ourselves()
     chosen = selected(load_vectors(), chapter, vector)
     check_dialect(dialect)
-    if output is not None and output != "-":
-        check_place(output, {})
-        check_ending("--json", output, "results", (".json",))
-    results = list(judged(implementation, chosen, dialect, seed))
+    kept = Kept(known, results, against, output)
+    kept.check(impl)
+    if impl is not None:
+        with opened(impl, seconds) as other:
+            raise typer.Exit(0 if judge_another(impl, other, list(judged(other, chosen, dialect, seed)), kept, verbose) else 1)
+    implementation = Ourselves()
+    found = list(judged(implementation, chosen, dialect, seed))
     if output is not None:
-        write_report(output, implementation.name, results)
+        write_report(output, implementation.name, found)
     if output != "-":
-        show(results, verbose)
-    if not all_passed(results):
+        show(found, verbose)
+        print(rules_line(found))
+    if not all_passed(found):
         raise typer.Exit(1)
+
+
+def opened(impl: str, seconds: float) -> External:
+    """The implementation that the option names. Raises `UsageError`."""
+    from ..conformance.environments import implementation
+    from ..semantics.kernel.errors import UsageError
+
+    if not seconds > 0:
+        raise UsageError(f"--seconds is the time for an answer, not {seconds:g}")
+    return implementation(impl, seconds, lambda line: print(line, file=sys.stderr))
 
 
 def selected(vectors: Sequence[ConformanceVector], chapter: str | None, names: list[str] | None) -> list[ConformanceVector]:
@@ -116,8 +143,8 @@ def write_report(path: str, name: str, results: Sequence[Result]) -> None:
         write(path, text + "\n")
 
 
-def show(results: Sequence[Result], verbose: bool) -> None:
-    """The table by chapter, what did not pass, and which rules fired."""
+def show(results: Sequence[Result], verbose: bool, listed: Container[str] = ("failed", "errored")) -> None:
+    """The table by chapter, and the vectors whose verdicts are listed."""
     from ..conformance.reports import by_chapter
 
     chapters = by_chapter(results)
@@ -128,9 +155,8 @@ def show(results: Sequence[Result], verbose: bool) -> None:
 
         print("\n".join(columns(HEADING, [row(c) for c in with_total(chapters)])))
     for result in results:
-        if verbose or result.verdict.status in ("failed", "errored"):
+        if verbose or result.verdict.status in listed:
             print("\n".join(lines_of(result)))
-    print(rules_line(results))
 
 
 def with_total(chapters: Sequence[Chapter]) -> list[Chapter]:
@@ -169,13 +195,16 @@ def show_on_terminal(chapters: Sequence[Chapter]) -> None:
     Console().print(table)
 
 
-def lines_of(result: Result) -> list[str]:
+def lines_of(result: Result, impl: str | None = None) -> list[str]:
     """A vector with its verdict, and the command that runs it alone if it did not pass."""
+    import shlex
+
     vector, verdict = result.vector, result.verdict
     lines = [f"{verdict.status}: {vector.name} ({vector.paper})" + (f": {verdict.reason}" if verdict.reason else "")]
     if verdict.status in ("failed", "errored"):
-        in_dialect = f" --dialect {result.dialect}" if result.dialect not in ("", "paper") else ""
-        lines.append(f"    scenic-ref conformance --vector {vector.name}{in_dialect}    # {vector.file}")
+        in_dialect = f" --dialect {result.dialect}" if impl is None and result.dialect not in ("", "paper") else ""
+        of_it = "" if impl is None else f" --impl {shlex.quote(impl)}"
+        lines.append(f"    scenic-ref conformance --vector {vector.name}{of_it}{in_dialect}    # {vector.file}")
     return lines
 
 

@@ -28,7 +28,7 @@ class Densities:
             try:
                 found = implementation.density(task, draws)
             except Refused as refused:
-                return failed(f"refused in phase {refused.phase}: {refused.message}")
+                return failed(f"{refused.when}: {refused.message}")
             if not math.isclose(found, density, rel_tol=SAME):
                 return failed(f"the density of {list(draws)!r} is {found!r}, not {density!r}")
         return PASSED

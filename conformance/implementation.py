@@ -31,16 +31,36 @@ class Task:
     files: Mapping[str, str] = field(default_factory=dict)
 
 
-class Refused(Exception):
-    """The program is an error: `phase` is parse, check, resolve or run; what the implementation does not report is None."""
+class Unsupported(Exception):
+    """The implementation says that it cannot do this, and why: it is not asked for it."""
 
-    def __init__(self, phase: str, message: str, *, class_name: str | None = None, rule: str | None = None, line: int | None = None) -> None:
+
+class Refused(Exception):
+    """The program is an error: `phase` is parse, check, resolve or run; what the implementation does not report is None.
+
+    `also` are phases that it does not tell from this one.
+    """
+
+    def __init__(
+        self, phase: str | None, message: str, *, class_name: str | None = None, rule: str | None = None, line: int | None = None,
+        also: frozenset[str] = frozenset(),
+    ) -> None:  # fmt: skip
         super().__init__(message)
         self.phase = phase
         self.message = message
         self.class_name = class_name
         self.rule = rule
         self.line = line
+        self.also = also
+
+    @property
+    def when(self) -> str:
+        """That it was refused, and in which phase."""
+        return "refused" if self.phase is None else f"refused in phase {self.phase}"
+
+    def may_be_in(self, phases: Sequence[str]) -> bool:
+        """Whether the error may be one of these phases, by what is reported."""
+        return self.phase is None or self.phase in phases or not self.also.isdisjoint(phases)
 
 
 class NeverAccepted(Exception):

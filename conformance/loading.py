@@ -98,6 +98,15 @@ def read_readings(fields: VectorFields) -> Mapping[str, str]:
     return chosen
 
 
+RELEASED = ("scenic-2.1", "scenic-3")
+SIMULATION = re.compile(r"\bsimulation\.(?=[A-Za-z])")
+VIEW_DISTANCE = re.compile(r"\bviewDistance\b")
+"""The paper's `simulation.currentTime` and `viewDistance` are `simulation().currentTime` and `visibleDistance` in the releases.
+
+Vectors are written in the paper's spelling; one that has the other as well is left as it is.
+"""
+
+
 def read_texts(fields: VectorFields) -> Mapping[str, str]:
     """The program in each dialect in which it is given. Raises `UsageError`."""
     program = fields.text("program")
@@ -112,7 +121,13 @@ def read_texts(fields: VectorFields) -> Mapping[str, str]:
             raise fields.wrong(f"there is no dialect {dialect}")
     if not found:
         raise fields.wrong("the program is given in no dialect")
-    return found
+    return {dialect: in_release(text) if dialect in RELEASED else text for dialect, text in found.items()}
+
+
+def in_release(text: str) -> str:
+    """A text in the spelling of the releases."""
+    spelled = SIMULATION.sub("simulation().", text)
+    return spelled if "visibleDistance" in text else VIEW_DISTANCE.sub("visibleDistance", spelled)
 
 
 MODULE = re.compile(r"(\w+/)*\w+\.scenic")

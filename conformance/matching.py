@@ -21,7 +21,7 @@ def draw(implementation: Implementation, task: Task, count: int) -> list[SceneRe
     try:
         scenes = list(implementation.scenes(task, count, seed=task.seed, attempts=ATTEMPTS))
     except Refused as refused:
-        raise Disagreement(f"refused in phase {refused.phase}: {refused.message}") from None
+        raise Disagreement(f"{refused.when}: {refused.message}") from None
     except NeverAccepted as never:
         raise Disagreement(f"no run was accepted: {requirements(never)}") from None
     if len(scenes) != count:

@@ -32,7 +32,7 @@ class Rejection:
         try:
             scenes = list(implementation.scenes(task, 1, seed=task.seed, attempts=self.attempts))
         except Refused as refused:
-            return failed(f"refused in phase {refused.phase} instead of never accepted: {refused.message}")
+            return failed(f"{refused.when} instead of never accepted: {refused.message}")
         except NeverAccepted as never:
             told = never.requirements in (None, frozenset({self.requirement}))
             return PASSED if told else failed(f"never accepted, but not because of {self.requirement} alone: {requirements(never)}")
@@ -87,8 +87,8 @@ class Error:
 
     def compare(self, refused: Refused) -> VectorVerdict:
         """An error against the expected one."""
-        if refused.phase not in self.phases:
-            return failed(f"refused in phase {refused.phase}, not {self.allowed}: {refused.message}")
+        if not refused.may_be_in(self.phases):
+            return failed(f"{refused.when}, not {self.allowed}: {refused.message}")
         told = (("line", refused.line, self.line), ("class", refused.class_name, self.class_name), ("rule", refused.rule, self.rule))
         for what, found, expected in told:
             if None not in (found, expected) and found != expected:

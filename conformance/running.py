@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from .implementation import SEED, Implementation, Refused, Task, Tracing, TracingSimulations
+from .implementation import SEED, Implementation, Refused, Task, Tracing, TracingSimulations, Unsupported
+from .process import ImplementationFault
 from .vector import ConformanceVector
 from .verdict import VectorVerdict, errored, failed, skipped
 
@@ -35,6 +36,10 @@ def verdict_of(implementation: Implementation, vector: ConformanceVector, task: 
     try:
         verdict = vector.matcher.match(implementation, task)
         return verdict if verdict.status != "passed" else rules_verdict(implementation, vector, task, verdict)
+    except Unsupported as cannot:
+        return skipped(str(cannot))
+    except ImplementationFault as fault:  # of a process on the other side
+        return errored(str(fault))
     except Exception as crash:  # whatever the implementation or a matcher raises besides what the protocol names
         return errored(f"{type(crash).__name__}: {crash}")
 
@@ -46,7 +51,7 @@ def rules_verdict(implementation: Implementation, vector: ConformanceVector, tas
     try:
         fired = fired_in(implementation, vector, task)
     except Refused as refused:
-        return failed(f"refused in phase {refused.phase} while the rules were watched: {refused.message}")
+        return failed(f"{refused.when} while the rules were watched: {refused.message}")
     if fired is None:
         return passed
     missing, unwanted = vector.fires - fired, vector.avoids & fired

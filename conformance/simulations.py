@@ -99,7 +99,7 @@ class Simulations:
         except Disagreement as disagreement:
             return disagreed(disagreement)
         except Refused as refused:
-            return disagreed(Disagreement(f"refused in phase {refused.phase}: {refused.message}"))
+            return disagreed(Disagreement(f"{refused.when}: {refused.message}"))
         except NeverAccepted as never:
             return disagreed(Disagreement(f"no run was accepted: {requirements(never)}"))
         return PASSED
@@ -160,7 +160,7 @@ class AlwaysRejected:
         try:
             found = simulations_of(implementation, task, self.steps, self.attempts)
         except Refused as refused:
-            return disagreed(Disagreement(f"refused in phase {refused.phase} instead of never accepted: {refused.message}"))
+            return disagreed(Disagreement(f"{refused.when} instead of never accepted: {refused.message}"))
         except NeverAccepted as never:
             told = never.requirements is None or never.requirements == self.kinds
             return PASSED if told else disagreed(Disagreement(f"never accepted, but not because of {wanted} alone: {requirements(never)}"))

@@ -102,7 +102,7 @@ def enumerated(implementation: Implementation, task: Task) -> Enumerated | None:
     try:
         return implementation.enumerated(task) if isinstance(implementation, Enumerating) else None
     except Refused as refused:
-        raise Disagreement(f"refused in phase {refused.phase}: {refused.message}") from None
+        raise Disagreement(f"{refused.when}: {refused.message}") from None
     except NeverAccepted as never:
         raise Disagreement(f"no run was accepted: {requirements(never)}") from None
 

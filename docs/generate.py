@@ -12,7 +12,8 @@ from typing import cast
 
 import typer
 from scenic_ref.cli.app import EXIT_CODES, app
-from scenic_ref.conformance import load_vectors
+from scenic_ref.conformance import load_vectors, results
+from scenic_ref.conformance.known import CLASSES, shipped
 from scenic_ref.conformance.reports import shows
 from scenic_ref.semantics.kernel import allowed
 from scenic_ref.semantics.readings import PROFILES, READINGS, Reading, always_decided
@@ -24,7 +25,7 @@ WIDTH = 100
 """The longest line, but for tables and code."""
 MARK, JOIN = re.compile(r"\s+(?=([-+*>#]+|\d+[.)])(\s|$))"), "\0"
 """The space before what would be a mark of Markdown at the beginning of a line, and what stands for it while lines are broken."""
-MOST_NAMED = 3
+MOST_NAMED, MOST_VECTORS = 3, 6
 
 
 def cell(text: str) -> str:
@@ -171,9 +172,56 @@ def helps(command: TyperCommand | TyperGroup, name: str) -> Iterator[tuple[str, 
         yield from helps(found, f"{name} {inner}")
 
 
+def differences_page() -> str:
+    """What the releases do otherwise: a table by chapter, then each cause with its passage and vectors."""
+    kept, known, vectors = results.kept(), shipped(), load_vectors()
+    names = list(kept)
+    counts: dict[str, dict[str, Counter[str]]] = {}
+    for vector in vectors:
+        for name in names:
+            line = kept[name].get(vector.name, "skipped")
+            counts.setdefault(vector.chapter, {}).setdefault(name, Counter())[results.status_in(line)] += 1
+    about = (
+        "Every [vector](../vectors.md) was put to the released implementations, each in its own environment and dialect, by "
+        "`scenic-ref conformance --impl scenic==VERSION` ([how](../harness.md)). A cell says how many passed, and how many failed; the others were "
+        "skipped, since the program cannot be said in that dialect or needs a reading that the release does not follow. scenic-ref passes all. "
+        "Differences are grouped by how they show, and the groups were read beside the paper; not every single one was, and those of the class "
+        "`undecided` were not."
+    )
+    heads, rule = " | ".join(names), " --- |" * len(names)
+    lines = ["# Differences", "", paragraph(about), "", f"| chapter of the paper | vectors | {heads} |", f"| --- | --- |{rule}"]
+    for chapter, by in counts.items():
+        total = sum(by[names[0]].values())
+        lines.append(f"| {cell(chapter)} | {total} | {' | '.join(outcome(by[name]) for name in names)} |")
+    whole = {name: sum((by[name] for by in counts.values()), Counter[str]()) for name in names}
+    lines.append(f"| *all* | {len(vectors)} | {' | '.join(outcome(whole[name]) for name in names)} |")
+    lines += ["", "## By class", "", f"| class | means | {heads} |", f"| --- | --- |{rule}"]
+    for class_, means in CLASSES.items():
+        numbers = [sum(len(d.vectors) for d in known if d.class_ == class_ and name in d.implementations) for name in names]
+        lines.append(f"| {class_} | {cell(means)} | {' | '.join(map(str, numbers))} |")
+    lines += ["", "## By cause", ""]
+    for class_ in CLASSES:
+        found = sorted((d for d in known if d.class_ == class_), key=lambda d: -len(d.vectors))
+        if found:
+            lines += [f"### {class_.capitalize()}", ""]
+        for d in found:
+            which = ", ".join(sorted(d.implementations)) + (f"; agrees under `{d.reading}`" if d.reading else "")
+            shown = ", ".join(f"`{name}`" for name in sorted(d.vectors)[:MOST_VECTORS])
+            more = f" and {len(d.vectors) - MOST_VECTORS} more" if len(d.vectors) > MOST_VECTORS else ""
+            lines += [item(f"{d.why} *{which}.* {d.passage}. Shown by {shown}{more}.")]
+        lines += [""] if found else []
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def outcome(counts: Counter[str]) -> str:
+    """How many passed and failed, of those that were not skipped."""
+    wrong = counts["failed"] + counts["errored"]
+    return f"{counts['passed']} passed, {wrong} failed" if counts["passed"] or wrong else "skipped"
+
+
 PAGES = {
     "rules.md": rules_page, "readings.md": readings_page, "commands.md": commands_page, "allowed.md": allowed_page,
-    "productions.md": productions_page,
+    "productions.md": productions_page, "differences.md": differences_page,
 }  # fmt: skip
 
 

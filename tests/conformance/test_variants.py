@@ -51,7 +51,9 @@ def classes_of(tree: object) -> set[str]:
 
 
 def tree_of(text: str, dialect: str) -> object:
-    tree = parse(text, dialect=dialect).statements
+    if "viewDistance" not in text:  # the releases' spelling
+        text = text.replace("visibleDistance", "viewDistance")
+    tree = parse(text.replace("simulation().", "simulation."), dialect=dialect).statements
     return settled(tree, classes_of(tree) if dialect != "scenic-3" else set())
 
 

@@ -1,0 +1,339 @@
+"""The released Scenic, 2.1 and 3.x in its 2D mode, in the words of the harness protocol: run by a Python that has it installed.
+
+It needs nothing but that release. Each program is compiled, sampled and simulated in a process of its own, forked from one that has imported
+the release, so that nothing of one program is left for the next; where a system cannot fork, all are run in this one, and it says so.
+"""
+
+# pyright: reportMissingImports=false
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import random
+import sys
+import warnings
+from contextlib import suppress
+
+PROTOCOL = "scenic-ref/harness/1"
+compiled = []
+"""The scenario that was compiled last."""
+FORKS = hasattr(os, "fork")
+answers = os.fdopen(os.dup(1), "w", encoding="utf-8")  # the protocol's; what programs print goes to stderr
+os.dup2(2, 1)
+warnings.simplefilter("ignore")
+
+import numpy  # noqa: E402
+import scenic  # noqa: E402
+import scenic.syntax.translator as translator  # noqa: E402
+from scenic.core import errors  # noqa: E402
+from scenic.core.distributions import RejectionException  # noqa: E402
+from scenic.core.simulators import DummySimulation, DummySimulator  # noqa: E402
+from scenic.core.vectors import Vector  # noqa: E402
+
+THREE = not hasattr(translator, "constructorStatements")
+DIALECT = "scenic-3" if THREE else "scenic-2.1"
+SPELLED = {"visibleDistance": "viewDistance"}
+"""Properties of the release under the paper's names."""
+
+
+def plain(value, depth=0):
+    """A value in JSON; what has no JSON form is {"repr": "..."}."""
+    if isinstance(value, numpy.generic):
+        value = value.item()
+    if isinstance(value, bool) or value is None or type(value) is str:
+        return value
+    if isinstance(value, int):
+        return int(value) if abs(value) < 1 << 1000 else {"repr": hex(value)}
+    if isinstance(value, float):
+        return float(value) if math.isfinite(value) else {"repr": repr(float(value))}
+    if type(value).__name__ == "Orientation":  # of 3 only
+        return plain(float(value.yaw))
+    if isinstance(value, Vector):
+        return [plain(float(value.x)), plain(float(value.y))]
+    if depth > 40:
+        return {"repr": "..."}
+    if isinstance(value, (list, tuple)):
+        return [plain(v, depth + 1) for v in value]
+    if isinstance(value, dict) and all(type(k) is str for k in value):
+        return {k: plain(v, depth + 1) for k, v in value.items()}
+    if hasattr(value, "position") and hasattr(value, "heading"):
+        return {"repr": type(value).__name__}
+    return {"repr": repr(value)[:200]}
+
+
+def object_json(number, thing, names):
+    """An object of a scene."""
+    properties = {}
+    for name in sorted(name for name in thing.properties if not name.startswith("_")):
+        try:
+            properties[SPELLED.get(name, name)] = plain(getattr(thing, name))
+        except Exception:  # a property that cannot be had is left out
+            continue
+    for own in ("position", "heading", "width", "length"):
+        properties.pop(own, None)
+    return {
+        "id": number, "name": names.get(id(thing)), "class": type(thing).__name__.removesuffix("2D"),
+        "position": [float(thing.position.x), float(thing.position.y)], "heading": float(thing.heading),
+        "width": float(thing.width), "length": float(thing.length), "properties": properties,
+    }  # fmt: skip
+
+
+def names_of(scene):
+    """The variables of the program that hold objects."""
+    found = {}
+    for namespace in getattr(scene, "behaviorNamespaces", {}).values():
+        for variables in namespace[:2] if isinstance(namespace, tuple) else (namespace,):
+            if isinstance(variables, dict):
+                found.update({id(value): name for name, value in variables.items() if not name.startswith("_")})
+    return found
+
+
+def scene_json(scene, seed, number, attempts):
+    """A scene in the scene format."""
+    names, objects = names_of(scene), list(scene.objects)
+    ego = next((k for k, thing in enumerate(objects) if thing is scene.egoObject), None)
+    if ego is not None:
+        names[id(scene.egoObject)] = "ego"
+    return {
+        "schema": "scenic-ref/scene/1", "seed": seed, "scene": number, "attempts": attempts, "weight": 1.0,
+        "params": {str(k): plain(v) for k, v in scene.params.items()}, "ego": ego,
+        "objects": [object_json(k, thing, names) for k, thing in enumerate(objects)],
+    }  # fmt: skip
+
+
+def action_json(action):
+    """An action: a plain value, or its class with its arguments."""
+    value = plain(action)
+    if isinstance(value, dict) and "repr" in value and hasattr(action, "__dict__"):
+        return {"action": type(action).__name__, "args": [plain(v) for v in vars(action).values()]}
+    return value
+
+
+def world_of(recorded):
+    """A simulator in which nothing moves, or everything as it was recorded: a time step takes one second."""
+
+    class InRecordedWorld(DummySimulation):
+        def getProperties(self, obj, properties):
+            values = super().getProperties(obj, properties)
+            at = self.currentTime
+            number = list(self.objects).index(obj)
+            if recorded and at < len(recorded) and str(number) in recorded[at]:
+                pose = dict(recorded[at][str(number)])
+                if "position" in pose:
+                    values["position"] = Vector(*pose.pop("position"))
+                if "heading" in pose:
+                    values["yaw" if THREE else "heading"] = pose.pop("heading")
+                for name in ("velocity",):
+                    if name in pose:
+                        values[name] = Vector(*pose.pop(name))
+                values.update({name: value for name, value in pose.items() if name in values})
+            return values
+
+    class World(DummySimulator):
+        def createSimulation(self, scene, **options):
+            if not THREE:
+                options["timestep"] = 1
+            return InRecordedWorld(scene, **options)
+
+    return World()
+
+
+def simulation_json(simulation, scene, limit):
+    """A simulation in the simulation format."""
+    result = simulation.result
+    number = {id(thing): k for k, thing in enumerate(simulation.objects)}
+    actions = [
+        {str(number[id(agent)]): list(map(action_json, took if isinstance(took, (tuple, list)) else [took])) for agent, took in step.items()}
+        for step in result.actions
+    ]
+    actions = [{agent: taken for agent, taken in step.items() if taken not in ([], [None])} for step in actions]
+    steps = []
+    for k, state in enumerate(result.trajectory):
+        objects = [{"id": i, "position": plain(position)} for i, position in enumerate(positions_in(state))]
+        steps.append({"step": k, "objects": objects, "actions": actions[k] if k < len(actions) else {}, "events": [], "doing": {}})
+    ended = "time limit" if result.terminationType.name == "timeLimit" else "terminated"
+    return {
+        "schema": "scenic-ref/simulation/1", "seed": 0, "run": 0, "attempts": 1, "timestep": 1, "scene": scene, "created": [],
+        "steps": steps, "result": ended, "reason": str(result.terminationReason),
+    }  # fmt: skip
+
+
+def positions_in(state):
+    """The positions in a recorded state: 2.1 records them alone, 3 with the orientations."""
+    return getattr(state, "positions", state)
+
+
+# requests
+
+
+def compile_program(request):
+    """Compile a program; modules beside it are written to the folder in which this process runs."""
+    if request["dialect"] != DIALECT:
+        return {"answer": "skipped", "reason": f"this release reads {DIALECT}, not {request['dialect']}"}
+    folder = os.path.join(os.getcwd(), f"program-{os.getpid()}")
+    os.makedirs(folder, exist_ok=True)
+    for path, text in request.get("files", {}).items():
+        os.makedirs(os.path.dirname(os.path.join(folder, path)), exist_ok=True)
+        with open(os.path.join(folder, path), "w", encoding="utf-8") as file:
+            file.write(text)
+    main = os.path.join(folder, "program.scenic")
+    with open(main, "w", encoding="utf-8") as file:
+        file.write(request["program"])
+    os.chdir(folder)
+    sys.path.insert(0, folder)
+    compiled[:] = [scenic.scenarioFromFile(main, **({"mode2D": True} if THREE else {}))]
+    return {"answer": "compiled"}
+
+
+def seeded(request):
+    """All that is random from here on follows from the seed."""
+    random.seed(request["seed"])
+    numpy.random.seed(request["seed"] % (1 << 32))
+
+
+def sample(request, say):
+    """As many scenes as are wanted."""
+    seeded(request)
+    for number in range(request["count"]):
+        scene, attempts = compiled[0].generate(maxIterations=request["attempts"])
+        say({"answer": "scene", "scene": scene_json(scene, request["seed"], number, attempts)})
+    return {"answer": "done"}
+
+
+def simulate(request, say):
+    """As many simulations as are wanted, each of a scene of its own."""
+    seeded(request)
+    for _ in range(request["count"]):
+        for _ in range(request["attempts"]):
+            scene, attempts = compiled[0].generate(maxIterations=request["attempts"])
+            told = scene_json(scene, request["seed"], 0, attempts)
+            run = world_of(request.get("world")).simulate(scene, maxSteps=request["steps"], maxIterations=1)
+            if run is not None:
+                break
+        else:
+            return {"answer": "rejected"}
+        say({"answer": "simulation", "simulation": simulation_json(run, told, request["steps"])})
+    return {"answer": "done"}
+
+
+def answered(request, say):
+    """The last answer to a request; what the release raises is the program's error."""
+    try:
+        if request["request"] == "compile":
+            return compile_program(request)
+        if not compiled:
+            return {"answer": "crashed", "message": "no program was compiled"}
+        return (sample if request["request"] == "sample" else simulate)(request, say)
+    except RejectionException:
+        return {"answer": "rejected"}
+    except MemoryError:
+        raise
+    except Exception as error:
+        return error_json(error)
+
+
+def error_json(error):
+    """An error, with its phase where the release tells it."""
+    runtime = getattr(errors, "RuntimeParseError", ())
+    parse = isinstance(error, (errors.ScenicSyntaxError, SyntaxError)) and not isinstance(error, runtime)
+    phase = "parse" if parse else None
+    line = getattr(error, "lineno", None)
+    message = f"{type(error).__name__}: {error}"
+    return {"answer": "error", "phase": phase, "message": message, **({"line": line} if type(line) is int else {})}
+
+
+def started():
+    """What this implementation says of itself."""
+    version = getattr(scenic, "__version__", None)
+    if version is None:
+        from importlib.metadata import version as installed
+
+        version = installed("scenic")
+    return {
+        "answer": "started", "protocol": PROTOCOL, "name": "scenic", "version": version, "dialects": [DIALECT],
+        "capabilities": ["scenes", "simulations"], "isolated": FORKS,
+    }  # fmt: skip
+
+
+def saying(number):
+    """A function that answers the request of that number."""
+
+    def say(answer):
+        answers.write(json.dumps({"id": number, **answer}, allow_nan=False) + "\n")
+        answers.flush()
+
+    return say
+
+
+def in_child(lines):
+    """The requests about one program, in a process of its own; what comes in are its lines."""
+    for line in lines:
+        request = json.loads(line)
+        say = saying(request["id"])
+        say(answered(request, say))
+
+
+class Child:
+    """A fork that answers the requests about one program; each ends with a byte on a pipe, so that a crash is noticed."""
+
+    def __init__(self):
+        out, self.requests = os.pipe()
+        self.ended, done = os.pipe()
+        self.pid = os.fork()
+        if self.pid == 0:
+            os.close(self.requests)
+            os.close(self.ended)
+            try:
+                for line in os.fdopen(out, encoding="utf-8"):
+                    in_child([line])
+                    os.write(done, b".")
+            finally:
+                os._exit(0)
+        os.close(out)
+        os.close(done)
+        self.alive = True
+
+    def answer(self, line, number):
+        """Let it answer; if it ends instead, that is the answer."""
+        with suppress(BrokenPipeError):
+            for part in range(0, len(line), 4096):
+                os.write(self.requests, line[part : part + 4096].encode())
+        if not os.read(self.ended, 1):
+            _, status = os.waitpid(self.pid, 0)
+            self.alive = False
+            saying(number)({"answer": "crashed", "message": f"the process of the program ended with status {status}"})
+
+    def close(self):
+        """End it."""
+        os.close(self.requests)
+        os.close(self.ended)
+        if self.alive:
+            os.kill(self.pid, 9)
+            os.waitpid(self.pid, 0)
+
+
+def main():
+    """Answer until `stop`, or the end of the input."""
+    child = None
+    for line in sys.stdin:
+        request = json.loads(line)
+        say = saying(request["id"])
+        if request["request"] == "start":
+            say(started())
+        elif request["request"] == "stop":
+            say({"answer": "stopped"})
+            return
+        elif not FORKS:
+            in_child([line])
+        else:
+            if request["request"] == "compile" or child is None or not child.alive:
+                if child is not None:
+                    child.close()
+                child = Child()
+            child.answer(line, request["id"])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,156 @@
+"""A process that answers in lines, of which nothing good is assumed: it may crash, hang, print garbage or fill its folder."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections import deque
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+from queue import Empty, Full, Queue
+from tempfile import TemporaryDirectory
+from typing import IO, Literal
+
+FaultKind = Literal["crashed", "timed out", "garbled"]
+
+LONGEST_LINE = 64 << 20
+"""Bytes of one answer."""
+LARGEST_FOLDER = 1 << 30
+"""Bytes that it may write to its folder, and to any one file."""
+LARGEST_MEMORY = 8 << 30
+"""Bytes of address space, where the system can hold a process to it."""
+WAITING_LINES = 1000
+KEPT_WORDS = 40
+"""Lines of what it says on stderr."""
+PATIENCE = 5.0
+"""Seconds that a process which was killed may take to end."""
+LOOK = 0.5
+"""Seconds between two looks at its folder."""
+
+
+class ImplementationFault(Exception):
+    """The other side did not answer, or not in the words of the protocol: this says nothing about the language."""
+
+    def __init__(self, kind: FaultKind, what: str) -> None:
+        super().__init__(f"{kind}: {what}")
+        self.kind = kind
+
+
+class AnsweringProcess:
+    """A process in a folder and a process group of its own; `ask` and `answer` are a line each."""
+
+    def __init__(self, command: Sequence[str]) -> None:
+        self.folder = TemporaryDirectory(prefix="scenic-ref-", ignore_cleanup_errors=True)
+        self.lines: Queue[bytes | None] = Queue(WAITING_LINES)
+        self.words: deque[str] = deque(maxlen=KEPT_WORDS)
+        self.too_long = self.ended = False
+        surroundings = {**os.environ, "TMPDIR": self.folder.name, "TMP": self.folder.name, "TEMP": self.folder.name, "PYTHONUNBUFFERED": "1"}
+        try:
+            self.child = subprocess.Popen(
+                limited(command), stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=self.folder.name, env=surroundings,
+                start_new_session=True,
+            )  # fmt: skip
+        except OSError as error:
+            self.folder.cleanup()
+            raise ImplementationFault("crashed", f"{command[0]} could not be started: {error.strerror or error}") from error
+        assert self.child.stdout is not None and self.child.stderr is not None
+        for reader, stream in ((self.read_lines, self.child.stdout), (self.read_words, self.child.stderr)):
+            threading.Thread(target=reader, args=(stream,), daemon=True).start()
+
+    def read_lines(self, stream: IO[bytes]) -> None:
+        """Each line of stdout, None behind the last."""
+        with suppress(OSError, ValueError):  # ValueError: closed under our hands
+            while (line := stream.readline(LONGEST_LINE)) and not self.ended:
+                self.too_long = len(line) >= LONGEST_LINE
+                self.put(None if self.too_long else line)
+                if self.too_long:
+                    return
+        self.put(None)
+
+    def put(self, line: bytes | None) -> None:
+        """Hand a line over, as soon as there is room; what comes after the end is nobody's."""
+        while not self.ended:
+            with suppress(Full):
+                self.lines.put(line, timeout=LOOK)
+                return
+
+    def read_words(self, stream: IO[bytes]) -> None:
+        """The last lines of stderr."""
+        with suppress(OSError, ValueError):
+            while line := stream.readline(4096):
+                self.words.append(line.decode("utf-8", "replace").rstrip())
+
+    def ask(self, line: str) -> None:
+        """Write a line. Raises `ImplementationFault` if it reads no more."""
+        assert self.child.stdin is not None
+        try:
+            self.child.stdin.write(line.encode() + b"\n")
+            self.child.stdin.flush()
+        except (OSError, ValueError) as error:
+            raise self.crash() from error
+
+    def answer(self, seconds: float) -> bytes:
+        """Its next line. Raises `ImplementationFault` if none comes in time, or none can come."""
+        deadline = time.monotonic() + seconds
+        while True:
+            with suppress(Empty):
+                line = self.lines.get(timeout=min(LOOK, max(0.0, deadline - time.monotonic())))
+                if line is not None:
+                    return line
+                raise ImplementationFault("garbled", f"a line of more than {LONGEST_LINE >> 20} MiB") if self.too_long else self.crash()
+            if size_of(self.folder.name) > LARGEST_FOLDER:
+                raise ImplementationFault("crashed", f"it wrote more than {LARGEST_FOLDER >> 30} GiB to its folder")
+            if time.monotonic() >= deadline:
+                raise ImplementationFault("timed out", f"no answer within {seconds:g} s")
+
+    def crash(self) -> ImplementationFault:
+        """How it ended, with its last words."""
+        with suppress(subprocess.TimeoutExpired):
+            self.child.wait(PATIENCE)
+        code = self.child.returncode
+        how = "it closed its output" if code is None else f"signal {-code}" if code < 0 else f"exit code {code}"
+        last = next((word for word in reversed(self.words) if word.strip()), "")
+        return ImplementationFault("crashed", f"{how}: {last}" if last else how)
+
+    def close(self) -> None:
+        """End it with all that it started, and delete its folder."""
+        self.ended = True
+        kill(self.child)
+        for stream in (self.child.stdin, self.child.stdout, self.child.stderr):
+            with suppress(OSError, ValueError):
+                if stream is not None:
+                    stream.close()
+        self.folder.cleanup()
+
+
+def limited(command: Sequence[str]) -> list[str]:
+    """The command under limits of the size of its files and of its memory, where there is a shell that sets them."""
+    if sys.platform == "win32":
+        return [*command]
+    return ["/bin/sh", "-c", f'ulimit -c 0; ulimit -f {LARGEST_FOLDER >> 9}; ulimit -v {LARGEST_MEMORY >> 10}; exec "$0" "$@"', *command]
+
+
+def kill(child: subprocess.Popen[bytes]) -> None:
+    """End a process and its group."""
+    with suppress(OSError):
+        if sys.platform == "win32":
+            child.kill()
+        else:
+            os.killpg(child.pid, signal.SIGKILL)  # its group is there as long as one of it is
+    with suppress(subprocess.TimeoutExpired):
+        child.wait(PATIENCE)
+
+
+def size_of(folder: str) -> int:
+    """Bytes in the files of a folder; what vanishes meanwhile counts nothing."""
+    total = 0
+    for at, _, names in os.walk(folder):
+        for name in names:
+            with suppress(OSError):
+                total += Path(at, name).lstat().st_size
+    return total

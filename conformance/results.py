@@ -1,0 +1,73 @@
+"""What an implementation said of every vector, a line each: a file to keep, in which a change of behaviour is a change of a line."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping, Sequence
+from importlib.resources import files
+from pathlib import Path
+
+from ..semantics.kernel.errors import UsageError
+from .running import Result
+from .verdict import STATUSES
+
+SCHEMA = "scenic-ref/results/1"
+LONGEST = 160
+"""Characters of a reason that are kept."""
+ADDRESS = re.compile(r"0x[0-9a-f]{6,}")
+SECONDS = re.compile(r"within [\d.e+]+ s\b")
+PATH = re.compile(r"(?:/[\w.+-]+){2,}")
+
+
+def text_of(implementation: str, results: Sequence[Result]) -> str:
+    """The file: JSON with a line for each vector, in the order of their names."""
+    lines = [f"  {json.dumps(r.vector.name)}: {json.dumps(line_of(r), ensure_ascii=False)}" for r in sorted(results, key=lambda r: r.vector.name)]
+    head = f'{{"schema": {json.dumps(SCHEMA)}, "implementation": {json.dumps(implementation)}, "results": {{\n'
+    return head + ",\n".join(lines) + "\n}}\n"
+
+
+def line_of(result: Result) -> str:
+    """The verdict with the beginning of its reason, without what differs from run to run."""
+    verdict = result.verdict
+    if not verdict.reason:
+        return verdict.status
+    reason = SECONDS.sub("in time", PATH.sub("...", ADDRESS.sub("0x...", " ".join(verdict.reason.split()))))
+    return f"{verdict.status}: {reason if len(reason) <= LONGEST else reason[:LONGEST] + '...'}"
+
+
+def status_in(line: str) -> str:
+    """The verdict in a line of the file."""
+    return line.partition(":")[0]
+
+
+def read(text: str, file: str) -> tuple[str, Mapping[str, str]]:
+    """The implementation, and a line for each vector. Raises `UsageError` for anything else."""
+    try:
+        found = json.loads(text)
+    except ValueError as error:
+        raise UsageError(f"{file} is not JSON: {error}") from error
+    if not isinstance(found, dict) or found.get("schema") != SCHEMA or not isinstance(found.get("results"), dict):
+        raise UsageError(f"{file} is no file of results ({SCHEMA})")
+    if any(not isinstance(line, str) or status_in(line) not in STATUSES for line in found["results"].values()):
+        raise UsageError(f"{file}: a result begins with {', '.join(STATUSES)}")
+    return str(found.get("implementation")), found["results"]
+
+
+def kept() -> dict[str, Mapping[str, str]]:
+    """The results that ship, by implementation."""
+    folder = files("scenic_ref.conformance").joinpath("results")
+    return dict(read(p.read_text("utf-8"), p.name) for p in sorted(folder.iterdir(), key=lambda p: p.name) if p.name.endswith(".json"))
+
+
+def changes(before: Path, implementation: str, results: Sequence[Result]) -> list[str]:
+    """What is not as in a file of results: a line for each vector that is in both. Raises `UsageError`."""
+    try:
+        text = before.read_text("utf-8")
+    except OSError as error:
+        raise UsageError(f"{before} cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise UsageError(f"{before} is not a text in UTF-8: {error.reason}") from error
+    _, lines = read(text, str(before))
+    now = {result.vector.name: line_of(result) for result in results}
+    return [f"{name}: was {lines[name]}; is {now[name]}" for name in sorted(now) if name in lines and lines[name] != now[name]]
