@@ -73,13 +73,20 @@ def conformance(
 
 
 def opened(impl: str, seconds: float) -> External:
-    """The implementation that the option names. Raises `UsageError`."""
+    """The implementation that the option names, which has said its name. Raises `UsageError`."""
     from ..conformance.environments import implementation
+    from ..conformance.process import ImplementationFault
     from ..semantics.kernel.errors import UsageError
 
-    if not seconds > 0:
+    if not 0 < seconds < float("inf"):
         raise UsageError(f"--seconds is the time for an answer, not {seconds:g}")
-    return implementation(impl, seconds, lambda line: print(line, file=sys.stderr))
+    other = implementation(impl, seconds, lambda line: print(line, file=sys.stderr))
+    try:
+        other.introduced()
+    except ImplementationFault as fault:
+        other.close()
+        raise UsageError(f"{impl} does not say its name: {fault}", hint="docs/harness.md says what it is asked, and how it answers") from fault
+    return other
 
 
 def selected(vectors: Sequence[ConformanceVector], chapter: str | None, names: list[str] | None) -> list[ConformanceVector]:

@@ -29,6 +29,8 @@ KEPT_WORDS = 40
 """Lines of what it says on stderr."""
 PATIENCE = 5.0
 """Seconds that a process which was killed may take to end."""
+GUARD = "(while kill -0 $PPID; do sleep 1; done; kill -KILL 0) </dev/null >/dev/null 2>&1 &"
+"""Ends the process group when this process is gone, however it ended."""
 LOOK = 0.5
 """Seconds between two looks at its folder."""
 
@@ -129,10 +131,11 @@ class AnsweringProcess:
 
 
 def limited(command: Sequence[str]) -> list[str]:
-    """The command under limits of the size of its files and of its memory, where there is a shell that sets them."""
+    """The command under limits of the size of its files and of its memory, and guarded, where there is a shell that does it."""
     if sys.platform == "win32":
         return [*command]
-    return ["/bin/sh", "-c", f'ulimit -c 0; ulimit -f {LARGEST_FOLDER >> 9}; ulimit -v {LARGEST_MEMORY >> 10}; exec "$0" "$@"', *command]
+    limits = f"ulimit -c 0; ulimit -f {LARGEST_FOLDER >> 9}; ulimit -v {LARGEST_MEMORY >> 10}"
+    return ["/bin/sh", "-c", f'{limits}; {GUARD} exec "$0" "$@"', *command]
 
 
 def kill(child: subprocess.Popen[bytes]) -> None:

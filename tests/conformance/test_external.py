@@ -6,6 +6,7 @@ import json
 import os
 import shutil
 import signal
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -109,6 +110,25 @@ def test_a_hang_ends_and_takes_its_children_with_it(tmp_path: Path) -> None:
     with fake(seconds=1.0, sample=hang) as implementation, pytest.raises(Fault, match="timed out: no answer within 1 s"):
         drawn(implementation)
     for _ in range(500):  # what was killed is reaped by whom it was left to
+        if not alive(int(place.read_text())):
+            return
+        time.sleep(0.01)
+    pytest.fail("a process is left")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no guard")
+def test_nothing_is_left_when_this_process_is_killed(tmp_path: Path) -> None:
+    place = tmp_path / "pid"
+    hang = f"open({str(place)!r}, 'w').write(str(os.getpid())); time.sleep(1000)"
+    ours = (
+        "import os, signal, sys, threading\nfrom scenic_ref.conformance.external import External\nfrom scenic_ref.conformance import Task\n"
+        f"other = External([sys.executable, '-c', {FAKE.format(how={'sample': hang}, scene=SCENE)!r}])\n"
+        f"def watch():\n    while not (os.path.exists({str(place)!r}) and os.path.getsize({str(place)!r})):\n        pass\n"
+        "    os.kill(os.getpid(), signal.SIGKILL)\n"
+        "threading.Thread(target=watch).start()\nlist(other.scenes(Task('ego = Object', 'paper'), 1, seed=1, attempts=1))\n"
+    )
+    assert subprocess.run([sys.executable, "-c", ours], check=False).returncode == -signal.SIGKILL
+    for _ in range(1000):
         if not alive(int(place.read_text())):
             return
         time.sleep(0.01)
