@@ -122,6 +122,16 @@ def test_the_list_that_ships_is_about_vectors_and_beside_the_results_that_ship()
         assert set(lines) == set(VECTORS), set(lines) ^ set(VECTORS)
 
 
+def test_the_example_of_the_documentation_is_a_list_of_differences() -> None:
+    page = (Path(__file__).parent.parent.parent / "docs" / "harness.md").read_text()
+    found = known.differences_in(page.partition("```toml\n")[2].partition("```")[0], "harness.md")
+    assert len(found) == 1 and found[0].vectors <= VECTORS.keys()
+
+
+def test_the_differences_that_ship_name_vectors_that_are_there() -> None:
+    assert not {v for d in known.shipped() for v in d.vectors} - VECTORS.keys()
+
+
 def test_results_are_the_same_without_addresses_and_places() -> None:
     vector = VECTORS["at-vector"]
     told = judge(Failing("at 0x7f12345678 in /tmp/scenic-ref-1/x y"), vector)
