@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Container, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ..conformance.running import Result
     from ..conformance.vector import ConformanceVector
 
+WRONG = ("failed", "errored")
 HEADING = ("vectors", "passed", "failed", "skipped", "errored", "chapter")
 
 
@@ -59,14 +60,19 @@ def conformance(
     kept = Kept(known, results, against, output)
     kept.check(impl)
     if impl is not None:
+        expected = kept.read()
         with opened(impl, seconds) as other:
-            raise typer.Exit(0 if judge_another(impl, other, list(judged(other, chosen, dialect, seed)), kept, verbose) else 1)
+            found = list(judged(other, chosen, dialect, seed))
+            raise typer.Exit(0 if judge_another(impl, other, found, expected, kept, verbose) else 1)
     implementation = Ourselves()
     found = list(judged(implementation, chosen, dialect, seed))
     if output is not None:
         write_report(output, implementation.name, found)
     if output != "-":
-        show(found, verbose)
+        show(found)
+        for result in found:
+            if verbose or result.verdict.status in WRONG:
+                print("\n".join(lines_of(result)))
         print(rules_line(found))
     if not all_passed(found):
         raise typer.Exit(1)
@@ -150,8 +156,8 @@ def write_report(path: str, name: str, results: Sequence[Result]) -> None:
         write(path, text + "\n")
 
 
-def show(results: Sequence[Result], verbose: bool, listed: Container[str] = ("failed", "errored")) -> None:
-    """The table by chapter, and the vectors whose verdicts are listed."""
+def show(results: Sequence[Result]) -> None:
+    """The table by chapter."""
     from ..conformance.reports import by_chapter
 
     chapters = by_chapter(results)
@@ -161,9 +167,6 @@ def show(results: Sequence[Result], verbose: bool, listed: Container[str] = ("fa
         from .columns import columns
 
         print("\n".join(columns(HEADING, [row(c) for c in with_total(chapters)])))
-    for result in results:
-        if verbose or result.verdict.status in listed:
-            print("\n".join(lines_of(result)))
 
 
 def with_total(chapters: Sequence[Chapter]) -> list[Chapter]:
@@ -202,14 +205,14 @@ def show_on_terminal(chapters: Sequence[Chapter]) -> None:
     Console().print(table)
 
 
-def lines_of(result: Result, impl: str | None = None) -> list[str]:
-    """A vector with its verdict, and the command that runs it alone if it did not pass."""
+def lines_of(result: Result, impl: str | None = None, dialect: str = "paper") -> list[str]:
+    """A vector with its verdict, and the command that runs it alone if it did not pass; `dialect` is the one that is taken if none is named."""
     import shlex
 
     vector, verdict = result.vector, result.verdict
     lines = [f"{verdict.status}: {vector.name} ({vector.paper})" + (f": {verdict.reason}" if verdict.reason else "")]
-    if verdict.status in ("failed", "errored"):
-        in_dialect = f" --dialect {result.dialect}" if impl is None and result.dialect not in ("", "paper") else ""
+    if verdict.status in WRONG:
+        in_dialect = f" --dialect {result.dialect}" if result.dialect not in ("", dialect) else ""
         of_it = "" if impl is None else f" --impl {shlex.quote(impl)}"
         lines.append(f"    scenic-ref conformance --vector {vector.name}{of_it}{in_dialect}    # {vector.file}")
     return lines

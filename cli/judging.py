@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..semantics.kernel.errors import UsageError
 
 if TYPE_CHECKING:
     from ..conformance.external import External
-    from ..conformance.known import Judged
+    from ..conformance.known import Judged, KnownDifference
     from ..conformance.running import Result
+
+
+class Expected(NamedTuple):
+    """What is expected: known differences, and a line for each vector by earlier results, None without them."""
+
+    known: Sequence[KnownDifference]
+    before: Mapping[str, str] | None
 
 
 class Kept(NamedTuple):
@@ -26,50 +33,60 @@ class Kept(NamedTuple):
         """Raise `UsageError` for files that cannot be written, or that need another implementation."""
         from .files import check_ending, check_place
 
-        read = {"the known differences": self.known, "the earlier results": self.against}
         if impl is None:
             for option, path in (("--known", self.known), ("--results", self.results), ("--against", self.against)):
                 if path is not None:
                     raise UsageError(f"{option} needs --impl", hint="scenic-ref conformance --impl scenic==3.1.1")
-        for option, path in (("--json", self.report), ("--results", self.results)):
-            if path is not None and (path != "-" or option == "--results"):
-                check_place(path, {name: there for name, there in read.items() if there is not None})
-                check_ending(option, path, "results", (".json",))
+        read = {"the file of known differences": self.known, "the file of earlier results": self.against}
+        if self.results is not None:
+            check_place(self.results, {**read, "the report": self.report})
+            check_ending("--results", self.results, "results", (".json",))
+        if self.report is not None and self.report != "-":
+            check_place(self.report, read)
+            check_ending("--json", self.report, "results", (".json",))
+
+    def read(self) -> Expected:
+        """What the files say that are read; the differences that ship if there is no other list. Raises `UsageError`."""
+        from pathlib import Path
+
+        from ..conformance.known import differences_at, shipped
+        from ..conformance.results import lines_at
+
+        known = shipped() if self.known is None else differences_at(Path(self.known))
+        return Expected(known, None if self.against is None else lines_at(Path(self.against)))
 
 
-def judge_another(impl: str, other: External, results: Sequence[Result], kept: Kept, verbose: bool) -> bool:
+def judge_another(impl: str, other: External, results: Sequence[Result], expected: Expected, kept: Kept, verbose: bool) -> bool:
     """Show the results, write what is to be written; whether everything is as it is known to be. Raises `UsageError`."""
-    from pathlib import Path
-
-    from ..conformance.known import beside, differences_at, shipped
+    from ..conformance.known import beside
     from ..conformance.results import changes, text_of
     from .conformance import show, write_report
     from .files import write
 
-    known = shipped() if kept.known is None else differences_at(Path(kept.known))
-    found = beside(other.name, results, known)
-    changed = [] if kept.against is None else changes(Path(kept.against), other.name, results)
+    found = beside(other.name, results, expected.known)
+    changed = changes(expected.before or {}, results)
     if kept.results is not None:
         write(kept.results, text_of(other.name, results))
     if kept.report is not None:
         write_report(kept.report, other.name, results)
     if kept.report != "-":
-        show(results, verbose, ())
-        tell(impl, other, found, changed)
-    return not changed if kept.against is not None and kept.known is None else found.as_expected and not changed
+        show(results)
+        tell(impl, other, results if verbose else found.new, found, changed)
+    only_changes = expected.before is not None and kept.known is None
+    return not changed and (only_changes or found.as_expected)
 
 
-def tell(impl: str, other: External, found: Judged, changed: Sequence[str]) -> None:
-    """What is known, what is new, what is stale, and what changed."""
+def tell(impl: str, other: External, listed: Sequence[Result], found: Judged, changed: Sequence[str]) -> None:
+    """What is known, what is new, what is stale, and what changed; the listed vectors with their verdicts."""
     from ..conformance.explaining import explained
     from .conformance import lines_of
 
     if found.known:
         classes = Counter(difference.class_ for difference in found.known.values())
         print(f"known differences of {other.name}: {', '.join(f'{count} {class_}' for class_, count in classes.most_common())}")
-    for result in found.new:
-        print("\n".join(lines_of(result, impl)))
-        readings = explained(result.vector, result.dialect, result.verdict.reason, other.profile) if other.profile else None
+    for result in listed:
+        print("\n".join(lines_of(result, impl, other.dialects[0])))
+        readings = explained(result.vector, result.dialect, result.verdict.reason, other.profile) if result in found.new and other.profile else None
         if readings:
             print(f"    the same as under {', '.join(f'{id} = {alternative}' for id, alternative in readings.items())}")
     if found.new:

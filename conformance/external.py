@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import TracebackType
 from typing import Any, Self
 
@@ -83,8 +83,12 @@ class External:
         if self.process is None:
             self.process = AnsweringProcess(self.command)
             self.compiled, self.simulated = None, False
-            self.said = self.last(self.ask({"request": "start", "protocol": PROTOCOL}, self.start_seconds), "started")
-            check_introduction(self.said)
+            said = self.last(self.ask({"request": "start", "protocol": PROTOCOL}, self.start_seconds), "started")
+            wrong = introduction_fault(said)
+            if wrong:
+                self.close()
+                raise ImplementationFault("garbled", wrong)
+            self.said = said
         return self.process
 
     def close(self) -> None:
@@ -138,9 +142,8 @@ class External:
         """`count` scenes. Raises `Refused`, `NeverAccepted`, `Unsupported` and `ImplementationFault`."""
         self.needs("scenes")
         self.compile(task)
-        for answer in self.ask({"request": "sample", "count": count, "seed": seed, "attempts": attempts}, self.seconds):
-            if told(answer)["answer"] == "scene":
-                yield self.checked(answer, "scene", scene_fault)
+        asked = {"request": "sample", "count": count, "seed": seed, "attempts": attempts}
+        yield from self.records(asked, "scene", count, scene_fault)
 
     def simulations(
         self, task: Task, steps: int, count: int, *, seed: int, attempts: int, world: Sequence[object] | None = None
@@ -150,9 +153,7 @@ class External:
         self.compile(task)
         self.simulated = True
         asked = {"request": "simulate", "steps": steps, "count": count, "seed": seed, "attempts": attempts, "world": world}
-        for answer in self.ask(asked, self.seconds):
-            if told(answer)["answer"] == "simulation":
-                yield self.checked(answer, "simulation", simulation_fault)
+        yield from self.records(asked, "simulation", count, simulation_fault)
 
     def needs(self, capability: str) -> None:
         """Raise `Unsupported` if it says that it cannot do that."""
@@ -160,13 +161,19 @@ class External:
         if capability not in self.said["capabilities"]:
             raise Unsupported(f"{self.name} gives no {capability}")
 
-    def checked(self, answer: Answer, key: str, fault: Any) -> Mapping[str, object]:
-        """The record in an answer. Raises `ImplementationFault` for what is none."""
-        wrong = fault(answer.get(key))
-        if wrong:
-            self.close()
-            raise ImplementationFault("garbled", f"a {key} {wrong}")
-        return answer[key]
+    def records(
+        self, asked: Mapping[str, object], key: str, count: int, fault: Callable[[object], str | None]
+    ) -> Iterator[Mapping[str, object]]:
+        """The scenes or simulations that a request gives. Raises `ImplementationFault` for what is none, and for more than were asked for."""
+        answers = self.ask(asked, self.seconds)
+        for number, answer in enumerate(answers):
+            if told(answer)["answer"] == "done":
+                continue
+            wrong = "too many" if number >= count else fault(answer.get(key))
+            if wrong or answer["answer"] != key:
+                self.close()
+                raise ImplementationFault("garbled", f"a {key} {wrong}" if wrong else f"the answer is {answer['answer']!r}, and not {key!r}")
+            yield answer[key]
 
 
 def read(line: bytes, number: int) -> Answer:
@@ -194,7 +201,7 @@ def shown(line: bytes) -> str:
 
 
 def told(answer: Answer) -> Answer:
-    """The answer itself, or what it says raised: `Refused`, `NeverAccepted`, `Unsupported`, or a `ImplementationFault` of the other side's own."""
+    """The answer itself, or what it says raised: `Refused`, `NeverAccepted`, `Unsupported`, or an `ImplementationFault` of the other side's own."""
     match answer["answer"]:
         case "error":
             phase = answer.get("phase")
@@ -224,14 +231,16 @@ def words(answer: Answer, key: str) -> str:
     return (text if isinstance(text, str) else "no words")[:LONGEST_WORDS]
 
 
-def check_introduction(said: Answer) -> None:
-    """Raise `ImplementationFault` if what it says of itself is incomplete, or of another protocol."""
+def introduction_fault(said: Answer) -> str | None:
+    """What is wrong with what it says of itself; None if nothing is."""
     texts = all(isinstance(said.get(key), str) for key in ("name", "version"))
     lists = all(isinstance(said.get(key), list) and all(isinstance(v, str) for v in said[key]) for key in ("dialects", "capabilities"))
+    readings = said.get("readings", {})
     if said.get("protocol") != PROTOCOL:
-        raise ImplementationFault("garbled", f"it speaks {said.get('protocol')!r}, and not {PROTOCOL!r}")
-    if not (texts and lists and said["dialects"] and isinstance(said.get("readings", {}), dict)):
-        raise ImplementationFault("garbled", "it does not say its name, version, dialects and capabilities")
+        return f"it speaks {said.get('protocol')!r}, and not {PROTOCOL!r}"
+    if not (texts and lists and said["dialects"] and isinstance(readings, dict) and all(isinstance(v, list) for v in readings.values())):
+        return "it does not say its name, version, dialects and capabilities"
+    return None
 
 
 def scene_fault(scene: object) -> str | None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 
+from ..interpreter.modules import read_text
 from ..semantics.kernel.errors import UsageError
 from ..semantics.readings import READINGS
 from .fields import VectorFields
@@ -49,12 +50,7 @@ def shipped() -> list[KnownDifference]:
 
 def differences_at(path: Path) -> list[KnownDifference]:
     """Those of a file. Raises `UsageError` if it cannot be read, or is none."""
-    try:
-        return differences_in(path.read_text("utf-8"), str(path))
-    except OSError as error:
-        raise UsageError(f"{path} cannot be read: {error.strerror}") from error
-    except UnicodeDecodeError as error:
-        raise UsageError(f"{path} is not a text in UTF-8: {error.reason}") from error
+    return differences_in(read_text(path, "a list of differences"), str(path))
 
 
 def differences_in(text: str, file: str) -> list[KnownDifference]:

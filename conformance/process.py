@@ -9,7 +9,7 @@ import sys
 import threading
 import time
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 from queue import Empty, Full, Queue
@@ -61,12 +61,12 @@ class AnsweringProcess:
             self.folder.cleanup()
             raise ImplementationFault("crashed", f"{command[0]} could not be started: {error.strerror or error}") from error
         assert self.child.stdout is not None and self.child.stderr is not None
-        for reader, stream in ((self.read_lines, self.child.stdout), (self.read_words, self.child.stderr)):
-            threading.Thread(target=reader, args=(stream,), daemon=True).start()
+        in_background(self.read_lines, self.child.stdout)
+        in_background(self.read_words, self.child.stderr)
 
     def read_lines(self, stream: IO[bytes]) -> None:
         """Each line of stdout, None behind the last."""
-        with suppress(OSError, ValueError):  # ValueError: closed under our hands
+        with suppress(OSError), stream:
             while (line := stream.readline(LONGEST_LINE)) and not self.ended:
                 self.too_long = len(line) >= LONGEST_LINE
                 self.put(None if self.too_long else line)
@@ -83,18 +83,14 @@ class AnsweringProcess:
 
     def read_words(self, stream: IO[bytes]) -> None:
         """The last lines of stderr."""
-        with suppress(OSError, ValueError):
+        with suppress(OSError), stream:
             while line := stream.readline(4096):
                 self.words.append(line.decode("utf-8", "replace").rstrip())
 
     def ask(self, line: str) -> None:
-        """Write a line. Raises `ImplementationFault` if it reads no more."""
+        """Write a line. If it reads no more, that shows when it does not answer."""
         assert self.child.stdin is not None
-        try:
-            self.child.stdin.write(line.encode() + b"\n")
-            self.child.stdin.flush()
-        except (OSError, ValueError) as error:
-            raise self.crash() from error
+        in_background(write, self.child.stdin, line.encode() + b"\n")
 
     def answer(self, seconds: float) -> bytes:
         """Its next line. Raises `ImplementationFault` if none comes in time, or none can come."""
@@ -120,14 +116,27 @@ class AnsweringProcess:
         return ImplementationFault("crashed", f"{how}: {last}" if last else how)
 
     def close(self) -> None:
-        """End it with all that it started, and delete its folder."""
+        """End it with all that it started, and delete its folder. What it left its pipes to cannot hold this up."""
         self.ended = True
         kill(self.child)
-        for stream in (self.child.stdin, self.child.stdout, self.child.stderr):
-            with suppress(OSError, ValueError):
-                if stream is not None:
-                    stream.close()
+        for pid in strays(self.folder.name):
+            with suppress(OSError):
+                os.kill(pid, signal.SIGKILL)
         self.folder.cleanup()
+
+
+def in_background(work: Callable[..., None], *arguments: object) -> threading.Thread:
+    """A thread that does this, and that nobody waits for at the end."""
+    thread = threading.Thread(target=work, args=arguments, daemon=True)
+    thread.start()
+    return thread
+
+
+def write(stream: IO[bytes], line: bytes) -> None:
+    """Write a line to one who may not read it."""
+    with suppress(OSError, ValueError):  # ValueError: it was closed
+        stream.write(line)
+        stream.flush()
 
 
 def limited(command: Sequence[str]) -> list[str]:
@@ -147,6 +156,14 @@ def kill(child: subprocess.Popen[bytes]) -> None:
             os.killpg(child.pid, signal.SIGKILL)  # its group is there as long as one of it is
     with suppress(subprocess.TimeoutExpired):
         child.wait(PATIENCE)
+
+
+def strays(folder: str) -> Iterator[int]:
+    """Processes that were started from that folder's and left their group, where the system tells the surroundings of a process."""
+    for place in Path("/proc").glob("[0-9]*/environ"):
+        with suppress(OSError):
+            if f"TMPDIR={folder}\0".encode() in place.read_bytes():
+                yield int(place.parent.name)
 
 
 def size_of(folder: str) -> int:

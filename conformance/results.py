@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
 
+from ..interpreter.modules import read_text
 from ..semantics.kernel.errors import UsageError
 from .running import Result
 from .verdict import STATUSES
@@ -60,14 +61,12 @@ def kept() -> dict[str, Mapping[str, str]]:
     return dict(read(p.read_text("utf-8"), p.name) for p in sorted(folder.iterdir(), key=lambda p: p.name) if p.name.endswith(".json"))
 
 
-def changes(before: Path, implementation: str, results: Sequence[Result]) -> list[str]:
-    """What is not as in a file of results: a line for each vector that is in both. Raises `UsageError`."""
-    try:
-        text = before.read_text("utf-8")
-    except OSError as error:
-        raise UsageError(f"{before} cannot be read: {error.strerror}") from error
-    except UnicodeDecodeError as error:
-        raise UsageError(f"{before} is not a text in UTF-8: {error.reason}") from error
-    _, lines = read(text, str(before))
+def lines_at(path: Path) -> Mapping[str, str]:
+    """The line of each vector in a file of results. Raises `UsageError` if it cannot be read, or is none."""
+    return read(read_text(path, "a file of results"), str(path))[1]
+
+
+def changes(before: Mapping[str, str], results: Sequence[Result]) -> list[str]:
+    """What is not as before: a line for each vector that is in both."""
     now = {result.vector.name: line_of(result) for result in results}
-    return [f"{name}: was {lines[name]}; is {now[name]}" for name in sorted(now) if name in lines and lines[name] != now[name]]
+    return [f"{name}: was {before[name]}; is {now[name]}" for name in sorted(now) if name in before and before[name] != now[name]]

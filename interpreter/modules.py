@@ -229,14 +229,14 @@ def read_program(path: Path, dialect: str | None) -> Program:
     return program
 
 
-def read_text(path: Path) -> str:
-    """The text of a program file. Raises `UsageError` for directories, missing and unreadable files, and binary data."""
+def read_text(path: Path, what: str = "a Scenic program") -> str:
+    """The text of a file, a program if nothing else is said. Raises `UsageError` for directories, missing and unreadable files, and binary data."""
     try:
         data = path.read_bytes()
     except FileNotFoundError:
         raise UsageError(f"there is no file {path}") from None
     except IsADirectoryError:
-        raise UsageError(f"{path} is a directory, not a Scenic program") from None
+        raise UsageError(f"{path} is a directory, not {what}") from None
     except OSError as error:
         raise UsageError(f"{path} cannot be read: {error.strerror or error}") from None
     if b"\0" in data:

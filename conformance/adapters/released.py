@@ -115,20 +115,20 @@ def world_of(recorded):
     """A simulator in which nothing moves, or everything as it was recorded: a time step takes one second."""
 
     class InRecordedWorld(DummySimulation):
+        passed = -1  # 2.1 counts a time step after the world has been asked
+
+        def updateObjects(self):
+            self.passed += 1
+            super().updateObjects()
+
         def getProperties(self, obj, properties):
             values = super().getProperties(obj, properties)
-            at = self.currentTime
-            number = list(self.objects).index(obj)
-            if recorded and at < len(recorded) and str(number) in recorded[at]:
-                pose = dict(recorded[at][str(number)])
-                if "position" in pose:
-                    values["position"] = Vector(*pose.pop("position"))
-                if "heading" in pose:
-                    values["yaw" if THREE else "heading"] = pose.pop("heading")
-                for name in ("velocity",):
-                    if name in pose:
-                        values[name] = Vector(*pose.pop(name))
-                values.update({name: value for name, value in pose.items() if name in values})
+            number = str(list(self.objects).index(obj))
+            pose = recorded[self.passed].get(number, {}) if recorded and self.passed < len(recorded) else {}
+            for name, value in pose.items():
+                own = "yaw" if THREE and name == "heading" else name
+                if own in values:
+                    values[own] = Vector(*value) if isinstance(value, list) else value
             return values
 
     class World(DummySimulator):
@@ -140,7 +140,7 @@ def world_of(recorded):
     return World()
 
 
-def simulation_json(simulation, scene, limit):
+def simulation_json(simulation, scene):
     """A simulation in the simulation format."""
     result = simulation.result
     number = {id(thing): k for k, thing in enumerate(simulation.objects)}
@@ -214,7 +214,7 @@ def simulate(request, say):
                 break
         else:
             return {"answer": "rejected"}
-        say({"answer": "simulation", "simulation": simulation_json(run, told, request["steps"])})
+        say({"answer": "simulation", "simulation": simulation_json(run, told)})
     return {"answer": "done"}
 
 
@@ -228,8 +228,8 @@ def answered(request, say):
         return (sample if request["request"] == "sample" else simulate)(request, say)
     except RejectionException:
         return {"answer": "rejected"}
-    except MemoryError:
-        raise
+    except (MemoryError, SystemExit) as error:
+        return {"answer": "crashed", "message": f"{type(error).__name__}: {error}"}
     except Exception as error:
         return error_json(error)
 
@@ -267,12 +267,11 @@ def saying(number):
     return say
 
 
-def in_child(lines):
-    """The requests about one program, in a process of its own; what comes in are its lines."""
-    for line in lines:
-        request = json.loads(line)
-        say = saying(request["id"])
-        say(answered(request, say))
+def answer_line(line):
+    """Answer a request about a program."""
+    request = json.loads(line)
+    say = saying(request["id"])
+    say(answered(request, say))
 
 
 class Child:
@@ -287,10 +286,11 @@ class Child:
             os.close(self.ended)
             try:
                 for line in os.fdopen(out, encoding="utf-8"):
-                    in_child([line])
+                    answer_line(line)
                     os.write(done, b".")
-            finally:
                 os._exit(0)
+            finally:
+                os._exit(1)
         os.close(out)
         os.close(done)
         self.alive = True
@@ -303,7 +303,7 @@ class Child:
         if not os.read(self.ended, 1):
             _, status = os.waitpid(self.pid, 0)
             self.alive = False
-            saying(number)({"answer": "crashed", "message": f"the process of the program ended with status {status}"})
+            saying(number)({"answer": "crashed", "message": f"the process of the program ended with exit code {os.waitstatus_to_exitcode(status)}"})
 
     def close(self):
         """End it."""
@@ -326,7 +326,7 @@ def main():
             say({"answer": "stopped"})
             return
         elif not FORKS:
-            in_child([line])
+            answer_line(line)
         else:
             if request["request"] == "compile" or child is None or not child.alive:
                 if child is not None:

@@ -8,7 +8,8 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
+import threading
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,7 @@ SCENE = {"params": {}, "ego": 0, "objects": [{"position": [1, 2], "heading": 0.0
 TASK = Task("ego = Object at 1 @ 2\n", "paper")
 
 FAKE = '''
-import json, os, sys, time
+import json, os, signal, sys
 HOW = {how!r}
 SCENE = {scene!r}
 def say(id, **answer):
@@ -49,6 +50,71 @@ for line in sys.stdin:
 '''
 
 
+class Clock:
+    """The time of the limits: it stands still unless a test lets it pass."""
+
+    def __init__(self) -> None:
+        self.now = self.pace = 0.0
+        self.looked = threading.Event()
+
+    def monotonic(self) -> float:
+        self.looked.set()
+        self.now += self.pace
+        return self.now
+
+    def fly(self) -> None:
+        """From now on every look finds it two seconds later."""
+        self.pace = 2.0
+
+    def pass_by(self, seconds: float) -> None:
+        self.now += seconds
+        self.looked.clear()
+
+
+@pytest.fixture(autouse=True)
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    """No limit of time passes on a busy machine."""
+    clock = Clock()
+    for module in (external, processes):
+        monkeypatch.setattr(module, "time", clock)
+    return clock
+
+
+class Living:
+    """A named pipe that processes hold open for writing as long as they live: both its ends are events."""
+
+    def __init__(self, folder: Path) -> None:
+        self.path = folder / "living"
+        os.mkfifo(self.path)
+        self.held = f"living = os.open({str(self.path)!r}, os.O_WRONLY)"
+        """The statement by which a process holds it, and those that it starts."""
+
+    def begin(self) -> None:
+        """Wait until a process holds it."""
+        self.end = self.path.open("rb")
+
+    def all_end(self) -> None:
+        """Wait until nobody holds it any more."""
+        with self.end as end:
+            assert end.read() == b""
+
+    def then(self, what: Callable[[], None]) -> threading.Thread:
+        """A thread that does something once a process holds it."""
+
+        def wait() -> None:
+            self.begin()
+            what()
+
+        thread = threading.Thread(target=wait, daemon=True)
+        thread.start()
+        return thread
+
+
+@pytest.fixture
+def living(tmp_path: Path) -> Living:
+    return Living(tmp_path)
+
+
 def fake(seconds: float = 20.0, **how: str) -> External:
     """An implementation of which some requests are answered as these statements say."""
     return External([sys.executable, "-c", FAKE.format(how=how, scene=SCENE)], seconds=seconds)
@@ -65,7 +131,7 @@ FAULTS = {
     "raises": ({"sample": "1 / 0"}, "crashed: exit code 1: ZeroDivisionError: division by zero"),
     "crashes behind a scene": ({"sample": "say(id, answer='scene', scene=SCENE); os._exit(3)"}, "crashed: exit code 3"),
     "crashes when it compiles": ({"compile": "os._exit(7)"}, "crashed: exit code 7"),
-    "closes its output": ({"sample": "sys.stdout.close(); os.close(1); time.sleep(100)"}, "crashed: it closed its output"),
+    "closes its output": ({"sample": "sys.stdout.close(); os.close(1); signal.pause()"}, "crashed: it closed its output"),
     "says that it crashed": ({"sample": "say(id, answer='crashed', message='of old age')"}, "crashed: of old age"),
     "prints garbage": ({"sample": "print('hello', flush=True)"}, "garbled: 'hello' is not JSON"),
     "prints bytes": ({"sample": "sys.stdout.buffer.write(bytes(range(128, 200)) + b'\\n'); sys.stdout.flush()"}, "garbled: "),
@@ -86,8 +152,9 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("fault", FAULTS)
-def test_every_fault_has_its_verdict_and_the_next_question_is_answered(fault: str, tmp_path: Path) -> None:
+def test_every_fault_has_its_verdict_and_the_next_question_is_answered(fault: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     how, words = FAULTS[fault]
+    monkeypatch.setattr(processes, "PATIENCE", 0.1 if fault == "closes its output" else 600.0)  # the former never ends by itself
     vector = next(v for v in load_vectors() if v.kind == "values" and "paper" in v.texts and not v.readings)
     with fake(**how) as implementation:
         verdict = judge(implementation, vector).verdict
@@ -104,53 +171,48 @@ def test_every_fault_has_its_verdict_and_the_next_question_is_answered(fault: st
     assert process is not None and process.child.poll() is not None
 
 
-def test_a_hang_ends_and_takes_its_children_with_it(tmp_path: Path) -> None:
-    place = tmp_path / "child"
-    hang = f"import subprocess; child = subprocess.Popen(['sleep', '1000']); open({str(place)!r}, 'w').write(str(child.pid)); time.sleep(1000)"
-    with fake(seconds=1.0, sample=hang) as implementation, pytest.raises(Fault, match="timed out: no answer within 1 s"):
-        drawn(implementation)
-    for _ in range(500):  # what was killed is reaped by whom it was left to
-        if not alive(int(place.read_text())):
-            return
-        time.sleep(0.01)
-    pytest.fail("a process is left")
+@pytest.mark.parametrize("leaves", [False, True])
+@pytest.mark.skipif(not Path("/proc").exists(), reason="only Linux tells the surroundings of a process")
+def test_a_hang_ends_and_takes_its_children_with_it(leaves: bool, clock: Clock, living: Living) -> None:
+    child = f"import subprocess; {living.held}; subprocess.Popen(['sleep', 'infinity'], pass_fds=[living], start_new_session={leaves})"
+    held = living.then(clock.fly)
+    how = f"{child}; os.close(living); signal.pause()"
+    with fake(seconds=1.0, sample=how) as hung, pytest.raises(Fault, match="timed out: no answer within 1 s"):
+        drawn(hung)
+    held.join()
+    living.all_end()
+
+
+def test_one_who_does_not_read_is_no_hang_of_ours(clock: Clock, living: Living) -> None:
+    held = living.then(clock.fly)
+    program = Task("ego = Object" + " " * (1 << 20), "paper")  # more than a pipe holds
+    deaf = FAKE.format(how={}, scene=SCENE).replace("        continue\n", f"        {living.held}; signal.pause()\n", 1)
+    with External([sys.executable, "-c", deaf], seconds=1.0) as implementation, pytest.raises(Fault, match="timed out: no answer within 1 s"):
+        drawn(implementation, 1, program)
+    held.join()
+    living.all_end()
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no guard")
-def test_nothing_is_left_when_this_process_is_killed(tmp_path: Path) -> None:
-    place = tmp_path / "pid"
-    hang = f"open({str(place)!r}, 'w').write(str(os.getpid())); time.sleep(1000)"
+def test_nothing_is_left_when_this_process_is_killed(living: Living) -> None:
     ours = (
-        "import os, signal, sys, threading\nfrom scenic_ref.conformance.external import External\nfrom scenic_ref.conformance import Task\n"
-        f"other = External([sys.executable, '-c', {FAKE.format(how={'sample': hang}, scene=SCENE)!r}])\n"
-        f"def watch():\n    while not (os.path.exists({str(place)!r}) and os.path.getsize({str(place)!r})):\n        pass\n"
-        "    os.kill(os.getpid(), signal.SIGKILL)\n"
-        "threading.Thread(target=watch).start()\nlist(other.scenes(Task('ego = Object', 'paper'), 1, seed=1, attempts=1))\n"
+        "import sys\nfrom scenic_ref.conformance.external import External\nfrom scenic_ref.conformance import Task\n"
+        f"other = External([sys.executable, '-c', {FAKE.format(how={'sample': f'{living.held}; signal.pause()'}, scene=SCENE)!r}])\n"
+        "list(other.scenes(Task('ego = Object', 'paper'), 1, seed=1, attempts=1))\n"
     )
-    assert subprocess.run([sys.executable, "-c", ours], check=False).returncode == -signal.SIGKILL
-    for _ in range(1000):
-        if not alive(int(place.read_text())):
-            return
-        time.sleep(0.01)
-    pytest.fail("a process is left")
+    with subprocess.Popen([sys.executable, "-c", ours]) as process:
+        living.begin()
+        process.kill()
+    living.all_end()
 
 
-def alive(pid: int) -> bool:
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    with open(f"/proc/{pid}/stat", encoding="utf-8") as stat:
-        return stat.read().split()[2] != "Z"
-
-
-def test_scenes_that_come_for_ever_end(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(external, "REQUEST_SECONDS", 2.0)
-    with fake(seconds=1.0, sample="\nwhile True:\n    say(id, answer='scene', scene=SCENE)") as implementation:
-        scenes = implementation.scenes(TASK, 2, seed=1, attempts=1)
-        with pytest.raises(Fault, match="timed out: the answers took more than 2 s"):
-            for _ in scenes:
-                pass
+def test_scenes_that_come_for_ever_end(clock: Clock) -> None:
+    for_ever = "\nwhile True:\n    say(id, answer='scene', scene=SCENE)"
+    with fake(sample=for_ever) as implementation, pytest.raises(Fault, match="garbled: a scene too many"):
+        drawn(implementation, 3)
+    with fake(sample=for_ever) as implementation, pytest.raises(Fault, match="timed out: the answers took more than 600 s"):
+        for _ in implementation.scenes(TASK, 1 << 30, seed=1, attempts=1):
+            clock.pass_by(100.0)
 
 
 def test_a_line_without_end_and_a_folder_that_grows(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -158,7 +220,7 @@ def test_a_line_without_end_and_a_folder_that_grows(monkeypatch: pytest.MonkeyPa
     with fake(sample="\nwhile True:\n    sys.stdout.write('x' * 4096)") as implementation, pytest.raises(Fault, match="garbled: a line of more than"):
         drawn(implementation)
     monkeypatch.setattr(processes, "LARGEST_FOLDER", 1 << 20)
-    fill = "\nfor k in range(8):\n    open(f'file{k}', 'w').write('x' * 500000)\ntime.sleep(1000)"
+    fill = "\nfor k in range(8):\n    open(f'file{k}', 'w').write('x' * 500000)\nsignal.pause()"
     with fake(sample=fill) as implementation, pytest.raises(Fault, match="crashed: it wrote more than"):
         drawn(implementation)
 
@@ -181,13 +243,30 @@ def test_its_memory_and_its_files_are_limited(monkeypatch: pytest.MonkeyPatch) -
         drawn(it)
 
 
-def test_a_slow_start_is_waited_for() -> None:
-    slow = External([sys.executable, "-c", "import time; time.sleep(2)\n" + FAKE.format(how={}, scene=SCENE)], seconds=1.0)
+def test_a_slow_start_is_waited_for(clock: Clock, tmp_path: Path) -> None:
+    gate = tmp_path / "gate"
+    os.mkfifo(gate)
+
+    def thirty_seconds_later() -> None:
+        with gate.open("w"):  # it has begun
+            clock.pass_by(30.0)
+            clock.looked.wait()
+
+    slow = External([sys.executable, "-c", f"open({str(gate)!r}).read()\n" + FAKE.format(how={}, scene=SCENE)], seconds=1.0)
+    opening = threading.Thread(target=thirty_seconds_later, daemon=True)
+    opening.start()
     with slow:
         assert len(drawn(slow, 3)) == 3
-    late = External([sys.executable, "-c", "import time; time.sleep(1000)"], start=1.0)
-    with pytest.raises(Fault, match="timed out"):
+    opening.join()
+
+
+def test_a_start_that_takes_too_long(clock: Clock, living: Living) -> None:
+    late = External([sys.executable, "-c", f"import os, signal; {living.held}; signal.pause()"], start=1.0)
+    held = living.then(clock.fly)
+    with pytest.raises(Fault, match="timed out: no answer within 1 s"):
         late.started()
+    held.join()
+    living.all_end()
     assert late.process is None
 
 
@@ -205,7 +284,9 @@ def test_an_introduction_must_be_whole(answer: str, words: str) -> None:
     with pytest.raises(Fault) as raised:
         implementation.started()
     assert str(raised.value).startswith(words)
-    implementation.close()
+    with pytest.raises(Fault, match="garbled"):  # it is asked again: what it said was not kept
+        _ = implementation.name
+    assert implementation.process is None
 
 
 def test_a_command_that_is_no_program() -> None:
@@ -246,7 +327,7 @@ def test_a_program_is_compiled_once_and_simulated_in_a_process_of_its_own() -> N
 
 
 def test_an_interrupt_leaves_no_process() -> None:
-    with fake(sample="say(id, answer='scene', scene=SCENE); time.sleep(1000)") as implementation:
+    with fake(sample="say(id, answer='scene', scene=SCENE); signal.pause()") as implementation:
         scenes = implementation.scenes(TASK, 2, seed=1, attempts=1)
         next(scenes)
         process = implementation.process

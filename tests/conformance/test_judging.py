@@ -31,7 +31,7 @@ def wrong(tmp_path: Path) -> str:
     """A command: this reference, but objects are one metre further to the East."""
     path = tmp_path / "wrong.py"
     path.write_text(
-        "import copy\nfrom scenic_ref.conformance import Ourselves\nfrom scenic_ref.conformance.serving import serve\n"
+        "from scenic_ref.conformance import Ourselves\nfrom scenic_ref.conformance.serving import serve\n"
         "class Wrong(Ourselves):\n    name = 'wrong 1'\n    def scenes(self, task, count, *, seed, attempts):\n"
         "        for scene in super().scenes(task, count, seed=seed, attempts=attempts):\n"
         "            for found in scene['objects']:\n                found['position'][0] += 1\n            yield scene\nserve(Wrong())\n"
@@ -45,6 +45,9 @@ def test_a_difference_is_new_then_known_then_stale(capfd: pytest.CaptureFixture[
     assert f"scenic-ref conformance --vector at-vector --impl '{wrong}'" in out
     table = tmp_path / "known.toml"
     table.write_text('[[difference]]\nimplementations = ["wrong 1"]\nvectors = ["at-vector"]\nclass = "bug"\nwhy = "It is moved."\npassage = "x"\n')
+    code, out, _ = ask(capfd, "--impl", wrong, "--vector", "at-vector", "--vector", "facing-heading", "--known", str(table), "-v")
+    assert code == 0 and out.count("failed: at-vector (") == 1 and out.count("passed: facing-heading (") == 1
+    assert f"--vector at-vector --impl '{wrong}'    #" in out
     code, out, _ = ask(capfd, "--impl", wrong, "--vector", "at-vector", "--known", str(table))
     assert code == 0 and "known differences of wrong 1: 1 bug" in out
     table.write_text(table.read_text().replace('"at-vector"', '"facing-heading"'))
@@ -79,6 +82,10 @@ def test_wrong_usage_is_said_before_anything_runs(capfd: pytest.CaptureFixture[s
         (["--impl", sys.executable, "--seconds", "0"], "--seconds is the time for an answer"),
         (["--impl", sys.executable, "--results", str(tmp_path / "no" / "x.json")], "x.json"),
         (["--impl", sys.executable, "--results", "x.txt"], ".json"),
+        (["--impl", sys.executable, "--results", "x.json", "--json", "x.json"], "x.json is the report"),
+        (["--impl", sys.executable, "--known", str(tmp_path / "no.toml")], "there is no file"),
+        (["--impl", sys.executable, "--known", str(tmp_path)], "is a directory, not a list of differences"),
+        (["--impl", sys.executable, "--against", str(tmp_path / "no.json")], "there is no file"),
     ):
         code, _, err = ask(capfd, "--vector", "at-vector", *arguments)
         assert code == 2 and words in err, (arguments, err)
