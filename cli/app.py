@@ -11,6 +11,7 @@ from .bench import bench
 from .check import check
 from .conformance import conformance
 from .convert import convert
+from .diff import diff
 from .options import DebugOption
 from .readings import readings
 from .rules import rules
@@ -42,6 +43,7 @@ app.command("rules")(rules)
 app.command("readings")(readings)
 app.command("check")(check)
 app.command("convert")(convert)
+app.command("diff")(diff)
 app.command("conformance")(conformance)
 app.command("bench")(bench)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from ..semantics.readings import select
@@ -25,9 +25,15 @@ def explained(vector: ConformanceVector, dialect: str, reason: str, profile: Map
     chosen = {id: alternative for id, alternative in profile.items() if alternative != paper[id] and id not in vector.readings}
     if not fails_alike(vector, dialect, reason, chosen):
         return None
-    for id in list(chosen):
+    return fewest(chosen, lambda fewer: fails_alike(vector, dialect, reason, fewer))
+
+
+def fewest(readings: Mapping[str, str], holds: Callable[[Mapping[str, str]], bool]) -> Mapping[str, str]:
+    """Readings of which none can be left out, from more for which it holds."""
+    chosen = dict(readings)
+    for id in readings:
         fewer = {other: alternative for other, alternative in chosen.items() if other != id}
-        if fails_alike(vector, dialect, reason, fewer):
+        if holds(fewer):
             chosen = fewer
     return chosen
 

@@ -128,7 +128,8 @@ class External:
     def compile(self, task: Task) -> None:
         """The program is compiled, in a process in which no other was simulated. Raises `Refused`, `Unsupported`, `ImplementationFault`."""
         asked = {"request": "compile", "program": task.program, "dialect": task.dialect, "readings": dict(task.readings), "files": dict(task.files)}
-        key = (task.program, task.dialect, tuple(sorted(task.readings.items())), tuple(sorted(task.files.items())))
+        asked |= {} if task.prune else {"prune": False}
+        key = (task.program, task.dialect, tuple(sorted(task.readings.items())), tuple(sorted(task.files.items())), task.prune)
         if self.simulated and self.said.get("isolated") is not True:
             self.close()
         self.started()

@@ -22,6 +22,7 @@ class Task:
     """A program text in a dialect, the readings under which it is to be run (all others are those of the paper), and the seed.
 
     `files` are Scenic modules in the folder of the program, in the same dialect: their texts by their paths, such as "lib/roads.scenic".
+    Without `prune`, the attempts that scenes take are to be those of the program: none is spared.
     """
 
     program: str
@@ -29,6 +30,7 @@ class Task:
     readings: Mapping[str, str] = field(default_factory=dict)
     seed: int = SEED
     files: Mapping[str, str] = field(default_factory=dict)
+    prune: bool = True
 
 
 class Unsupported(Exception):
@@ -94,6 +96,16 @@ class Implementation(Protocol):
 
 
 @runtime_checkable
+class CountingAttempts(Protocol):
+    """An implementation whose scenes say how many attempts they took."""
+
+    @property
+    def counts_attempts(self) -> bool:
+        """Whether they do."""
+        ...
+
+
+@runtime_checkable
 class Tracing(Protocol):
     """An implementation that reports which rules fire."""
 
@@ -130,7 +142,10 @@ class Measuring(Protocol):
 
 @runtime_checkable
 class Simulating(Protocol):
-    """An implementation that simulates in a world in which nothing moves, a time step takes one second, and any value is an action."""
+    """An implementation that simulates in a world in which nothing moves, a time step takes one second, and any value is an action.
+
+    A further argument `world` is a recorded world, in which objects are where it says (`docs/harness.md`); it can be left out of the method.
+    """
 
     def simulations(self, task: Task, steps: int, count: int, *, seed: int, attempts: int) -> Iterator[SimulationRecord]:
         """`count` independent simulations of at most `steps` time steps. Raises `Refused` and `NeverAccepted` as `scenes` does."""

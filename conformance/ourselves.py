@@ -24,6 +24,7 @@ from ..semantics.syntax.nodes import NOWHERE
 from ..simulators.simulating import simulate_once
 from ..simulators.still import Still
 from .implementation import Enumerated, NeverAccepted, Refused, SceneRecord, SimulationRecord, Task
+from .recorded_world import RecordedWorld, World
 
 TRACED_RUNS = 60
 """The most runs that are traced in search of a rule; one that fires in half of the runs is missed with probability 2^-60."""
@@ -39,6 +40,7 @@ class Ourselves:
     name = f"scenic-ref {__version__}"
     dialects = tuple(DIALECTS)
 
+    counts_attempts = True
     backend: Literal["interpreter", "batch"] = "interpreter"
 
     @classmethod
@@ -103,12 +105,14 @@ class Ourselves:
                 break
         return frozenset(found)
 
-    def simulations(self, task: Task, steps: int, count: int, *, seed: int, attempts: int) -> Iterator[SimulationRecord]:
+    def simulations(
+        self, task: Task, steps: int, count: int, *, seed: int, attempts: int, world: World | None = None
+    ) -> Iterator[SimulationRecord]:  # fmt: skip
         """Simulations 0 to `count - 1` of the seed."""
         with told():
             scenario = load(task)
             for index in range(count):
-                run = scenario.simulate(Still(), steps, seed, index, max_attempts=attempts)
+                run = scenario.simulate(RecordedWorld(world or ()), steps, seed, index, max_attempts=attempts)
                 yield to_json(run.simulation, run.attempts)
 
     def enumerated_simulations(self, task: Task, steps: int) -> Enumerated | None:

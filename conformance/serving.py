@@ -6,11 +6,12 @@ import json
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from inspect import signature
 from typing import Any, TextIO
 
 from ..semantics.readings import READINGS
 from .external import PROTOCOL, Answer
-from .implementation import Implementation, NeverAccepted, Refused, Simulating, Task, Unsupported
+from .implementation import CountingAttempts, Implementation, NeverAccepted, Refused, Simulating, Task, Unsupported
 from .ourselves import Ourselves
 
 
@@ -26,7 +27,7 @@ def serve(implementation: Implementation, requests: Iterable[str] | None = None,
     for line in sys.stdin if requests is None else requests:
         asked = json.loads(line)
         if asked["request"] == "compile":
-            task = Task(asked["program"], asked["dialect"], asked["readings"], files=asked["files"])
+            task = Task(asked["program"], asked["dialect"], asked["readings"], files=asked["files"], prune=asked.get("prune", True))
         for answer in answered(implementation, asked, task):
             answers.write(json.dumps({"id": asked["id"], **answer}, allow_nan=False) + "\n")
             answers.flush()
@@ -53,7 +54,8 @@ def started(implementation: Implementation, asked: Mapping[str, Any], task: Task
     """Its name, its dialects, what it can do, and the readings that it can be made to follow."""
     name, _, version = implementation.name.rpartition(" ")
     followed = {id: [a for a in reading.alternatives if implementation.follows(id, a)] for id, reading in READINGS.items()}
-    capabilities = ["scenes", "simulations"] if isinstance(implementation, Simulating) else ["scenes"]
+    counts = isinstance(implementation, CountingAttempts) and implementation.counts_attempts
+    capabilities = ["scenes", *(["attempts"] if counts else []), *(["simulations"] if isinstance(implementation, Simulating) else [])]
     yield {
         "answer": "started", "protocol": PROTOCOL, "name": name or version, "version": version if name else "",
         "dialects": list(implementation.dialects), "capabilities": capabilities,
@@ -75,9 +77,12 @@ def sampled(implementation: Implementation, asked: Mapping[str, Any], task: Task
 
 def simulated(implementation: Implementation, asked: Mapping[str, Any], task: Task | None) -> Iterator[Answer]:
     """Simulations."""
-    if not isinstance(implementation, Simulating) or asked["world"] is not None:
-        raise Unsupported(f"{implementation.name} does not simulate {'in a recorded world' if asked['world'] else ''}".strip())
-    for run in implementation.simulations(given(task), asked["steps"], asked["count"], seed=asked["seed"], attempts=asked["attempts"]):
+    if not isinstance(implementation, Simulating):
+        raise Unsupported(f"{implementation.name} does not simulate")
+    recorded = {} if asked["world"] is None else {"world": asked["world"]}
+    if recorded and "world" not in signature(implementation.simulations).parameters:
+        raise Unsupported(f"{implementation.name} does not simulate in a recorded world")
+    for run in implementation.simulations(given(task), asked["steps"], asked["count"], seed=asked["seed"], attempts=asked["attempts"], **recorded):
         yield {"answer": "simulation", "simulation": run}
     yield {"answer": "done"}
 

@@ -17,7 +17,7 @@ from ..inference.enumeration import Enumeration
 from ..inference.rejection import DEFAULT_ATTEMPTS
 from ..inference.statistics import DEFAULT_ALPHA, DEFAULT_TV, Sampler, Verdict, compare
 from ..inference.statistics.columns import leaves
-from ..inference.statistics.comparison import check_settings
+from ..inference.statistics.comparison import check_settings, with_law
 from ..inference.statistics.facts import Facts
 from ..inference.statistics.names import SampleNames
 from ..inference.statistics.reading import scenes_in
@@ -59,8 +59,9 @@ def judged(
     classes = frozenset(str(value) for name, value in scenario.constants.items() if name.endswith(".class"))
     names = SampleNames(names.ignore, names.map, classes)
     facts = scenario.facts.without(names.ignored)
-    given = Given(scenes, seed, facts=facts, names=names, tolerance=tolerance)
     law = None if reference is not None else enumerated(scenario)
+    facts = facts if law is None else with_law(facts, law, names)
+    given = Given(scenes, seed, facts=facts, names=names, tolerance=tolerance)
     if reference is None and law is None and seed in given.drawn:
         raise UsageError(f"the samples were drawn with seed {seed}, and would be compared with themselves", hint="give another --seed")
     with nullcontext(scenario) if draw is None or law is not None or reference is not None else draw(given.n) as drawing:
@@ -126,8 +127,8 @@ def enumerated(scenario: Scenario) -> Enumeration | None:
 # No scenes at all
 
 
-def verdict_on_none(scenario: Scenario, alpha: float, detect_tv: float, seed: int, replay: str) -> Verdict:
-    """The verdict on samples that hold no scene: a sampler that tries as often as `run` does would have found one, unless scenes are very rare.
+def verdict_on_none(scenario: Scenario, alpha: float, detect_tv: float, seed: int, replay: str, tried: int = DEFAULT_ATTEMPTS) -> Verdict:
+    """The verdict on samples that hold no scene: a sampler that tries `tried` times would have found one, unless scenes are very rare.
 
     Raises `AttemptsExhausted` if the program gives none either.
     """
@@ -137,7 +138,7 @@ def verdict_on_none(scenario: Scenario, alpha: float, detect_tv: float, seed: in
     often = sum(attempts) / len(attempts)
     accepted = float(betaincinv(len(attempts), sum(attempts) - len(attempts) + 1, alpha / 2))  # less than P(a run is accepted), but for this risk
     text = f"the samples hold no scene, though the program gives one in {often:,.3g} attempts on average"
-    if DEFAULT_ATTEMPTS * math.log1p(-min(accepted, 1 - 1e-16)) <= math.log(alpha / 2):
+    if tried * math.log1p(-min(accepted, 1 - 1e-16)) <= math.log(alpha / 2):
         return without_comparison(text, alpha, detect_tv, seed, replay)
     raise UsageError(f"{text}: too rarely to say that a scene is missing", hint="give samples")
 

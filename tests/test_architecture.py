@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-LAYERS = ["semantics", "interpreter", "formats", "simulators", "inference", "scenario", "conformance", "testing", "benchmarks", "cli"]
+LAYERS = ["semantics", "interpreter", "formats", "simulators", "inference", "scenario", "testing", "conformance", "benchmarks", "cli"]
 MAY_IMPORT = {
     "semantics": {"semantics"},
     "interpreter": {"semantics", "interpreter"},
@@ -22,7 +22,7 @@ MAY_IMPORT = {
     "simulators": {"semantics", "interpreter", "formats", "simulators"},
     "inference": {"semantics", "interpreter", "formats", "simulators", "inference"},
     "scenario": {"semantics", "interpreter", "formats", "simulators", "inference", "scenario"},
-    "conformance": {"semantics", "interpreter", "formats", "simulators", "inference", "scenario", "conformance", ""},
+    "conformance": {"semantics", "interpreter", "formats", "simulators", "inference", "scenario", "testing", "conformance", ""},
     "testing": {"semantics", "interpreter", "formats", "simulators", "inference", "scenario", "testing"},
     "benchmarks": {"semantics", "interpreter", "formats", "simulators", "inference", "scenario", "benchmarks", ""},
     "cli": {*LAYERS, ""},

@@ -28,7 +28,7 @@ import numpy  # noqa: E402
 import scenic  # noqa: E402
 import scenic.syntax.translator as translator  # noqa: E402
 from scenic.core import errors  # noqa: E402
-from scenic.core.distributions import RejectionException  # noqa: E402
+from scenic.core.distributions import RejectionException, Samplable  # noqa: E402
 from scenic.core.simulators import DummySimulation, DummySimulator  # noqa: E402
 from scenic.core.vectors import Vector  # noqa: E402
 
@@ -183,6 +183,7 @@ def compile_program(request):
         file.write(request["program"])
     os.chdir(folder)
     sys.path.insert(0, folder)
+    translator.usePruning = request.get("prune", True)
     compiled[:] = [scenic.scenarioFromFile(main, **({"mode2D": True} if THREE else {}))]
     return {"answer": "compiled"}
 
@@ -193,12 +194,30 @@ def seeded(request):
     numpy.random.seed(request["seed"] % (1 << 32))
 
 
+in_draws = [0]
+"""Attempts that failed within a draw, such as that of a point of an intersection: the program's own attempts are those beside them."""
+sample_all = Samplable.sampleAll
+
+
+def counting(quantities):
+    """All draws of an attempt."""
+    try:
+        return sample_all(quantities)
+    except RejectionException:
+        in_draws[0] += 1
+        raise
+
+
+Samplable.sampleAll = staticmethod(counting)
+
+
 def sample(request, say):
     """As many scenes as are wanted."""
     seeded(request)
     for number in range(request["count"]):
+        in_draws[0] = 0
         scene, attempts = compiled[0].generate(maxIterations=request["attempts"])
-        say({"answer": "scene", "scene": scene_json(scene, request["seed"], number, attempts)})
+        say({"answer": "scene", "scene": scene_json(scene, request["seed"], number, attempts - in_draws[0])})
     return {"answer": "done"}
 
 
@@ -253,7 +272,7 @@ def started():
         version = installed("scenic")
     return {
         "answer": "started", "protocol": PROTOCOL, "name": "scenic", "version": version, "dialects": [DIALECT],
-        "capabilities": ["scenes", "simulations"], "isolated": FORKS,
+        "capabilities": ["scenes", "attempts", "simulations"], "isolated": FORKS,
     }  # fmt: skip
 
 

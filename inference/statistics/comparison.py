@@ -205,8 +205,7 @@ def _two_samples(a: SceneStream, b: SceneStream, budget: int | None, terms: Term
 
 def _with_law(a: Source, law: Enumeration | Laws, budget: int | None, terms: Terms) -> Verdict:
     if isinstance(law, Enumeration):
-        always = constants_of(terms.names.kept(features_table(law.scenes)))
-        terms = terms._replace(facts=replace(terms.facts, constants={**always, **terms.facts.constants}))
+        terms = terms._replace(facts=with_law(terms.facts, law, terms.names))
     stream = SceneStream(a, terms.seeds[0], terms)
     if stream.length == 0:
         raise UsageError("there are no scenes to compare")
@@ -232,6 +231,12 @@ def _with_law(a: Source, law: Enumeration | Laws, budget: int | None, terms: Ter
         if collected.decided or collected.n >= limit:
             return collected.verdict(0, skipped)
         block = stream.take(min(max(FIRST_BLOCK[0], int(collected.n * (GROWTH - 1))), limit - collected.n))
+
+
+def with_law(facts: Facts, law: Enumeration, names: SampleNames) -> Facts:
+    """What is known of a program, and of its exact law: features that are the same in all outcomes."""
+    always = constants_of(names.kept(features_table(law.scenes)))
+    return replace(facts, constants={**always, **facts.constants})
 
 
 class Collected:

@@ -107,6 +107,16 @@ def test_a_finite_program_is_compared_by_its_joint_law_too():
     assert same_distribution(list(scenic_ref.loads(right).sample_many(2000, 3)), scenic_ref.loads(right), detect_tv=0.15).kind == "equivalent"
 
 
+def test_what_only_the_exact_law_knows_to_be_constant_is_looked_at_too():
+    scenario = scenic_ref.loads("ego = Object at Discrete({1: 2, 2: 1}) @ 0")
+    assert "objects[0].position[1]" not in scenario.facts.constants
+    scenes = [scene.to_json() for scene in scenario.sample_many(20, 7)]
+    assert same_distribution(scenes, scenario, alpha=1e-6, detect_tv=0.3, seed=1).kind == "inconclusive"
+    scenes[11]["objects"][0]["position"][1] = 1.0
+    verdict = same_distribution(scenes, scenario, alpha=1e-6, detect_tv=0.3, seed=1)
+    assert verdict.impossible == ("objects[0].position[1] is always 0, but 1 in sample 12",)
+
+
 def test_joint_laws_ignore_what_is_not_compared():
     scenario = scenic_ref.loads(COINS.format("Uniform(0, 1)"))
     samples = list(scenic_ref.loads(COINS.format("(a + b) % 2")).sample_many(2000, 3))

@@ -1,0 +1,171 @@
+"""Whether another implementation gives a program the meaning that it has here: errors, acceptance, distribution, actions in a replayed world."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+
+from ..inference.statistics import compare
+from ..inference.statistics.columns import leaves
+from ..inference.statistics.names import matching
+from ..scenario import Scenario
+from ..semantics.kernel.errors import AttemptsExhausted, ProgramError, UsageError
+from ..semantics.kernel.scopes import descendants
+from ..semantics.syntax import dynamics
+from ..testing.judging import judged, verdict_on_none
+from .external import External
+from .implementation import NeverAccepted, Refused, SceneRecord, Task, Unsupported
+from .looking import AT_ONCE, ATTEMPTS, AskedProgram, DiffSettings, ProgramVerdict, loaded, looked, of_errors, of_verdict
+from .process import ImplementationFault
+from .replaying import in_simulations
+
+PRUNED = ("attempts",)
+"""What is compared by itself, without pruning: one that prunes needs fewer."""
+
+
+def differences(program: AskedProgram, other: External, settings: DiffSettings) -> ProgramVerdict:
+    """The verdict on a program: the first difference that is found, in scenes, in their acceptance, or in simulations.
+
+    The parts share the risk of a false alarm; each has as much of the time that is left as those after it.
+    """
+    deadline = time.monotonic() + settings.seconds
+    try:
+        scenario = loaded(program.load, {})
+        more = [] if isinstance(scenario, ProgramError) else parts(scenario, other)
+        settings = settings._replace(alpha=settings.alpha / (len(more) + 1))
+        found = in_scenes(program, scenario, other, settings._replace(seconds=settings.seconds / (len(more) + 1)))
+        if isinstance(scenario, ProgramError) or found.kind != "distribution":
+            return found
+        for number, part in enumerate(more):
+            if found.verdict == "differ":
+                break
+            left = max(deadline - time.monotonic(), 0.0) / (len(more) - number)
+            later = part(program, scenario, other, settings._replace(seconds=left))
+            both = {found.verdict, later.verdict}
+            if both == {"agree"}:
+                found = replace(found, kind=f"{found.kind}, {later.kind}")
+            elif later.verdict == "differ" or found.verdict == "agree":
+                found = later
+        return found
+    except Unsupported as reason:
+        return ProgramVerdict(program.name, "skipped", "unsaid", str(reason))
+    except ImplementationFault as fault:
+        return ProgramVerdict(program.name, "differ", fault.kind, str(fault), math.inf)
+
+
+def parts(scenario: Scenario, other: External) -> list[Callable[[AskedProgram, Scenario, External, DiffSettings], ProgramVerdict]]:
+    """What is compared besides the distribution of scenes."""
+    other.introduced()
+    can = {in_acceptance: "attempts", in_simulations: "simulations"}
+    wanted = [in_acceptance, in_simulations] if is_dynamic(scenario) else [in_acceptance]
+    return [part for part in wanted if can[part] in other.said["capabilities"]]
+
+
+def is_dynamic(scenario: Scenario) -> bool:
+    """Whether the program says what happens over time."""
+    nodes = (node for statement in scenario.program.statements for node in descendants(statement))
+    return any(type(node).__module__ == dynamics.__name__ for node in nodes)
+
+
+# Scenes
+
+
+def in_scenes(program: AskedProgram, scenario: Scenario | ProgramError, other: External, settings: DiffSettings) -> ProgramVerdict:
+    """Errors, and the distribution of the scenes."""
+    drawing = ScenesThere(program.task, other, settings)
+    return looked(program, scenario, other, settings, drawing.grow, lambda here, alpha: beside(program.name, here, drawing, settings, alpha))
+
+
+class ScenesThere:
+    """What the other implementation answers: its error, or the scenes that it has given so far."""
+
+    def __init__(self, task: Task, other: External, settings: DiffSettings) -> None:
+        self.task, self.other, self.settings = task, other, settings
+        self.deadline = time.monotonic() + settings.seconds
+        self.scenes: list[SceneRecord] = []
+        self.refused: Refused | None = None
+        self.never = False
+        self.asked = 0
+
+    def grow(self, wanted: int) -> bool:
+        """Draw until there are so many scenes, or the time is over; whether there are more than before."""
+        before = len(self.scenes)
+        while len(self.scenes) < wanted and not (self.refused or self.never) and (not self.scenes or time.monotonic() < self.deadline):
+            count = min(wanted - len(self.scenes), AT_ONCE)
+            self.asked += 1
+            try:
+                drawn = self.other.scenes(self.task, count, seed=self.settings.seed + self.asked, attempts=ATTEMPTS)
+                self.scenes += map(without_words, drawn)
+            except Refused as refused:
+                self.refused = refused
+            except NeverAccepted:
+                self.never = True
+        return len(self.scenes) > before
+
+
+def without_words(scene: SceneRecord) -> SceneRecord:
+    """A scene without the values that have no JSON form: how an implementation prints them is its own matter."""
+    objects: Sequence[Mapping[str, Mapping[str, object]]] = scene["objects"]  # type: ignore[assignment]
+    plain = [{**thing, "properties": with_values(thing.get("properties", {}))} for thing in objects]
+    return {**scene, "params": with_values(scene["params"]), "objects": plain}  # type: ignore[arg-type]
+
+
+def with_values(fields: Mapping[str, object]) -> Mapping[str, object]:
+    """The fields that have values in JSON."""
+    return {name: value for name, value in fields.items() if not (isinstance(value, dict) and value.keys() == {"repr"})}
+
+
+def beside(name: str, scenario: Scenario | ProgramError, drawing: ScenesThere, settings: DiffSettings, alpha: float) -> ProgramVerdict:
+    """What the other implementation answered beside the program here."""
+    refused = drawing.refused
+    if isinstance(scenario, ProgramError):
+        return of_errors(name, scenario, refused)
+    if refused is not None:
+        return ProgramVerdict(name, "differ", "error", f"{refused.when} there, and a program here: {refused.message}", math.inf)
+    try:
+        if not drawing.scenes:
+            return of_verdict(name, verdict_on_none(scenario, alpha, settings.detect_tv, settings.seed, "", ATTEMPTS), "acceptance")
+        first = dict(leaves(drawing.scenes[0]))
+        ignore = [feature for feature in (*PRUNED, *settings.ignore) if any(map(matching(feature), first))]
+        verdict = judged(drawing.scenes, scenario, alpha=alpha, detect_tv=settings.detect_tv, seed=settings.seed, ignore=ignore)
+        return of_verdict(name, verdict, "distribution")
+    except ProgramError as error:  # in some of the runs only
+        return of_errors(name, error, refused)
+    except AttemptsExhausted as none:
+        if not drawing.scenes:
+            return ProgramVerdict(name, "agree", "acceptance", "no run is accepted")
+        return ProgramVerdict(name, "inconclusive", "acceptance", f"here no scene was found: {none.message}")
+    except UsageError as rare:
+        if drawing.scenes:
+            raise
+        return ProgramVerdict(name, "inconclusive", "acceptance", rare.message)
+
+
+# Acceptance
+
+
+def in_acceptance(program: AskedProgram, scenario: Scenario, other: External, settings: DiffSettings) -> ProgramVerdict:
+    """How many attempts scenes take."""
+    drawing = ScenesThere(replace(program.task, prune=False), other, settings)
+
+    def beside(here: Scenario | ProgramError, alpha: float) -> ProgramVerdict:
+        if isinstance(here, ProgramError) or drawing.refused is not None or not drawing.scenes:
+            return ProgramVerdict(program.name, "inconclusive", "acceptance", "without pruning, there is no scene")
+        theirs = [{"attempts": scene.get("attempts")} for scene in drawing.scenes]
+        verdict = compare(theirs, AttemptsOf(here), alpha=alpha, detect_tv=settings.detect_tv, seeds=(settings.seed, settings.seed))
+        return of_verdict(program.name, verdict, "acceptance")
+
+    return looked(program, scenario, other, settings, drawing.grow, beside)
+
+
+class AttemptsOf:
+    """The numbers of attempts at the scenes of a scenario, and nothing else of them."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.scenario = scenario
+
+    def sample_many(self, n: int, seed: int = 0, *, start: int = 0) -> Iterator[SceneRecord]:
+        """Those of scenes `start` to `start + n - 1`."""
+        return ({"attempts": scene.attempts} for scene in self.scenario.sample_many(n, seed, start=start))

@@ -1,0 +1,148 @@
+"""What comparing a program here with another implementation comes to: verdicts, looks at more and more answers, readings that explain them."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Literal, NamedTuple
+
+from ..inference.statistics import Verdict
+from ..scenario import Scenario
+from ..semantics.kernel.errors import ProgramError, UsageError
+from ..semantics.readings import READINGS, select
+from .explaining import fewest
+from .external import External
+from .implementation import Refused, Task
+
+Kind = Literal["agree", "differ", "inconclusive", "skipped"]
+FIRST_LOOK, GROWTH = 100, 3
+"""The scenes of the first look at them, and how many times as many the next has."""
+MOST_SCENES = 30_000
+AT_ONCE = 50
+"""Scenes of one request."""
+ATTEMPTS = 10_000
+"""Attempts at a scene of the other implementation."""
+Loading = Callable[[Mapping[str, str]], Scenario]
+
+
+class DiffSettings(NamedTuple):
+    """How sure, how fine and how long: the risk of a false alarm, the total variation that is to show, seconds, time steps."""
+
+    alpha: float
+    detect_tv: float
+    seed: int
+    seconds: float
+    steps: int
+    ignore: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class ProgramVerdict:
+    """A program here and there. `kind` says what was compared or differs, `evidence` is log10 of an e-value, infinite for what cannot be at all.
+
+    `reading` are the readings under which the two do agree, None if none are known.
+    """
+
+    program: str
+    verdict: Kind
+    kind: str
+    detail: str = ""
+    evidence: float = 0.0
+    feature: str | None = None
+    reading: Mapping[str, str] | None = None
+
+    def to_json(self) -> dict[str, object]:
+        """A line of the report: `evidence` is a number or "certain"."""
+        evidence = "certain" if math.isinf(self.evidence) else self.evidence
+        return {
+            "program": self.program, "verdict": self.verdict, "kind": self.kind, "evidence": evidence, "feature": self.feature,
+            "reading": None if self.reading is None else dict(self.reading), "detail": self.detail,
+        }  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class AskedProgram:
+    """A program: its name, what the other implementation is given, and what loads it here under further readings."""
+
+    name: str
+    task: Task
+    load: Loading
+
+
+def loaded(load: Loading, readings: Mapping[str, str]) -> Scenario | ProgramError:
+    """The scenario, which runs; or the error that it is."""
+    try:
+        scenario = load(readings)
+        scenario.rehearse()
+        return scenario
+    except ProgramError as error:
+        return error
+
+
+def looked(
+    program: AskedProgram, scenario: Scenario | ProgramError, other: External, settings: DiffSettings, grow: Callable[[int], bool],
+    beside: Callable[[Scenario | ProgramError, float], ProgramVerdict],
+) -> ProgramVerdict:  # fmt: skip
+    """The verdict on more and more answers, until there is one; a difference with the readings under which there is none.
+
+    The looks share the risk of a false alarm: each has half of what the one before had.
+    """
+    wanted, alpha = 1, settings.alpha / 2
+    grow(wanted)
+    found = beside(scenario, alpha)
+    wanted = FIRST_LOOK
+    while found.verdict == "inconclusive" and grow(wanted):
+        alpha /= 2
+        found = beside(scenario, alpha)
+        wanted = min(wanted * GROWTH, MOST_SCENES)
+    if found.verdict != "differ":
+        return found
+    deadline = time.monotonic() + settings.seconds
+    return replace(found, reading=agreed(program, other, lambda here: beside(here, alpha), deadline))
+
+
+def agreed(
+    program: AskedProgram, other: External, beside: Callable[[Scenario | ProgramError], ProgramVerdict], deadline: float
+) -> Mapping[str, str] | None:
+    """The fewest readings of the other's profile under which the two agree, or one reading that does; None if none was found in time.
+
+    That both refuse a program says little: another reading makes an error of nearly every program. It counts for those of the profile only.
+    """
+
+    def holds(readings: Mapping[str, str], *, refused: bool = True) -> bool:
+        if time.monotonic() >= deadline:
+            return False
+        try:
+            verdict = beside(loaded(program.load, readings))
+        except UsageError:  # there are too few scenes under these readings to say so
+            return False
+        return verdict.verdict != "differ" and (refused or verdict.kind != "error")
+
+    paper = select()
+    profile = {id: alternative for id, alternative in other.profile.items() if alternative != paper[id]}
+    if profile and holds(profile):
+        return fewest(profile, holds)
+    single = ({id: alternative} for id, reading in READINGS.items() for alternative in reading.alternatives if alternative != paper[id])
+    return next((reading for reading in single if holds(reading, refused=False)), None)
+
+
+def of_errors(name: str, ours: ProgramError, theirs: Refused | None) -> ProgramVerdict:
+    """A program that is an error here."""
+    said = f"{type(ours).__name__} in phase {ours.phase} here: {ours.message}"
+    if theirs is None:
+        return ProgramVerdict(name, "differ", "error", f"{said}; a program there", math.inf)
+    if not theirs.may_be_in([ours.phase]):
+        return ProgramVerdict(name, "differ", "error", f"{said}; {theirs.when} there: {theirs.message}", math.inf)
+    return ProgramVerdict(name, "agree", "error", said)
+
+
+def of_verdict(name: str, verdict: Verdict, kind: str) -> ProgramVerdict:
+    """A statistical verdict in these words."""
+    words = "; ".join(line for line in verdict.lines() if not line.startswith(("replay: ", "not compared")))
+    if verdict.kind == "different":
+        kind = "support" if verdict.impossible and kind == "distribution" else kind
+        feature = None if verdict.impossible else verdict.worst
+        return ProgramVerdict(name, "differ", kind, words, verdict.evidence, feature)
+    return ProgramVerdict(name, "agree" if verdict.kind == "equivalent" else "inconclusive", kind, words, verdict.evidence)

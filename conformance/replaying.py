@@ -1,0 +1,119 @@
+"""Simulations of a program here and in another implementation, in one world that moves as it was recorded."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+
+from ..formats.recordings import to_json
+from ..inference.statistics import compare
+from ..inference.statistics.columns import features_table
+from ..inference.statistics.facts import Facts
+from ..inference.statistics.impossible import constants_of
+from ..scenario import Scenario
+from ..semantics.kernel.errors import AttemptsExhausted, ProgramError, RunsExhausted, UsageError
+from ..testing.judging import MOST_RUNS
+from .external import External
+from .implementation import NeverAccepted, Refused, SimulationRecord
+from .looking import AT_ONCE, ATTEMPTS, FIRST_LOOK, AskedProgram, DiffSettings, ProgramVerdict, looked, of_errors, of_verdict
+from .recorded_world import RecordedWorld, World, wandering
+
+
+def in_simulations(program: AskedProgram, scenario: Scenario, other: External, settings: DiffSettings) -> ProgramVerdict:
+    """How simulations in one recorded world go: what agents do in each time step, and how it ends."""
+    world = wandering(scenario.sample(settings.seed), settings.steps, settings.seed)
+    deadline = time.monotonic() + settings.seconds
+    here = Replayed(scenario, world, settings)
+    theirs: list[SimulationRecord] = []
+    fault: list[Refused | NeverAccepted] = []
+
+    def grow(wanted: int) -> bool:
+        before = len(theirs)
+        while len(theirs) < wanted and not fault and (not theirs or time.monotonic() < deadline):
+            count, seed = min(wanted - len(theirs), AT_ONCE), settings.seed + len(theirs) + 1
+            try:
+                theirs.extend(other.simulations(program.task, settings.steps, count, seed=seed, attempts=ATTEMPTS, world=world))
+            except (Refused, NeverAccepted) as failed:
+                fault.append(failed)
+        return len(theirs) > before
+
+    def beside(asked: Scenario | ProgramError, alpha: float) -> ProgramVerdict:
+        failed = fault[0] if fault else None
+        if isinstance(asked, ProgramError):
+            return of_errors(program.name, asked, failed if isinstance(failed, Refused) else None)
+        replayed = here if asked is scenario else Replayed(asked, world, settings)
+        return of_simulations(program.name, replayed, theirs, failed, alpha)
+
+    return looked(program, scenario, other, settings, grow, beside)
+
+
+class Replayed:
+    """Simulations here in a recorded world: those that were asked for so far."""
+
+    def __init__(self, scenario: Scenario, world: World, settings: DiffSettings) -> None:
+        self.scenario, self.world, self.settings = scenario, world, settings
+        self.runs: list[SimulationRecord] = []
+
+    def first(self, count: int) -> list[SimulationRecord]:
+        """So many of them, or fewer: those that the time of this part is enough for, but a first look's at least."""
+        deadline = time.monotonic() + self.settings.seconds
+        while len(self.runs) < count and (len(self.runs) < FIRST_LOOK or time.monotonic() < deadline):
+            seed, steps = self.settings.seed, self.settings.steps
+            run = self.scenario.simulate(RecordedWorld(self.world), steps, seed, len(self.runs), max_attempts=ATTEMPTS)
+            self.runs.append(to_json(run.simulation, run.attempts))
+        return self.runs[:count]
+
+    @cached_property
+    def all(self) -> list[SimulationRecord]:
+        """All simulations that are possible, if they are few; otherwise none."""
+        if self.scenario.readings["rejected-simulation"] == "retry":
+            return []
+        try:
+            found = self.scenario.enumerate_simulations(RecordedWorld(self.world), self.settings.steps, max_runs=MOST_RUNS)
+        except (UsageError, RunsExhausted):
+            return []
+        return [to_json(simulation, 1) for _, simulation in found.outcomes]
+
+
+def of_simulations(
+    name: str, replayed: Replayed, theirs: Sequence[SimulationRecord], failed: Refused | NeverAccepted | None, alpha: float
+) -> ProgramVerdict:
+    """What the other implementation's simulations are beside those of the program here."""
+    steps, detect_tv = replayed.settings.steps, replayed.settings.detect_tv
+    refused = failed if isinstance(failed, Refused) else None
+    try:
+        ours = replayed.first(max(len(theirs), FIRST_LOOK))
+    except ProgramError as error:
+        return of_errors(name, error, refused)
+    except AttemptsExhausted as none:
+        if isinstance(failed, NeverAccepted) and not theirs:
+            return ProgramVerdict(name, "agree", "acceptance", "no simulation is accepted")
+        if theirs:
+            return ProgramVerdict(name, "differ", "acceptance", f"{none.message} here, and there are simulations there", math.inf)
+        return of_refusal(name, refused)
+    if refused is not None:
+        return of_refusal(name, refused)
+    if not theirs:
+        return ProgramVerdict(name, "differ", "acceptance", "no simulation is accepted there, and there are simulations here", math.inf)
+    agents = sorted({agent for run in (*theirs, *ours) for step in run["steps"] for agent in step["actions"]})  # type: ignore[attr-defined]
+    rows = [[{"params": courses(run, agents, steps)} for run in runs] for runs in (theirs, ours)]
+    always = constants_of(features_table({"params": courses(run, agents, steps)} for run in replayed.all))
+    verdict = compare(rows[0], rows[1], alpha=alpha, detect_tv=detect_tv, facts=Facts(constants=always))
+    return of_verdict(name, verdict, "actions")
+
+
+def of_refusal(name: str, refused: Refused | None) -> ProgramVerdict:
+    """An error there, in simulations only."""
+    return ProgramVerdict(name, "differ", "error", f"refused there when it was simulated: {'' if refused is None else refused.message}", math.inf)
+
+
+def courses(run: SimulationRecord, agents: Sequence[str], steps: int) -> dict[str, object]:
+    """A simulation as features of the same names whatever happens: what each agent does in each time step, when it ends, and how."""
+    taken: Sequence[Mapping[str, Mapping[str, object]]] = run["steps"]  # type: ignore[assignment]
+    found: dict[str, object] = {"result": run["result"], "length": str(len(taken))}
+    for number in range(steps):
+        actions = taken[number]["actions"] if number < len(taken) else {}
+        found |= {f"step {number}, object {agent}": actions.get(agent, "none") for agent in agents}
+    return found

@@ -1,0 +1,232 @@
+"""`scenic-ref diff`: each kind of difference is found, what is no difference is not, and the reading that explains one is named."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+from scenic_ref.cli import answer
+from scenic_ref.conformance import looking
+from scenic_ref.conformance.recorded_world import RecordedWorld, wandering
+from scenic_ref.interpreter.dialects import DIALECTS
+from scenic_ref.scenario import loads
+
+OTHER = """
+from dataclasses import replace
+from scenic_ref.conformance import Ourselves
+from scenic_ref.conformance.implementation import NeverAccepted, Refused, Unsupported
+from scenic_ref.conformance.serving import serve
+
+class Other(Ourselves):
+    name = "other 1"
+    dialects = {dialects!r}
+
+    def follows(self, reading, alternative):
+        return False
+
+    def scenes(self, task, count, *, seed, attempts):
+        for scene in super().scenes({task}, count, seed=seed + 1000, attempts=attempts):
+            {scene}
+            yield scene
+
+    def simulations(self, task, steps, count, *, seed, attempts, world=None):
+        for run in super().simulations({task}, steps, count, seed=seed + 1000, attempts=attempts, world=world):
+            {run}
+            yield run
+
+serve(Other())
+"""
+COIN = "ego = Object at Discrete({{1: 2, 2: 1}}) @ 0\n"
+DYNAMIC = """behavior B():
+    take self.position.x, self.heading
+    if self.position.x > 0:
+        take "far", 1
+    while True:
+        take Discrete({{"left": 1, "right": 1}})
+ego = Object at 0 @ 0, with behavior B
+"""
+
+
+class Asking:
+    """A folder of programs, and what `diff` says of them beside an implementation that is ours but for one thing."""
+
+    def __init__(self, folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
+        self.folder = folder
+        self.capfd = capfd
+        self.programs = folder / "programs"
+        self.programs.mkdir()
+
+    def other(self, task: str = "task", scene: str = "pass", run: str = "pass", dialects: Sequence[str] = tuple(DIALECTS)) -> str:
+        path = self.folder / "other.py"
+        path.write_text(OTHER.format(task=task, scene=scene, run=run, dialects=tuple(dialects)))
+        return f"{sys.executable} {path}"
+
+    def __call__(self, program: str, impl: str, *more: str) -> tuple[int, dict[str, object]]:
+        path = self.programs / "program.scenic"
+        path.write_text(program.replace("{{", "{").replace("}}", "}"))
+        code, out, err = self.said(str(path), "--impl", impl, "--json", "-", "--detect-tv", "0.3", "--steps", "5", *more)
+        lines = out.splitlines()
+        assert len(lines) == 1, err
+        return code, json.loads(lines[0])
+
+    def said(self, *words: str) -> tuple[int, str, str]:
+        code = answer(["diff", *words])
+        out, err = self.capfd.readouterr()
+        return code, out, err
+
+
+@pytest.fixture
+def ask(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> Asking:
+    return Asking(tmp_path, capfd)
+
+
+@pytest.mark.parametrize("program", [COIN, DYNAMIC, COIN + "require ego.position.x > 1\n", "ego = Object at 3 @ 4\n"])
+def test_we_agree_with_ourselves(ask: Asking, program: str) -> None:
+    code, verdict = ask(program, ask.other())
+    assert (code, verdict["verdict"]) == (0, "agree"), verdict
+    parts = ["distribution", "acceptance", *(["actions"] if program == DYNAMIC else [])]
+    assert verdict["kind"] == ", ".join(parts)
+
+
+def test_scenes_that_cannot_be(ask: Asking) -> None:
+    code, verdict = ask(COIN, ask.other(scene='scene["objects"][0]["position"][1] = 1'))
+    assert code == 1 and verdict["verdict"] == "differ" and verdict["kind"] == "support" and verdict["evidence"] == "certain"
+    assert "objects[0].position[1] is always 0, but 1 in sample 1" in str(verdict["detail"]) and verdict["reading"] is None
+
+
+def test_another_distribution(ask: Asking) -> None:
+    code, verdict = ask(COIN, ask.other(scene='scene["objects"][0]["position"][0] = 2 - (scene["scene"] > 4)'))
+    assert code == 1 and (verdict["kind"], verdict["feature"]) == ("distribution", "objects[0].position[0]")
+
+
+def test_another_acceptance(ask: Asking) -> None:
+    program = COIN + "require ego.position.x > 1\n"
+    code, verdict = ask(program, ask.other(scene='scene["attempts"] += 0 if task.prune else 3'))
+    assert code == 1 and (verdict["kind"], verdict["feature"]) == ("acceptance", "attempts")
+    code, verdict = ask(program, ask.other(scene='scene["attempts"] = scene["attempts"] if not task.prune else 1'))
+    assert code == 0, "one that prunes, but not when it counts"
+
+
+@pytest.mark.parametrize("id, alternative, program", [
+    ("soft", "scene", "ego = Object at Uniform(0, 1, 2, 3) @ 0\nrequire[0.5] ego.position.x > 2\n"),
+    ("object-order", "ego-first", "Object at 5 @ 5\nego = Object at 1 @ 1\n"),
+])
+def test_the_reading_under_which_they_agree_is_named(ask: Asking, id: str, alternative: str, program: str) -> None:
+    code, verdict = ask(program, ask.other(task=f"replace(task, readings={{'{id}': '{alternative}'}})"))
+    assert code == 1 and verdict["reading"] == {id: alternative}, verdict
+    code, verdict = ask(program, ask.other(task=f"replace(task, readings={{'{id}': '{alternative}'}})"), "--reading", f"{id}={alternative}")
+    assert code == 0, verdict
+
+
+def test_errors_here_and_there(ask: Asking) -> None:
+    wrong = "ego = Object at 1 @ 1, at 2 @ 2\n"
+    code, verdict = ask(wrong, ask.other())
+    assert (code, verdict["verdict"], verdict["kind"]) == (0, "agree", "error")
+    code, verdict = ask(wrong, ask.other(task="replace(task, program='ego = Object at 1 @ 1')"))
+    assert code == 1 and str(verdict["detail"]).endswith("; a program there")
+    code, verdict = ask("ego = Object at 1 @ 1\n", ask.other(task="replace(task, program='ego = Object at 1 @ 1, at 2 @ 2')"))
+    assert code == 1 and "refused in phase resolve there, and a program here" in str(verdict["detail"])
+    code, verdict = ask(wrong, ask.other(task="replace(task, program='ego = Object at x')"))
+    assert code == 1 and "refused in phase run there" in str(verdict["detail"]), "another phase"
+    code, verdict = ask("ego = = 3\n", ask.other())
+    assert (code, verdict["verdict"]) == (5, "skipped"), "it may be no error in another dialect"
+    code, verdict = ask("ego = = 3\n", ask.other(), "--dialect", "paper")
+    assert (code, verdict["verdict"], verdict["kind"]) == (0, "agree", "error")
+
+
+def test_programs_without_scenes(ask: Asking) -> None:
+    never = COIN + "require ego.position.x > 5\n"
+    code, verdict = ask(never, ask.other())
+    assert (code, verdict["verdict"], verdict["kind"]) == (0, "agree", "acceptance")
+    code, verdict = ask(never, ask.other(task="replace(task, program=task.program.replace('> 5', '> 1'))"))
+    assert (code, verdict["verdict"]) == (1, "differ"), "no scene here"
+    code, verdict = ask(COIN, ask.other(task="replace(task, program=task.program + 'require ego.position.x > 5')"))
+    assert (code, verdict["kind"]) == (1, "acceptance"), "no scene there"
+
+
+def test_other_actions(ask: Asking) -> None:
+    code, verdict = ask(DYNAMIC, ask.other(run='run["steps"][2]["actions"]["0"] = ["elsewhere"]'))
+    assert code == 1 and verdict["kind"] in ("support", "actions") and "step 2, object 0" in str(verdict["detail"])
+    code, verdict = ask(DYNAMIC, ask.other(run='run["result"] = "terminated"'))
+    assert code == 1 and "params.result" in str(verdict["detail"])
+    code, verdict = ask(DYNAMIC, ask.other(task="replace(task, program=task.program.replace('1, ', '9, '))"))
+    assert code == 1 and verdict["kind"] == "actions" and "step 3, object 0" in str(verdict["detail"]), "a draw within a behavior"
+    code, verdict = ask(DYNAMIC, ask.other(task="replace(task, program=task.program.replace('take Disc', 'take 1 / 0, Disc'))"))
+    assert code == 1 and verdict["kind"] == "error" and "refused there when it was simulated" in str(verdict["detail"])
+
+
+def test_what_breaks_there_has_its_own_verdict_and_the_next_program_goes_on(ask: Asking) -> None:
+    (ask.programs / "a.scenic").write_text("ego = Object at 1 @ 1\n")
+    (ask.programs / "b.scenic").write_text("ego = Object at 2 @ 1\n")
+    kept = ask.folder / "verdicts.jsonl"
+    impl = ask.other(scene="import os; '1 @ 1' in task.program and os._exit(3)")
+    code, out, err = ask.said(str(ask.programs), "--impl", impl, "--json", str(kept))
+    assert code == 1 and "1 agree, 1 differ" in out, err
+    first = json.loads(kept.read_text().splitlines()[0])
+    assert (first["verdict"], first["kind"]) == ("differ", "crashed")
+
+
+def test_what_cannot_be_said_is_skipped_and_told(ask: Asking) -> None:
+    code, verdict = ask("import street\nego = Object at 1 @ 1\n", ask.other())
+    assert (code, verdict["verdict"]) == (5, "skipped")
+    assert verdict["detail"] == "it imports street, and this reference has a world of its own of that name"
+
+
+def test_a_program_goes_into_the_dialect_of_the_other_with_its_modules(ask: Asking) -> None:
+    (ask.programs / "lib.scenic").write_text("class Parcel:\n    weight: 3\nParcel at 9 @ 9\n")
+    code, verdict = ask("import lib\nego = lib.Parcel at 1 @ 1\n", ask.other(dialects=("scenic-3",)))
+    assert (code, verdict["verdict"]) == (0, "agree"), verdict
+    seen = 'assert "new lib.Parcel at" in task.program and task.files'
+    code, verdict = ask("import lib\nego = lib.Parcel at 1 @ 1\n", ask.other(dialects=("scenic-3",), scene=seen))
+    assert code == 0, verdict
+
+
+@pytest.mark.parametrize("words, said", [
+    (["--impl", "no-such-program", "."], "there is no program 'no-such-program'"),
+    (["--impl", "python", "empty"], "holds no programs"),
+    (["--impl", "python", "a.scenic", "--budget", "0"], "--budget is the time for a program, not 0"),
+    (["--impl", "python", "a.scenic", "--alpha", "2"], "alpha is a probability"),
+    (["--impl", "python", "a.scenic", "--json", "a.scenic"], "a.scenic is the program a.scenic"),
+    (["--impl", "python", "missing.scenic"], "missing.scenic"),
+])
+def test_wrong_usage(ask: Asking, words: list[str], said: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ask.folder)
+    (ask.folder / "empty").mkdir()
+    (ask.folder / "a.scenic").write_text("ego = Object\n")
+    words = [ask.other() if word == "python" else word for word in words]
+    code, out, err = ask.said(*words)
+    assert code == 2 and said in err and not out
+
+
+def test_the_looks_share_the_risk() -> None:
+    alphas: list[float] = []
+
+    def inconclusive(here: object, alpha: float) -> looking.ProgramVerdict:
+        alphas.append(alpha)
+        return looking.ProgramVerdict("p", "inconclusive", "distribution")
+
+    settings = looking.DiffSettings(0.01, 0.1, 0, 1.0, 1)
+    sizes: list[int] = []
+
+    def grow(wanted: int) -> bool:
+        sizes.append(wanted)
+        return len(sizes) < 8
+
+    program = looking.AskedProgram("p", looking.Task("", "paper"), lambda readings: loads("ego = Object"))
+    found = looking.looked(program, loads("ego = Object"), None, settings, grow, inconclusive)  # type: ignore[arg-type]
+    assert found.verdict == "inconclusive" and sum(alphas) <= settings.alpha and len(alphas) == 7
+    assert sizes == [1, 100, 300, 900, 2700, 8100, 24300, 30000]
+
+
+def test_the_recorded_world_is_the_same_for_every_run() -> None:
+    scenario = loads("behavior B():\n    while True:\n        take self.position.x\nego = Object at 1 @ 2, with behavior B\n")
+    world = wandering(scenario.sample(0), 5, 7)
+    assert world == wandering(scenario.sample(0), 5, 7) != wandering(scenario.sample(0), 5, 8)
+    simulator = RecordedWorld(world)
+    for index in range(2):  # the second begins at the beginning
+        steps = scenario.simulate(simulator, 4, 0, index).simulation.moments
+        where = [world[k].get("0", {"position": [1.0, 2.0]})["position"][0] for k in range(4)]  # type: ignore[index]
+        assert [moment.actions[0][0] for moment in steps[:4]] == pytest.approx(where)
