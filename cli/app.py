@@ -12,6 +12,7 @@ from .check import check
 from .conformance import conformance
 from .convert import convert
 from .diff import diff
+from .fuzz import fuzz
 from .options import DebugOption
 from .readings import readings
 from .rules import rules
@@ -44,6 +45,7 @@ app.command("readings")(readings)
 app.command("check")(check)
 app.command("convert")(convert)
 app.command("diff")(diff)
+app.command("fuzz")(fuzz)
 app.command("conformance")(conformance)
 app.command("bench")(bench)
 

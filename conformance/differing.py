@@ -17,7 +17,7 @@ from ..semantics.syntax import dynamics
 from ..testing.judging import judged, verdict_on_none
 from .external import External
 from .implementation import NeverAccepted, Refused, SceneRecord, Task, Unsupported
-from .looking import AT_ONCE, ATTEMPTS, AskedProgram, DiffSettings, ProgramVerdict, loaded, looked, of_errors, of_verdict
+from .looking import AT_ONCE, AskedProgram, DiffSettings, ProgramVerdict, loaded, looked, of_errors, of_verdict
 from .process import ImplementationFault
 from .replaying import in_simulations
 
@@ -96,7 +96,7 @@ class ScenesThere:
             count = min(wanted - len(self.scenes), AT_ONCE)
             self.asked += 1
             try:
-                drawn = self.other.scenes(self.task, count, seed=self.settings.seed + self.asked, attempts=ATTEMPTS)
+                drawn = self.other.scenes(self.task, count, seed=self.settings.seed + self.asked, attempts=self.settings.attempts)
                 self.scenes += map(without_words, drawn)
             except Refused as refused:
                 self.refused = refused
@@ -126,7 +126,7 @@ def beside(name: str, scenario: Scenario | ProgramError, drawing: ScenesThere, s
         return ProgramVerdict(name, "differ", "error", f"{refused.when} there, and a program here: {refused.message}", math.inf)
     try:
         if not drawing.scenes:
-            return of_verdict(name, verdict_on_none(scenario, alpha, settings.detect_tv, settings.seed, "", ATTEMPTS), "acceptance")
+            return of_verdict(name, verdict_on_none(scenario, alpha, settings.detect_tv, settings.seed, "", settings.attempts), "acceptance")
         first = dict(leaves(drawing.scenes[0]))
         ignore = [feature for feature in (*PRUNED, *settings.ignore) if any(map(matching(feature), first))]
         verdict = judged(drawing.scenes, scenario, alpha=alpha, detect_tv=settings.detect_tv, seed=settings.seed, ignore=ignore)

@@ -22,13 +22,14 @@ FIRST_LOOK, GROWTH = 100, 3
 MOST_SCENES = 30_000
 AT_ONCE = 50
 """Scenes of one request."""
-ATTEMPTS = 10_000
-"""Attempts at a scene of the other implementation."""
 Loading = Callable[[Mapping[str, str]], Scenario]
 
 
 class DiffSettings(NamedTuple):
-    """How sure, how fine and how long: the risk of a false alarm, the total variation that is to show, seconds, time steps."""
+    """How sure, how fine and how long: the risk of a false alarm, the total variation that is to show, seconds, time steps.
+
+    `attempts` are made at each scene and simulation, at most.
+    """
 
     alpha: float
     detect_tv: float
@@ -36,6 +37,7 @@ class DiffSettings(NamedTuple):
     seconds: float
     steps: int
     ignore: tuple[str, ...] = ()
+    attempts: int = 10_000
 
 
 @dataclass(frozen=True, slots=True)

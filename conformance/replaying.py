@@ -17,7 +17,7 @@ from ..semantics.kernel.errors import AttemptsExhausted, ProgramError, RunsExhau
 from ..testing.judging import MOST_RUNS
 from .external import External
 from .implementation import NeverAccepted, Refused, SimulationRecord
-from .looking import AT_ONCE, ATTEMPTS, FIRST_LOOK, AskedProgram, DiffSettings, ProgramVerdict, looked, of_errors, of_verdict
+from .looking import AT_ONCE, FIRST_LOOK, AskedProgram, DiffSettings, ProgramVerdict, looked, of_errors, of_verdict
 from .recorded_world import RecordedWorld, World, wandering
 
 
@@ -34,7 +34,7 @@ def in_simulations(program: AskedProgram, scenario: Scenario, other: External, s
         while len(theirs) < wanted and not fault and (not theirs or time.monotonic() < deadline):
             count, seed = min(wanted - len(theirs), AT_ONCE), settings.seed + len(theirs) + 1
             try:
-                theirs.extend(other.simulations(program.task, settings.steps, count, seed=seed, attempts=ATTEMPTS, world=world))
+                theirs.extend(other.simulations(program.task, settings.steps, count, seed=seed, attempts=settings.attempts, world=world))
             except (Refused, NeverAccepted) as failed:
                 fault.append(failed)
         return len(theirs) > before
@@ -61,7 +61,7 @@ class Replayed:
         deadline = time.monotonic() + self.settings.seconds
         while len(self.runs) < count and (len(self.runs) < FIRST_LOOK or time.monotonic() < deadline):
             seed, steps = self.settings.seed, self.settings.steps
-            run = self.scenario.simulate(RecordedWorld(self.world), steps, seed, len(self.runs), max_attempts=ATTEMPTS)
+            run = self.scenario.simulate(RecordedWorld(self.world), steps, seed, len(self.runs), max_attempts=self.settings.attempts)
             self.runs.append(to_json(run.simulation, run.attempts))
         return self.runs[:count]
 

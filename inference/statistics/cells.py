@@ -183,8 +183,8 @@ def cells_of(
         return Values(tuple(f"{v:.9g}" for v in different), different, opening, tolerance)
     order = np.argsort(values, kind="stable")
     share = np.cumsum((np.ones(len(values)) if weights is None else weights)[order])
-    enough = FEWEST / len(values)
-    at = [np.searchsorted(share, level * share[-1]) for level in levels if enough <= level <= 1 - enough]
+    enough = FEWEST / len(values) if weights is None else 0.0  # a law is known, however few values it has
+    at = np.array([np.searchsorted(share, level * share[-1]) for level in levels if enough <= level <= 1 - enough], dtype=np.int64)
     edges = np.unique(values[order][np.minimum(at, len(values) - 1)])
     return Intervals(np.unique([clear_edge(float(edge), every, tolerance) for edge in edges]), opening)
 

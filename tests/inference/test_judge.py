@@ -117,6 +117,13 @@ def test_what_only_the_exact_law_knows_to_be_constant_is_looked_at_too():
     assert verdict.impossible == ("objects[0].position[1] is always 0, but 1 in sample 12",)
 
 
+@pytest.mark.parametrize("count", [2, 5, 7, 12, 19, 40])
+def test_laws_of_few_values_are_cut_too(count: int):
+    scenario = scenic_ref.loads(f"ego = Object at Uniform(*range({count})) @ Uniform(0, 1)\nObject at 50.25 @ 70, with requireVisible False")
+    samples = [scene.to_json() for scene in scenario.sample_many(600, 3)]
+    assert same_distribution(samples, scenario, detect_tv=0.5, alpha=1e-3).kind == "equivalent"
+
+
 def test_joint_laws_ignore_what_is_not_compared():
     scenario = scenic_ref.loads(COINS.format("Uniform(0, 1)"))
     samples = list(scenic_ref.loads(COINS.format("(a + b) % 2")).sample_many(2000, 3))

@@ -1,0 +1,136 @@
+"""`scenic-ref fuzz`: programs invented to find where another implementation departs from this one."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from .options import DebugOption
+
+if TYPE_CHECKING:
+    from ..conformance.fuzzing.causes import Cause
+    from ..conformance.fuzzing.examining import FuzzedProgram
+
+JOURNAL, PAGE, JUNIT = "campaign.jsonl", "report.html", "junit.xml"
+OF_THE_OTHER = "its own"
+
+
+def fuzz(
+    context: typer.Context,
+    impl: Annotated[str, typer.Option("--impl", metavar="I", help="scenic==3.1.1, scenic==2.1.0, or a command of the harness protocol.")],
+    output: Annotated[str, typer.Option("-o", "--output", metavar="DIR", help="The folder of the campaign: its journal and its reports.")],
+    seconds: Annotated[float, typer.Option("--time", metavar="T", help="How long, in seconds.")] = 600.0,
+    seed: Annotated[int, typer.Option("--seed", metavar="S", help="The seed of the programs and of all that is drawn.")] = 0,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with the campaign of that folder.")] = False,
+    workers: Annotated[int, typer.Option("--workers", metavar="K", min=1, help="Examine K programs at a time.")] = 2,
+    alpha: Annotated[float, typer.Option("--alpha", metavar="A", help="The risk of a false alarm in the whole campaign.")] = 1e-3,
+    detect_tv: Annotated[
+        float, typer.Option("--detect-tv", metavar="E", help="The difference, in total variation, that is to show before distributions agree.")
+    ] = 0.3,
+    steps: Annotated[int, typer.Option("--steps", metavar="N", min=1, help="Time steps of the simulations of dynamic programs.")] = 4,
+    budget: Annotated[float, typer.Option("--budget", metavar="T", help="About how long the comparison of a program may take, in seconds.")] = 6.0,
+    answer: Annotated[float, typer.Option("--seconds", metavar="T", help="How long an answer of the implementation may take.")] = 10.0,
+    shrinking: Annotated[float, typer.Option("--shrinking", metavar="T", help="How long a finding may be made smaller, in seconds.")] = 60.0,
+    profile: Annotated[
+        str, typer.Option("--profile", metavar="P", help="The readings under which both are compared; by default those that it is known to follow.")
+    ] = OF_THE_OTHER,
+    debug: DebugOption = False,
+) -> None:
+    """Invent programs until one means something else in another implementation, and make it as small as it can be.
+
+    Each program is compared as `diff` does it. What differs is made smaller, compared once more with fresh scenes, and grouped by cause: the
+    words of the difference, the rules and the properties that the program is about. The folder holds the journal (with --resume the campaign
+    goes on), a page, JUnit XML, the programs, and drafts of vectors.
+
+    Exit codes: 0 no finding, 1 findings, 2 wrong usage.
+    """
+    from ..conformance.fuzzing.campaign import Journal, campaign
+    from ..conformance.fuzzing.causes import causes_of
+    from ..conformance.fuzzing.examining import CampaignSettings
+    from ..inference.statistics.comparison import check_settings
+    from ..semantics.kernel.errors import UsageError
+    from ..semantics.readings import select
+    from .conformance import opened
+    from .fuzz_reports import write_reports
+
+    context.obj.seed = seed
+    check_settings(alpha, detect_tv, None)
+    for option, value in (("--time", seconds), ("--budget", budget), ("--shrinking", shrinking)):
+        if not 0 < value < float("inf"):
+            raise UsageError(f"{option} is a time in seconds, not {value:g}")
+    folder = Path(output)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(f"{output} cannot be made: {error.strerror or error}") from None
+    with opened(impl, answer) as other:
+        name, paper = other.name, select()
+        readings = dict(other.profile if profile == OF_THE_OTHER else select(profile))
+    readings = {id: alternative for id, alternative in readings.items() if alternative != paper[id]}
+    settings = CampaignSettings(impl, seed, alpha, detect_tv, steps, budget, answer, shrinking, readings)
+    journal = Journal(folder / JOURNAL, settings, name, resume=resume)
+    try:
+        with watched(journal.examined, seconds) as tell:
+            campaign(settings, journal, seconds, workers, tell)
+    finally:  # what was found is reported, however the campaign ends
+        causes = causes_of(journal.examined)
+        write_reports(folder, name, settings, journal.examined, causes)
+        context.obj.finished = f"{output} holds what was found; --resume goes on"
+    show(causes, journal.examined, folder)
+    raise typer.Exit(1 if any(found.verdict == "differ" for found in journal.examined) else 0)
+
+
+@contextmanager
+def watched(examined: Sequence[FuzzedProgram], seconds: float) -> Iterator[Callable[[FuzzedProgram], None]]:
+    """Says what is found: on a terminal with a bar of the time, elsewhere a line for each finding."""
+    from .session import tell as told
+
+    def line(found: FuzzedProgram) -> None:
+        if found.minimal and found.confirmed:
+            told(f"program {found.number}: {found.kind}, {found.words}")
+
+    if not sys.stderr.isatty():
+        yield line
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (BarColumn(), TimeElapsedColumn(), TextColumn("{task.fields[said]}", markup=False))
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("", total=seconds, said="")
+        began = bar.get_time()
+
+        def moved(found: FuzzedProgram) -> None:
+            bar.update(task, completed=min(bar.get_time() - began, seconds), said=counted(examined))
+            if found.minimal and found.confirmed:
+                bar.console.print(f"program {found.number}: {found.kind}, {found.words}", markup=False, highlight=False)
+
+        yield moved
+
+
+def counted(examined: Sequence[FuzzedProgram]) -> str:
+    """How many programs were examined, and what became of them."""
+    counts = Counter(found.verdict for found in examined)
+    told = ", ".join(f"{counts[verdict]:,} {verdict}" for verdict in ("agree", "differ", "inconclusive", "skipped") if counts[verdict])
+    return f"{len(examined):,} programs: {told}" if told else "no program was examined"
+
+
+def show(causes: Sequence[Cause], examined: Sequence[FuzzedProgram], folder: Path) -> None:
+    """The causes, each with its smallest program."""
+    from .session import escaped
+
+    for number, cause in enumerate(causes, 1):
+        found = cause.smallest
+        reading = f", agrees under {', '.join(f'{id} = {a}' for id, a in found.reading.items())}" if found.reading else ""
+        print(f"\n{number}. {escaped(found.kind)}: {escaped(found.words)} ({len(cause.numbers)} programs{reading})")
+        print("\n".join(f"    {escaped(line)}" for line in found.minimal.splitlines()))
+    faults = [found for found in examined if found.kind == "our fault"]
+    for found in faults:
+        print(f"\na fault of ours in program {found.number}: {escaped(found.words)}")
+    print(f"\n{counted(examined)}; {len(causes)} causes. {folder / PAGE} shows them.")

@@ -1,0 +1,90 @@
+"""The reports of a campaign: a page, JUnit XML, the programs, and drafts of vectors."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from string import Template
+from xml.etree import ElementTree
+
+from ..conformance.fuzzing.causes import Cause
+from ..conformance.fuzzing.examining import CampaignSettings, FuzzedProgram
+from ..conformance.fuzzing.saving import draft_of, passage_of
+from .files import write
+
+VERDICTS = ("agree", "differ", "inconclusive", "skipped")
+
+
+def write_reports(folder: Path, name: str, settings: CampaignSettings, examined: Sequence[FuzzedProgram], causes: Sequence[Cause]) -> None:
+    """All reports of a campaign, over those of an earlier state of it. Raises `UsageError` if they cannot be written."""
+    findings = folder / "findings"
+    findings.mkdir(exist_ok=True)
+    for old in (*findings.glob("*.scenic"), *findings.glob("*.toml")):
+        old.unlink()
+    for number, cause in enumerate(causes, 1):
+        write(str(findings / f"{number:02}.scenic"), cause.smallest.minimal)
+        draft = draft_of(cause, f"finding-{number:02}", settings)
+        if draft is not None:
+            write(str(findings / f"{number:02}.toml"), draft)
+    write(str(folder / "report.html"), page(name, settings, examined, causes))
+    write(str(folder / "junit.xml"), junit(name, causes, examined))
+
+
+def page(name: str, settings: CampaignSettings, examined: Sequence[FuzzedProgram], causes: Sequence[Cause]) -> str:
+    """The campaign as one self-contained page."""
+    template = Template(files("scenic_ref.cli").joinpath("fuzz.html").read_text(encoding="utf-8"))
+    counts = Counter(found.verdict for found in examined)
+    about = f"{len(examined):,} programs of seed {settings.seed}: " + ", ".join(f"{counts[verdict]:,} {verdict}" for verdict in VERDICTS)
+    about += f". The risk of one false alarm or more in all of it is at most {settings.alpha:g}."
+    readings = ", ".join(f"{id} = {alternative}" for id, alternative in settings.readings.items())
+    rows = "\n".join(
+        f'<tr><td class="number">{n}</td><td><a href="#cause-{n}">{escape(c.smallest.kind)}</a></td><td>{escape(c.smallest.words)}</td>'
+        f'<td>{c.class_}</td><td class="number">{len(c.numbers)}</td></tr>'
+        for n, c in enumerate(causes, 1)
+    )
+    return template.substitute(
+        title=escape(f"{name}: {len(causes)} causes of difference"), about=escape(about),
+        readings=escape(f"Readings of both: {readings}." if readings else "Both were compared under the paper's readings."),
+        rows=rows, causes="\n".join(shown(n, cause) for n, cause in enumerate(causes, 1)), others=escape(others(examined, causes)),
+    )  # fmt: skip
+
+
+def shown(number: int, cause: Cause) -> str:
+    """A cause: the program, what differs, where the paper says so."""
+    found = cause.smallest
+    reading = f"<p>They agree under {escape(', '.join(f'{id} = {a}' for id, a in found.reading.items()))}.</p>" if found.reading else ""
+    certain = "certain" if found.evidence is None else f"10^{found.evidence:.1f}"
+    return (
+        f'<section id="cause-{number}"><h2>{number}. {escape(found.kind)}: {escape(found.words)}</h2>'
+        f"<pre>{escape(found.minimal)}</pre><p>{escape(found.detail)}</p>{reading}"
+        f'<p class="dim">Evidence: {certain}. Rules: {escape(", ".join(found.rules) or "none of its own")}. '
+        f"The paper: {escape(passage_of(cause))}. Programs: {shortened(cause.numbers)}.</p></section>"
+    )
+
+
+def shortened(numbers: Sequence[int], most: int = 20) -> str:
+    """The first of some numbers."""
+    return ", ".join(map(str, numbers[:most])) + (" ..." if len(numbers) > most else "")
+
+
+def others(examined: Sequence[FuzzedProgram], causes: Sequence[Cause]) -> str:
+    """What is not among the causes."""
+    told = {number for cause in causes for number in cause.numbers}
+    alike = Counter(f"{e.kind}, {e.words}" for e in examined if e.verdict == "differ" and e.number not in told)
+    return "; ".join(f"{count} more of: {words}" for words, count in alike.most_common()) or "None."
+
+
+def junit(name: str, causes: Sequence[Cause], examined: Sequence[FuzzedProgram]) -> str:
+    """The campaign as a suite with a test case for each cause, and one for the programs that agree."""
+    suite = ElementTree.Element("testsuite", name="scenic-ref fuzz", tests=str(len(causes) + 1), failures=str(len(causes)), errors="0")
+    agree = sum(found.verdict == "agree" for found in examined)
+    ElementTree.SubElement(suite, "testcase", classname=name, name=f"{agree} programs agree")
+    for number, cause in enumerate(causes, 1):
+        found = cause.smallest
+        case = ElementTree.SubElement(suite, "testcase", classname=name, name=f"cause {number}: {found.kind}, {found.words}")
+        ElementTree.SubElement(case, "failure", type=found.kind, message=found.words).text = f"{found.minimal}\n{found.detail}"
+    ElementTree.indent(suite)
+    return ElementTree.tostring(suite, encoding="unicode", xml_declaration=True) + "\n"

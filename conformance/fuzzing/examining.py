@@ -1,0 +1,190 @@
+"""One program of a campaign: compared, and if it differs shrunk, compared afresh, and told by its cause."""
+
+from __future__ import annotations
+
+import math
+import re
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ...interpreter.converting import convert
+from ...interpreter.modules import library_of
+from ...interpreter.parser import parse
+from ...scenario.loading import loads
+from ...semantics.kernel.errors import AttemptsExhausted, ProgramError, UsageError
+from ...semantics.kernel.scopes import descendants
+from ...semantics.syntax.specifiers import WithSpecifier
+from ...semantics.syntax.statements import PropertyDefault
+from ...simulators.worlds import WORLDS
+from ..differing import differences, is_dynamic
+from ..external import External
+from ..implementation import Task
+from ..looking import AskedProgram, DiffSettings, Loading, ProgramVerdict, loaded
+from ..ourselves import Ourselves
+from .inventing import invented
+from .shrinking import shrunk
+
+FUEL = 300_000
+SCARCE, ATTEMPTS = 2_000, 1_000
+"""Attempts at the first scene, without which a program is not compared, and at each one that is compared."""
+FRESH = 1_000_003
+"""What is added to the seed for the scenes of the second comparison."""
+SHRINKING_RISK = 1e-6
+PLAIN = "ego = Object at 1 @ 2\nparam p = 1\n"
+"""What fires the rules that say nothing about a cause."""
+NOISE = re.compile(r"0x[0-9a-f]+|-?\d+(?:\.\d+)?(?:e[-+]?\d+)?|params\.\w+")
+IMPOSSIBLE = re.compile(r"impossible: (\S+)")
+
+
+@dataclass(frozen=True, slots=True)
+class CampaignSettings:
+    """A campaign: against what, its seed, the risk of a false alarm in all of it, and how much is done for a program.
+
+    `budget` seconds for a program's comparison, `answer` for an answer, `shrinking` for making a program small; `readings` are those under
+    which both are compared.
+    """
+
+    impl: str
+    seed: int = 0
+    alpha: float = 1e-3
+    detect_tv: float = 0.3
+    steps: int = 4
+    budget: float = 6.0
+    answer: float = 10.0
+    shrinking: float = 60.0
+    readings: Mapping[str, str] = field(default_factory=dict)
+
+    def share(self, number: int) -> float:
+        """The part of the risk that program `number` has: all parts together are no more than the whole."""
+        return self.alpha / ((number + 1) * (number + 2))
+
+
+@dataclass(frozen=True, slots=True)
+class FuzzedProgram:
+    """What became of a program. Of a finding, `minimal` is the smallest program that shows it, and `rules` are those it is about.
+
+    `words` name the difference without its numbers. Without `confirmed`, fresh scenes of the smallest program did not show it again.
+    """
+
+    number: int
+    theme: str
+    verdict: str
+    kind: str
+    seconds: float
+    text: str = ""
+    words: str = ""
+    detail: str = ""
+    evidence: float | None = None
+    reading: Mapping[str, str] | None = None
+    minimal: str = ""
+    rules: tuple[str, ...] = ()
+    properties: tuple[str, ...] = ()
+    confirmed: bool = False
+
+
+def examine(number: int, settings: CampaignSettings, other: External, often: frozenset[tuple[str, str]]) -> FuzzedProgram:
+    """Program `number` of a campaign. What differs in one of the ways that were seen `often` is not made small again."""
+    theme, text = invented(settings.seed, number)
+    began = time.monotonic()
+    plain = DiffSettings(settings.share(number) / 2, settings.detect_tv, settings.seed, settings.budget, settings.steps)
+    verdict = compared(text, other, settings, plain)
+    words = words_of(verdict)
+    if verdict.verdict != "differ" or (verdict.kind, words) in often:
+        seconds = time.monotonic() - began
+        return FuzzedProgram(number, theme, verdict.verdict, verdict.kind, seconds, text if verdict.verdict == "differ" else "", words)
+    until = time.monotonic() + settings.shrinking
+
+    def shows(smaller: str, look: DiffSettings) -> ProgramVerdict | None:
+        found = compared(smaller, other, settings, look)
+        return found if found.verdict == "differ" and (found.kind, words_of(found)) == (verdict.kind, words) else None
+
+    trial = plain._replace(alpha=SHRINKING_RISK)
+    minimal = shrunk(text, lambda smaller: shows(smaller, trial) is not None, lambda: time.monotonic() > until)
+    again = shows(minimal, plain._replace(seed=settings.seed + FRESH))
+    if again is None:
+        minimal, again = text, shows(text, plain._replace(seed=settings.seed + FRESH))
+    told = again or verdict
+    return FuzzedProgram(
+        number, theme, "differ", verdict.kind, time.monotonic() - began, text, words, told.detail,
+        None if math.isinf(told.evidence) else told.evidence, told.reading, minimal, rules_of(minimal, settings), properties_of(minimal),
+        again is not None,
+    )  # fmt: skip
+
+
+def compared(text: str, other: External, settings: CampaignSettings, look: DiffSettings) -> ProgramVerdict:
+    """The verdict on a program; `skipped` if it cannot be said there."""
+    try:
+        task = task_of(text, other, settings.readings)
+    except ProgramError as error:
+        return ProgramVerdict("", "skipped", "unsaid", error.message)
+    load = lambda readings: loads(text, readings={**settings.readings, **readings}, fuel=FUEL)  # noqa: E731
+    try:
+        if are_rare(load, look.seed):
+            return ProgramVerdict("", "inconclusive", "acceptance", f"no scene in {SCARCE:,} attempts here")
+        return differences(AskedProgram("", task, load), other, look._replace(attempts=ATTEMPTS))
+    except (UsageError, AttemptsExhausted) as unclear:
+        return ProgramVerdict("", "inconclusive", "distribution", unclear.message)
+
+
+def are_rare(load: Loading, seed: int) -> bool:
+    """Whether scenes of a program are not found soon, though none of its values shows that there are none."""
+    scenario = loaded(load, {})
+    if isinstance(scenario, ProgramError) or scenario.impossible is not None:
+        return False
+    try:
+        scenario.sample(seed, max_attempts=SCARCE)
+    except AttemptsExhausted:
+        return True
+    except ProgramError:  # in some of the runs
+        return False
+    return False
+
+
+def task_of(text: str, other: External, readings: Mapping[str, str]) -> Task:
+    """The program in a dialect of the other. Raises `ProgramError` if it cannot be said there; what is no program is given as it is."""
+    followed = {id: alternative for id, alternative in readings.items() if other.follows(id, alternative)}
+    try:
+        program = parse(text, "<invented>", None)
+    except ProgramError:
+        return Task(text, other.dialects[0], followed)
+    if program.dialect in other.dialects:
+        return Task(text, program.dialect, followed)
+    library = library_of(program, worlds=WORLDS, model=None, trust=False, directory=Path(), dialect=program.dialect)
+    return Task(convert(program, other.dialects[0], library), other.dialects[0], followed)
+
+
+def words_of(verdict: ProgramVerdict) -> str:
+    """The difference without what is of this program only: numbers, names of parameters, places."""
+    if verdict.verdict != "differ":
+        return ""
+    impossible = IMPOSSIBLE.search(verdict.detail)
+    what = impossible.group(1) if impossible else verdict.feature or verdict.detail
+    return NOISE.sub("#", what)[:200]
+
+
+def rules_of(text: str, settings: CampaignSettings) -> tuple[str, ...]:
+    """The rules that fire in a program and not in the plainest one; of an error, the rule that cannot be applied."""
+    ours = Ourselves()
+    try:
+        scenario = loads(text, readings=settings.readings, fuel=FUEL)
+        scenario.rehearse()
+        fired = ours.fired(Task(text, scenario.program.dialect, settings.readings), frozenset(), seed=settings.seed)
+        if is_dynamic(scenario):
+            task = Task(text, scenario.program.dialect, settings.readings)
+            fired |= ours.fired_in_simulations(task, settings.steps, frozenset(), seed=settings.seed)
+    except ProgramError as error:
+        return (error.rule,) if error.rule else ()
+    return tuple(sorted(fired - ours.fired(Task(PLAIN, "paper"), frozenset(), seed=0)))
+
+
+def properties_of(text: str) -> tuple[str, ...]:
+    """The properties that a program gives to objects."""
+    try:
+        program = parse(text, "<invented>", None)
+    except ProgramError:
+        return ()
+    nodes = (node for statement in program.statements for node in descendants(statement))
+    given = {n.property if isinstance(n, WithSpecifier) else n.name for n in nodes if isinstance(n, (WithSpecifier, PropertyDefault))}
+    return tuple(sorted(given))

@@ -1,0 +1,231 @@
+"""`scenic-ref fuzz`: programs are invented, what differs is made small and grouped, and a campaign can be interrupted and go on."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+from scenic_ref.cli import answer
+from scenic_ref.conformance.environments import implementation
+from scenic_ref.conformance.fuzzing import campaign
+from scenic_ref.conformance.fuzzing.aimed import aimed_program
+from scenic_ref.conformance.fuzzing.causes import OFTEN, Cause, causes_of, seen_often
+from scenic_ref.conformance.fuzzing.examining import CampaignSettings, FuzzedProgram, examine, words_of
+from scenic_ref.conformance.fuzzing.inventing import THEMES, invented
+from scenic_ref.conformance.fuzzing.saving import draft_of
+from scenic_ref.conformance.fuzzing.shrinking import shrunk
+from scenic_ref.conformance.loading import read_file
+from scenic_ref.conformance.looking import ProgramVerdict
+from scenic_ref.interpreter.parser import parse
+from scenic_ref.scenario import loads
+from scenic_ref.semantics.kernel.errors import CheckError, ParseError, ProgramError, UsageError
+
+OTHER = """
+from scenic_ref.conformance import Ourselves
+from scenic_ref.conformance.implementation import Refused
+from scenic_ref.conformance.serving import serve
+
+class Other(Ourselves):
+    name = "other 1"
+
+    def scenes(self, task, count, *, seed, attempts):
+        if {refuses!r} and {refuses!r} in task.program:
+            raise Refused("run", "this is too much")
+        for scene in super().scenes(task, count, seed=seed + 1000, attempts=attempts):
+            {scene}
+            yield scene
+
+serve(Other())
+"""
+
+
+def other(folder: Path, refuses: str = "", scene: str = "pass") -> str:
+    path = folder / "other.py"
+    path.write_text(OTHER.format(refuses=refuses, scene=scene))
+    return f"{sys.executable} {path}"
+
+
+def finding(number: int = 0, **changes: object) -> FuzzedProgram:
+    plain = FuzzedProgram(number, "aimed", "differ", "error", 1.0, "x", "words", "detail", None, None, "ego = Object\n", (), (), True)
+    return replace(plain, **changes)  # type: ignore[arg-type]
+
+
+def never() -> bool:
+    return False
+
+
+@pytest.mark.parametrize("text, needle, small", [
+    ("x = Range(1, 2)\nego = Object at (x, 3), facing 30 deg, with foo Uniform(1, 2)\nrequire ego.foo < 3\nparam y = x\n", "facing",
+     "Object facing 0\n"),
+    ("class A:\n    foo: 17.25\n    bar: 3\nego = A at 1 @ 2\nif True:\n    for i in range(3):\n        Object at i @ 9\n", "foo:",
+     "class A:\n    foo: 0\n"),
+    ("ego = = 3\nx = 1\ny = 2\n", "= =", "ego = = 3\n"),
+    ("ego = Object\nmutate ego\nrequire (distance to (3 + 4, 5)) < abs(-2)\n", "distance", "require (distance)\n"),
+])
+def test_what_is_left_out_is_all_that_can_be(text: str, needle: str, small: str) -> None:
+    tried: list[str] = []
+
+    def holds(candidate: str) -> bool:
+        tried.append(candidate)
+        return needle in candidate
+
+    assert shrunk(text, holds, never) == small
+    assert len(tried) == len(set(tried)), "nothing is tried twice"
+
+
+def test_shrinking_ends_when_its_time_is_over() -> None:
+    asked: list[str] = []
+    text = "ego = Object at 1 @ 2\nx = 3\n"
+    assert shrunk(text, lambda candidate: not asked.append(candidate), lambda: len(asked) > 0) in (text, asked[0])
+    assert len(asked) <= 1
+
+
+def test_programs_are_functions_of_seed_and_number() -> None:
+    programs = [invented(4, number) for number in range(60)]
+    assert programs == [invented(4, number) for number in range(60)] != [invented(5, number) for number in range(60)]
+    assert {program.theme for program in programs} == set(THEMES)
+
+
+def test_aimed_programs_are_programs_and_draw_what_is_rare() -> None:
+    texts = [aimed_program(1, number) for number in range(600)]
+    wrong = Counter[str]()
+    for text in texts:
+        try:
+            parse(text, "<aimed>", None)
+        except (ParseError, CheckError) as error:
+            wrong[error.message] += 1
+    assert sum(wrong.values()) < 30, wrong
+    together = "\n".join(texts)
+    for rare in (
+        "requireVisible Uniform(True, False)", "allowCollisions", "viewAngle", "positionStdDev", "override ego", "not visible", "apparently facing",
+        "mutate", "require[", "TruncatedNormal", "Workspace", "orientation=", "interrupt when", "following", "do shuffle", "visible from",
+    ):  # fmt: skip
+        assert rare in together, rare
+
+
+def test_a_planted_fault_is_found_and_made_small(tmp_path: Path) -> None:
+    impl = other(tmp_path, refuses="mutate")
+    settings = CampaignSettings(impl, seed=2, budget=2.0)
+    number = next(n for n in range(500) if "mutate" in invented(2, n).text and runs(invented(2, n).text))
+    with implementation(impl, 20.0, print) as there:
+        found = examine(number, settings, there, frozenset())
+        assert (found.verdict, found.kind, found.confirmed) == ("differ", "error", True) and "this is too much" in found.words
+        assert found.minimal in ("ego = Object\nmutate\n", "ego = Object\nmutate ego\n"), found.minimal
+        assert found.rules, "the rules of the smallest program"
+        again = examine(number, settings, there, frozenset({(found.kind, found.words)}))
+        assert again.verdict == "differ" and not again.minimal, "what was seen often is only counted"
+
+
+def runs(text: str) -> bool:
+    try:
+        loads(text).rehearse()
+    except ProgramError:
+        return False
+    return True
+
+
+def test_we_do_not_differ_from_ourselves(tmp_path: Path) -> None:
+    settings = CampaignSettings(other(tmp_path), seed=8, budget=0.5)
+    with implementation(settings.impl, 60.0, print) as there:
+        found = [examine(number, settings, there, frozenset()) for number in range(12)]
+    assert not [one for one in found if one.verdict == "differ"]
+    assert sum(one.verdict == "agree" for one in found) >= 3, Counter(one.verdict for one in found)
+
+
+def test_the_risk_of_all_programs_together_is_that_of_the_campaign() -> None:
+    settings = CampaignSettings("x", alpha=0.01)
+    assert sum(settings.share(number) for number in range(10_000)) <= 0.01
+
+
+def test_a_fault_of_ours_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Failing:
+        dialects = ("paper",)
+
+        def follows(self, reading: str, alternative: str) -> bool:
+            raise ZeroDivisionError("a fault")
+
+    monkeypatch.setattr(campaign, "others", [Failing()])
+    found = campaign.examined_here(3, CampaignSettings("x", readings={"soft": "scene"}), frozenset())
+    assert (found.kind, found.verdict) == ("our fault", "differ") and "ZeroDivisionError: a fault" in found.words and "follows" in found.detail
+
+
+def test_findings_with_one_cause_are_told_once() -> None:
+    small = finding(3, rules=("P-With",), properties=("viewAngle",))
+    large = finding(1, rules=("P-With", "P-At"), properties=("foo", "viewAngle"), minimal="ego = Object at 1 @ 2, with viewAngle 3, with foo 2\n")
+    another = finding(4, rules=("P-With",), properties=("requireVisible",))
+    words = finding(5, words="other words")
+    unconfirmed = finding(6, words="by chance", confirmed=False)
+    causes = causes_of([large, small, another, words, unconfirmed])
+    assert [(cause.smallest.number, cause.numbers) for cause in causes] == [(3, [3, 1]), (4, [4]), (5, [5])]
+    assert seen_often([small] * (OFTEN - 1)) == frozenset() and seen_often([small] * OFTEN) == {("error", "words")}
+
+
+@pytest.mark.parametrize("verdict, words", [
+    (ProgramVerdict("p", "differ", "error", "refused there: at 0x7f32ab line 3.5 of -2e-7"), "refused there: at # line # of #"),
+    (ProgramVerdict("p", "differ", "support", "different; impossible: objects[1].position[0] is always 3"), "objects[#].position[#]"),
+    (ProgramVerdict("p", "differ", "distribution", "different", 9.0, "params.q17 & objects[2].heading"), "# & objects[#].heading"),
+    (ProgramVerdict("p", "agree", "distribution", "equivalent"), ""),
+])
+def test_words_are_without_what_is_of_one_program(verdict: ProgramVerdict, words: str) -> None:
+    assert words_of(verdict) == words
+
+
+@pytest.mark.parametrize("text, holds", [
+    ("ego = Object at 1 @ 2, at 3 @ 4\n", 'error = { phase = "resolve", line = 1, class = "SpecifiedTwice", rule = "R-SpecifiedTwice" }'),
+    ("ego = Object at 1 @ 2, facing 3 deg\nparam p = 3\n", "params = { p = 3 }"),
+    ("ego = Object at Uniform(1, 2) @ 5, with foo 3\n", "foo = 3"),
+])
+def test_drafts_are_vectors(text: str, holds: str, tmp_path: Path) -> None:
+    draft = draft_of(Cause(finding(minimal=text, rules=("P-At",)), [0]), "finding-01", CampaignSettings("x", readings={"soft": "scene"}))
+    assert draft is not None and holds in draft
+    (vector,) = read_file("draft.toml", draft)
+    assert vector.name == "finding-01" and vector.readings == {"soft": "scene"}
+
+
+def test_what_no_matcher_says_has_no_draft() -> None:
+    never_accepted = "ego = Object at Range(1, 2) @ 3\nrequire ego.position.x > 4\n"
+    assert draft_of(Cause(finding(minimal=never_accepted, kind="acceptance"), [0]), "finding-01", CampaignSettings("x")) is None
+
+
+def test_a_campaign_is_reported_and_goes_on(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    folder = tmp_path / "campaign"
+    words = ["fuzz", "--impl", other(tmp_path, scene='scene["objects"][0]["width"] = 77'), "-o", str(folder), "--time", "1", "--workers", "1"]
+    words += ["--shrinking", "1", "--budget", "1"]
+    code = answer(words)
+    out, err = capfd.readouterr()
+    assert code in (0, 1) and "causes." in out, err
+    lines = (folder / "campaign.jsonl").read_text().splitlines()
+    assert len(lines) >= 2 and json.loads(lines[0])["implementation"] == "other 1"
+    assert answer(words) == 2 and "holds a campaign already" in capfd.readouterr()[1]
+    with open(folder / "campaign.jsonl", "a") as journal:
+        journal.write('{"number": 99')  # a line that was being written
+    assert answer([*words, "--resume"]) in (0, 1)
+    capfd.readouterr()
+    numbers = [json.loads(line)["number"] for line in (folder / "campaign.jsonl").read_text().splitlines()[1:]]
+    assert numbers == list(range(len(numbers))) and len(numbers) >= len(lines)
+    assert answer([*words, "--resume", "--seed", "5"]) == 2 and "other settings" in capfd.readouterr()[1]
+    ElementTree.parse(folder / "junit.xml")
+    assert "<h1>other 1: " in (folder / "report.html").read_text()
+    for found in (folder / "findings").glob("*.scenic"):
+        assert found.read_text()
+
+
+@pytest.mark.parametrize("text", ["", "no JSON\n", '{"format": "other"}\n', '{"format": "scenic-ref/campaign/1"}\n{"number": 1}\n'])
+def test_a_journal_that_is_none_is_refused(text: str, tmp_path: Path) -> None:
+    path = tmp_path / "campaign.jsonl"
+    path.write_text(text)
+    with pytest.raises(UsageError, match="is not a campaign"):
+        campaign.Journal(path, CampaignSettings("x"), "other 1", resume=True)
+
+
+@pytest.mark.parametrize("words, said", [
+    (["--time", "0"], "--time is a time in seconds, not 0"), (["--profile", "nothing"], "nothing"), (["--alpha", "7"], "alpha is a probability"),
+])
+def test_wrong_usage(words: list[str], said: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    assert answer(["fuzz", "--impl", other(tmp_path), "-o", str(tmp_path / "c"), *words]) == 2
+    assert said in capfd.readouterr()[1]
