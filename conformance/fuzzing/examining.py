@@ -131,13 +131,14 @@ def compared(text: str, other: External, settings: CampaignSettings, look: DiffS
 def are_rare(load: Loading, seed: int) -> bool:
     """Whether scenes of a program are not found soon, though none of its values shows that there are none."""
     scenario = loaded(load, {})
-    if isinstance(scenario, ProgramError) or scenario.impossible is not None:
+    if isinstance(scenario, ProgramError):
         return False
     try:
-        scenario.sample(seed, max_attempts=SCARCE)
+        if scenario.impossible is None:
+            scenario.sample(seed, max_attempts=SCARCE)
     except AttemptsExhausted:
         return True
-    except ProgramError:  # in some of the runs
+    except ProgramError:  # in some of the runs, or where the scene is looked at
         return False
     return False
 

@@ -15,12 +15,12 @@ from scenic_ref.conformance.environments import implementation
 from scenic_ref.conformance.fuzzing import campaign
 from scenic_ref.conformance.fuzzing.aimed import aimed_program
 from scenic_ref.conformance.fuzzing.causes import OFTEN, Cause, causes_of, seen_often
-from scenic_ref.conformance.fuzzing.examining import CampaignSettings, FuzzedProgram, examine, words_of
+from scenic_ref.conformance.fuzzing.examining import CampaignSettings, FuzzedProgram, compared, examine, words_of
 from scenic_ref.conformance.fuzzing.inventing import THEMES, invented
 from scenic_ref.conformance.fuzzing.saving import draft_of
 from scenic_ref.conformance.fuzzing.shrinking import shrunk
 from scenic_ref.conformance.loading import read_file
-from scenic_ref.conformance.looking import ProgramVerdict
+from scenic_ref.conformance.looking import DiffSettings, ProgramVerdict
 from scenic_ref.interpreter.parser import parse
 from scenic_ref.scenario import loads
 from scenic_ref.semantics.kernel.errors import CheckError, ParseError, ProgramError, UsageError
@@ -135,6 +135,14 @@ def test_we_do_not_differ_from_ourselves(tmp_path: Path) -> None:
         found = [examine(number, settings, there, frozenset()) for number in range(12)]
     assert not [one for one in found if one.verdict == "differ"]
     assert sum(one.verdict == "agree" for one in found) >= 3, Counter(one.verdict for one in found)
+
+
+def test_a_program_whose_scene_is_an_error_is_no_fault_of_ours(tmp_path: Path) -> None:
+    settings = CampaignSettings(other(tmp_path), budget=1.0)
+    text = "scenario Begin():\n    setup:\n        ego = Object\nscenario Main():\n    compose:\n        do Begin()\n"
+    with implementation(settings.impl, 60.0, print) as there:
+        verdict = compared(text, there, settings, DiffSettings(1e-6, 0.3, 0, 1.0, 2))
+    assert verdict.kind == "error" and "the scene has no ego" in verdict.detail, verdict
 
 
 def test_the_risk_of_all_programs_together_is_that_of_the_campaign() -> None:
