@@ -34,7 +34,7 @@ class Rejected(NamedTuple):
 Run = Accepted | Rejected
 
 
-@within()
+@within
 def drive(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL, witness: Witness | None = None) -> tuple[Done | Act | Finish | Stuck, int]:
     """Drive the machine until it has something to say, and in how many steps; `config` is taken over, and cannot be stepped again.
 
@@ -63,7 +63,7 @@ def run(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL, witness: W
     return Accepted(outcome.state, steps)
 
 
-@within()
+@within
 def rehearse(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL) -> None:
     """One run that goes on where others get stuck, to find every branch on a random value (reading `random-branch`).
 

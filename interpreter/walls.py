@@ -9,10 +9,11 @@ from __future__ import annotations
 import signal
 import sys
 import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from functools import wraps
 from pathlib import Path
 from types import FrameType
+from typing import ParamSpec, TypeVar
 
 from ..semantics.kernel.errors import FuelExhausted, RunError
 from .limits import Limits
@@ -96,28 +97,38 @@ def refused(what: str) -> PermissionError:
 
 
 WALL = Wall()
+P = ParamSpec("P")
+R = TypeVar("R")
 AGAIN = 1.0
 """Seconds after which a run that is out of time is interrupted again, in case library code caught the first exception."""
 
 
-@contextmanager
-def within() -> Iterator[None]:
-    """A run of the machine inside: the guard listens, the clock of processor time begins anew, and the limit of memory is an error of the program."""
-    if not WALL.guarded:
-        yield
-        return
-    timed = WALL.limits.seconds is not None and hasattr(signal, "setitimer") and not WALL.running
-    WALL.running += 1
-    if timed:
-        signal.setitimer(signal.ITIMER_PROF, WALL.limits.seconds or 0, AGAIN)
-    try:
-        yield
-    except MemoryError:
-        raise RunError("the program needs more memory than it may have", hint="--limit-memory allows more") from None
-    finally:
-        if timed:
-            signal.setitimer(signal.ITIMER_PROF, 0)
-        WALL.running -= 1
+def within(run: Callable[P, R]) -> Callable[P, R]:
+    """A run of the machine: the guard listens, the clock of processor time begins anew, and the limit of memory is an error of the program.
+
+    However it ends, the guard is as before. Python hears signals after calls, at the start of functions and where loops go back: there is none of
+    these between what is changed and `try`, or between `finally` and what is restored; `contextmanager`, made of calls, would leave the guard behind.
+    """
+
+    @wraps(run)
+    def guarded(*arguments: P.args, **options: P.kwargs) -> R:
+        if not WALL.guarded:
+            return run(*arguments, **options)
+        before = WALL.running
+        timed = WALL.limits.seconds is not None and hasattr(signal, "setitimer") and not before
+        try:
+            WALL.running = before + 1
+            if timed:
+                signal.setitimer(signal.ITIMER_PROF, WALL.limits.seconds or 0, AGAIN)
+            return run(*arguments, **options)
+        except MemoryError:
+            raise RunError("the program needs more memory than it may have", hint="--limit-memory allows more") from None
+        finally:
+            WALL.running = before
+            if timed:
+                signal.setitimer(signal.ITIMER_PROF, 0)
+
+    return guarded
 
 
 def out_of_time(number: int, frame: FrameType | None) -> None:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import random
+import signal
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-from scenic_ref.interpreter.limits import DEFAULT_LIMITS, bytes_of, seconds_of
-from scenic_ref.interpreter.walls import WALL
+from scenic_ref.interpreter.limits import DEFAULT_LIMITS, Limits, bytes_of, seconds_of
+from scenic_ref.interpreter.walls import WALL, within
 from scenic_ref.semantics.kernel.errors import UsageError
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="this system has no limits of processes")
@@ -122,3 +124,26 @@ def test_times_that_are_none(text):
 def test_the_api_has_no_wall_of_its_own():
     assert DEFAULT_LIMITS == (4 << 30, 60)
     assert not WALL.guarded
+
+
+@posix
+def test_the_guard_is_as_before_wherever_an_interrupt_comes():
+    """What is caught holds the frames that it went through, as the commands do that finish their files after Ctrl-C."""
+    outer, inner, caught, left = within(lambda run: run()), within(lambda: None), [], 0
+    before = signal.getsignal(signal.SIGALRM)
+    signal.signal(signal.SIGALRM, signal.default_int_handler)
+    WALL.build(Limits(None, 60))
+    try:
+        for number in range(300):
+            try:
+                signal.setitimer(signal.ITIMER_REAL, random.Random(number).uniform(1e-5, 2e-4))
+                while True:
+                    outer(inner)
+            except KeyboardInterrupt as interrupt:
+                caught.append(interrupt)
+                left += WALL.running + (signal.getitimer(signal.ITIMER_PROF)[0] > 0)
+                WALL.running = 0
+    finally:
+        WALL.open()
+        signal.signal(signal.SIGALRM, before)
+    assert (len(caught), left) == (300, 0)

@@ -85,7 +85,7 @@ def trace(start: Callable[[], Config], fuel: int, draws: Draws = AS_THEY_ARE) ->
     raise NotLifted(f"in {TRIES} runs this always failed: {reason}")
 
 
-@within()
+@within
 def trace_run(config: Config, attempt: int, fuel: int, draws: Draws = AS_THEY_ARE) -> Lifted:
     """The graph that the run of attempt `attempt` at scene 0 of seed 0 gives."""
 
