@@ -14,18 +14,23 @@ import typer
 from .options import DebugOption
 
 if TYPE_CHECKING:
-    from ..conformance.fuzzing.causes import Cause
     from ..conformance.fuzzing.examining import FuzzedProgram
+    from ..conformance.fuzzing.judgements import JudgedFinding
 
 JOURNAL, PAGE, JUNIT = "campaign.jsonl", "report.html", "junit.xml"
 OF_THE_OTHER = "its own"
+SHORTEST, LONGEST = 0.01, 1e7
+"""Seconds of a campaign."""
+UNITS = {"s": 1, "m": 60, "h": 3600}
 
 
 def fuzz(
     context: typer.Context,
     impl: Annotated[str, typer.Option("--impl", metavar="I", help="scenic==3.1.1, scenic==2.1.0, or a command of the harness protocol.")],
     output: Annotated[str, typer.Option("-o", "--output", metavar="DIR", help="The folder of the campaign: its journal and its reports.")],
-    seconds: Annotated[float, typer.Option("--time", metavar="T", help="How long, in seconds.")] = 600.0,
+    time: Annotated[
+        str, typer.Option("--time", metavar="T", help="How long: in seconds, or as 90m or 2h. 0, with --resume, only writes the reports anew.")
+    ] = "10m",
     seed: Annotated[int, typer.Option("--seed", metavar="S", help="The seed of the programs and of all that is drawn.")] = 0,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with the campaign of that folder.")] = False,
     workers: Annotated[int, typer.Option("--workers", metavar="K", min=1, help="Examine K programs at a time.")] = 2,
@@ -46,25 +51,29 @@ def fuzz(
 
     Each program is compared as `diff` does it. What differs is made smaller, compared once more with fresh scenes, and grouped by cause: the
     words of the difference, the rules and the properties that the program is about. The folder holds the journal (with --resume the campaign
-    goes on), a page, JUnit XML, the programs, and drafts of vectors.
+    goes on), a page, JUnit XML, the programs, and drafts of vectors. In its findings.toml each finding has a class, for you to decide: what you
+    write there stays, and is in the reports.
 
     Exit codes: 0 no finding, 1 findings, 2 wrong usage.
     """
     from ..conformance.fuzzing.campaign import Journal, campaign
     from ..conformance.fuzzing.causes import causes_of
     from ..conformance.fuzzing.examining import CampaignSettings
+    from ..conformance.fuzzing.judgements import findings_at, findings_of
     from ..inference.statistics.comparison import check_settings
     from ..semantics.kernel.errors import UsageError
     from ..semantics.readings import select
     from .conformance import opened
-    from .fuzz_reports import write_reports
+    from .fuzz_reports import FINDINGS, write_reports
 
     context.obj.seed = seed
     check_settings(alpha, detect_tv, None)
-    for option, value in (("--time", seconds), ("--budget", budget), ("--shrinking", shrinking)):
+    seconds = seconds_in(time, at_least=0.0 if resume else SHORTEST)
+    for option, value in (("--budget", budget), ("--shrinking", shrinking)):
         if not 0 < value < float("inf"):
             raise UsageError(f"{option} is a time in seconds, not {value:g}")
     folder = Path(output)
+    kept = findings_at(folder / FINDINGS) if resume else []
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -80,10 +89,26 @@ def fuzz(
             campaign(settings, journal, seconds, workers, tell)
     finally:  # what was found is reported, however the campaign ends
         causes = causes_of(journal.examined)
-        write_reports(folder, name, settings, journal.examined, causes)
+        findings = findings_of(causes, kept)
+        write_reports(folder, name, settings, journal.examined, causes, findings)
         context.obj.finished = f"{output} holds what was found; --resume goes on"
-    show(causes, journal.examined, folder)
+    show(findings, journal.examined, folder)
     raise typer.Exit(1 if any(found.verdict == "differ" for found in journal.examined) else 0)
+
+
+def seconds_in(text: str, at_least: float) -> float:
+    """A length of time as seconds: a number, of seconds or with the unit s, m or h. Raises `UsageError`."""
+    from ..semantics.kernel.errors import UsageError
+
+    number, unit = (text[:-1], text[-1:]) if text[-1:] in UNITS else (text, "s")
+    try:
+        found = float(number) * UNITS[unit]
+    except ValueError:
+        found = -1.0
+    if not at_least <= found <= LONGEST:
+        zero = "" if at_least == 0 else " (0 is for --resume)" if found == 0 else ""
+        raise UsageError(f"--time is a length of time such as 600, 90m or 2h, not {text!r}{zero}")
+    return found
 
 
 @contextmanager
@@ -121,16 +146,13 @@ def counted(examined: Sequence[FuzzedProgram]) -> str:
     return f"{len(examined):,} programs: {told}" if told else "no program was examined"
 
 
-def show(causes: Sequence[Cause], examined: Sequence[FuzzedProgram], folder: Path) -> None:
-    """The causes, each with its smallest program."""
+def show(findings: Sequence[JudgedFinding], examined: Sequence[FuzzedProgram], folder: Path) -> None:
+    """The findings, each with its smallest program."""
     from .session import escaped
 
-    for number, cause in enumerate(causes, 1):
-        found = cause.smallest
-        reading = f", agrees under {', '.join(f'{id} = {a}' for id, a in found.reading.items())}" if found.reading else ""
-        print(f"\n{number}. {escaped(found.kind)}: {escaped(found.words)} ({len(cause.numbers)} programs{reading})")
-        print("\n".join(f"    {escaped(line)}" for line in found.minimal.splitlines()))
-    faults = [found for found in examined if found.kind == "our fault"]
-    for found in faults:
-        print(f"\na fault of ours in program {found.number}: {escaped(found.words)}")
-    print(f"\n{counted(examined)}; {len(causes)} causes. {folder / PAGE} shows them.")
+    for number, found in enumerate(findings, 1):
+        programs = f"{found.programs} program{'' if found.programs == 1 else 's'}"
+        reading = f", agrees under {found.reading}" if found.reading else ""
+        print(f"\n{number}. {escaped(found.kind)}: {escaped(found.words)} ({programs}, {found.class_}{reading})")
+        print("\n".join(f"    {escaped(line)}" for line in found.program.splitlines()))
+    print(f"\n{counted(examined)}; {len(findings)} causes. {folder / PAGE} shows them.")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from base64 import b64encode
 from collections import Counter
 from collections.abc import Sequence
 from html import escape
@@ -12,13 +13,19 @@ from xml.etree import ElementTree
 
 from ..conformance.fuzzing.causes import Cause
 from ..conformance.fuzzing.examining import CampaignSettings, FuzzedProgram
-from ..conformance.fuzzing.saving import draft_of, passage_of
+from ..conformance.fuzzing.judgements import JudgedFinding, to_toml
+from ..conformance.fuzzing.saving import draft_of
+from ..formats.comparisons import side_by_side
 from .files import write
 
+FINDINGS = "findings.toml"
 VERDICTS = ("agree", "differ", "inconclusive", "skipped")
 
 
-def write_reports(folder: Path, name: str, settings: CampaignSettings, examined: Sequence[FuzzedProgram], causes: Sequence[Cause]) -> None:
+def write_reports(
+    folder: Path, name: str, settings: CampaignSettings, examined: Sequence[FuzzedProgram], causes: Sequence[Cause],
+    found: Sequence[JudgedFinding],
+) -> None:
     """All reports of a campaign, over those of an earlier state of it. Raises `UsageError` if they cannot be written."""
     findings = folder / "findings"
     findings.mkdir(exist_ok=True)
@@ -29,11 +36,14 @@ def write_reports(folder: Path, name: str, settings: CampaignSettings, examined:
         draft = draft_of(cause, f"finding-{number:02}", settings)
         if draft is not None:
             write(str(findings / f"{number:02}.toml"), draft)
-    write(str(folder / "report.html"), page(name, settings, examined, causes))
-    write(str(folder / "junit.xml"), junit(name, causes, examined))
+    write(str(folder / FINDINGS), to_toml(found))
+    write(str(folder / "report.html"), page(name, settings, examined, causes, found))
+    write(str(folder / "junit.xml"), junit(name, found, examined))
 
 
-def page(name: str, settings: CampaignSettings, examined: Sequence[FuzzedProgram], causes: Sequence[Cause]) -> str:
+def page(
+    name: str, settings: CampaignSettings, examined: Sequence[FuzzedProgram], causes: Sequence[Cause], found: Sequence[JudgedFinding]
+) -> str:
     """The campaign as one self-contained page."""
     template = Template(files("scenic_ref.cli").joinpath("fuzz.html").read_text(encoding="utf-8"))
     counts = Counter(found.verdict for found in examined)
@@ -41,28 +51,38 @@ def page(name: str, settings: CampaignSettings, examined: Sequence[FuzzedProgram
     about += f". The risk of one false alarm or more in all of it is at most {settings.alpha:g}."
     readings = ", ".join(f"{id} = {alternative}" for id, alternative in settings.readings.items())
     rows = "\n".join(
-        f'<tr><td class="number">{n}</td><td><a href="#cause-{n}">{escape(c.smallest.kind)}</a></td><td>{escape(c.smallest.words)}</td>'
-        f'<td>{c.class_}</td><td class="number">{len(c.numbers)}</td></tr>'
-        for n, c in enumerate(causes, 1)
+        f'<tr><td class="number">{n}</td><td><a href="#cause-{n}">{escape(f.kind)}</a></td><td>{escape(f.words)}</td>'
+        f'<td>{f.class_}</td><td class="number">{f.programs}</td></tr>'
+        for n, f in enumerate(found, 1)
     )
+    sections = "\n".join(shown(n, cause, f) for n, (cause, f) in enumerate(zip(causes, found, strict=True), 1))
     return template.substitute(
         title=escape(f"{name}: {len(causes)} causes of difference"), about=escape(about),
         readings=escape(f"Readings of both: {readings}." if readings else "Both were compared under the paper's readings."),
-        rows=rows, causes="\n".join(shown(n, cause) for n, cause in enumerate(causes, 1)), others=escape(others(examined, causes)),
+        rows=rows, causes=sections, others=escape(others(examined, causes)),
     )  # fmt: skip
 
 
-def shown(number: int, cause: Cause) -> str:
-    """A cause: the program, what differs, where the paper says so."""
-    found = cause.smallest
-    reading = f"<p>They agree under {escape(', '.join(f'{id} = {a}' for id, a in found.reading.items()))}.</p>" if found.reading else ""
-    certain = "certain" if found.evidence is None else f"10^{found.evidence:.1f}"
+def shown(number: int, cause: Cause, found: JudgedFinding) -> str:
+    """A cause: the program, what differs, a picture where it can be seen, what was decided, where the paper says so."""
+    reading = f"<p>They agree under {escape(found.reading)}.</p>" if found.reading else ""
+    evidence = cause.smallest.evidence
+    certain = "certain" if evidence is None else f"10^{evidence:.1f}"
     return (
         f'<section id="cause-{number}"><h2>{number}. {escape(found.kind)}: {escape(found.words)}</h2>'
-        f"<pre>{escape(found.minimal)}</pre><p>{escape(found.detail)}</p>{reading}"
-        f'<p class="dim">Evidence: {certain}. Rules: {escape(", ".join(found.rules) or "none of its own")}. '
-        f"The paper: {escape(passage_of(cause))}. Programs: {shortened(cause.numbers)}.</p></section>"
+        f"<pre>{escape(found.program)}</pre><p>{escape(found.detail)}</p>{reading}{drawn(found)}"
+        f"<p><b>{escape(found.class_)}</b>{escape(f': {found.why}' if found.why else '')}</p>"
+        f'<p class="dim">Evidence: {certain}. Rules: {escape(", ".join(cause.smallest.rules) or "none of its own")}. '
+        f"The paper: {escape(found.passage)}. Programs: {shortened(cause.numbers)}.</p></section>"
     )
+
+
+def drawn(found: JudgedFinding) -> str:
+    """The scenes of both sides as a picture in the page, if the difference is one that can be seen."""
+    if not found.here and not found.there:
+        return ""
+    picture = b64encode(side_by_side({"here": found.here, "there": found.there})).decode()
+    return f'<p><img alt="scenes here and there" width="540" src="data:image/png;base64,{picture}"></p>'
 
 
 def shortened(numbers: Sequence[int], most: int = 20) -> str:
@@ -77,14 +97,13 @@ def others(examined: Sequence[FuzzedProgram], causes: Sequence[Cause]) -> str:
     return "; ".join(f"{count} more of: {words}" for words, count in alike.most_common()) or "None."
 
 
-def junit(name: str, causes: Sequence[Cause], examined: Sequence[FuzzedProgram]) -> str:
+def junit(name: str, findings: Sequence[JudgedFinding], examined: Sequence[FuzzedProgram]) -> str:
     """The campaign as a suite with a test case for each cause, and one for the programs that agree."""
-    suite = ElementTree.Element("testsuite", name="scenic-ref fuzz", tests=str(len(causes) + 1), failures=str(len(causes)), errors="0")
+    suite = ElementTree.Element("testsuite", name="scenic-ref fuzz", tests=str(len(findings) + 1), failures=str(len(findings)), errors="0")
     agree = sum(found.verdict == "agree" for found in examined)
     ElementTree.SubElement(suite, "testcase", classname=name, name=f"{agree} programs agree")
-    for number, cause in enumerate(causes, 1):
-        found = cause.smallest
+    for number, found in enumerate(findings, 1):
         case = ElementTree.SubElement(suite, "testcase", classname=name, name=f"cause {number}: {found.kind}, {found.words}")
-        ElementTree.SubElement(case, "failure", type=found.kind, message=found.words).text = f"{found.minimal}\n{found.detail}"
+        ElementTree.SubElement(case, "failure", type=found.kind, message=found.words).text = f"{found.program}\n{found.detail}"
     ElementTree.indent(suite)
     return ElementTree.tostring(suite, encoding="unicode", xml_declaration=True) + "\n"

@@ -70,6 +70,13 @@ class VectorFields:
             raise self.wrong(f"{key} must be a whole number above 0, not {found!r}")
         return found
 
+    def ordinal(self, key: str) -> int:
+        """The value of a key that holds a whole number of at least 0."""
+        found = self.any(key)
+        if not isinstance(found, int) or isinstance(found, bool) or found < 0:
+            raise self.wrong(f"{key} must be a whole number of at least 0, not {found!r}")
+        return found
+
     def point(self, key: str) -> tuple[float, float]:
         """The value of a key that holds a pair of numbers."""
         return self.as_point(key, self.any(key))

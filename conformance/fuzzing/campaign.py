@@ -19,11 +19,10 @@ from ...semantics.kernel.errors import UsageError
 from ..environments import implementation
 from ..external import External
 from .causes import seen_often
-from .examining import CampaignSettings, FuzzedProgram, examine
+from .examining import OUR_FAULT, CampaignSettings, FuzzedProgram, examine
 from .inventing import invented
 
 FORMAT = "scenic-ref/campaign/1"
-OUR_FAULT = "our fault"
 others: list[External] = []
 """The implementation of this process."""
 
@@ -92,7 +91,7 @@ def examined_here(number: int, settings: CampaignSettings, often: frozenset[tupl
     except Exception as fault:
         theme, text = invented(settings.seed, number)
         words, told = f"{type(fault).__name__}: {fault}"[:200], "".join(traceback.format_exception(fault)[-3:])
-        return FuzzedProgram(number, theme, "differ", OUR_FAULT, time.monotonic() - began, text, words, told)
+        return FuzzedProgram(number, theme, "differ", OUR_FAULT, time.monotonic() - began, text, words, told, minimal=text, confirmed=True)
 
 
 def campaign(settings: CampaignSettings, journal: Journal, seconds: float, workers: int, tell: Callable[[FuzzedProgram], None]) -> None:
@@ -124,7 +123,8 @@ def examined_by(
                 yield future.result()
     except BrokenProcessPool:
         for number in [*broken, *pending.values()]:
-            yield FuzzedProgram(number, *invented(settings.seed, number)[:1], "differ", OUR_FAULT, 0.0, words="a process died")
+            theme, text = invented(settings.seed, number)
+            yield FuzzedProgram(number, theme, "differ", OUR_FAULT, 0.0, text, "a process died", minimal=text, confirmed=True)
     finally:
         ended(pool)
 

@@ -6,9 +6,11 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from .examining import FuzzedProgram
+from .examining import OUR_FAULT, FuzzedProgram
 from .shrinking import measure
 
+OUR_BUG = "our bug"
+"""The class of what is a fault of this reference."""
 OFTEN = 4
 """How many programs that differ in the same words are made small; those after them are counted only."""
 ENDED = ("crashed", "timed out", "garbled")
@@ -24,8 +26,8 @@ class Cause:
 
     @property
     def class_(self) -> str:
-        """A known reading, or what nobody has looked into."""
-        return "reading" if self.smallest.reading else "undecided"
+        """A known reading, a fault of ours, or what nobody has looked into."""
+        return OUR_BUG if self.smallest.kind == OUR_FAULT else "reading" if self.smallest.reading else "undecided"
 
 
 def causes_of(findings: Iterable[FuzzedProgram]) -> list[Cause]:

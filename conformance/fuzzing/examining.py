@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ...formats.comparisons import Boxes, boxes_of
 from ...interpreter.converting import convert
 from ...interpreter.modules import library_of
 from ...interpreter.parser import parse
@@ -20,21 +21,30 @@ from ...semantics.syntax.statements import PropertyDefault
 from ...simulators.worlds import WORLDS
 from ..differing import differences, is_dynamic
 from ..external import External
-from ..implementation import Task
+from ..implementation import NeverAccepted, Refused, Task, Unsupported
 from ..looking import AskedProgram, DiffSettings, Loading, ProgramVerdict, loaded
 from ..ourselves import Ourselves
+from ..process import ImplementationFault
 from .inventing import invented
 from .shrinking import shrunk
 
 FUEL = 300_000
-SCARCE, ATTEMPTS = 2_000, 1_000
-"""Attempts at the first scene, without which a program is not compared, and at each one that is compared."""
+OUR_FAULT = "our fault"
+"""The kind of finding that an internal error is."""
+ATTEMPTS, SCARCE = 1_000, 2
+"""Attempts at each scene that is compared; in so many times as many the first must be found, without which a program is not compared."""
+FEW = 100
+"""Attempts while a program is made smaller."""
 FRESH = 1_000_003
 """What is added to the seed for the scenes of the second comparison."""
 SHRINKING_RISK = 1e-6
 PLAIN = "ego = Object at 1 @ 2\nparam p = 1\n"
 """What fires the rules that say nothing about a cause."""
 NOISE = re.compile(r"0x[0-9a-f]+|-?\d+(?:\.\d+)?(?:e[-+]?\d+)?|params\.\w+")
+SHOWN = 30
+"""Scenes of each side in the picture of a finding."""
+PLACED = re.compile(r"position|heading|width|length|margin|distance|overlap")
+"""Words of differences that can be seen."""
 IMPOSSIBLE = re.compile(r"impossible: (\S+)")
 
 
@@ -66,6 +76,7 @@ class FuzzedProgram:
     """What became of a program. Of a finding, `minimal` is the smallest program that shows it, and `rules` are those it is about.
 
     `words` name the difference without its numbers. Without `confirmed`, fresh scenes of the smallest program did not show it again.
+    `here` and `there` are the boxes of some scenes of each side, if the difference is one that can be seen.
     """
 
     number: int
@@ -82,13 +93,15 @@ class FuzzedProgram:
     rules: tuple[str, ...] = ()
     properties: tuple[str, ...] = ()
     confirmed: bool = False
+    here: Boxes = ()
+    there: Boxes = ()
 
 
 def examine(number: int, settings: CampaignSettings, other: External, often: frozenset[tuple[str, str]]) -> FuzzedProgram:
     """Program `number` of a campaign. What differs in one of the ways that were seen `often` is not made small again."""
     theme, text = invented(settings.seed, number)
     began = time.monotonic()
-    plain = DiffSettings(settings.share(number) / 2, settings.detect_tv, settings.seed, settings.budget, settings.steps)
+    plain = DiffSettings(settings.share(number) / 2, settings.detect_tv, settings.seed, settings.budget, settings.steps, attempts=ATTEMPTS)
     verdict = compared(text, other, settings, plain)
     words = words_of(verdict)
     if verdict.verdict != "differ" or (verdict.kind, words) in often:
@@ -100,17 +113,31 @@ def examine(number: int, settings: CampaignSettings, other: External, often: fro
         found = compared(smaller, other, settings, look)
         return found if found.verdict == "differ" and (found.kind, words_of(found)) == (verdict.kind, words) else None
 
-    trial = plain._replace(alpha=SHRINKING_RISK)
+    trial = plain._replace(alpha=SHRINKING_RISK, attempts=FEW)
     minimal = shrunk(text, lambda smaller: shows(smaller, trial) is not None, lambda: time.monotonic() > until)
     again = shows(minimal, plain._replace(seed=settings.seed + FRESH))
     if again is None:
         minimal, again = text, shows(text, plain._replace(seed=settings.seed + FRESH))
     told = again or verdict
+    here, there = seen(minimal, other, settings) if told.kind == "acceptance" or PLACED.search(words) else ((), ())
     return FuzzedProgram(
         number, theme, "differ", verdict.kind, time.monotonic() - began, text, words, told.detail,
         None if math.isinf(told.evidence) else told.evidence, told.reading, minimal, rules_of(minimal, settings), properties_of(minimal),
-        again is not None,
+        again is not None, here, there,
     )  # fmt: skip
+
+
+def seen(text: str, other: External, settings: CampaignSettings) -> tuple[Boxes, Boxes]:
+    """The boxes of some scenes of a program here and in the other implementation, for a picture; none where there is no scene."""
+    try:
+        here: Boxes = boxes_of([scene.to_json() for scene in loads(text, readings=settings.readings, fuel=FUEL).sample_many(SHOWN, settings.seed)])
+    except (AttemptsExhausted, ProgramError):
+        here = ()
+    try:
+        there: Boxes = boxes_of(list(other.scenes(task_of(text, other, settings.readings), SHOWN, seed=settings.seed, attempts=ATTEMPTS)))
+    except (ImplementationFault, NeverAccepted, Refused, Unsupported):
+        there = ()
+    return here, there
 
 
 def compared(text: str, other: External, settings: CampaignSettings, look: DiffSettings) -> ProgramVerdict:
@@ -121,21 +148,22 @@ def compared(text: str, other: External, settings: CampaignSettings, look: DiffS
         return ProgramVerdict("", "skipped", "unsaid", error.message)
     load = lambda readings: loads(text, readings={**settings.readings, **readings}, fuel=FUEL)  # noqa: E731
     try:
-        if are_rare(load, look.seed):
-            return ProgramVerdict("", "inconclusive", "acceptance", f"no scene in {SCARCE:,} attempts here")
-        return differences(AskedProgram("", task, load), other, look._replace(attempts=ATTEMPTS))
+        scarce = SCARCE * look.attempts
+        if are_rare(load, look.seed, scarce):
+            return ProgramVerdict("", "inconclusive", "acceptance", f"no scene in {scarce:,} attempts here")
+        return differences(AskedProgram("", task, load), other, look)
     except (UsageError, AttemptsExhausted) as unclear:
         return ProgramVerdict("", "inconclusive", "distribution", unclear.message)
 
 
-def are_rare(load: Loading, seed: int) -> bool:
-    """Whether scenes of a program are not found soon, though none of its values shows that there are none."""
+def are_rare(load: Loading, seed: int, attempts: int) -> bool:
+    """Whether scenes of a program are not found in so many attempts, though none of its values shows that there are none."""
     scenario = loaded(load, {})
     if isinstance(scenario, ProgramError):
         return False
     try:
         if scenario.impossible is None:
-            scenario.sample(seed, max_attempts=SCARCE)
+            scenario.sample(seed, max_attempts=attempts)
     except AttemptsExhausted:
         return True
     except ProgramError:  # in some of the runs, or where the scene is looked at

@@ -14,7 +14,7 @@ from ...semantics.rules import RULES, SILENT
 from ...testing.judging import enumerated
 from ..looking import loaded
 from .causes import Cause
-from .examining import FUEL, CampaignSettings
+from .examining import FUEL, OUR_FAULT, CampaignSettings
 
 PLACE = re.compile(r"objects\[(\d+)\]\.(?:properties\.)?(.+)")
 PARTS = re.compile(r"(.+)\[([01])\]")
@@ -24,7 +24,7 @@ TOLERANCE = 1e-9
 def draft_of(cause: Cause, name: str, settings: CampaignSettings) -> str | None:
     """A file of one vector, in which what is expected is ours and no derivation stands yet; None where no matcher says what differs."""
     text = cause.smallest.minimal
-    if cause.smallest.kind == "acceptance":
+    if cause.smallest.kind in ("acceptance", OUR_FAULT):
         return None
     matcher = error_in(text, settings.readings) or what_is_constant(text, settings.readings)
     if matcher is None or "'''" in text:

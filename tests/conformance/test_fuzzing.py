@@ -11,12 +11,14 @@ from xml.etree import ElementTree
 
 import pytest
 from scenic_ref.cli import answer
+from scenic_ref.cli.fuzz import seconds_in
 from scenic_ref.conformance.environments import implementation
 from scenic_ref.conformance.fuzzing import campaign
 from scenic_ref.conformance.fuzzing.aimed import aimed_program
-from scenic_ref.conformance.fuzzing.causes import OFTEN, Cause, causes_of, seen_often
-from scenic_ref.conformance.fuzzing.examining import CampaignSettings, FuzzedProgram, compared, examine, words_of
+from scenic_ref.conformance.fuzzing.causes import OFTEN, OUR_BUG, Cause, causes_of, seen_often
+from scenic_ref.conformance.fuzzing.examining import OUR_FAULT, CampaignSettings, FuzzedProgram, compared, examine, words_of
 from scenic_ref.conformance.fuzzing.inventing import THEMES, invented
+from scenic_ref.conformance.fuzzing.judgements import findings_at, findings_in, findings_of, to_toml
 from scenic_ref.conformance.fuzzing.saving import draft_of
 from scenic_ref.conformance.fuzzing.shrinking import shrunk
 from scenic_ref.conformance.loading import read_file
@@ -223,6 +225,60 @@ def test_a_campaign_is_reported_and_goes_on(tmp_path: Path, capfd: pytest.Captur
         assert found.read_text()
 
 
+@pytest.mark.parametrize(("text", "seconds"), [("7200", 7200), ("2h", 7200), ("90m", 5400), ("1.5s", 1.5)])
+def test_lengths_of_time(text: str, seconds: float) -> None:
+    assert seconds_in(text, at_least=0.01) == seconds
+
+
+def test_what_was_decided_of_a_finding_stays_and_is_reported(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    folder = tmp_path / "campaign"
+    impl = other(tmp_path, scene='scene["objects"][0]["position"] = [77.0, 5.0]')
+    first = [number for number in range(40) if (text := invented(0, number).text).count("\n") < 9 and runs(text)][:2]
+    settings = CampaignSettings(impl, budget=1.0, shrinking=5.0)
+    folder.mkdir()
+    journal = campaign.Journal(folder / "campaign.jsonl", settings, "other 1", resume=False)
+    with implementation(impl, 20.0, print) as there:
+        for number in first:
+            journal.add(examine(number, settings, there, frozenset()))
+    words = ["fuzz", "--impl", impl, "-o", str(folder), "--resume", "--time", "0"]
+    assert answer(words) == 1
+    capfd.readouterr()
+    path = folder / "findings.toml"
+    (found, *_) = before = findings_at(path)
+    assert (found.class_, found.why, found.is_judged) == ("undecided", "", False) and "position" in found.words, found
+    assert found.there and all(scene[0][:2] == (77.0, 5.0) for scene in found.there) and len(found.here) == len(found.there)
+    text = path.read_text().replace('class = "undecided"\nwhy = ""', 'class = "bug"\nwhy = "it was moved"', 1)
+    path.write_text(text)
+    assert answer(words) == 1
+    assert "bug)" in capfd.readouterr()[0]
+    assert path.read_text() == text and findings_at(path)[1:] == before[1:]
+    page = (folder / "report.html").read_text()
+    assert "<b>bug</b>: it was moved" in page and "data:image/png;base64," in page
+    path.write_text(text.replace('class = "bug"', 'class = "bgu"'))
+    assert answer(words) == 2
+    assert "findings.toml, finding 1: there is no class 'bgu': there are reading, bug" in capfd.readouterr()[1]
+
+
+@pytest.mark.parametrize("program", ["ego = Object\n", "x = '''\n", "# \x7f \u2028 \\ \" ü\n", "a\r\n\tb\n"])
+def test_findings_are_read_as_they_were_written(program: str) -> None:
+    found = findings_of([Cause(finding(minimal=program, reading={"soft": "scene"}, here=[[(1.0, 2.0, 0.5, 1.0, 2.0)]], there=[[]]), [0])], [])
+    assert found[0].class_ == "reading" and found[0].reading == "soft = scene"
+    assert findings_in(to_toml(found), "f.toml") == found
+
+
+@pytest.mark.parametrize("text, said", [
+    ("x = 1", "nothing but"), ("= 1", "is not TOML"), ("[[finding]]\nnumber = -1", "at least 0"), ("[[finding]]\nnumber = 1", "kind is missing"),
+])
+def test_findings_that_are_none_are_refused(text: str, said: str) -> None:
+    with pytest.raises(UsageError, match=said):
+        findings_in(text, "f.toml")
+
+
+def test_a_fault_of_ours_is_a_finding_without_a_draft() -> None:
+    (cause,) = causes_of([finding(kind=OUR_FAULT)])
+    assert cause.class_ == OUR_BUG and draft_of(cause, "finding-01", CampaignSettings("x")) is None
+
+
 @pytest.mark.parametrize("text", ["", "no JSON\n", '{"format": "other"}\n', '{"format": "scenic-ref/campaign/1"}\n{"number": 1}\n'])
 def test_a_journal_that_is_none_is_refused(text: str, tmp_path: Path) -> None:
     path = tmp_path / "campaign.jsonl"
@@ -232,7 +288,9 @@ def test_a_journal_that_is_none_is_refused(text: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("words, said", [
-    (["--time", "0"], "--time is a time in seconds, not 0"), (["--profile", "nothing"], "nothing"), (["--alpha", "7"], "alpha is a probability"),
+    (["--time", "0"], "--time is a length of time such as 600, 90m or 2h, not '0' (0 is for --resume)"),
+    (["--time", "2d"], "not '2d'"), (["--time", ""], "not ''"), (["--time", "-1h"], "not '-1h'"), (["--time", "nan"], "not 'nan'"),
+    (["--profile", "nothing"], "nothing"), (["--alpha", "7"], "alpha is a probability"),
 ])
 def test_wrong_usage(words: list[str], said: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     assert answer(["fuzz", "--impl", other(tmp_path), "-o", str(tmp_path / "c"), *words]) == 2

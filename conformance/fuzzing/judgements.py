@@ -1,0 +1,123 @@
+"""What became of the findings of a campaign: each with its class, which somebody decides who has read the paper's passage."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from ...formats.comparisons import Boxes
+from ...interpreter.modules import read_text
+from ...semantics.kernel.errors import UsageError
+from ..fields import VectorFields
+from ..known import CLASSES
+from .causes import OUR_BUG, Cause
+from .saving import passage_of
+
+CLASSES_OF_FINDINGS = {**CLASSES, OUR_BUG: "a fault of this reference"}
+"""The classes of findings, with what each means."""
+ABOUT = """\
+# The findings of a campaign. `class` and `why` are for whoever has read the passage: they stay when the campaign goes on.
+# Classes: {classes}.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class JudgedFinding:
+    """A finding: the smallest program that shows it, what differs, how many programs do, where the paper says so, and what was decided.
+
+    `here` and `there` are the boxes of some scenes of each side, if the difference is one that can be seen.
+    """
+
+    number: int
+    kind: str
+    words: str
+    detail: str
+    programs: int
+    passage: str
+    program: str
+    class_: str
+    why: str = ""
+    reading: str | None = None
+    here: Boxes = ()
+    there: Boxes = ()
+
+    @property
+    def is_judged(self) -> bool:
+        """Whether somebody has decided."""
+        return bool(self.why)
+
+
+def findings_of(causes: Iterable[Cause], kept: Sequence[JudgedFinding]) -> list[JudgedFinding]:
+    """The findings of a campaign; what was decided of a program stays with the cause that this program shows."""
+    found = []
+    for cause in causes:
+        small = cause.smallest
+        reading = ", ".join(f"{id} = {alternative}" for id, alternative in small.reading.items()) if small.reading else None
+        finding = JudgedFinding(
+            small.number, small.kind, small.words, " ".join(small.detail.split()), len(cause.numbers), passage_of(cause), small.minimal, cause.class_,
+            "", reading, small.here, small.there,
+        )  # fmt: skip
+        decided = next((k for k in kept if k.is_judged and k.number in cause.numbers), None)
+        found.append(finding if decided is None else replace(finding, class_=decided.class_, why=decided.why, passage=decided.passage))
+    return found
+
+
+def findings_at(path: Path) -> list[JudgedFinding]:
+    """Those of a file, none if there is no such file. Raises `UsageError` if it cannot be read."""
+    return findings_in(read_text(path, "the findings of a campaign"), str(path)) if path.exists() else []
+
+
+def findings_in(text: str, file: str) -> list[JudgedFinding]:
+    """The `[[finding]]` tables of a text, read strictly. Raises `UsageError`."""
+    try:
+        tables = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise UsageError(f"{file} is not TOML: {error}") from error
+    if tables.keys() - {"finding"} or not isinstance(tables.get("finding", []), list):
+        raise UsageError(f"{file}: there is nothing but [[finding]] tables")
+    return [read_finding(f"{file}, finding {n}", table) for n, table in enumerate(tables.get("finding", []), 1)]
+
+
+def read_finding(place: str, table: object) -> JudgedFinding:
+    """One table. Raises `UsageError`."""
+    fields = VectorFields(place, table)
+    found = JudgedFinding(
+        fields.ordinal("number"), fields.text("kind"), fields.text("words"), fields.text("detail"), fields.count("programs"),
+        fields.text("passage"), fields.text("program"), fields.text("class"), fields.text("why", ""),
+        fields.text("reading") if fields.has("reading") else None, read_boxes(fields, "here"), read_boxes(fields, "there"),
+    )  # fmt: skip
+    fields.done()
+    if found.class_ not in CLASSES_OF_FINDINGS:
+        raise fields.wrong(f"there is no class {found.class_!r}: there are {', '.join(CLASSES_OF_FINDINGS)}")
+    return found
+
+
+def read_boxes(fields: VectorFields, key: str) -> Boxes:
+    """The boxes of some scenes, none if there is no such key. Raises `UsageError`."""
+    scenes = fields.any(key, [])
+    shaped = isinstance(scenes, list) and all(isinstance(scene, list) and all(isinstance(b, list) and len(b) == 5 for b in scene) for scene in scenes)
+    if not shaped:
+        raise fields.wrong(f"{key} must hold the boxes of scenes: x, y, heading, width and length of each")
+    return [[tuple(fields.as_number(key, value) for value in box) for box in scene] for scene in scenes]  # type: ignore[attr-defined]
+
+
+def to_toml(findings: Iterable[JudgedFinding]) -> str:
+    """The file of some findings."""
+    return ABOUT.format(classes="; ".join(f"{name}: {means}" for name, means in CLASSES_OF_FINDINGS.items())) + "".join(map(entry, findings))
+
+
+def entry(finding: JudgedFinding) -> str:
+    """The table of a finding."""
+    fields = {
+        "number": finding.number, "class": finding.class_, "why": finding.why, "passage": finding.passage, "kind": finding.kind,
+        "words": finding.words, "detail": finding.detail, "programs": finding.programs,
+        **({"reading": finding.reading} if finding.reading is not None else {}),
+        **({"here": finding.here, "there": finding.there} if finding.here or finding.there else {}),
+    }  # fmt: skip
+    lines = [f"{name} = {json.dumps(value)}" for name, value in fields.items()]
+    program = finding.program
+    plain = "'''" not in program and all(c.isprintable() or c == "\n" for c in program)
+    return "\n".join(["\n[[finding]]", *lines, f"program = '''\n{program}'''" if plain else f"program = {json.dumps(program)}"]) + "\n"
