@@ -41,7 +41,7 @@ def fuzz(
     steps: Annotated[int, typer.Option("--steps", metavar="N", min=1, help="Time steps of the simulations of dynamic programs.")] = 4,
     budget: Annotated[float, typer.Option("--budget", metavar="T", help="About how long the comparison of a program may take, in seconds.")] = 6.0,
     answer: Annotated[float, typer.Option("--seconds", metavar="T", help="How long an answer of the implementation may take.")] = 10.0,
-    shrinking: Annotated[float, typer.Option("--shrinking", metavar="T", help="How long a finding may be made smaller, in seconds.")] = 60.0,
+    shrinking: Annotated[float, typer.Option("--shrinking", metavar="T", help="How long a finding may be made smaller, in seconds.")] = 90.0,
     profile: Annotated[
         str, typer.Option("--profile", metavar="P", help="The readings under which both are compared; by default those that it is known to follow.")
     ] = OF_THE_OTHER,

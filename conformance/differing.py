@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from ..inference.statistics import compare
@@ -33,16 +33,18 @@ def differences(program: AskedProgram, other: External, settings: DiffSettings) 
     deadline = time.monotonic() + settings.seconds
     try:
         scenario = loaded(program.load, {})
-        more = [] if isinstance(scenario, ProgramError) else parts(scenario, other)
+        more = {} if isinstance(scenario, ProgramError) else parts(scenario, other)
         settings = settings._replace(alpha=settings.alpha / (len(more) + 1))
+        if not isinstance(scenario, ProgramError) and settings.part in more:
+            return replace(more[settings.part](program, scenario, other, settings), part=settings.part)
         found = in_scenes(program, scenario, other, settings._replace(seconds=settings.seconds / (len(more) + 1)))
-        if isinstance(scenario, ProgramError) or found.kind != "distribution":
+        if isinstance(scenario, ProgramError) or found.kind != "distribution" or settings.part == found.part:
             return found
-        for number, part in enumerate(more):
+        for number, (name, part) in enumerate(more.items()):
             if found.verdict == "differ":
                 break
             left = max(deadline - time.monotonic(), 0.0) / (len(more) - number)
-            later = part(program, scenario, other, settings._replace(seconds=left))
+            later = replace(part(program, scenario, other, settings._replace(seconds=left)), part=name)
             both = {found.verdict, later.verdict}
             if both == {"agree"}:
                 found = replace(found, kind=f"{found.kind}, {later.kind}")
@@ -55,12 +57,11 @@ def differences(program: AskedProgram, other: External, settings: DiffSettings) 
         return ProgramVerdict(program.name, "differ", fault.kind, str(fault), math.inf)
 
 
-def parts(scenario: Scenario, other: External) -> list[Callable[[AskedProgram, Scenario, External, DiffSettings], ProgramVerdict]]:
-    """What is compared besides the distribution of scenes."""
+def parts(scenario: Scenario, other: External) -> dict[str, Callable[[AskedProgram, Scenario, External, DiffSettings], ProgramVerdict]]:
+    """What is compared besides the distribution of scenes, by the capability that it needs."""
     other.introduced()
-    can = {in_acceptance: "attempts", in_simulations: "simulations"}
-    wanted = [in_acceptance, in_simulations] if is_dynamic(scenario) else [in_acceptance]
-    return [part for part in wanted if can[part] in other.said["capabilities"]]
+    wanted = {"attempts": in_acceptance, **({"simulations": in_simulations} if is_dynamic(scenario) else {})}
+    return {name: part for name, part in wanted.items() if name in other.said["capabilities"]}
 
 
 def is_dynamic(scenario: Scenario) -> bool:
@@ -97,7 +98,7 @@ class ScenesThere:
             self.asked += 1
             try:
                 drawn = self.other.scenes(self.task, count, seed=self.settings.seed + self.asked, attempts=self.settings.attempts)
-                self.scenes += map(without_words, drawn)
+                self.scenes += drawn
             except Refused as refused:
                 self.refused = refused
             except NeverAccepted:
@@ -105,16 +106,13 @@ class ScenesThere:
         return len(self.scenes) > before
 
 
-def without_words(scene: SceneRecord) -> SceneRecord:
-    """A scene without the values that have no JSON form: how an implementation prints them is its own matter."""
-    objects: Sequence[Mapping[str, Mapping[str, object]]] = scene["objects"]  # type: ignore[assignment]
-    plain = [{**thing, "properties": with_values(thing.get("properties", {}))} for thing in objects]
-    return {**scene, "params": with_values(scene["params"]), "objects": plain}  # type: ignore[arg-type]
-
-
-def with_values(fields: Mapping[str, object]) -> Mapping[str, object]:
-    """The fields that have values in JSON."""
-    return {name: value for name, value in fields.items() if not (isinstance(value, dict) and value.keys() == {"repr"})}
+def in_words(scenario: Scenario, settings: DiffSettings) -> list[str]:
+    """The features that have no JSON form here, if there is a scene: how an implementation prints them is its own matter."""
+    try:
+        scene = scenario.sample(settings.seed, max_attempts=settings.attempts).to_json()
+    except AttemptsExhausted:
+        return []
+    return [name for name, value in leaves(scene) if isinstance(value, dict) and value.keys() == {"repr"}]
 
 
 def beside(name: str, scenario: Scenario | ProgramError, drawing: ScenesThere, settings: DiffSettings, alpha: float) -> ProgramVerdict:
@@ -128,7 +126,7 @@ def beside(name: str, scenario: Scenario | ProgramError, drawing: ScenesThere, s
         if not drawing.scenes:
             return of_verdict(name, verdict_on_none(scenario, alpha, settings.detect_tv, settings.seed, "", settings.attempts), "acceptance")
         first = dict(leaves(drawing.scenes[0]))
-        ignore = [feature for feature in (*PRUNED, *settings.ignore) if any(map(matching(feature), first))]
+        ignore = [feature for feature in (*PRUNED, *settings.ignore, *in_words(scenario, settings)) if any(map(matching(feature), first))]
         verdict = judged(drawing.scenes, scenario, alpha=alpha, detect_tv=settings.detect_tv, seed=settings.seed, ignore=ignore)
         return of_verdict(name, verdict, "distribution")
     except ProgramError as error:  # in some of the runs only

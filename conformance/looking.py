@@ -28,7 +28,8 @@ Loading = Callable[[Mapping[str, str]], Scenario]
 class DiffSettings(NamedTuple):
     """How sure, how fine and how long: the risk of a false alarm, the total variation that is to show, seconds, time steps.
 
-    `attempts` are made at each scene and simulation, at most.
+    `attempts` are made at each scene and simulation, at most. Of the parts of a comparison only `part` is made, if there is one. Without
+    `explained`, the readings under which the two agree are not searched for.
     """
 
     alpha: float
@@ -38,13 +39,15 @@ class DiffSettings(NamedTuple):
     steps: int
     ignore: tuple[str, ...] = ()
     attempts: int = 10_000
+    part: str | None = None
+    explained: bool = True
 
 
 @dataclass(frozen=True, slots=True)
 class ProgramVerdict:
     """A program here and there. `kind` says what was compared or differs, `evidence` is log10 of an e-value, infinite for what cannot be at all.
 
-    `reading` are the readings under which the two do agree, None if none are known.
+    `reading` are the readings under which the two do agree, None if none are known; `part` is the part of the comparison that says so.
     """
 
     program: str
@@ -54,6 +57,7 @@ class ProgramVerdict:
     evidence: float = 0.0
     feature: str | None = None
     reading: Mapping[str, str] | None = None
+    part: str = "scenes"
 
     def to_json(self) -> dict[str, object]:
         """A line of the report: `evidence` is a number or "certain"."""
@@ -99,7 +103,7 @@ def looked(
         alpha /= 2
         found = beside(scenario, alpha)
         wanted = min(wanted * GROWTH, MOST_SCENES)
-    if found.verdict != "differ":
+    if found.verdict != "differ" or not settings.explained:
         return found
     deadline = time.monotonic() + settings.seconds
     return replace(found, reading=agreed(program, other, lambda here: beside(here, alpha), deadline))

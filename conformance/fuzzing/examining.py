@@ -31,6 +31,8 @@ from .shrinking import shrunk
 FUEL = 300_000
 OUR_FAULT = "our fault"
 """The kind of finding that an internal error is."""
+TOGETHER = " & "
+"""Between two features that are compared together."""
 ATTEMPTS, SCARCE = 1_000, 2
 """Attempts at each scene that is compared; in so many times as many the first must be found, without which a program is not compared."""
 FEW = 100
@@ -63,7 +65,7 @@ class CampaignSettings:
     steps: int = 4
     budget: float = 6.0
     answer: float = 10.0
-    shrinking: float = 60.0
+    shrinking: float = 90.0
     readings: Mapping[str, str] = field(default_factory=dict)
 
     def share(self, number: int) -> float:
@@ -111,17 +113,18 @@ def examine(number: int, settings: CampaignSettings, other: External, often: fro
 
     def shows(smaller: str, look: DiffSettings) -> ProgramVerdict | None:
         found = compared(smaller, other, settings, look)
-        return found if found.verdict == "differ" and (found.kind, words_of(found)) == (verdict.kind, words) else None
+        return found if found.verdict == "differ" and alike(found, verdict) else None
 
-    trial = plain._replace(alpha=SHRINKING_RISK, attempts=FEW)
+    trial = plain._replace(alpha=SHRINKING_RISK, attempts=FEW, part=verdict.part, explained=False, seconds=settings.budget / 2)
     minimal = shrunk(text, lambda smaller: shows(smaller, trial) is not None, lambda: time.monotonic() > until)
     again = shows(minimal, plain._replace(seed=settings.seed + FRESH))
     if again is None:
         minimal, again = text, shows(text, plain._replace(seed=settings.seed + FRESH))
     told = again or verdict
+    words = words_of(told)
     here, there = seen(minimal, other, settings) if told.kind == "acceptance" or PLACED.search(words) else ((), ())
     return FuzzedProgram(
-        number, theme, "differ", verdict.kind, time.monotonic() - began, text, words, told.detail,
+        number, theme, "differ", told.kind, time.monotonic() - began, text, words, told.detail,
         None if math.isinf(told.evidence) else told.evidence, told.reading, minimal, rules_of(minimal, settings), properties_of(minimal),
         again is not None, here, there,
     )  # fmt: skip
@@ -152,7 +155,7 @@ def compared(text: str, other: External, settings: CampaignSettings, look: DiffS
         if are_rare(load, look.seed, scarce):
             return ProgramVerdict("", "inconclusive", "acceptance", f"no scene in {scarce:,} attempts here")
         return differences(AskedProgram("", task, load), other, look)
-    except (UsageError, AttemptsExhausted) as unclear:
+    except (UsageError, AttemptsExhausted, ProgramError) as unclear:  # `ProgramError`: in some of the runs only
         return ProgramVerdict("", "inconclusive", "distribution", unclear.message)
 
 
@@ -191,6 +194,14 @@ def words_of(verdict: ProgramVerdict) -> str:
     impossible = IMPOSSIBLE.search(verdict.detail)
     what = impossible.group(1) if impossible else verdict.feature or verdict.detail
     return NOISE.sub("#", what)[:200]
+
+
+def alike(smaller: ProgramVerdict, larger: ProgramVerdict) -> bool:
+    """Whether a smaller program differs in the same words, or in one of the two features that differ together in the larger one."""
+    words = words_of(smaller), words_of(larger)
+    if {smaller.kind, larger.kind} <= {"support", "distribution"}:
+        return set(words[0].split(TOGETHER)) <= set(words[1].split(TOGETHER))
+    return smaller.kind == larger.kind and words[0] == words[1]
 
 
 def rules_of(text: str, settings: CampaignSettings) -> tuple[str, ...]:

@@ -36,7 +36,7 @@ def invented(seed: int, number: int) -> Invented:
         case "static":
             return Invented("static", random_program(seed, number, knobs(random)).text)
         case "dynamic":
-            return Invented("dynamic", dynamic_program(seed, number))
+            return Invented("dynamic", dynamic_program(seed, number, int(random.integers(1, 3)), int(random.integers(0, 2))))
         case _:
             return Invented("mistaken", ill_formed(SeededChoices(seed, number)).text)
 

@@ -13,14 +13,14 @@ from ...interpreter.streams import fold, mix
 
 STEPS = 3
 """Time steps for which the programs are made: within these, they have few runs."""
-MOST_DEPTH = 2
+MOST_STATEMENTS, MOST_DEPTH = 3, 2
 
 
 class ProgramWriter:
-    """The text of a program, from a random generator."""
+    """The text of a program, from a random generator: how many statements its blocks have at most, and how deep they are."""
 
-    def __init__(self, random: np.random.Generator) -> None:
-        self.random = random
+    def __init__(self, random: np.random.Generator, most_statements: int = MOST_STATEMENTS, most_depth: int = MOST_DEPTH) -> None:
+        self.random, self.most_statements, self.most_depth = random, most_statements, most_depth
         self.guarded = False
 
     def pick(self, *options: str) -> str:
@@ -37,7 +37,7 @@ class ProgramWriter:
 
     def block(self, depth: int, interruptible: bool = False) -> list[str]:
         """Some statements of a behavior."""
-        return [line for _ in range(int(self.random.integers(1, 4))) for line in self.statement(depth, interruptible)]
+        return [line for _ in range(int(self.random.integers(1, self.most_statements + 1))) for line in self.statement(depth, interruptible)]
 
     def statement(self, depth: int, interruptible: bool) -> list[str]:
         """A statement: simple ones, and deeper ones while there is room."""
@@ -53,7 +53,7 @@ class ProgramWriter:
             simple.append(lambda: ["abort"])
         if self.random.random() < 0.07:
             return ["terminate"]
-        if depth == MOST_DEPTH or self.random.random() < 0.6:
+        if depth >= self.most_depth or self.random.random() < 0.6:
             return simple[int(self.random.integers(len(simple)))]()
         return self.compound(depth + 1)
 
@@ -124,9 +124,9 @@ def indented(lines: list[str]) -> list[str]:
     return [f"    {line}" for line in lines]
 
 
-def dynamic_program(seed: int, number: int) -> str:
+def dynamic_program(seed: int, number: int, most_statements: int = MOST_STATEMENTS, most_depth: int = MOST_DEPTH) -> str:
     """Program `number` of `seed`: its text."""
-    return ProgramWriter(np.random.default_rng([fold(seed), mix(number)])).program()
+    return ProgramWriter(np.random.default_rng([fold(seed), mix(number)]), most_statements, most_depth).program()
 
 
 def dynamic_programs(count: int, seed: int) -> Iterator[str]:

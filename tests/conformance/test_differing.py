@@ -102,6 +102,17 @@ def test_another_distribution(ask: Asking) -> None:
     assert code == 1 and (verdict["kind"], verdict["feature"]) == ("distribution", "objects[0].position[0]")
 
 
+@pytest.mark.parametrize(("program", "changed", "agree"), [
+    ("param f = lambda x: x\n", 'scene["params"]["f"] = {"repr": "<function>"}', True),
+    ("param d = {{'a': 3, 'b': [1, abs]}}\n", 'scene["params"]["d"]["b"][1] = {"repr": "<abs>"}', True),
+    ("param d = {{'a': 3, 'b': abs}}\n", 'scene["params"]["d"]["a"] = {"repr": "<3>"}', False),
+    ("param x = 3\n", 'scene["params"]["x"] = {"repr": "nan"}', False),
+])
+def test_how_a_value_without_a_json_form_is_printed_is_no_difference(ask: Asking, program: str, changed: str, agree: bool) -> None:
+    code, verdict = ask(COIN + program, ask.other(scene=changed))
+    assert (code, verdict["verdict"]) == ((0, "agree") if agree else (1, "differ")), verdict
+
+
 def test_another_acceptance(ask: Asking) -> None:
     program = COIN + "require ego.position.x > 1\n"
     code, verdict = ask(program, ask.other(scene='scene["attempts"] += 0 if task.prune else 3'))

@@ -16,7 +16,7 @@ from scenic_ref.conformance.environments import implementation
 from scenic_ref.conformance.fuzzing import campaign
 from scenic_ref.conformance.fuzzing.aimed import aimed_program
 from scenic_ref.conformance.fuzzing.causes import OFTEN, OUR_BUG, Cause, causes_of, seen_often
-from scenic_ref.conformance.fuzzing.examining import OUR_FAULT, CampaignSettings, FuzzedProgram, compared, examine, words_of
+from scenic_ref.conformance.fuzzing.examining import OUR_FAULT, CampaignSettings, FuzzedProgram, alike, compared, examine, words_of
 from scenic_ref.conformance.fuzzing.inventing import THEMES, invented
 from scenic_ref.conformance.fuzzing.judgements import findings_at, findings_in, findings_of, to_toml
 from scenic_ref.conformance.fuzzing.saving import draft_of
@@ -108,6 +108,15 @@ def test_aimed_programs_are_programs_and_draw_what_is_rare() -> None:
         "mutate", "require[", "TruncatedNormal", "Workspace", "orientation=", "interrupt when", "following", "do shuffle", "visible from",
     ):  # fmt: skip
         assert rare in together, rare
+
+
+@pytest.mark.parametrize(("feature", "kind", "same"), [
+    ("objects[0].width & params.q", "distribution", True), ("objects[1].width", "distribution", True), ("objects[0].length", "distribution", False),
+    ("objects[0].width & objects[0].length", "distribution", False), ("objects[2].width", "support", True), ("objects[0].width", "actions", False),
+])
+def test_a_smaller_program_differs_alike_in_one_of_two_features(feature: str, kind: str, same: bool) -> None:
+    larger = ProgramVerdict("p", "differ", "distribution", "different", 9.0, "objects[3].width & params.z")
+    assert alike(ProgramVerdict("p", "differ", kind, "different", 9.0, feature), larger) == same
 
 
 def test_a_planted_fault_is_found_and_made_small(tmp_path: Path) -> None:
