@@ -13,7 +13,7 @@ from xml.etree import ElementTree
 
 from ..conformance.fuzzing.causes import Cause
 from ..conformance.fuzzing.examining import CampaignSettings, FuzzedProgram
-from ..conformance.fuzzing.judgements import JudgedFinding, to_toml
+from ..conformance.fuzzing.judgements import CampaignFindings, JudgedFinding, to_toml
 from ..conformance.fuzzing.saving import draft_of
 from ..formats.comparisons import side_by_side
 from .files import write
@@ -36,7 +36,7 @@ def write_reports(
         draft = draft_of(cause, f"finding-{number:02}", settings)
         if draft is not None:
             write(str(findings / f"{number:02}.toml"), draft)
-    write(str(folder / FINDINGS), to_toml(found))
+    write(str(folder / FINDINGS), to_toml(CampaignFindings(name, counted(settings, examined), list(found))))
     write(str(folder / "report.html"), page(name, settings, examined, causes, found))
     write(str(folder / "junit.xml"), junit(name, found, examined))
 
@@ -46,9 +46,6 @@ def page(
 ) -> str:
     """The campaign as one self-contained page."""
     template = Template(files("scenic_ref.cli").joinpath("fuzz.html").read_text(encoding="utf-8"))
-    counts = Counter(found.verdict for found in examined)
-    about = f"{len(examined):,} programs of seed {settings.seed}: " + ", ".join(f"{counts[verdict]:,} {verdict}" for verdict in VERDICTS)
-    about += f". The risk of one false alarm or more in all of it is at most {settings.alpha:g}."
     readings = ", ".join(f"{id} = {alternative}" for id, alternative in settings.readings.items())
     rows = "\n".join(
         f'<tr><td class="number">{n}</td><td><a href="#cause-{n}">{escape(f.kind)}</a></td><td>{escape(f.words)}</td>'
@@ -57,10 +54,17 @@ def page(
     )
     sections = "\n".join(shown(n, cause, f) for n, (cause, f) in enumerate(zip(causes, found, strict=True), 1))
     return template.substitute(
-        title=escape(f"{name}: {len(causes)} causes of difference"), about=escape(about),
+        title=escape(f"{name}: {len(causes)} causes of difference"), about=escape(counted(settings, examined)),
         readings=escape(f"Readings of both: {readings}." if readings else "Both were compared under the paper's readings."),
         rows=rows, causes=sections, others=escape(others(examined, causes)),
     )  # fmt: skip
+
+
+def counted(settings: CampaignSettings, examined: Sequence[FuzzedProgram]) -> str:
+    """How many programs there were, and how sure what was found is."""
+    counts = Counter(found.verdict for found in examined)
+    told = f"{len(examined):,} programs of seed {settings.seed}: " + ", ".join(f"{counts[verdict]:,} {verdict}" for verdict in VERDICTS)
+    return f"{told}. The risk of one false alarm or more in all of it is at most {settings.alpha:g}."
 
 
 def shown(number: int, cause: Cause, found: JudgedFinding) -> str:

@@ -13,8 +13,10 @@ from typing import cast
 import typer
 from scenic_ref.cli.app import EXIT_CODES, app
 from scenic_ref.conformance import load_vectors, results
+from scenic_ref.conformance.fuzzing.judgements import CLASSES_OF_FINDINGS, JudgedFinding, shipped_findings
 from scenic_ref.conformance.known import CLASSES, shipped
 from scenic_ref.conformance.reports import shows
+from scenic_ref.formats.comparisons import side_by_side
 from scenic_ref.semantics.kernel import allowed
 from scenic_ref.semantics.readings import PROFILES, READINGS, Reading, always_decided
 from scenic_ref.semantics.rules import CATALOGUE
@@ -213,6 +215,50 @@ def differences_page() -> str:
     return "\n".join(lines).rstrip() + "\n"
 
 
+def campaigns_page() -> str:
+    """What campaigns of invented programs found in the releases: for each, the program, both answers, the passage, and who is right."""
+    about = (
+        "Programs were invented, compared with each release, and made small, by `scenic-ref fuzz --impl scenic==VERSION` "
+        "([how](../harness.md)): both sides followed the readings that the release is known to follow, so that what is listed is something else. "
+        "Each finding was confirmed with fresh scenes of the smallest program, then read beside the paper; those of the class `undecided` were "
+        "not. Where places differ, a picture shows thirty scenes of each side over each other, ego in red."
+    )
+    lines = ["# Campaigns", "", paragraph(about), ""]
+    for campaign in shipped_findings():
+        counts = Counter(found.class_ for found in campaign.findings)
+        told = ", ".join(f"{counts[class_]} {class_}" for class_ in CLASSES_OF_FINDINGS if counts[class_])
+        lines += [f"## {campaign.name}", "", paragraph(f"{campaign.about} {len(campaign.findings)} causes: {told}."), ""]
+        for number, found in enumerate(campaign.findings, 1):
+            lines += finding_lines(campaign.name, number, found)
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def finding_lines(name: str, number: int, found: JudgedFinding) -> list[str]:
+    """A finding of a campaign."""
+    head = ": ".join(part for part in (found.topic, found.class_) if part)
+    lines = [f"### {name}, {number}: {head}", "", "```scenic", *found.program.strip().splitlines(), "```", ""]
+    lines += [paragraph(found.why), ""] if found.why else []
+    agrees = f" They agree under `{found.reading}`." if found.reading else ""
+    told = f"{found.kind.capitalize()}: {cell(found.detail)}.{agrees} *{cell(found.passage)}.* Programs that show it: {found.programs}."
+    lines += [paragraph(told), ""]
+    if found.here or found.there:
+        lines += [f"![scenes here and there](campaigns/{picture_name(name, number)})", ""]
+    return lines
+
+
+def picture_name(name: str, number: int) -> str:
+    """The file of a finding's picture."""
+    return f"{name.replace(' ', '-')}-{number}.png"
+
+
+def pictures() -> Iterator[tuple[str, bytes]]:
+    """The pictures of the pages, by their places."""
+    for campaign in shipped_findings():
+        for number, found in enumerate(campaign.findings, 1):
+            if found.here or found.there:
+                yield f"campaigns/{picture_name(campaign.name, number)}", side_by_side({"scenic-ref": found.here, campaign.name: found.there})
+
+
 def outcome(counts: Counter[str]) -> str:
     """How many passed and failed, of those that were not skipped."""
     wrong = counts["failed"] + counts["errored"]
@@ -221,7 +267,7 @@ def outcome(counts: Counter[str]) -> str:
 
 PAGES = {
     "rules.md": rules_page, "readings.md": readings_page, "commands.md": commands_page, "allowed.md": allowed_page,
-    "productions.md": productions_page, "differences.md": differences_page,
+    "productions.md": productions_page, "differences.md": differences_page, "campaigns.md": campaigns_page,
 }  # fmt: skip
 
 
@@ -230,6 +276,9 @@ def main() -> None:
     HERE.mkdir(exist_ok=True)
     for name, page in PAGES.items():
         (HERE / name).write_text(page(), encoding="utf-8")
+    for name, data in pictures():
+        (HERE / name).parent.mkdir(exist_ok=True)
+        (HERE / name).write_bytes(data)
 
 
 if __name__ == "__main__":

@@ -6,7 +6,9 @@ import json
 import tomllib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from importlib.resources import files
 from pathlib import Path
+from typing import NamedTuple
 
 from ...formats.comparisons import Boxes
 from ...interpreter.modules import read_text
@@ -19,7 +21,7 @@ from .saving import passage_of
 CLASSES_OF_FINDINGS = {**CLASSES, OUR_BUG: "a fault of this reference"}
 """The classes of findings, with what each means."""
 ABOUT = """\
-# The findings of a campaign. `class` and `why` are for whoever has read the passage: they stay when the campaign goes on.
+# The findings of a campaign. `class`, `why`, `topic` and `passage` are for whoever has read the paper: with a `why`, they stay when it goes on.
 # Classes: {classes}.
 """
 
@@ -40,6 +42,7 @@ class JudgedFinding:
     program: str
     class_: str
     why: str = ""
+    topic: str = ""
     reading: str | None = None
     here: Boxes = ()
     there: Boxes = ()
@@ -50,6 +53,20 @@ class JudgedFinding:
         return bool(self.why)
 
 
+class CampaignFindings(NamedTuple):
+    """The findings of a campaign against the implementation `name`; `about` says how many programs there were."""
+
+    name: str
+    about: str
+    findings: list[JudgedFinding]
+
+
+def shipped_findings() -> list[CampaignFindings]:
+    """Those of the campaigns against the released implementations that come with this reference."""
+    folder = files("scenic_ref.conformance").joinpath("campaigns")
+    return [findings_in(place.read_text("utf-8"), place.name) for place in sorted(folder.iterdir(), key=lambda place: place.name)]
+
+
 def findings_of(causes: Iterable[Cause], kept: Sequence[JudgedFinding]) -> list[JudgedFinding]:
     """The findings of a campaign; what was decided of a program stays with the cause that this program shows."""
     found = []
@@ -58,27 +75,32 @@ def findings_of(causes: Iterable[Cause], kept: Sequence[JudgedFinding]) -> list[
         reading = ", ".join(f"{id} = {alternative}" for id, alternative in small.reading.items()) if small.reading else None
         finding = JudgedFinding(
             small.number, small.kind, small.words, " ".join(small.detail.split()), len(cause.numbers), passage_of(cause), small.minimal, cause.class_,
-            "", reading, small.here, small.there,
+            "", "", reading, small.here, small.there,
         )  # fmt: skip
         decided = next((k for k in kept if k.is_judged and k.number in cause.numbers), None)
-        found.append(finding if decided is None else replace(finding, class_=decided.class_, why=decided.why, passage=decided.passage))
+        if decided is not None:
+            finding = replace(finding, class_=decided.class_, why=decided.why, topic=decided.topic, passage=decided.passage)
+        found.append(finding)
     return found
 
 
 def findings_at(path: Path) -> list[JudgedFinding]:
     """Those of a file, none if there is no such file. Raises `UsageError` if it cannot be read."""
-    return findings_in(read_text(path, "the findings of a campaign"), str(path)) if path.exists() else []
+    return findings_in(read_text(path, "the findings of a campaign"), str(path)).findings if path.exists() else []
 
 
-def findings_in(text: str, file: str) -> list[JudgedFinding]:
-    """The `[[finding]]` tables of a text, read strictly. Raises `UsageError`."""
+def findings_in(text: str, file: str) -> CampaignFindings:
+    """The findings in a text, read strictly. Raises `UsageError`."""
     try:
         tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise UsageError(f"{file} is not TOML: {error}") from error
-    if tables.keys() - {"finding"} or not isinstance(tables.get("finding", []), list):
-        raise UsageError(f"{file}: there is nothing but [[finding]] tables")
-    return [read_finding(f"{file}, finding {n}", table) for n, table in enumerate(tables.get("finding", []), 1)]
+    fields = VectorFields(file, tables)
+    name, about, found = fields.text("name"), fields.text("about"), fields.any("finding", [])
+    fields.done()
+    if not isinstance(found, list):
+        raise fields.wrong("findings are [[finding]] tables")
+    return CampaignFindings(name, about, [read_finding(f"{file}, finding {n}", table) for n, table in enumerate(found, 1)])
 
 
 def read_finding(place: str, table: object) -> JudgedFinding:
@@ -86,7 +108,7 @@ def read_finding(place: str, table: object) -> JudgedFinding:
     fields = VectorFields(place, table)
     found = JudgedFinding(
         fields.ordinal("number"), fields.text("kind"), fields.text("words"), fields.text("detail"), fields.count("programs"),
-        fields.text("passage"), fields.text("program"), fields.text("class"), fields.text("why", ""),
+        fields.text("passage"), fields.text("program"), fields.text("class"), fields.text("why", ""), fields.text("topic", ""),
         fields.text("reading") if fields.has("reading") else None, read_boxes(fields, "here"), read_boxes(fields, "there"),
     )  # fmt: skip
     fields.done()
@@ -104,16 +126,18 @@ def read_boxes(fields: VectorFields, key: str) -> Boxes:
     return [[tuple(fields.as_number(key, value) for value in box) for box in scene] for scene in scenes]  # type: ignore[attr-defined]
 
 
-def to_toml(findings: Iterable[JudgedFinding]) -> str:
-    """The file of some findings."""
-    return ABOUT.format(classes="; ".join(f"{name}: {means}" for name, means in CLASSES_OF_FINDINGS.items())) + "".join(map(entry, findings))
+def to_toml(campaign: CampaignFindings) -> str:
+    """The file of a campaign's findings."""
+    classes = "; ".join(f"{name}: {means}" for name, means in CLASSES_OF_FINDINGS.items())
+    head = f"name = {json.dumps(campaign.name)}\nabout = {json.dumps(campaign.about)}\n"
+    return ABOUT.format(classes=classes) + head + "".join(map(entry, campaign.findings))
 
 
 def entry(finding: JudgedFinding) -> str:
     """The table of a finding."""
     fields = {
-        "number": finding.number, "class": finding.class_, "why": finding.why, "passage": finding.passage, "kind": finding.kind,
-        "words": finding.words, "detail": finding.detail, "programs": finding.programs,
+        "number": finding.number, "class": finding.class_, "why": finding.why, "topic": finding.topic, "passage": finding.passage,
+        "kind": finding.kind, "words": finding.words, "detail": finding.detail, "programs": finding.programs,
         **({"reading": finding.reading} if finding.reading is not None else {}),
         **({"here": finding.here, "there": finding.there} if finding.here or finding.there else {}),
     }  # fmt: skip

@@ -14,7 +14,7 @@ from ...semantics.rules import RULES, SILENT
 from ...testing.judging import enumerated
 from ..looking import loaded
 from .causes import Cause
-from .examining import FUEL, OUR_FAULT, CampaignSettings
+from .examining import ATTEMPTS, FUEL, OUR_FAULT, CampaignSettings
 
 PLACE = re.compile(r"objects\[(\d+)\]\.(?:properties\.)?(.+)")
 PARTS = re.compile(r"(.+)\[([01])\]")
@@ -67,6 +67,7 @@ def what_is_constant(text: str, readings: Mapping[str, str]) -> str | None:
     """The matcher of what is the same in all scenes of a program, None if nothing of it can be said."""
     try:
         scenario = loads(text, readings=readings, fuel=FUEL)
+        scenario.sample(max_attempts=ATTEMPTS)  # nothing is constant where there is no scene, and facts look for one longer
         facts = scenario.facts
         law = enumerated(scenario)
     except (AttemptsExhausted, ProgramError):  # also: an error in simulations only

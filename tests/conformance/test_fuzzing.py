@@ -18,7 +18,7 @@ from scenic_ref.conformance.fuzzing.aimed import aimed_program
 from scenic_ref.conformance.fuzzing.causes import OFTEN, OUR_BUG, Cause, causes_of, seen_often
 from scenic_ref.conformance.fuzzing.examining import OUR_FAULT, CampaignSettings, FuzzedProgram, alike, compared, examine, words_of
 from scenic_ref.conformance.fuzzing.inventing import THEMES, invented
-from scenic_ref.conformance.fuzzing.judgements import findings_at, findings_in, findings_of, to_toml
+from scenic_ref.conformance.fuzzing.judgements import CampaignFindings, findings_at, findings_in, findings_of, shipped_findings, to_toml
 from scenic_ref.conformance.fuzzing.saving import draft_of
 from scenic_ref.conformance.fuzzing.shrinking import shrunk
 from scenic_ref.conformance.loading import read_file
@@ -50,6 +50,9 @@ def other(folder: Path, refuses: str = "", scene: str = "pass") -> str:
     path = folder / "other.py"
     path.write_text(OTHER.format(refuses=refuses, scene=scene))
     return f"{sys.executable} {path}"
+
+
+HEAD = 'name = "other 1"\nabout = "nothing"\n'
 
 
 def finding(number: int = 0, **changes: object) -> FuzzedProgram:
@@ -272,15 +275,28 @@ def test_what_was_decided_of_a_finding_stays_and_is_reported(tmp_path: Path, cap
 def test_findings_are_read_as_they_were_written(program: str) -> None:
     found = findings_of([Cause(finding(minimal=program, reading={"soft": "scene"}, here=[[(1.0, 2.0, 0.5, 1.0, 2.0)]], there=[[]]), [0])], [])
     assert found[0].class_ == "reading" and found[0].reading == "soft = scene"
-    assert findings_in(to_toml(found), "f.toml") == found
+    campaign = CampaignFindings("other 1", "two\nlines", found)
+    assert findings_in(to_toml(campaign), "f.toml") == campaign
 
 
 @pytest.mark.parametrize("text, said", [
-    ("x = 1", "nothing but"), ("= 1", "is not TOML"), ("[[finding]]\nnumber = -1", "at least 0"), ("[[finding]]\nnumber = 1", "kind is missing"),
+    ("x = 1", "name is missing"), ("= 1", "is not TOML"), (HEAD + "x = 1", "no key x"), (HEAD + "finding = 1", "tables"),
+    (HEAD + "[[finding]]\nnumber = -1", "at least 0"), (HEAD + "[[finding]]\nnumber = 1", "kind is missing"),
 ])
 def test_findings_that_are_none_are_refused(text: str, said: str) -> None:
     with pytest.raises(UsageError, match=said):
         findings_in(text, "f.toml")
+
+
+@pytest.mark.parametrize("name", ["scenic 2.1.0", "scenic 3.1.1"])
+def test_what_was_found_in_the_releases_is_told_with_its_class(name: str) -> None:
+    (campaign,) = [c for c in shipped_findings() if c.name == name]
+    assert "programs of seed" in campaign.about
+    judged = [found for found in campaign.findings if found.is_judged]
+    assert all(found.class_ != "undecided" for found in judged) and len({found.topic for found in judged}) > 5
+    for found in judged:
+        if found.kind == "error" and found.detail.startswith("refused"):  # a program here, as the finding says
+            loads(found.program, readings={"invalid-parameters": "stuck"}).rehearse()
 
 
 def test_a_fault_of_ours_is_a_finding_without_a_draft() -> None:
