@@ -216,6 +216,7 @@ UNWIND: Mapping[type, Unwinding] = {
     interrupts.Interrupting: interrupts.unwind_interrupting,
     frames.Interruptible: interrupts.unwind_interruptible,
     frames.Invoked: invocations.unwind_invoked,
+    frames.Together: invocations.unwind_together,
     choices.Enabling: choices.unwind_enabling,
     simulation.Setting: scenarios.unwind_setting,
     processes.Coroutine: processes.unwind_coroutine,

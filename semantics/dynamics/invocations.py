@@ -14,7 +14,7 @@ from ..kernel.kinds import kind_name
 from ..kernel.outcome import Next, Outcome
 from ..kernel.premises import premises
 from ..kernel.scopes import Scope
-from ..kernel.simulation import Agent, Clause, Deadline, Suspended, Who, agent_of, line_of
+from ..kernel.simulation import Agent, Clause, Deadline, Suspended, Who, agent_of, flagged, line_of
 from ..kernel.values import Dynamic, plain
 from ..python.calls import invocation
 from ..python.functions import LARGEST_DEPTH, body_as_statement
@@ -192,6 +192,15 @@ def resume_together(frame: Together, result: object, stack: Stack, state: State)
         case _:
             pass
     return run_together(frame, stack, state)
+
+
+def unwind_together(frame: Together, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
+    """One of the behaviors raised an exception, which goes on, and may be caught. Where another has executed `terminate` in this time step, the flag
+    of the policy is set all the same: "setting the terminate flag as in (3)", that is "if the terminate statement is executed".
+    """
+    if frame.terminates:
+        state = flagged(f"the behavior of {agent_of(frame.who, state)!r} executed `terminate`", state)
+    return Next("", Config(abrupt, stack, state))
 
 
 def doing(agent: Agent) -> str:

@@ -14,8 +14,8 @@ from fractions import Fraction
 from functools import partial
 from typing import Any
 
-from .programs import Assign, Attempt, Branch, Demand, DynamicProgram, Leave, LetStepPass, Line, Repeat, Statement, TakeActions, Until
-from .running import Course, Discarded, GuardBroken, Left, Steps, Thing, Whose, close, compiled
+from .programs import Assign, Attempt, Branch, Demand, DynamicProgram, Extent, Leave, LetStepPass, Line, Repeat, Statement, TakeActions
+from .running import Discarded, GuardBroken, Left, RunningScenario, Steps, Whose, WorldObject, close, compiled
 
 BODY = -1
 """The number of the body among the clauses of a statement with interrupts."""
@@ -32,9 +32,9 @@ class Coroutines:
         self.probability = Fraction(1)
         self.time = -1
         self.flag = False
-        self.things: list[Thing] = []
-        self.courses: list[Course] = []
-        self.active: list[Course] = []
+        self.things: list[WorldObject] = []
+        self.courses: list[RunningScenario] = []
+        self.active: list[RunningScenario] = []
         self.happened: Counter[str] = Counter()
         self.known: dict[str, Any] = {
             "now": lambda: self.time, "Uniform": lambda *values: self.draw([(v, 1) for v in values]), "Discrete": lambda d: self.draw(d.items()),
@@ -195,7 +195,7 @@ class Coroutines:
         """ "Successive clauses take precedence over those which precede them" (Section "Dynamic Scenarios", "Interrupts")."""
         return reversed(range(first, end))
 
-    def limited(self, body: Steps, limit: Until | None, whose: Whose) -> Steps:
+    def limited(self, body: Steps, limit: Extent | None, whose: Whose) -> Steps:
         """Section "Dynamic Scenarios", "Interrupts": `until` "is a shorthand" for an interrupt that aborts, `for` likewise (`do-until-zero`)."""
         if limit is None:
             yield from body

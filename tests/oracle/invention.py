@@ -14,17 +14,17 @@ from .programs import (
     Declaration,
     Demand,
     DynamicProgram,
+    Extent,
     Invitation,
     Leave,
     LetStepPass,
     Line,
-    Module,
+    ModularScenario,
+    Overriding,
     Procedure,
     Repeat,
-    Replacement,
     Statement,
     TakeActions,
-    Until,
     Watchman,
 )  # fmt: skip
 
@@ -36,7 +36,7 @@ BEHAVIORS = [f"B{k}" for k in range(5)]
 
 
 class Inventor:
-    """Writes one program. Behaviors and scenarios invoke later ones only, and the first statement of a `while` takes time, so that all of them end."""
+    """Writes one program. Behaviors and scenarios invoke later ones only, and the first statement of a `while` takes time: no time step is endless."""
 
     def __init__(self, seed: str) -> None:
         self.random = Random(seed)
@@ -143,9 +143,9 @@ class Inventor:
         what = tuple(self.invitation(self.later, self.random.randint(1, 3) if weighted else 1) for _ in range(count))
         return Carry(way, what, self.limit() if self.chance(0.4) else None)
 
-    def limit(self) -> Until:
+    def limit(self) -> Extent:
         """The limit of a `do` statement."""
-        return Until(self.random.randint(0, 3)) if self.chance(0.5) else Until(0, self.condition())
+        return Extent(self.random.randint(0, 3)) if self.chance(0.5) else Extent(0, self.condition())
 
     def invitation(self, names: list[str], weight: int = 1) -> Invitation:
         """A behavior or scenario with an argument."""
@@ -158,11 +158,11 @@ class Inventor:
         kind = self.pick("require always", "require eventually", "terminate when")
         return Declaration(kind, self.likely() if kind == "require always" else self.condition())
 
-    def replacement(self) -> Replacement:
+    def replacement(self) -> Overriding:
         """`override`."""
         if self.chance(0.5):
-            return Replacement(self.thing(), self.number())
-        return Replacement(self.thing(), "", self.invitation(self.behaviors))
+            return Overriding(self.thing(), self.number())
+        return Overriding(self.thing(), "", self.invitation(self.behaviors))
 
     def watchman(self) -> Watchman:
         """A monitor."""
@@ -200,24 +200,30 @@ class Inventor:
         guards = (0.2, 0.5) if name in BEHAVIORS[2:] else (0, 0.15)
         preconditions, invariants = (tuple(self.guard().replace("y <", "n <") for _ in range(self.chance(share))) for share in guards)
         first = (self.step(),) if self.chance(0.5) else ()
-        return Procedure(name, preconditions, invariants, (Assign("y", "0"), *first, *self.block()))
+        body = self.block() if name in BEHAVIORS[:2] or self.chance(0.6) else self.short()
+        return Procedure(name, preconditions, invariants, (Assign("y", "0"), *first, *body))
 
-    def module(self, name: str, later: list[str]) -> Module:
+    def short(self) -> Line:
+        """What leads to an end soon: by `terminate`, or a guard that may be violated by now."""
+        change = Assign(f"{self.thing()}.x", self.number())
+        return self.random.choice([(Leave("terminate"),), (change, self.step(), self.step()), (self.step(), change, self.step()), (change,)])
+
+    def module(self, name: str, later: list[str]) -> ModularScenario:
         """A scenario that Main, or one before it, runs."""
         setup = self.setup()
         self.kind, self.later = "compose", later
         preconditions = tuple(self.guard().replace("y <", "n <") for _ in range(self.chance(0.25)))
         invariants = tuple(self.guard() for _ in range(self.chance(0.25)))
-        return Module(name, preconditions, invariants, setup, self.block() if self.chance(0.75) else None)
+        return ModularScenario(name, preconditions, invariants, setup, self.block() if self.chance(0.75) else None)
 
-    def main(self, later: list[str]) -> Module:
+    def main(self, later: list[str]) -> ModularScenario:
         """The scenario to begin with."""
         self.kind, self.later = "compose", later
         setup = (Assign("n", "1"), Assign("y", "0"), *self.declarations())
         self.kind = "compose"
         preconditions = ("drawn < 1",) if self.chance(0.1) else ()
         invariants = tuple(self.likely() for _ in range(self.chance(0.15)))
-        return Module("Main", preconditions, invariants, setup, (*self.block(), self.carry(), *self.block()) if self.chance(0.9) else None)
+        return ModularScenario("Main", preconditions, invariants, setup, (*self.block(), self.carry(), *self.block()) if self.chance(0.9) else None)
 
     def declarations(self) -> list[Statement]:
         """What the first scenario requires, and its monitors."""

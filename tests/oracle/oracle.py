@@ -7,8 +7,8 @@ from collections.abc import MutableMapping
 from typing import Any
 
 from .coroutines import Coroutines
-from .programs import Carry, Creation, Declaration, Invitation, Module, Procedure, Replacement, Statement, Watchman
-from .running import Course, Discarded, GuardBroken, Left, Steps, Thing, Whose, close
+from .programs import Carry, Creation, Declaration, Invitation, ModularScenario, Overriding, Procedure, Statement, Watchman
+from .running import Discarded, GuardBroken, Left, RunningScenario, Steps, Whose, WorldObject, close
 
 
 class Oracle(Coroutines):
@@ -19,7 +19,7 @@ class Oracle(Coroutines):
         match statement:
             case Carry():
                 yield from self.carry(statement, whose)
-            case Replacement() | Creation():
+            case Overriding() | Creation():
                 self.change(statement, whose)
             case Declaration(kind, condition):
                 self.course(whose).conditions[kind].append((condition, whose))
@@ -29,7 +29,7 @@ class Oracle(Coroutines):
             case _:
                 raise AssertionError(statement)
 
-    def course(self, whose: Whose) -> Course:
+    def course(self, whose: Whose) -> RunningScenario:
         """The scenario whose code this is."""
         assert whose.scenario is not None
         return whose.scenario
@@ -38,7 +38,8 @@ class Oracle(Coroutines):
 
     def carry(self, statement: Carry, whose: Whose) -> Steps:
         """Section "Statements", "Invoking Other Behaviors and Scenarios": "It does not return until the sub-behavior/sub-scenario terminates";
-        "When the do statement returns, the invariants of the calling behavior/scenario are checked". Scenarios are set up before a limit is looked at.
+        "When the do statement returns, the invariants of the calling behavior/scenario are checked". Scenarios are set up before the limit is
+        looked at (reading `do-until-zero`).
         """
         what = [(one, self.value(one.argument, whose)) for one in statement.what]
         if statement.way:
@@ -80,9 +81,9 @@ class Oracle(Coroutines):
         """Whether its preconditions hold."""
         definition = self.scenarios[one.name] if whose.kind == "compose" else self.behaviors[one.name]
         inner = Whose(whose.kind, {"n": n, "self": whose.names.get("self")})
-        return all([self.value(condition, inner) for condition in definition.preconditions])
+        return all(self.value(condition, inner) for condition in definition.preconditions)
 
-    def behave(self, definition: Procedure, n: Any, thing: Thing, enabled: bool = False) -> Steps:
+    def behave(self, definition: Procedure, n: Any, thing: WorldObject, enabled: bool = False) -> Steps:
         """A behavior of an object: its preconditions, its invariants, its body."""
         whose = Whose("behavior", {"n": n, "self": thing}, invariants=definition.invariants)
         if not enabled:
@@ -126,11 +127,11 @@ class Oracle(Coroutines):
 
     # Scenarios
 
-    def set_up(self, what: list[tuple[Invitation, Any]], enabled: bool = False) -> list[Course]:
-        """Section "Statements", "Modular Scenarios": "The setup block contains code that runs once when the scenario begins to execute". If one cannot
-        begin, none does, and there is nothing of them.
+    def set_up(self, what: list[tuple[Invitation, Any]], enabled: bool = False) -> list[RunningScenario]:
+        """Section "Statements", "Modular Scenarios": "The setup block contains code that runs once when the scenario begins to execute". If one
+        cannot begin, none does, and there is nothing of them.
         """
-        courses: list[Course] = []
+        courses: list[RunningScenario] = []
         things = len(self.things)
         try:
             for one, n in what:
@@ -142,9 +143,9 @@ class Oracle(Coroutines):
             raise
         return courses
 
-    def begun(self, definition: Module, names: MutableMapping[str, Any], enabled: bool = False, top: bool = False) -> Course:
+    def begun(self, definition: ModularScenario, names: MutableMapping[str, Any], enabled: bool = False, top: bool = False) -> RunningScenario:
         """The preconditions, the setup block, the default requirements (reading `dynamic-objects`); what runs then is the compose block."""
-        course = Course(names, top, invariants=definition.invariants)
+        course = RunningScenario(names, top, invariants=definition.invariants)
         if not enabled:
             self.check("PreconditionViolation", definition.preconditions, Whose("setup", names, course))
         for _ in self.block(definition.setup, Whose("setup", names, course)):
@@ -156,7 +157,7 @@ class Oracle(Coroutines):
         self.courses.append(course)
         return course
 
-    def composing(self, definition: Module, course: Course) -> Steps:
+    def composing(self, definition: ModularScenario, course: RunningScenario) -> Steps:
         """A compose block, "executed in essentially the same way as a monitor" (Section "Compositional Scenarios", "Parallel and Sequential
         Composition"); invariants hold from the first time step after `setup` (reading `initial-guards`).
         """
@@ -164,7 +165,7 @@ class Oracle(Coroutines):
         self.check_invariants(whose)
         yield from self.block(definition.compose or (), whose)
 
-    def step_of(self, course: Course) -> bool:
+    def step_of(self, course: RunningScenario) -> bool:
         """Step 1 of the policy for a scenario: its compose block for one time step, then its `terminate when` (`terminate-when-start`); "scenarios
         without compose blocks do nothing in a time step other than check" conditions. Whether it goes on; a monitor may have ended it.
         """
@@ -181,7 +182,7 @@ class Oracle(Coroutines):
                 return False
         return not any(self.value(condition, whose) for condition, whose in course.conditions["terminate when"])
 
-    def scenarios_together(self, courses: list[Course]) -> Steps:
+    def scenarios_together(self, courses: list[RunningScenario]) -> Steps:
         """Several scenarios, one after the other in each time step, until all have ended."""
         while courses:
             left = []
@@ -194,12 +195,12 @@ class Oracle(Coroutines):
             if courses:
                 yield (), None
 
-    def end_all(self, courses: list[Course]) -> None:
+    def end_all(self, courses: list[RunningScenario]) -> None:
         """All these scenarios are over."""
         for course in courses:
             self.end(course)
 
-    def end(self, course: Course) -> None:
+    def end(self, course: RunningScenario) -> None:
         """A scenario is over, with all that it runs. Section "Statements", "Overrides": "Properties overridden by a scenario revert to their original
         values when the scenario terminates. When the behavior property is overridden, the original behavior is suspended, then resumed".
         """
@@ -212,13 +213,13 @@ class Oracle(Coroutines):
             for name, layers in thing.layers.items():
                 thing.layers[name] = [layer for layer in layers if layer[0] is not course]
 
-    def change(self, statement: Replacement | Creation, whose: Whose) -> None:
+    def change(self, statement: Overriding | Creation, whose: Whose) -> None:
         """An object is made, or a property of one is overridden until the scenario ends (readings `override-stack`, `objects-while-running`)."""
         x = self.value(statement.x, whose) if statement.x else None
         called = statement.behavior
         n = None if called is None else self.value(called.argument, whose)
         if isinstance(statement, Creation):
-            thing = Thing(self.value(statement.place, whose), {"x": [(None, x)], "behavior": [(None, None)]})
+            thing = WorldObject(self.value(statement.place, whose), {"x": [(None, x)], "behavior": [(None, None)]})
             if called is not None:
                 thing.layers["behavior"] = [(None, self.behave(self.behaviors[called.name], n, thing))]
             self.things.append(thing)

@@ -8,8 +8,8 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from .oracle import Oracle
-from .programs import DynamicProgram, Module
-from .running import Course, Discarded, GuardBroken, Left, Thing
+from .programs import DynamicProgram, ModularScenario
+from .running import Discarded, GuardBroken, Left, RunningScenario, WorldObject
 
 
 class TooManyRuns(Exception):
@@ -47,17 +47,17 @@ class Policy(Oracle):
             self.happened[f"rejected: {why}"] += 1
             return str(why), self.time
 
-    def scene(self) -> Course:
+    def scene(self) -> RunningScenario:
         """The program itself, then Main: its preconditions are observed (reading `initial-guards`)."""
         try:
-            course = self.begun(Module("", (), (), self.program.top, None), self.known, top=True)
+            course = self.begun(ModularScenario("", (), (), self.program.top, None), self.known, top=True)
             return self.begun(self.program.scenarios[0], {}, top=True) if self.program.scenarios else course
         except GuardBroken:
             raise Discarded("precondition") from None
 
     def seven_steps(self, actions: dict[int, tuple[object, ...]], last: bool) -> str:
-        """ "The output of the policy of a dynamic Scenic program is defined according to the following procedure". Says how the simulation ends, if it
-        does: in the last time step anyway (reading `time-limit`).
+        """ "The output of the policy of a dynamic Scenic program is defined according to the following procedure". Says how the simulation ends, if
+        it does: in the last time step anyway (reading `time-limit`).
         """
         self.active.clear()
         try:
@@ -86,11 +86,11 @@ class Policy(Oracle):
             self.look(course)
         self.satisfied([course for course in self.courses if course.over])
 
-    def look(self, course: Course) -> None:
+    def look(self, course: RunningScenario) -> None:
         """Which conditions of `require eventually` hold now."""
         course.held |= {k for k, (condition, whose) in enumerate(course.conditions["require eventually"]) if self.value(condition, whose)}
 
-    def satisfied(self, courses: list[Course]) -> None:
+    def satisfied(self, courses: list[RunningScenario]) -> None:
         """All `require eventually` of scenarios that ran have held at some time."""
         if any(course.ran and len(course.held) < len(course.conditions["require eventually"]) for course in courses):
             raise Discarded("eventually")
@@ -105,7 +105,7 @@ class Policy(Oracle):
                     if left.args[0] == "terminate":
                         self.terminated_by_monitor(course)
 
-    def terminated_by_monitor(self, course: Course) -> None:
+    def terminated_by_monitor(self, course: RunningScenario) -> None:
         """The flag, or the end of a scenario that another one runs."""
         self.happened["monitor terminates"] += 1
         if course.top:
@@ -128,7 +128,7 @@ class Policy(Oracle):
             if taken:
                 actions[number] = taken
 
-    def agent(self, thing: Thing) -> tuple[object, ...]:
+    def agent(self, thing: WorldObject) -> tuple[object, ...]:
         """The actions of an agent: those of the behavior that is in force; the flag is set if it terminates."""
         behavior = thing.layers["behavior"][-1][1]
         if behavior is None:

@@ -90,7 +90,7 @@ class Invitation:
 
 
 @dataclass(frozen=True)
-class Until:
+class Extent:
     """`for N steps`, or `until B` if there is a condition."""
 
     steps: int
@@ -103,7 +103,7 @@ class Carry:
 
     way: str
     what: tuple[Invitation, ...]
-    limit: Until | None = None
+    limit: Extent | None = None
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ class Attempt:
 
 
 @dataclass(frozen=True)
-class Replacement:
+class Overriding:
     """`override OBJECT with x E`, or `with behavior B(E)`."""
 
     thing: str
@@ -135,7 +135,7 @@ class Creation:
 
 
 Statement = (
-    TakeActions | LetStepPass | Assign | Demand | Declaration | Watchman | Leave | Branch | Repeat | Carry | Attempt | Replacement | Creation
+    TakeActions | LetStepPass | Assign | Demand | Declaration | Watchman | Leave | Branch | Repeat | Carry | Attempt | Overriding | Creation
 )
 
 
@@ -150,7 +150,7 @@ class Procedure:
 
 
 @dataclass(frozen=True)
-class Module:
+class ModularScenario:
     """`scenario NAME(n=1):`, with or without a compose block."""
 
     name: str
@@ -165,7 +165,7 @@ class DynamicProgram:
     """Behaviors, scenarios (the first is Main if there are any), and the statements of the program itself, which make ego."""
 
     behaviors: tuple[Procedure, ...]
-    scenarios: tuple[Module, ...]
+    scenarios: tuple[ModularScenario, ...]
     top: Line
 
 
@@ -186,7 +186,7 @@ def text_of(program: DynamicProgram) -> str:
     return "\n".join(lines) + "\n"
 
 
-def guards(one: Procedure | Module) -> list[str]:
+def guards(one: Procedure | ModularScenario) -> list[str]:
     """The lines with its guards."""
     return [*(f"precondition: {b}" for b in one.preconditions), *(f"invariant: {b}" for b in one.invariants)]
 
@@ -235,7 +235,7 @@ def lines_of(statement: Statement) -> list[str]:
             for exception, handler in catches:
                 lines += [f"except {exception}:", *indented(block(handler))]
             return lines
-        case Replacement(thing, x, behavior):
+        case Overriding(thing, x, behavior):
             return [f"override {thing} with x {x}" if behavior is None else f"override {thing} with behavior {called(behavior)}"]
         case Creation(name, place, x, behavior):
             return [f"{name} = Object at ({place}, 0), with x {x}" + ("" if behavior is None else f", with behavior {called(behavior)}")]

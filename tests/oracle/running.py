@@ -23,7 +23,7 @@ class Left(Exception):
 
 
 @dataclass(eq=False)
-class Thing:
+class WorldObject:
     """An object: its properties `x` and `behavior`, each with the values that overrides have laid above it, and whose these are."""
 
     place: int
@@ -45,12 +45,12 @@ class Whose:
 
     kind: str
     names: MutableMapping[str, Any]
-    scenario: Course | None = None
+    scenario: RunningScenario | None = None
     invariants: tuple[str, ...] = ()
 
 
 @dataclass(eq=False)
-class Course:
+class RunningScenario:
     """A scenario that runs, with what it has declared."""
 
     names: MutableMapping[str, Any]
