@@ -183,7 +183,7 @@ class Coroutines:
                     running.pop()
                     if clause == BODY:
                         return
-                    seen = clause + (since < self.time)
+                    seen = self.looked_at(clause, since)
                     continue
                 running[-1] = (clause, steps, since, waiting)
                 yield actions, waiting
@@ -194,6 +194,10 @@ class Coroutines:
     def in_order(self, first: int, end: int) -> Iterable[int]:
         """ "Successive clauses take precedence over those which precede them" (Section "Dynamic Scenarios", "Interrupts")."""
         return reversed(range(first, end))
+
+    def looked_at(self, clause: int, since: int) -> int:
+        """From which clause on the conditions were looked at in this time step, when a handler completes: its own was where it began in it."""
+        return clause + 1 if since < self.time else clause
 
     def limited(self, body: Steps, limit: Extent | None, whose: Whose) -> Steps:
         """Section "Dynamic Scenarios", "Interrupts": `until` "is a shorthand" for an interrupt that aborts, `for` likewise (`do-until-zero`)."""

@@ -36,7 +36,10 @@ BEHAVIORS = [f"B{k}" for k in range(5)]
 
 
 class Inventor:
-    """Writes one program. Behaviors and scenarios invoke later ones only, and the first statement of a `while` takes time: no time step is endless."""
+    """Writes one program. Behaviors and scenarios invoke later ones only, and a `while` begins with what takes time: no time step is endless.
+
+    Most programs have a theme, of which there is more in them than chance would give: what is rare alone is rarer still together.
+    """
 
     def __init__(self, seed: str) -> None:
         self.random = Random(seed)
@@ -45,6 +48,7 @@ class Inventor:
         self.behaviors: list[str] = []
         self.made = 0
         self.things = ["ego"]
+        self.theme = self.pick("any", "guards", "interrupts", "scenarios", "scenarios")
 
     def chance(self, share: float) -> bool:
         """True with this probability."""
@@ -81,6 +85,8 @@ class Inventor:
 
     def guard(self) -> str:
         """A guard."""
+        if self.theme == "guards":
+            return self.pick(f"now() < {self.pick('1', '2', '3')}", f"{self.thing()}.x < {self.pick('1', '2')}", f"now() != {self.pick('1', '2')}")
         return self.likely() if self.chance(0.6) else self.condition()
 
     # Statements
@@ -88,7 +94,7 @@ class Inventor:
     def block(self, depth: int = 0, loop: bool = False, attempt: bool = False) -> Line:
         """A few statements; `loop` and `attempt` say what the last one may leave."""
         found = [self.statement(depth, loop, attempt) for _ in range(self.random.choice([1, 2, 2, 3] if depth == 0 else [1, 1, 2]))]
-        leaving = [Leave("terminate")] * self.chance(0.1) + [Leave("return")] * (self.kind != "monitor" and self.chance(0.2))
+        leaving = [Leave("terminate")] * self.chance(0.15) + [Leave("return")] * (self.kind != "monitor" and self.chance(0.2))
         leaving += [Leave("break"), Leave("continue")] * loop + [Leave("abort")] * (2 * attempt)
         return (*found, self.random.choice(leaving)) if leaving and self.chance(0.4) else tuple(found)
 
@@ -125,20 +131,29 @@ class Inventor:
             if self.chance(0.6):
                 return Repeat(2, "", self.block(depth, True, attempt))
             return Repeat(0, self.pick("True", self.condition()), (self.step(), *self.block(depth, True, attempt)))
-        interrupts = tuple((self.condition(), self.block(depth, loop, True)) for _ in range(self.random.choice([1, 1, 2, 3])))
-        catches = ()
-        if self.chance(0.6):
-            caught = self.pick("GuardViolation", "GuardViolation", "InvariantViolation", "PreconditionViolation")
-            catches = ((caught, self.block(depth, loop, True)),)
+        return self.attempt(depth, loop)
+
+    def attempt(self, depth: int, loop: bool) -> Attempt:
+        """`try`, most often around a `do` statement; in the theme of interrupts, handlers that are interrupted."""
+        nested = self.theme == "interrupts"
+        interrupts: list[tuple[str, Line]] = []
+        for _ in range(self.random.choice([2, 2, 3] if nested else [1, 1, 2, 3])):
+            time = f"now() == {self.pick('1', '1', '2', '3')}"
+            handler = self.block(depth, loop, True)
+            interrupts.append((time, (self.step(), *handler)) if nested and self.chance(0.7) else (self.condition(), handler))
+        caught = self.pick("GuardViolation", "GuardViolation", "InvariantViolation", "PreconditionViolation")
+        catches = ((caught, self.block(depth, loop, True)),) if self.chance(0.9 if self.theme == "guards" else 0.4) else ()
         body = self.block(depth, loop, True)
-        if self.later and self.kind != "monitor" and self.chance(0.5):
+        if self.later and self.kind != "monitor" and self.chance(0.9 if self.theme == "guards" else 0.5):
             body = (self.carry(), *body)
-        return Attempt(body, interrupts, catches)
+        elif nested:
+            body = (self.step(), self.step(), *body)
+        return Attempt(body, tuple(interrupts), catches)
 
     def carry(self) -> Carry:
         """`do` with one or several, or a choice, with or without a limit."""
         way = self.pick("", "", "", "choose", "shuffle")
-        count = self.random.randint(2, 3) if way else self.random.choice([1, 1, 1, 2, 2, 3])
+        count = self.random.randint(2, 3) if way else self.random.choice([2, 2, 3] if self.theme == "guards" else [1, 1, 1, 2, 2, 3])
         weighted = bool(way) and self.chance(0.5)
         what = tuple(self.invitation(self.later, self.random.randint(1, 3) if weighted else 1) for _ in range(count))
         return Carry(way, what, self.limit() if self.chance(0.4) else None)
@@ -168,6 +183,10 @@ class Inventor:
         """A monitor."""
         before, self.kind = self.kind, "monitor"
         self.made += 1
+        if self.theme == "scenarios" and self.chance(0.7):
+            lines = [LetStepPass() if self.chance(0.5) else Assign("ego.x", self.number()) for _ in range(self.random.randint(1, 4))]
+            self.kind = before
+            return Watchman(f"Watch{self.made}", (Assign("y", "0"), *lines, Leave("terminate") if self.chance(0.6) else LetStepPass()))
         end = (Leave("terminate"),) if self.chance(0.3) else ()
         body = (Assign("y", "0"), *self.block(1), Repeat(0, "True", (LetStepPass(), *self.block(2, True)))) if self.chance(0.6) else self.block(0)
         found = Watchman(f"Watch{self.made}", (Assign("y", "0"), *body, *end))
@@ -184,12 +203,12 @@ class Inventor:
         """The setup block of a scenario that others run."""
         self.kind = "setup"
         found: list[Statement] = [Assign("y", self.pick("0", "1", "n"))]
-        for _ in range(self.random.randint(0, 3)):
+        for _ in range(self.random.randint(1, 3) if self.theme == "scenarios" else self.random.randint(0, 2)):
             self.made += 1
             place = f"{10 * (self.made % 3 + 1)} + 2 * now()" if self.chance(0.85) else "Uniform(10, 40)"
             options = [self.replacement(), self.creation(f"made{self.made}", place), self.declaration(), self.watchman()]
             options += [Demand(self.likely()), Assign("ego.x", self.pick("0", "1", "n"))]
-            found.append(self.random.choices(options, [4, 3, 3, 2, 1, 1])[0])
+            found.append(self.random.choices(options, [5, 4, 2, 3, 1, 1])[0])
         return tuple(found)
 
     # Programs
@@ -197,10 +216,15 @@ class Inventor:
     def procedure(self, name: str, later: list[str]) -> Procedure:
         """A behavior; those that agents begin with have few guards."""
         self.kind, self.later = "behavior", later
-        guards = (0.2, 0.5) if name in BEHAVIORS[2:] else (0, 0.15)
+        often = 2 if self.theme == "guards" else 1
+        guards = (0.2 * often, 0.4 * often) if name in BEHAVIORS[2:] else (0, 0.1)
         preconditions, invariants = (tuple(self.guard().replace("y <", "n <") for _ in range(self.chance(share))) for share in guards)
         first = (self.step(),) if self.chance(0.5) else ()
-        body = self.block() if name in BEHAVIORS[:2] or self.chance(0.6) else self.short()
+        body = self.block() if name in BEHAVIORS[:2] or self.chance(0.6 / often) else self.short()
+        if name in BEHAVIORS[:2] and self.theme == "scenarios" and self.chance(0.8):
+            body = (Repeat(0, "True", (TakeActions((self.pick("self.x", "y", "n + 10"),)), Assign("y", "y + 1"))),)
+        elif name in BEHAVIORS[:2] and self.theme != "any" and self.chance(0.7):
+            body = (self.attempt(1, False), *body)
         return Procedure(name, preconditions, invariants, (Assign("y", "0"), *first, *body))
 
     def short(self) -> Line:
@@ -214,16 +238,18 @@ class Inventor:
         self.kind, self.later = "compose", later
         preconditions = tuple(self.guard().replace("y <", "n <") for _ in range(self.chance(0.25)))
         invariants = tuple(self.guard() for _ in range(self.chance(0.25)))
-        return ModularScenario(name, preconditions, invariants, setup, self.block() if self.chance(0.75) else None)
+        steps = (LetStepPass(),) * (self.random.randint(0, 2) if self.theme == "scenarios" else 0)
+        return ModularScenario(name, preconditions, invariants, setup, (*steps, *self.block()) if self.chance(0.7) else None)
 
     def main(self, later: list[str]) -> ModularScenario:
         """The scenario to begin with."""
         self.kind, self.later = "compose", later
         setup = (Assign("n", "1"), Assign("y", "0"), *self.declarations())
         self.kind = "compose"
+        first = () if self.theme == "scenarios" else self.block()
         preconditions = ("drawn < 1",) if self.chance(0.1) else ()
         invariants = tuple(self.likely() for _ in range(self.chance(0.15)))
-        return ModularScenario("Main", preconditions, invariants, setup, (*self.block(), self.carry(), *self.block()) if self.chance(0.9) else None)
+        return ModularScenario("Main", preconditions, invariants, setup, (*first, self.carry(), *self.block()) if self.chance(0.9) else None)
 
     def declarations(self) -> list[Statement]:
         """What the first scenario requires, and its monitors."""
@@ -239,7 +265,7 @@ class Inventor:
         top: list[Statement] = [Assign("drawn", "Uniform(0, 1)" if self.chance(0.15) else "0"), Assign("n", "1"), Assign("y", "0")]
         top += [self.creation(name, str(5 * k)) for k, name in enumerate(self.things)]
         behaviors = tuple(self.procedure(name, names[k + 1 :]) for k, name in enumerate(names))
-        if self.chance(0.35):
+        if self.theme != "scenarios" and self.chance(0.6):
             return DynamicProgram(behaviors, (), (*top, *self.declarations()))
         parts = [f"S{k}" for k in range(self.random.randint(1, 3))]
         modules = tuple(self.module(name, parts[k + 1 :]) for k, name in enumerate(parts))

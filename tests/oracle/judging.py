@@ -8,6 +8,7 @@ from fractions import Fraction
 
 import scenic_ref
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted
+from scenic_ref.semantics.kernel.outcome import Requirement
 from scenic_ref.simulators.simulating import Failed, Simulated
 
 from .invention import STEPS
@@ -17,13 +18,10 @@ from .programs import DynamicProgram, text_of
 MOST_RUNS = 100_000
 
 
-def machine_law(text: str) -> Mapping[Hashable, Fraction] | None:
-    """The probability of each history and of each rejection; None if no run is accepted."""
-    try:
-        exact = scenic_ref.loads(text).enumerate_simulations("still", STEPS, timestep=1.0, max_runs=MOST_RUNS)
-    except AttemptsExhausted:
-        return None
-    law: dict[Hashable, Fraction] = defaultdict(Fraction)
+def machine_law(text: str) -> Mapping[tuple[Hashable, ...], Fraction]:
+    """The probability of each history and of each rejection. Raises `AttemptsExhausted` if no run is accepted."""
+    exact = scenic_ref.loads(text).enumerate_simulations("still", STEPS, timestep=1.0, max_runs=MOST_RUNS)
+    law: dict[tuple[Hashable, ...], Fraction] = defaultdict(Fraction)
     for probability, simulation in exact.outcomes:
         law[history_of(simulation)] += probability * exact.acceptance
     for failed, probability in exact.stuck.items():
@@ -31,7 +29,7 @@ def machine_law(text: str) -> Mapping[Hashable, Fraction] | None:
     return dict(law)
 
 
-def history_of(simulation: Simulated) -> Hashable:
+def history_of(simulation: Simulated) -> tuple[Hashable, ...]:
     """A simulation in the terms of the oracle."""
     created = [body.properties["x"] for body in simulation.created]
     steps = []
@@ -44,20 +42,23 @@ def history_of(simulation: Simulated) -> Hashable:
     return tuple(one.properties["x"] for one in simulation.scene.objects), tuple(steps), simulation.result
 
 
-def rejection_of(failed: Failed) -> Hashable:
+def rejection_of(failed: Failed) -> tuple[Hashable, ...]:
     """Why a run was rejected, and in which time step."""
     return failed.requirement.kind, -1 if failed.step is None else failed.step
 
 
 def differences(program: DynamicProgram, policy: type[Policy] = Policy) -> str:
-    """What the oracle and the machine say differently of a program; empty if they agree."""
-    ours, theirs = law_of(program, STEPS, policy).histories, machine_law(text_of(program))
-    if theirs is None:
-        return "".join(f"\n{p} by the oracle only: {h}" for h, p in ours.items() if is_accepted(h))
+    """What the oracle and the machine say differently of a program; empty if they agree. Where all is rejected, the machine says why, not when."""
+    ours = law_of(program, STEPS, policy).histories
+    try:
+        theirs = machine_law(text_of(program))
+    except AttemptsExhausted as none:
+        kinds = {requirement.kind for requirement, _ in none.stuck if isinstance(requirement, Requirement)}
+        return "" if kinds == {h[0] for h in ours} else f"\n{set(ours)} by the oracle, rejected by the machine: {kinds}"
     found = [(h, ours.get(h, 0), theirs.get(h, 0)) for h in {**ours, **theirs} if ours.get(h, 0) != theirs.get(h, 0)]
     return "".join(f"\n{p} by the oracle, {q} by the machine: {h}" for h, p, q in found)
 
 
-def is_accepted(history: Hashable) -> bool:
+def is_accepted(history: tuple[Hashable, ...]) -> bool:
     """Whether it is a simulation, and no rejection."""
-    return isinstance(history, tuple) and len(history) == 3
+    return len(history) == 3

@@ -109,7 +109,7 @@ class Oracle(Coroutines):
                         continue
                     except Left as leaving:
                         terminated = leaving
-                        self.terminate()
+                        self.terminated_beside_others()
                         continue
                     taken += actions
                     left.append(child)
@@ -120,6 +120,10 @@ class Oracle(Coroutines):
                 children = left
         finally:
             close(children)
+
+    def terminated_beside_others(self) -> None:
+        """Set the flag now: an exception of one of the others may be caught."""
+        self.terminate()
 
     def terminate(self) -> None:
         """Set the flag."""

@@ -19,7 +19,7 @@ class TooManyRuns(Exception):
 class Law(NamedTuple):
     """The probability of each history, a rejected one being (kind of condition, time step); how often what happened, over all runs."""
 
-    histories: Mapping[Hashable, Fraction]
+    histories: Mapping[tuple[Hashable, ...], Fraction]
     happened: Counter[str]
     runs: int
 
@@ -27,7 +27,7 @@ class Law(NamedTuple):
 class Policy(Oracle):
     """A run of a program from its scene to its end."""
 
-    def history(self, limit: int) -> Hashable:
+    def history(self, limit: int) -> tuple[Hashable, ...]:
         """The values of `x` in the scene, the actions of each time step with the objects that are new in it, and the end; or why it was rejected."""
         try:
             self.top = self.scene()
@@ -142,7 +142,7 @@ class Policy(Oracle):
 
 def law_of(program: DynamicProgram, limit: int, policy: type[Policy] = Policy, most: int = 10_000) -> Law:
     """All histories of at most `limit` time steps: each choice is made in each way. Raises `TooManyRuns`."""
-    histories: dict[Hashable, Fraction] = defaultdict(Fraction)
+    histories: dict[tuple[Hashable, ...], Fraction] = defaultdict(Fraction)
     happened: Counter[str] = Counter()
     answers: tuple[int, ...] | None = ()
     runs = 0
