@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from ..inference.statistics import compare
 from ..inference.statistics.columns import leaves
 from ..inference.statistics.names import matching
 from ..scenario import Scenario
+from ..semantics.kernel.classes import view_distance
 from ..semantics.kernel.errors import AttemptsExhausted, ProgramError, UsageError
 from ..semantics.kernel.scopes import descendants
 from ..semantics.syntax import dynamics
@@ -115,6 +116,20 @@ def in_words(scenario: Scenario, settings: DiffSettings) -> list[str]:
     return [name for name, value in leaves(scene) if isinstance(value, dict) and value.keys() == {"repr"}]
 
 
+def named(scenes: Sequence[SceneRecord], scenario: Scenario) -> Sequence[SceneRecord]:
+    """The scenes with the name that the view distance has here, which others call `viewDistance` (reading `view-distance`)."""
+    distance = view_distance(scenario.readings)
+    if distance == "viewDistance":
+        return scenes
+
+    def renamed(thing: Mapping[str, Mapping[str, object]]) -> Mapping[str, object]:
+        given = thing.get("properties", {})
+        own = {distance if name == "viewDistance" else name: v for name, v in given.items()}
+        return thing if distance in given else {**thing, "properties": own}
+
+    return [{**scene, "objects": list(map(renamed, scene["objects"]))} for scene in scenes]  # type: ignore[call-overload]
+
+
 def beside(name: str, scenario: Scenario | ProgramError, drawing: ScenesThere, settings: DiffSettings, alpha: float) -> ProgramVerdict:
     """What the other implementation answered beside the program here."""
     refused = drawing.refused
@@ -127,7 +142,8 @@ def beside(name: str, scenario: Scenario | ProgramError, drawing: ScenesThere, s
             return of_verdict(name, verdict_on_none(scenario, alpha, settings.detect_tv, settings.seed, "", settings.attempts), "acceptance")
         first = dict(leaves(drawing.scenes[0]))
         ignore = [feature for feature in (*PRUNED, *settings.ignore, *in_words(scenario, settings)) if any(map(matching(feature), first))]
-        verdict = judged(drawing.scenes, scenario, alpha=alpha, detect_tv=settings.detect_tv, seed=settings.seed, ignore=ignore)
+        scenes = named(drawing.scenes, scenario)
+        verdict = judged(scenes, scenario, alpha=alpha, detect_tv=settings.detect_tv, seed=settings.seed, ignore=ignore)
         return of_verdict(name, verdict, "distribution")
     except ProgramError as error:  # in some of the runs only
         return of_errors(name, error, refused)

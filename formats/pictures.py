@@ -183,7 +183,8 @@ def draw_view(axes: Axes, ego: SceneObject, window: Window) -> None:
     """Ego's visible region, the sector of its view angle and view distance, unless it is all that one sees."""
     from matplotlib.patches import Polygon
 
-    distance, angle = number(ego.properties.get("viewDistance")), number(ego.properties.get("viewAngle"))
+    reach = ego.properties.get("visibleDistance", ego.properties.get("viewDistance"))  # reading `view-distance`
+    distance, angle = number(reach), number(ego.properties.get("viewAngle"))
     if distance is None or angle is None:
         return
     x, y = ego.position

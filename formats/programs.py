@@ -75,7 +75,7 @@ def written(o: SceneObject, pair: str) -> tuple[list[str], list[str]]:
     return specifiers, comments
 
 
-DEFAULTS = {**built_in_defaults(OBJECT_CLASS), "width": 1.0, "length": 1.0}
+DEFAULTS = {**built_in_defaults(OBJECT_CLASS), "visibleDistance": 50, "width": 1.0, "length": 1.0}
 
 
 def text_of(value: object) -> str:

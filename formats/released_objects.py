@@ -19,7 +19,7 @@ class Object:
             raise AttributeError(name)
         if name in ("x", "y") and name not in self._object.properties:
             return getattr(self._object.position, name)
-        if name == "visibleDistance":
+        if name == "visibleDistance" and name not in self._object.properties:
             name = "viewDistance"
         try:
             return self._object[name]

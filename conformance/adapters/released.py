@@ -35,7 +35,7 @@ from scenic.core.vectors import Vector  # noqa: E402
 THREE = not hasattr(translator, "constructorStatements")
 DIALECT = "scenic-3" if THREE else "scenic-2.1"
 SPELLED = {"visibleDistance": "viewDistance"}
-"""Properties of the release under the paper's names."""
+"""Properties of the release under the paper's names, where a program does not have one of that name besides."""
 
 
 def plain(value, depth=0):
@@ -68,9 +68,12 @@ def object_json(number, thing, names):
     properties = {}
     for name in sorted(name for name in thing.properties if not name.startswith("_")):
         try:
-            properties[SPELLED.get(name, name)] = plain(getattr(thing, name))
+            properties[name] = plain(getattr(thing, name))
         except Exception:  # a property that cannot be had is left out
             continue
+    for name, spelled in SPELLED.items():
+        if name in properties and spelled not in properties:
+            properties[spelled] = properties.pop(name)
     for own in ("position", "heading", "width", "length"):
         properties.pop(own, None)
     return {

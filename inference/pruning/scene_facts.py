@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from ...semantics.kernel.classes import view_distance
 from ...semantics.kernel.config import State
 from ...semantics.kernel.values import Instance, unwrap
 from ...semantics.scenes.default_requirements import default_requirements, in_region_of_its_own, in_workspace, visible, workspace_of
@@ -66,7 +67,7 @@ def default_distances(state: State) -> Iterator[Near]:
         viewer, seen = position_of(state, ego), position_of(state, o)
         if ego is not o and viewer is not None and seen is not None:
             sizes = [bounds_of_value(property_of(state, o, n)).largest / 2 for n in ("width", "length")]
-            distance = bounds_of_value(property_of(state, ego, "viewDistance")).high + math.hypot(*sizes)
+            distance = bounds_of_value(property_of(state, ego, view_distance(state.settings.readings))).high + math.hypot(*sizes)
             if math.isfinite(distance):
                 yield Near(viewer, seen, max(distance, 0.0))
 

@@ -17,16 +17,21 @@ from .versions import Versions
 EMPTY = Scope("builtins", Versions())
 
 
-SPELLINGS: Mapping[str, Mapping[str, str]] = {
-    "length": {"height": "length", "visibleDistance": "viewDistance"},
-    "own": {"visibleDistance": "viewDistance"},
-}
-"""Second spellings of properties (reading `view-distance`), by the alternatives of the reading `height`."""
+SPELLINGS: Mapping[str, tuple[str, str]] = {"height": ("height", "length"), "visibleDistance": ("view-distance", "viewDistance")}
+"""Second spellings of properties: the reading that knows of one, and the alternative under which it is one, which is the first spelling."""
 
 
-def canonical(name: str, height: str) -> str:
-    """The property that a name stands for, under an alternative of the reading `height`."""
-    return SPELLINGS[height].get(name, name)
+def canonical(name: str, readings: Mapping[str, str]) -> str:
+    """The property that a name stands for (readings `height` and `view-distance`)."""
+    if name not in SPELLINGS:
+        return name
+    reading, first = SPELLINGS[name]
+    return first if readings[reading] == first else name
+
+
+def view_distance(readings: Mapping[str, str]) -> str:
+    """The property that says how far a Point sees (reading `view-distance`)."""
+    return "viewDistance" if readings["view-distance"] == "viewDistance" else "visibleDistance"
 
 
 def _constant(value: object) -> Constant:
@@ -89,15 +94,23 @@ OBJECT_CLASS = ScenicClass(
 
 BUILT_IN_CLASSES: Mapping[str, ScenicClass] = {c.name: c for c in (POINT_CLASS, ORIENTED_POINT_CLASS, OBJECT_CLASS)}
 
+VIEW_DISTANCES = ("viewDistance", "visibleDistance")
+"""Under one reading `view-distance` there is the first alone; under the other the second, and the first is a name like any other."""
 VECTOR_PROPERTIES = frozenset({"position", "velocity"})
 SCALAR_PROPERTIES = frozenset(
-    {"heading", "width", "length", "viewDistance", "viewAngle", "speed", "angularSpeed", "mutationScale", "positionStdDev", "headingStdDev"}
+    {"heading", "width", "length", *VIEW_DISTANCES, "viewAngle", "speed", "angularSpeed", "mutationScale", "positionStdDev", "headingStdDev"}
 )
 BOOLEAN_PROPERTIES = frozenset({"allowCollisions", "requireVisible"})
-NON_NEGATIVE_PROPERTIES = frozenset({"width", "length", "viewDistance", "viewAngle", "mutationScale", "positionStdDev", "headingStdDev"})
+NON_NEGATIVE_PROPERTIES = frozenset({"width", "length", *VIEW_DISTANCES, "viewAngle", "mutationScale", "positionStdDev", "headingStdDev"})
 
 
 @cache
-def built_in_defaults(class_: ScenicClass) -> Mapping[str, object]:
-    """The default values of Point and OrientedPoint, which are constants."""
-    return {name: default.value for name, (default, _) in class_.defaults.items() if isinstance(default, Constant)}
+def built_in_defaults(class_: ScenicClass, distance: str = "viewDistance") -> Mapping[str, object]:
+    """The default values of a built-in class that are constants; `distance` says how far a Point sees."""
+    renamed = {"viewDistance": distance}
+    return {renamed.get(name, name): default.value for name, (default, _) in class_.defaults.items() if isinstance(default, Constant)}
+
+
+def defaults_of(class_: ScenicClass, readings: Mapping[str, str]) -> Mapping[str, tuple[Node, ScenicClass]]:
+    """The most-derived default value expression of every property, with the class that it stands in (reading `view-distance`)."""
+    return class_.defaults if readings["view-distance"] == "viewDistance" else class_.defaults_in_releases

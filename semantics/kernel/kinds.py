@@ -20,6 +20,7 @@ from ..space.symbols import Symbol
 from ..space.vectors import Vector
 from ..syntax.nodes import Span
 from .budget import PLAIN
+from .classes import view_distance
 from .config import State
 from .errors import RunError
 from .values import Dynamic, Instance, Origin, Random, ScenicClass, each, plain, unwrap, wrap
@@ -67,8 +68,8 @@ class View:
 
     @property
     def view_distance(self) -> float:
-        """Metres."""
-        return self.reader.property(self.instance, "viewDistance")  # type: ignore[return-value]
+        """Metres (reading `view-distance`)."""
+        return self.reader.property(self.instance, view_distance(self.reader.state.settings.readings))  # type: ignore[return-value]
 
     @property
     def view_angle(self) -> float:

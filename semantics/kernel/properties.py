@@ -15,6 +15,8 @@ from .values import Instance, Random, unwrap
 
 def checked_property(name: str, assigned: object, place: Span, source: str, state: State) -> object:
     """`assigned` as a value of the property: interpreted as its kind, or an error at `place` that names the specifier `source`."""
+    if name == "viewDistance" and state.reading("view-distance") == "own":
+        name = "a name like any other"
     if type(assigned) is int and assigned >= 0 and name in SCALAR_PROPERTIES:
         return assigned
     if name in VECTOR_PROPERTIES:

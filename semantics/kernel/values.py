@@ -176,6 +176,12 @@ class ScenicClass:
         """The most-derived default value expression of every property, with the class that it stands in."""
         return {name: (value, c) for c in reversed(self.lineage) for name, value in c.own_defaults.items()}
 
+    @cached_property
+    def defaults_in_releases(self) -> Mapping[str, tuple[Node, ScenicClass]]:
+        """The same where Point has `visibleDistance` in place of `viewDistance` (reading `view-distance`)."""
+        own = {"viewDistance": "visibleDistance"}
+        return {own.get(name, name) if c.built_in else name: (v, c) for c in reversed(self.lineage) for name, v in c.own_defaults.items()}
+
     def is_subclass_of(self, other: ScenicClass) -> bool:
         """Whether `other` is this class or one above it."""
         return other in self.lineage

@@ -191,10 +191,10 @@ def set_attribute(subject: object, name: str, assigned: object, node: Node, stat
     inner = subject
     match inner:
         case Instance():
-            refuse_controlled(inner, canonical(name, state.reading("height")), node, state)
+            refuse_controlled(inner, canonical(name, state.settings.readings), node, state)
             unwrap(assigned)  # it may not wait for a position
-            checked = checked_property(canonical(name, state.reading("height")), assigned, node.span, f".{name} =", state)
-            return state.with_properties(inner, {canonical(name, state.reading("height")): checked})
+            checked = checked_property(canonical(name, state.settings.readings), assigned, node.span, f".{name} =", state)
+            return state.with_properties(inner, {canonical(name, state.settings.readings): checked})
         case Module():
             inner.scope.put(name, assigned)
             return state

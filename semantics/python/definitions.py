@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from ..kernel.allowed import MARK, OVERRIDES, is_base, is_hidden, may_override
-from ..kernel.classes import OBJECT_CLASS, canonical
+from ..kernel.classes import OBJECT_CLASS, canonical, defaults_of
 from ..kernel.config import Abrupt, Config, Stack, State
 from ..kernel.errors import CheckError, RunError
 from ..kernel.host import HostException
@@ -68,7 +68,7 @@ def resume_class_body(frame: ClassBody, result: object, stack: Stack, state: Sta
     state.settings.door.state = state  # an enumeration may run functions of the program when it is made
     above = frame.superclasses
     is_scenic = isinstance(above[0], ScenicClass)
-    made = make_scenic_class(node, above, members, frame.outer, state.reading("height")) if is_scenic else make_python_class(node, above, members)  # type: ignore[arg-type]
+    made = make_scenic_class(node, above, members, frame.outer, state.settings.readings) if is_scenic else make_python_class(node, above, members)  # type: ignore[arg-type]
     frame.outer.bind(node.name, made)
     return done("S-Class", node, stack, outer, Change("σ", node.name, made))
 
@@ -79,24 +79,24 @@ def unwind_class_body(frame: ClassBody, abrupt: Abrupt, stack: Stack, state: Sta
 
 
 def make_scenic_class(
-    node: s.ClassDefinition, superclasses: tuple[ScenicClass, ...], members: Mapping[str, object], scope: Scope, height: str
+    node: s.ClassDefinition, superclasses: tuple[ScenicClass, ...], members: Mapping[str, object], scope: Scope, readings: Mapping[str, str]
 ) -> ScenicClass:
     """The class with its own default value expressions; they are evaluated for each object."""
     try:
         inheriting = ScenicClass(node.name, superclasses, {}, scope)
-        inherited = inheriting.defaults
+        inherited = defaults_of(inheriting, readings)
     except TypeError as exception:
         raise HostException(exception) from None
     defaults: dict[str, Node] = {}
-    check_finals(node, inheriting, height)
+    check_finals(node, inheriting, readings)
     for default in node.properties:
-        name = canonical(default.name, height)
+        name = canonical(default.name, readings)
         if name in defaults:
             raise CheckError(f"the property {name} has two defaults in class {node.name}", default.span)
         defaults[name] = all_of(default, name, inheriting.lineage[1:], scope) if "additive" in default.attributes else default.value
     for name in members:
-        if canonical(name, height) in inherited:
-            owner = inherited[canonical(name, height)][1]
+        if canonical(name, readings) in inherited:
+            owner = inherited[canonical(name, readings)][1]
             raise RunError(
                 f"{name} is a property of {owner.name}, and `=` does not give it a default", node.span, rule="S-Class", hint=f"write {name}: ..."
             )
@@ -105,13 +105,13 @@ def make_scenic_class(
             f"the Scenic class {node.name} has no __init__: its objects are made from specifiers", node.span, rule="S-Class",
             hint=f"for a Python class write class {node.name}(object):",
         )
-    finals = frozenset(canonical(d.name, height) for d in node.properties if "final" in d.attributes)
+    finals = frozenset(canonical(d.name, readings) for d in node.properties if "final" in d.attributes)
     return ScenicClass(node.name, superclasses, defaults, scope, dict(members), node.span, own_finals=finals)
 
 
-def check_finals(node: s.ClassDefinition, inheriting: ScenicClass, height: str) -> None:
+def check_finals(node: s.ClassDefinition, inheriting: ScenicClass, readings: Mapping[str, str]) -> None:
     """The released Scenic 3: no class before another one in the lineage gives a default to a final property of that one."""
-    own = {canonical(default.name, height): default.span for default in node.properties}
+    own = {canonical(default.name, readings): default.span for default in node.properties}
     lineage = inheriting.lineage
     for i, owner in enumerate(lineage):
         for name in sorted(owner.own_finals):

@@ -190,7 +190,7 @@ def attribute_is(node: Node, result: object, stack: Stack, state: State) -> Outc
 def shared_method(subject: Random, name: str, state: State) -> Method | None:
     """A method of the program that all instances have among which a draw chose: which one runs is then not random."""
     support = subject.origin.distribution.support() if subject.origin.distribution is not None else None
-    if support is None or not isinstance(subject.value, Instance) or canonical(name, state.reading("height")) in state.objects[subject.value.number]:
+    if support is None or not isinstance(subject.value, Instance) or canonical(name, state.settings.readings) in state.objects[subject.value.number]:
         return None
     found = {plain(v).class_.method(name) if isinstance(plain(v), Instance) else None for v, _ in support}  # type: ignore[attr-defined]
     method = found.pop() if len(found) == 1 else None
@@ -259,7 +259,7 @@ def get_host_attribute(subject: object, name: str, node: p.Attribute, state: Sta
 def instance_attribute(instance: Instance, name: str, state: State) -> object:
     """O(instance.name), or a method of its class."""
     properties = state.objects[instance.number]
-    result = properties.get(canonical(name, state.reading("height")), MISSING)
+    result = properties.get(canonical(name, state.settings.readings), MISSING)
     if result is not MISSING:
         return result
     found = instance.class_.method(name)

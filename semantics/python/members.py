@@ -265,7 +265,7 @@ def member(subject: object, name: str, state: State) -> tuple[Rewrite, bool] | N
     inner = plain(subject)
     match inner:
         case Instance():
-            if canonical(name, state.reading("height")) in state.objects[inner.number] or inner.class_.method(name) is not None:
+            if canonical(name, state.settings.readings) in state.objects[inner.number] or inner.class_.method(name) is not None:
                 return None
             attributes = {**AXES, **SEEING, **(SIDES if is_object(inner) else {})}
             methods = OF_OBJECTS if is_object(inner) else OF_ORIENTED_POINTS if is_oriented(inner) else OF_POINTS

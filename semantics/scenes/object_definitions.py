@@ -15,6 +15,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
+from ..kernel.classes import defaults_of
 from ..kernel.config import Abrupt, Config, Stack, State, Value, reduce, value
 from ..kernel.errors import RunError
 from ..kernel.kinds import OrientedPointAt, Reader, is_object, kind_name
@@ -111,7 +112,8 @@ def resolve(class_: ScenicClass, node: e.ObjectDefinition, values: list[object],
         if final:
             text = f"the property {min(final)} of {class_.name} is final: no specifier may specify it"
             raise RunError(text, one.node.span, rule="E-ObjectDefinition")
-    defaults = {name: default_specification(name, expression, owner, state) for name, (expression, owner) in class_.defaults.items()}
+    readable = defaults_of(class_, state.settings.readings)
+    defaults = {name: default_specification(name, expression, owner, state) for name, (expression, owner) in readable.items()}
     known = frozenset(defaults) if state.reading("optional-unknown") == "ignore" else None
     absent = frozenset({"width", "length"}) if state.reading("point-size") == "zero" else frozenset()
     order = resolve_specifiers(node.span, specifications, defaults, known, absent)
@@ -211,7 +213,7 @@ def evaluate_default(frame: Construction, stack: Stack, state: State) -> Outcome
     found = axiom(node, state) if type(node) is p.Constant else NOT_AN_AXIOM
     if found is not NOT_AN_AXIOM:
         return assign("P-Default", sp.default_value(name, found), stack, state)
-    owner = frame.instance.class_.defaults[name][1]
+    owner = defaults_of(frame.instance.class_, state.settings.readings)[name][1]
     if state.depth >= LARGEST_DEPTH:
         text = f"the class {owner.name} creates objects of its own kind in its default of {name}, without end"
         raise RunError(text, node.span, rule="E-ObjectDefinition")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-from ..kernel.classes import ORIENTED_POINT_CLASS, built_in_defaults
+from ..kernel.classes import ORIENTED_POINT_CLASS, built_in_defaults, view_distance
 from ..kernel.config import Config, Stack, State, Value, value
 from ..kernel.errors import RunError, ScenicError
 from ..kernel.host import DoorStuck, HostException
@@ -157,7 +157,7 @@ def new_oriented_point(at: OrientedPointAt, reader: Reader, state: State) -> tup
     """OrientedPoint(position, heading) as an instance with the class's other default values; it is no part of the scene."""
     number = state.made
     point = Instance(number, ORIENTED_POINT_CLASS)
-    properties = dict(built_in_defaults(ORIENTED_POINT_CLASS))
+    properties = dict(built_in_defaults(ORIENTED_POINT_CLASS, view_distance(state.settings.readings)))
     properties["position"] = reader.wrap(at.position)
     if at.heading is not None:
         properties["heading"] = reader.wrap(heading_property(at.heading, reader))

@@ -37,7 +37,7 @@ def describe(node: Node, arguments: Sequence[object], state: State) -> Specifica
     name, late = sp.specifier_name(node), any(map(waits, arguments))
     waiting = ("position",) if late else ()
     if isinstance(node, q.WithSpecifier):
-        return Specification(node, name, (canonical(node.property, state.reading("height")),), (), waiting, None, tuple(arguments), waits=late)
+        return Specification(node, name, (canonical(node.property, state.settings.readings),), (), waiting, None, tuple(arguments), waits=late)
     forms = forms_under(node, state)
     if late:
         form = forms[0]
@@ -70,11 +70,13 @@ def choose_form(node: Node, forms: tuple[sp.Form, ...], arguments: Sequence[obje
 
 def default_specification(name: str, expression: Node, owner: ScenicClass, state: State) -> Specification:
     """A default value expression as a specifier: its dependencies are the properties it mentions as `self.property`."""
-    return _default_specification(name, ByIdentity(expression), owner.name, state.reading("height"))
+    readings = state.settings.readings
+    return _default_specification(name, ByIdentity(expression), owner.name, readings["height"], readings["view-distance"])
 
 
 @lru_cache(maxsize=65536)
-def _default_specification(name: str, key: ByIdentity, owner: str, height: str) -> Specification:
+def _default_specification(name: str, key: ByIdentity, owner: str, height: str, distance: str) -> Specification:
+    readings = {"height": height, "view-distance": distance}
     attributes = (n for n in descendants(key.node) if isinstance(n, p.Attribute))
-    mentioned = dict.fromkeys(canonical(n.name, height) for n in attributes if isinstance(n.value, p.Name) and n.value.name == "self")
+    mentioned = dict.fromkeys(canonical(n.name, readings) for n in attributes if isinstance(n.value, p.Name) and n.value.name == "self")
     return Specification(key.node, f"default {name} of {owner}", (name,), (), tuple(mentioned), None, None, is_default=True)

@@ -14,7 +14,7 @@ class Car:
     width: 2
     length: 4.5
     speed: 0
-    viewDistance: 100
+    visibleDistance: 100
     regionContainedIn: None
 
     # The paper names these two; here all that is near counts.

@@ -148,8 +148,8 @@ FAULTS = (
         "a default evaluated once per class",
         (
             Edit(
-                "semantics/scenes/object_definitions.py", "    owner = frame.instance.class_.defaults[name][1]\n",
-                "    owner = frame.instance.class_.defaults[name][1]\n"
+                "semantics/scenes/object_definitions.py", "    owner = defaults_of(frame.instance.class_, state.settings.readings)[name][1]\n",
+                "    owner = defaults_of(frame.instance.class_, state.settings.readings)[name][1]\n"
                 "    once = ONCE.get((id(owner), name))\n"
                 "    if once is not None:\n"
                 '        return assign("P-Default", sp.default_value(name, once[1]), stack, state)\n',
@@ -158,7 +158,7 @@ FAULTS = (
                 "semantics/scenes/object_definitions.py", "    construction, rest = stack\n",
                 "    construction, rest = stack\n"
                 "    name = construction.specification.specifies[0]\n"
-                "    owner = construction.instance.class_.defaults[name][1]\n"
+                "    owner = defaults_of(construction.instance.class_, state.settings.readings)[name][1]\n"
                 "    if not owner.built_in:\n"
                 "        ONCE[id(owner), name] = (owner, result)\n",
             ),

@@ -117,7 +117,7 @@ EXPECTED: Mapping[str, Mapping[str, Expectation]] = {
     "offset-by": {"local": Gives([Vector(-5, 0)]), "global": Gives([Vector(0, 5)])},
     "oriented-offset": {"local": Gives([math.sqrt(50)]), "global": Gives([0])},
     "height": {"length": Gives([Vector(0, -2), Vector(9, -2), 4]), "own": Gives([Vector(0, -2), Vector(9, -0.5), 0])},
-    "view-distance": {"viewDistance": Gives([5, 60, True])},
+    "view-distance": {"viewDistance": Gives([5, True, False, 20, 20]), "own": Gives([5, True, True, 20, 50])},
     "mutate-color": {
         "no": Chance(0, lambda s: s.ego["color"] != (0.5, 0.5, 1), rivals=(1,)),
         "yes": Chance(Φ(-1), lambda s: s.ego["color"][0] == 0, rivals=(0,), always=lambda s: max(s.ego["color"]) <= 1),  # type: ignore[index, arg-type]

@@ -6,8 +6,9 @@ from importlib import import_module
 from importlib.resources import files
 
 import pytest
+import scenic_ref
 from scenic_ref.interpreter.parser import parse
-from scenic_ref.semantics.kernel.errors import UsageError
+from scenic_ref.semantics.kernel.errors import ProgramError, UsageError
 from scenic_ref.semantics.readings import PROFILES, READINGS, Reading, select
 from scenic_ref.semantics.readings.loading import FILES, readings_in
 
@@ -152,3 +153,21 @@ def test_unknown_names_are_usage_errors_with_a_hint(profile: str, chosen: dict[s
     with pytest.raises(UsageError) as error:
         select(profile, chosen)
     assert error.value.hint == hint
+
+
+OWN = {"view-distance": "own"}
+
+
+def test_in_the_releases_view_distance_is_a_name_like_any_other() -> None:
+    program = (
+        "class C:\n    viewDistance: 'far'\n    visibleDistance: self.reach * 2\n    reach: 4\n"
+        "p = OrientedPoint at (0, 0)\nego = C at p offset by (0, 1)\nparam side = (front of ego).visibleDistance"
+    )
+    scene = scenic_ref.loads(program, readings=OWN).sample()
+    assert (scene.ego["viewDistance"], scene.ego["visibleDistance"], scene.params["side"]) == ("far", 8, 50)
+
+
+@pytest.mark.parametrize("read", [", with visibleDistance -1", "\nparam x = ego.viewDistance"])
+def test_in_the_releases_visible_distance_is_the_property(read: str) -> None:
+    with pytest.raises(ProgramError, match="Distance"):
+        scenic_ref.loads(f"ego = Object at (0, 0){read}", readings=OWN).sample()

@@ -158,7 +158,8 @@ class Suggested:
     def view_margin(self, i: int, table: FeatureTable) -> np.ndarray | None:
         """View distance less distance from ego to the box."""
         ego, pose = pose_of(table.arrays, self.template.ego_id), pose_of(table.arrays, i)
-        reach = table.arrays.get(f"objects[{self.template.ego_id}].properties.viewDistance")
+        own = f"objects[{self.template.ego_id}].properties"
+        reach = table.arrays.get(f"{own}.visibleDistance", table.arrays.get(f"{own}.viewDistance"))  # reading `view-distance`
         if ego is None or pose is None or len(pose) < 5 or reach is None or reach.dtype != np.float64:
             return None
         return reach - np.asarray(distance_to_box(*box_of(pose), Vector(ego[0], ego[1])))  # type: ignore[arg-type]
