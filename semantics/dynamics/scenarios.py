@@ -112,7 +112,8 @@ def setup(definition: d.ScenarioDefinition, node: Node, stack: Stack, state: Sta
 def resume_setting(frame: Setting, result: object, stack: Stack, state: State) -> Outcome:
     """The block ended: mutate its objects and check the requirements about them (reading `dynamic-objects`); then on with the next scenario."""
     simulation = simulation_of(state)
-    if frame.in_block and (len(state.scene) > frame.objects or (simulation.egoless and state.ego is not None)):
+    checked = frame.in_block and state.reading("dynamic-objects") == "setup-end"
+    if checked and (len(state.scene) > frame.objects or (simulation.egoless and state.ego is not None)):
         return apply_termination_rules((frame._replace(stage="default requirements"), stack), state, since=frame.objects)
     number = simulation.begun
     running = scenario_from(number, frame.invocations[frame.i], state.sigma, state.dynamic, state.depth + 1, simulation.step)

@@ -31,6 +31,7 @@ SHOWN: dict[tuple[str, str], list[object]] = {
     ("do-until-zero", "nothing"): [2, *NOTHING[1:], LIMIT],
     ("invariant-while-interrupted", "on-resume"): [*NOTHING, LIMIT],
     ("dynamic-objects", "setup-end"): REJECTED,
+    ("dynamic-objects", "unchecked"): [*NOTHING, LIMIT],
     ("time-limit", "required"): REJECTED,
     ("override-stack", "reverse"): [None, None, "terminated"],
     ("terminate-when-start", "first"): ["terminated"],
