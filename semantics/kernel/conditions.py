@@ -115,10 +115,10 @@ def random_branch(result: Random, node: Node, what: str) -> RandomBranch:
 def holding(result: object, span: Span, state: State, what: str, rule: str) -> object:
     """Whether the condition of a requirement, guard, interrupt or end holds, perhaps as a symbol: a boolean, in this run where it is random.
 
-    An instance of a Python class of the program is as true as it says. Raises `RunError` for anything else.
+    An instance of a Python class of the program is as true as it says. Raises `RunError` for anything else (reading `condition-truth`).
     """
     inner = plain(result)
-    holds = plain(host(state.settings.door, state, bool, result)) if is_user_made(inner) else inner
+    holds = truth_of(result, state) if is_user_made(inner) or state.reading("condition-truth") == "any" else inner
     if not is_truth(holds):
         raise RunError(f"{what} must be a boolean, not {kind_name(result)}", span, rule=rule, hint="compare it with something")
     return holds

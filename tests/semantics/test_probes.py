@@ -196,6 +196,10 @@ EXPECTED: Mapping[str, Mapping[str, Expectation]] = {
     },
     "pairs": {"vector": Gives([[4, 6], [2, 4]]), "tuple": Gives([[1, 2, 3, 4], [1, 2, 1, 2]])},
     "boundaries": {"tolerance": Gives([True, False])},
+    "condition-truth": {
+        "boolean": Fails(errors.RunError, "S-Require"),
+        "any": Chance(1 / 2, lambda s: s.ego["x"] == 1, rivals=(1 / 3,), attempts=1.5, always=lambda s: s.ego["x"] != 0),
+    },
     "set-order": {"insertion": Gives([["pear", "apple", "plum"]])},
     "workspace-value": {"region": Gives([0])},
     "combined-orientation": {"first": Gives([0.5])},
