@@ -22,6 +22,7 @@ from ..semantics.space.distributions import Distribution, PointIn
 from ..semantics.space.vectors import Vector
 from ..semantics.syntax import Program
 from ..semantics.syntax import statements as s
+from .pickling import Condition
 
 if TYPE_CHECKING:
     from .scenario import Scenario
@@ -33,6 +34,7 @@ CONTRADICTION = "what is given contradicts itself"
 def conditioned(scenario: Scenario, scene: Scene | None, objects: Iterable[int] | None, params: Mapping[str, object]) -> Scenario:
     """`Scenario.condition_on`. Raises `UsageError`, and the errors that the program has given all this."""
     check_law(scenario)
+    objects = tuple(objects) if isinstance(objects, Iterable) else objects
     first = scenario
     while first.conditioned_from is not None:
         first = first.conditioned_from
@@ -54,7 +56,7 @@ def conditioned(scenario: Scenario, scene: Scene | None, objects: Iterable[int] 
     for name in ("settings", "constants", "facts", "pruning", "_lifted"):
         found.__dict__.pop(name, None)
     found.draws, found.factorised, found._rehearsed = AS_THEY_ARE, False, False  # pyright: ignore[reportPrivateUsage]
-    found.conditioned_from = scenario
+    found.conditioned_from, found.condition = scenario, Condition(scene, objects, dict(params))
     found.given = GivenValues(together(known), {**scenario.given.params, **required})
     if (params or scenario.given.params) and found.impossible is not None:
         raise UsageError(f"with what is given, {found.impossible.message}")

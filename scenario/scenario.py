@@ -50,6 +50,7 @@ from .checking import check_whole
 from .conditioning import conditioned
 from .constants import constants_of, facts_of
 from .for_pyro import pyro_for
+from .pickling import Condition, Portable
 
 if TYPE_CHECKING:
     from ..inference.batch.tensors.margins import Margins
@@ -60,7 +61,7 @@ FEW = 10
 """For fewer scenes than this a graph is not worth its time."""
 
 
-class Scenario:
+class Scenario(Portable):
     """A loaded program.
 
     `profile` and `readings` choose among the readings of the paper; `params` are global parameters that win over the
@@ -85,6 +86,7 @@ class Scenario:
         self.device: str | None = None
         self.given = GivenValues()
         self.conditioned_from: Scenario | None = None
+        self.condition: Condition | None = None
         self._rehearsed = False
         check(program)
 
