@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 from ..interpreter.dialects import DEFAULT, choose
 from ..interpreter.printer import parameter_name
 from ..semantics.kernel.classes import BUILT_IN_CLASSES, OBJECT_CLASS, built_in_defaults
 from ..semantics.kernel.sets import Set
-from ..semantics.kernel.values import unwrap
+from ..semantics.kernel.values import Instance, unwrap
 from ..semantics.python.builtins import BUILTINS
 from ..semantics.python.texts import stable_repr
 from ..semantics.space.regions import CircularRegion, RectangularRegion, SectorRegion, Workspace
@@ -23,56 +23,122 @@ class Unwritten(Exception):
     """A value that no expression gives."""
 
 
+class Writing(NamedTuple):
+    """How values are written: a tuple of two, and the objects that have been made so far, by their numbers in the run."""
+
+    pair: str
+    names: dict[int, str]
+
+
 def program_of(scene: Scene, dialect: str = DEFAULT) -> str:
-    """The text of a program whose one scene has the objects, properties and parameters of `scene`. Raises `UsageError` for an unknown dialect."""
+    """The text of a program whose one scene has the objects, properties and parameters of `scene`. Raises `UsageError` for an unknown dialect.
+
+    A property that holds an object made later is assigned when all are made.
+    """
     syntax = choose("", dialect)
-    new, pair = "new " if syntax.explicit_new else "", "tuple([{}])" if syntax.intervals else "({})"
+    new, known = "new " if syntax.explicit_new else "", Writing("tuple([{}])" if syntax.intervals else "({})", {})
     lines = [] if dialect == DEFAULT else [f"# dialect: {dialect}"]
     classes = dict.fromkeys(o.class_name for o in scene.objects if o.class_name not in BUILT_IN_CLASSES)
     for name in classes:
         lines += [f"class {name}:", "    pass"]
-    lines += optional("workspace = ", scene.workspace, pair) if scene.workspace.bounds() is not None else []
+    lines += optional("workspace = ", scene.workspace, known) if scene.workspace.bounds() is not None else []
     taken = {*classes, *BUILTINS, "ego", "workspace"}
-    for o in scene.objects:
-        own, comments = written(o, pair)
-        name = o.name if o.name and o.name not in taken else "ego" if o.id == scene.ego_id else ""
+    own_names = [o.name if o.name and o.name not in taken else "ego" if o.id == scene.ego_id else "" for o in scene.objects]
+    called = references(scene, own_names, taken)
+    later: list[tuple[str, object]] = []
+    for o, own_name in zip(scene.objects, own_names, strict=True):
+        reference = called.get(o.made)
+        name = own_name or reference or ""
+        own, comments, awaiting = written(o, known, called, released=syntax.released)
         if o.name and o.name != name:
             comments.append(f"# {o.class_name}: its name was {o.name}")
         lines += [*comments, f"{name} = {new}{o.class_name} {', '.join(own)}" if name else f"{new}{o.class_name} {', '.join(own)}"]
-        if name != "ego" and o.id == scene.ego_id:
-            lines.append(f"ego = {name}")
-    for name, value in scene.params.items():
-        lines += optional(f"param {parameter_name(name)} = ", value, pair)
+        lines += [f"ego = {name}"] if name != "ego" and o.id == scene.ego_id else []
+        if reference is not None and o.made is not None:
+            lines += [f"{reference} = {name}"] if reference != name else []
+            known.names[o.made] = reference
+        later += [(f"{reference}.{property} = ", o.properties[property]) for property in awaiting]
+    for begin, value in (*later, *((f"param {parameter_name(name)} = ", value) for name, value in scene.params.items())):
+        lines += optional(begin, value, known)
     return "\n".join(lines) + "\n"
 
 
-def optional(begin: str, value: object, pair: str) -> list[str]:
+def references(scene: Scene, names: Sequence[str], taken: set[str]) -> dict[int | None, str]:
+    """Under which name to refer to an object, by its number in the run, for those that others hold, or that hold one made later (or themselves).
+
+    That is its own name where it has one to itself.
+    """
+    wanted = set(numbers_in(list(scene.params.values())))
+    before: set[int | None] = set()
+    made = {o.made for o in scene.objects if o.made is not None}
+    for o in scene.objects:
+        held = made.intersection(numbers_in(list(o.properties.values())))
+        wanted |= held
+        if not held <= before and o.made is not None:
+            wanted.add(o.made)
+        before.add(o.made)
+    found: dict[int | None, str] = {}
+    used = {*taken, *names}
+    for o, name in zip(scene.objects, names, strict=True):
+        if o.made is None or o.made not in wanted:
+            continue
+        if not name or names.count(name) > 1:
+            name = next(n for n in (f"{base}{o.id}" for base in ("object_", "object__", "object___")) if n not in used)
+        found[o.made] = name
+    return found
+
+
+def numbers_in(value: object) -> Iterator[int]:
+    """The numbers of the instances that a value holds, however deep."""
+    match value:
+        case Instance(number=number):
+            yield number
+        case dict():
+            for key, item in value.items():
+                yield from (*numbers_in(key), *numbers_in(item))
+        case list() | tuple() | Set():
+            for item in value:
+                yield from numbers_in(item)
+        case _:
+            pass
+
+
+def optional(begin: str, value: object, known: Writing) -> list[str]:
     """The line of a statement about a value, or a comment that says what is missing."""
     try:
-        return [f"{begin}{expression(value, pair)}"]
+        return [f"{begin}{expression(value, known)}"]
     except Unwritten:
         return [f"# {begin}{text_of(value)}"]
 
 
-def written(o: SceneObject, pair: str) -> tuple[list[str], list[str]]:
-    """The specifiers of an object, for what is not the built-in default, and comments for properties that no expression gives."""
-    x, y = (expression(v, pair) for v in o.position)
-    specifiers = [f"at ({x}, {y})", f"facing {expression(o.heading, pair)}"]
+def written(o: SceneObject, known: Writing, called: Mapping[int | None, str], *, released: bool) -> tuple[list[str], list[str], list[str]]:
+    """The specifiers of an object, for what is not the built-in default, comments for properties that no expression gives, and the names of those
+    that hold objects made later, which are None at first.
+    """
+    x, y = (expression(v, known) for v in o.position)
+    specifiers = [f"at ({x}, {y})", f"facing {expression(o.heading, known)}"]
     comments: list[str] = []
+    awaiting: list[str] = []
     values = {"width": o.width, "length": o.length, **o.properties}
     for name, value in values.items():
         default = DEFAULTS.get(name, Unwritten)
         if type(value) is type(default) and value == default:
             continue
+        spelled = "visibleDistance" if released and name == "viewDistance" and "visibleDistance" not in values else name
+        numbers = set(numbers_in(value))
+        if numbers and numbers <= called.keys() and not numbers <= known.names.keys():
+            awaiting.append(name)
+            specifiers.append(f"with {spelled} None")
+            continue
         try:
-            text = expression(value, pair)
+            text = expression(value, known)
         except Unwritten:
             text = ""
         if text and name != "mutationScale":  # which would add noise again
-            specifiers.append(f"with {name} {text}")
+            specifiers.append(f"with {spelled} {text}")
         else:
             comments.append(f"# {o.name or o.class_name}: {name} was {text_of(value)}")
-    return specifiers, comments
+    return specifiers, comments, awaiting
 
 
 DEFAULTS = {**built_in_defaults(OBJECT_CLASS), "visibleDistance": 50, "width": 1.0, "length": 1.0}
@@ -83,13 +149,15 @@ def text_of(value: object) -> str:
     return " ".join(stable_repr(unwrap(value)[0]).split())
 
 
-def expression(value: object, pair: str) -> str:
-    """An expression of the language with this value; `pair` is how a tuple of two is written. Raises `Unwritten`."""
+def expression(value: object, known: Writing) -> str:
+    """An expression of the language with this value. Raises `Unwritten`."""
 
     def inside(values: Iterable[object]) -> str:
-        return ", ".join(expression(v, pair) for v in values)
+        return ", ".join(expression(v, known) for v in values)
 
     match value:
+        case Instance(number=number) if number in known.names:
+            return known.names[number]
         case None | bool() | int() | str():
             return repr(value)
         case float():
@@ -99,13 +167,13 @@ def expression(value: object, pair: str) -> str:
         case list():
             return f"[{inside(value)}]"
         case tuple() if type(value) is tuple:
-            return pair.format(inside(value)) if len(value) == 2 else f"({inside(value)}{',' if len(value) == 1 else ''})"
+            return known.pair.format(inside(value)) if len(value) == 2 else f"({inside(value)}{',' if len(value) == 1 else ''})"
         case dict():
-            return f"{{{', '.join(f'{expression(k, pair)}: {expression(v, pair)}' for k, v in value.items())}}}"
+            return f"{{{', '.join(f'{expression(k, known)}: {expression(v, known)}' for k, v in value.items())}}}"
         case Set():
             return f"{{{inside(value)}}}" if value else "set()"
         case Workspace(region=region):
-            return f"Workspace({expression(region, pair)})"
+            return f"Workspace({expression(region, known)})"
         case CircularRegion(center=center, radius=radius):
             return f"CircularRegion({inside((center, radius))})"
         case SectorRegion(center=center, radius=radius, heading=heading, angle=angle):

@@ -7,7 +7,7 @@ import math
 import pickle
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ..semantics.kernel.config import State
 from ..semantics.kernel.errors import UsageError
@@ -107,6 +107,8 @@ class SceneObject:
     width: float
     length: float
     properties: Mapping[str, object]
+    made: int | None = field(default=None, compare=False, repr=False)
+    """The number of the instance in its run, by which properties of the scene's objects refer to it; None once the scene was pickled."""
 
     def __getitem__(self, name: str) -> object:
         """Any property by name; KeyError if the object has none of that name."""
@@ -114,8 +116,8 @@ class SceneObject:
 
     def __reduce__(self) -> tuple[Callable[..., SceneObject], tuple[object, ...]]:
         """For `pickle`: what is no plain data (behaviors, fields, other objects) is the text that stands for it in a file."""
-        values = tuple(getattr(self, name) for name in self.__slots__)
-        return SceneObject, (*values[:-1], portable(dict(self.properties)))
+        values = tuple(getattr(self, name) for name in tuple(self.__slots__)[:-2])
+        return SceneObject, (*values, portable(dict(self.properties)))
 
     def to_json(self) -> dict[str, object]:
         """The entry of the scene format."""
@@ -264,5 +266,6 @@ def _scene_object(number: int, instance: Instance, state: State) -> SceneObject:
     position, heading, width, length = (properties.pop(name) for name in OWN_FIELDS)
     assert isinstance(position, Vector)
     return SceneObject(
-        number, state.names.get(instance.number), instance.class_.name, position, normalise_heading(heading), float(width), float(length), properties  # type: ignore[arg-type]
+        number, state.names.get(instance.number), instance.class_.name, position, normalise_heading(heading), float(width), float(length),  # type: ignore[arg-type]
+        properties, instance.number,
     )

@@ -28,6 +28,7 @@ class ObjectTemplate(NamedTuple):
     name: str | None
     class_name: str
     properties: dict[str, object]
+    made: int
 
 
 class Template(NamedTuple):
@@ -56,7 +57,8 @@ def template_of(state: State, *, pruned: bool = False) -> Template:
     if symbols_in(workspace):
         raise NotLifted("the workspace is random")
     objects = tuple(
-        ObjectTemplate(state.names.get(i.number), i.class_.name, {n: unwrap(v)[0] for n, v in state.objects[i.number].items()}) for i in state.scene
+        ObjectTemplate(state.names.get(i.number), i.class_.name, {n: unwrap(v)[0] for n, v in state.objects[i.number].items()}, i.number)
+        for i in state.scene
     )
     return Template(objects, numbers[ego.number], {n: unwrap(v)[0] for n, v in state.params.items()}, workspace, pruned)
 
@@ -73,7 +75,9 @@ def scenes_of(template: Template, columns: Columns, seed: int, indices: np.ndarr
         objects.append((o, position, turned, width, length, list(values.items())))
     for row in range(count):
         made = tuple(
-            SceneObject(i, o.name, o.class_name, position[row], heading[row], float(width[row]), float(length[row]), {n: v[row] for n, v in rest})  # type: ignore[arg-type]
+            SceneObject(
+                i, o.name, o.class_name, position[row], heading[row], float(width[row]), float(length[row]), {n: v[row] for n, v in rest}, o.made,  # type: ignore[arg-type]
+            )
             for i, (o, position, heading, width, length, rest) in enumerate(objects)
         )
         yield Scene(
