@@ -266,7 +266,10 @@ def instance_attribute(instance: Instance, name: str, state: State) -> object:
     if found is None and name == "distanceToClosest":
         return Closest(instance)
     if found is None:
-        raise HostException(AttributeError(f"{instance.class_.name} has no property {name}"))
+        error = AttributeError(f"{instance.class_.name} has no property {name}")
+        if name == "height":  # under `height=own`
+            error.add_note("the third extent that Scenic 3 gives every object does not exist in the plane: give it one by `with height`")
+        raise HostException(error)
     return member_of(found, instance, instance.class_, state)
 
 

@@ -105,8 +105,18 @@ def postponed(remaining: Ordered, changed: Specification, span: Span) -> Ordered
 def specified_twice(name: str, first: Specification, second: Specification) -> SpecifiedTwice:
     """Algorithm 1 (resolveSpecifiers), gather all specified properties: if "P ∈ dom specForProperty", "syntax error: property P specified twice"."""
     text = f"the property {name} is specified twice: by `{first.name}` and by `{second.name}`"
-    hint = "height is another spelling of length, unless the reading is `height=own`" if "with height" in (first.name, second.name) else ""
+    names = (first.name, second.name)
+    seen = [name for name in names if name in VISIBILITY]
+    hint = ""
+    if "with height" in names:
+        hint = "height is another spelling of length, unless the reading is `height=own`"
+    elif len(seen) == 1:
+        hint = f"to require it of the other's position, leave `{seen[0]}` out and write {VISIBILITY[seen[0]]}, x being this object, P the viewer"
     return SpecifiedTwice(text, second.node.span, rule="R-SpecifiedTwice", hint=hint)
+
+
+VISIBILITY = {"visible": "`require P can see x`", "not visible": "`require not (P can see x)`"}
+"""Specifiers that in the released Scenic 3 require something of the position that another one gives, and how that is said here."""
 
 
 def specified_twice_optionally(name: str, candidates: list[Specification]) -> SpecifiedTwiceOptionally:

@@ -171,3 +171,12 @@ def test_in_the_releases_view_distance_is_a_name_like_any_other() -> None:
 def test_in_the_releases_visible_distance_is_the_property(read: str) -> None:
     with pytest.raises(ProgramError, match="Distance"):
         scenic_ref.loads(f"ego = Object at (0, 0){read}", readings=OWN).sample()
+
+
+def test_the_third_extent_of_scenic_3_is_refused_by_name_unless_an_object_is_given_one() -> None:
+    text = "ego = new Object at (0, 0){}\nparam h = ego.height, there = hasattr(ego, 'height'), l = ego.length"
+    with pytest.raises(ProgramError, match="Object has no property height") as found:
+        scenic_ref.loads(text.format(""), dialect="scenic-3", profile="scenic-3").sample()
+    assert "the third extent that Scenic 3 gives every object does not exist in the plane" in found.value.hint
+    scene = scenic_ref.loads(text.format(", with height 4"), dialect="scenic-3", profile="scenic-3").sample()
+    assert list(scene.params.values()) == [4, True, 1]

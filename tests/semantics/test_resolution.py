@@ -7,6 +7,7 @@ from itertools import permutations
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scenic_ref import loads
 from scenic_ref.semantics.kernel.errors import CyclicDependencies, MissingProperty, SpecifiedTwice, SpecifiedTwiceOptionally
 from scenic_ref.semantics.scenes.resolution import Specification, resolve_specifiers
 from scenic_ref.semantics.syntax.nodes import NOWHERE
@@ -47,6 +48,32 @@ def test_dependencies_come_first():
 def test_specified_twice():
     with pytest.raises(SpecifiedTwice, match="position is specified twice: by `at` and by `on`"):
         resolve([specifier("at", ["position"]), specifier("on", ["position"], ["heading"])], {})
+
+
+AREA = "ego = new Object at (0, 0), with visibleDistance 10\nR = RectangularRegion((8, 0), 0, 8, 2)\n"
+
+
+@pytest.mark.parametrize("specifiers", ["visible, in R", "in R, visible", "visible from ego, contained in R", "on R, visible from ego"])
+def test_a_position_that_is_to_be_visible_is_refused_and_the_requirement_named(specifiers):
+    with pytest.raises(SpecifiedTwice, match="position is specified twice") as found:
+        loads(f"{AREA}x = new Object {specifiers}, with requireVisible False", dialect="scenic-3").sample()
+    assert "leave `visible` out and write `require P can see x`" in found.value.hint
+    scenes = loads(f"{AREA}x = new Object in R, with requireVisible False\nrequire ego can see x", dialect="scenic-3").sample_many(60)
+    assert max(scene.attempts for scene in scenes) > 1
+
+
+@pytest.mark.parametrize("specifiers", ["not visible, in R", "at (50, 0), not visible from ego"])
+def test_a_position_that_is_to_be_hidden_is_refused_and_the_requirement_named(specifiers):
+    text = f"workspace = Workspace(RectangularRegion((0, 0), 0, 200, 200))\n{AREA}x = new Object {specifiers}"
+    with pytest.raises(SpecifiedTwice, match="position is specified twice") as found:
+        loads(text, dialect="scenic-3").sample()
+    assert "write `require not (P can see x)`" in found.value.hint
+
+
+def test_two_specifiers_of_visible_points_are_no_requirement():
+    with pytest.raises(SpecifiedTwice) as found:
+        loads("ego = Object at (0, 0)\nx = Object visible, visible from ego").sample()
+    assert not found.value.hint
 
 
 def test_specified_optionally_twice_is_ambiguous_unless_specified_outright():
