@@ -35,7 +35,7 @@ from ..semantics.syntax.expressions import (
     Visible,
     VisibleFrom,
 )
-from ..semantics.syntax.python_expressions import Comparison, Conditional, UnaryOperation
+from ..semantics.syntax.python_expressions import Comparison, Conditional, Name, UnaryOperation
 from ..semantics.syntax.specifiers import (
     ApparentlyFacingSpecifier,
     AtSpecifier,
@@ -218,6 +218,19 @@ class ScenicBuilder(BuilderBase):
         """`definition`, noted as one that still lacks its `new` where the dialect wants one."""
         if self.dialect.explicit_new:
             self.without_new[definition.span] = definition
+        return self.regrouped(definition) if self.dialect.released and not self.dialect.explicit_new else definition
+
+    def regrouped(self, definition: ObjectDefinition) -> ObjectDefinition:
+        """`C ..., with p D at X, rest` in `scenic-2.1`: the rest belongs to D, where that is a class of this text and no bracket closes before it."""
+        for i, specifier in enumerate(definition.specifiers[:-1]):
+            value = specifier.value if isinstance(specifier, WithSpecifier) else None
+            if not isinstance(value, ObjectOrOperator) or not (isinstance(value.head, Name) and value.head.name in self.classes):
+                continue
+            if (value.span.end_line, value.span.end_column) == (specifier.span.end_line, specifier.span.end_column):
+                made, rest = value.as_object, definition.specifiers[i + 1 :]
+                inner = self.regrouped(replace(made, specifiers=made.specifiers + rest, span=join(made.span, rest[-1].span)))
+                last = replace(specifier, value=inner, span=join(specifier.span, inner.span))
+                return replace(definition, specifiers=(*definition.specifiers[:i], last))
         return definition
 
     def require_class(self, node: Expression) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 
 from lark import Token, Tree
 
+from ..semantics.kernel.classes import BUILT_IN_CLASSES
 from ..semantics.kernel.errors import ParseError
 from ..semantics.syntax import Expression, Span
 from ..semantics.syntax.expressions import FieldAt, ObjectDefinition, ObjectOrOperator, ObjectOrValue, OffsetBy
@@ -51,6 +52,7 @@ class BuilderBase:
         self.stray: dict[Span, ParseError] = {}
         self.without_new: dict[Span, ObjectDefinition] = {}
         self.properties: dict[Span, PropertyDefault] = {}
+        self.classes = set(BUILT_IN_CLASSES)
 
     def build(self, tree: Tree[Token]) -> Any:
         """What `tree` means: each rule's method is called on what its children mean, leaves first, without recursion."""
@@ -61,6 +63,8 @@ class BuilderBase:
             order.append(item)
             if isinstance(item, Tree):
                 pending.extend(item.children)
+                if item.data == "class":
+                    self.classes.add(str(item.children[1]))
         values: Parts = []
         for item in reversed(order):
             if not isinstance(item, Tree):
