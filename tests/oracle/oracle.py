@@ -141,6 +141,7 @@ class Oracle(Coroutines):
             for one, n in what:
                 courses.append(self.begun(self.scenarios[one.name], {"n": n}, enabled))
         except GuardBroken:
+            self.happened["cannot begin"] += 1
             self.end_all(courses)
             self.courses = [course for course in self.courses if course not in courses]
             del self.things[things:]
@@ -216,6 +217,7 @@ class Oracle(Coroutines):
         for thing in self.things:
             for name, layers in thing.layers.items():
                 thing.layers[name] = [layer for layer in layers if layer[0] is not course]
+                self.happened[f"{name} reverted"] += len(thing.layers[name]) < len(layers)
 
     def change(self, statement: Overriding | Creation, whose: Whose) -> None:
         """An object is made, or a property of one is overridden until the scenario ends (readings `override-stack`, `objects-while-running`)."""
@@ -227,6 +229,7 @@ class Oracle(Coroutines):
             if called is not None:
                 thing.layers["behavior"] = [(None, self.behave(self.behaviors[called.name], n, thing))]
             self.things.append(thing)
+            self.happened["new object"] += self.time >= 0
             space = self.known if self.time < 0 else whose.names
             space[statement.name] = thing
             return

@@ -96,10 +96,11 @@ LEAST = {
     "Leave in behavior": 28, "Leave in compose": 27, "Leave in monitor": 41, "LetStepPass in behavior": 31, "LetStepPass in compose": 47,
     "LetStepPass in monitor": 56, "Overriding in compose": 15, "Overriding in setup": 31, "PreconditionViolation": 11, "Repeat in behavior": 33,
     "Repeat in compose": 8, "Repeat in monitor": 30, "TakeActions in behavior": 75, "TakeActions in monitor": 47, "Watchman in setup": 86,
-    "caught": 6, "disabled": 6, "do choose in behavior": 14, "do choose in compose": 16, "do shuffle in behavior": 11,
-    "do shuffle in compose": 17, "draw": 105, "interrupt": 74, "interrupt of a handler": 10, "limit": 28, "monitor terminates": 28,
-    "rejected: always": 4, "rejected: collision": 9, "rejected: eventually": 13, "rejected: guard": 34, "rejected: precondition": 4,
-    "rejected: require": 3, "terminated": 50, "time limit": 38, "time step": 136,
+    "behavior reverted": 14, "cannot begin": 2, "caught": 6, "disabled": 6, "do choose in behavior": 14, "do choose in compose": 16,
+    "do shuffle in behavior": 11, "do shuffle in compose": 17, "draw": 105, "interrupt": 74, "interrupt of a handler": 10, "limit": 28,
+    "monitor terminates": 28, "new object": 25, "rejected: always": 4, "rejected: collision": 9, "rejected: eventually": 13,
+    "rejected: guard": 34, "rejected: precondition": 4, "rejected: require": 3, "terminated": 50, "time limit": 38, "time step": 136,
+    "x reverted": 12,
 }  # fmt: skip
 """In how many programs a thing happens, at least: a statement is executed, or what is said comes about in some run."""
 
