@@ -288,7 +288,7 @@ def test_findings_that_are_none_are_refused(text: str, said: str) -> None:
         findings_in(text, "f.toml")
 
 
-@pytest.mark.parametrize("name", ["scenic 2.1.0", "scenic 3.1.1"])
+@pytest.mark.parametrize("name", [f"scenic {version}, seed {seed}" for version in ("2.1.0", "3.1.1") for seed in (0, 1)])
 def test_what_was_found_in_the_releases_is_told_with_its_class(name: str) -> None:
     (campaign,) = [c for c in shipped_findings() if c.name == name]
     assert "programs of seed" in campaign.about
