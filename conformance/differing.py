@@ -136,6 +136,9 @@ def beside(name: str, scenario: Scenario | ProgramError, drawing: ScenesThere, s
     if isinstance(scenario, ProgramError):
         return of_errors(name, scenario, refused)
     if refused is not None:
+        error = error_of(scenario, settings)
+        if error is not None:
+            return of_errors(name, error, refused)
         return ProgramVerdict(name, "differ", "error", f"{refused.when} there, and a program here: {refused.message}", math.inf)
     try:
         if not drawing.scenes:
@@ -155,6 +158,17 @@ def beside(name: str, scenario: Scenario | ProgramError, drawing: ScenesThere, s
         if drawing.scenes:
             raise
         return ProgramVerdict(name, "inconclusive", "acceptance", rare.message)
+
+
+def error_of(scenario: Scenario, settings: DiffSettings) -> ProgramError | None:
+    """The error that the first scene of a program ends with, though it runs; such as that it has no ego before it is simulated."""
+    try:
+        scenario.sample(settings.seed, max_attempts=settings.attempts)
+    except AttemptsExhausted:
+        return None
+    except ProgramError as error:
+        return error
+    return None
 
 
 # Acceptance

@@ -148,6 +148,12 @@ def test_errors_here_and_there(ask: Asking) -> None:
     assert (code, verdict["verdict"], verdict["kind"]) == (0, "agree", "error")
 
 
+def test_a_scene_without_ego_is_an_error_of_both(ask: Asking) -> None:
+    code, verdict = ask("scenario Main():\n    compose:\n        wait\n", ask.other())
+    assert (code, verdict["verdict"], verdict["kind"]) == (0, "agree", "error"), verdict
+    assert "the scene has no ego" in str(verdict["detail"])
+
+
 def test_programs_without_scenes(ask: Asking) -> None:
     never = COIN + "require ego.position.x > 5\n"
     code, verdict = ask(never, ask.other())
