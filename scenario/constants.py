@@ -18,6 +18,10 @@ from ..semantics.kernel.outcome import Done, Outcome
 from ..semantics.kernel.values import unwrap
 
 
+SCALE, NOISY = "mutationScale", {"position", "heading", "color"}
+"""The property that says whether an object is mutated, and those that mutation changes (rule T-Mutate, reading `mutate-color`)."""
+
+
 def constants_of(start: Callable[[], Config], *, max_attempts: int = DEFAULT_ATTEMPTS, fuel: int) -> dict[str, object]:
     """The features of the scene format that do not depend on any draw, with their values.
 
@@ -55,7 +59,10 @@ def facts_of(constants: dict[str, object], batch: Batch | None, pruned: Draws) -
 
 def _constant_part(written: dict[str, object], state: State, number: int) -> dict[str, object]:
     """An object in the scene format, without the properties that depend on a draw."""
-    fixed = {name for name, value in state.objects[state.scene[number].number].items() if unwrap(value)[1] is None}
+    held = state.objects[state.scene[number].number]
+    fixed = {name for name, value in held.items() if unwrap(value)[1] is None}
+    if SCALE in held and SCALE not in fixed:  # whether there is noise may depend on a draw, and there was none in this run
+        fixed -= NOISY
     properties = written["properties"]
     assert isinstance(properties, dict)
     own = {name: written[name] for name in OWN_FIELDS if name in fixed}

@@ -255,3 +255,11 @@ def test_roundings_change_no_more_than_they_say_and_keep_what_they_made(rounding
     assert rounding.keeps(changed)
     written = [float(f"{v:.{rounding.digits}g}") if rounding.kind == "significant" else round(v, rounding.digits) for v in values.tolist()]
     assert rounding.kind == "float32" or rounding.keeps(np.array(written))
+
+
+def test_what_noise_changes_is_not_constant_where_the_scale_is_drawn():
+    scenario = scenic_ref.loads("ego = Object\nObject at (0, 5), with mutationScale Uniform(0, 1), with color (0.1, 0.2, 0.3)\n")
+    constants = scenario.facts.constants
+    assert not [name for name in constants if name.startswith(("objects[1].position", "objects[1].heading", "objects[1].properties.color"))]
+    assert constants["objects[1].width"] == 1.0 and constants["objects[0].heading"] == 0.0
+    assert len({scene.objects[1].heading for scene in scenario.sample_many(8)}) > 1
