@@ -17,7 +17,6 @@ from ..semantics.kernel.config import Config, State
 from ..semantics.kernel.outcome import Done, Outcome
 from ..semantics.kernel.values import unwrap
 
-
 SCALE, NOISY = "mutationScale", {"position", "heading", "color"}
 """The property that says whether an object is mutated, and those that mutation changes (rule T-Mutate, reading `mutate-color`)."""
 
