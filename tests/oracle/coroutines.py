@@ -99,8 +99,8 @@ class Coroutines:
                 yield from self.of_scenarios(statement, whose)
 
     def of_scenarios(self, statement: Statement, whose: Whose) -> Steps:
-        """A statement that is about behaviors, scenarios and objects."""
-        raise NotImplementedError
+        """A statement that is about behaviors, scenarios and objects: `oracle` knows those."""
+        raise TypeError(f"{type(statement).__name__} in {whose.kind} is no statement that runs by itself")
 
     def suspended(self, statement: TakeActions | LetStepPass, whose: Whose) -> Steps:
         """Section "Statements", "Actions": "the behavior is suspended until one time step has elapsed; then its invariants are checked and it is
