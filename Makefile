@@ -52,6 +52,7 @@ $(PLAIN)/.test: pyproject.toml constraints.txt
 results: $(VENV)/.core
 	-$(BIN)/scenic-ref conformance --impl scenic==2.1.0 --seconds 15 --results conformance/results/scenic-2.1.0.json
 	-$(BIN)/scenic-ref conformance --impl scenic==3.1.1 --seconds 15 --results conformance/results/scenic-3.1.1.json
+	$(BIN)/python docs/pictures.py
 
 ## Statistical checks with fresh seeds, which are printed (a failure is a finding, and its seed repeats it); are all tests green without extras? are the vectors for the releases programs of them?
 nightly: $(VENV)/.test

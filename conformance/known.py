@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
@@ -13,6 +14,7 @@ from ..semantics.kernel.errors import UsageError
 from ..semantics.readings import READINGS
 from .fields import VectorFields
 from .running import Result
+from .vector import ConformanceVector
 
 CLASSES: Mapping[str, str] = {
     "reading": "a choice that the paper leaves, made otherwise",
@@ -90,6 +92,51 @@ def read_difference(place: str, table: object) -> KnownDifference:
             if id not in READINGS or alternative not in READINGS[id].alternatives:
                 raise fields.wrong(f"there is no reading {part!r}")
     return found
+
+
+@dataclass(frozen=True, slots=True)
+class KnownCause:
+    """The differences of one class for one reason, in whatever implementations they show."""
+
+    class_: str
+    why: str
+    differences: tuple[KnownDifference, ...]
+
+    @property
+    def implementations(self) -> list[str]:
+        """Where it shows."""
+        return sorted({name for difference in self.differences for name in difference.implementations})
+
+    @property
+    def passages(self) -> list[str]:
+        """What the paper says where."""
+        return list(dict.fromkeys(difference.passage for difference in self.differences))
+
+    @property
+    def readings(self) -> list[str]:
+        """The readings under which the implementations agree."""
+        return list(dict.fromkeys(difference.reading for difference in self.differences if difference.reading))
+
+    def smallest_first(self, vectors: Mapping[str, ConformanceVector]) -> list[str]:
+        """The names of its vectors: those that most of the implementations fail, and of these the smallest programs, come first."""
+        failing = Counter(dict.fromkeys(vectors, 0))
+        for difference in self.differences:
+            failing.update({name: len(difference.implementations) for name in difference.vectors})
+
+        def size(name: str) -> tuple[int, int, int, str]:
+            text = next(iter(vectors[name].texts.values())).strip()
+            return -failing[name], text.count("\n"), len(text), name
+
+        return sorted({name for difference in self.differences for name in difference.vectors}, key=size)
+
+
+def causes(known: Iterable[KnownDifference]) -> list[KnownCause]:
+    """The differences by class and reason, those with the most vectors first."""
+    found: dict[tuple[str, str, str | None], list[KnownDifference]] = {}
+    for difference in known:
+        found.setdefault((difference.class_, difference.why, difference.reading), []).append(difference)
+    whole = [KnownCause(class_, why, tuple(differences)) for (class_, why, _), differences in found.items()]
+    return sorted(whole, key=lambda cause: -len({name for difference in cause.differences for name in difference.vectors}))
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ import re
 import textwrap
 import tomllib
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import cast
 
@@ -14,8 +14,10 @@ import typer
 from scenic_ref.cli.app import EXIT_CODES, app
 from scenic_ref.conformance import load_vectors, results
 from scenic_ref.conformance.fuzzing.judgements import CLASSES_OF_FINDINGS, JudgedFinding, shipped_findings
-from scenic_ref.conformance.known import CLASSES, shipped
+from scenic_ref.conformance.known import CLASSES, KnownCause, causes, shipped
+from scenic_ref.conformance.pictured import OURS, pictured_scenes
 from scenic_ref.conformance.reports import shows
+from scenic_ref.conformance.vector import ConformanceVector
 from scenic_ref.formats.comparisons import side_by_side
 from scenic_ref.semantics.kernel import allowed
 from scenic_ref.semantics.readings import PROFILES, READINGS, Reading, always_decided
@@ -27,7 +29,7 @@ WIDTH = 100
 """The longest line, but for tables and code."""
 MARK, JOIN = re.compile(r"\s+(?=([-+*>#]+|\d+[.)])(\s|$))"), "\0"
 """The space before what would be a mark of Markdown at the beginning of a line, and what stands for it while lines are broken."""
-MOST_NAMED, MOST_VECTORS = 3, 6
+MOST_NAMED, LONGEST_EXAMPLE = 3, 40
 
 
 def cell(text: str) -> str:
@@ -202,17 +204,37 @@ def differences_page() -> str:
         numbers = [sum(len(d.vectors) for d in known if d.class_ == class_ and name in d.implementations) for name in names]
         lines.append(f"| {class_} | {cell(means)} | {' | '.join(map(str, numbers))} |")
     lines += ["", "## By cause", ""]
+    texts = {vector.name: vector for vector in vectors}
+    found = causes(known)
     for class_ in CLASSES:
-        found = sorted((d for d in known if d.class_ == class_), key=lambda d: -len(d.vectors))
-        if found:
-            lines += [f"### {class_.capitalize()}", ""]
-        for d in found:
-            which = ", ".join(sorted(d.implementations)) + (f"; agrees under `{d.reading}`" if d.reading else "")
-            shown = ", ".join(f"`{name}`" for name in sorted(d.vectors)[:MOST_VECTORS])
-            more = f" and {len(d.vectors) - MOST_VECTORS} more" if len(d.vectors) > MOST_VECTORS else ""
-            lines += [item(f"{d.why} *{which}.* {d.passage}. Shown by {shown}{more}.")]
-        lines += [""] if found else []
+        lines += [f"### {class_.capitalize()}", ""] if any(cause.class_ == class_ for cause in found) else []
+        for cause in found:
+            if cause.class_ == class_:
+                lines += cause_lines(cause, texts, kept)
     return "\n".join(lines).rstrip() + "\n"
+
+
+def cause_lines(cause: KnownCause, vectors: Mapping[str, ConformanceVector], kept: Mapping[str, Mapping[str, str]]) -> list[str]:
+    """A cause: why, the passage, the smallest program that shows it, what each release says of it, and a picture where places differ."""
+    names = cause.smallest_first(vectors)
+    pictured = pictured_scenes()
+    mine = {OURS, *cause.implementations}
+    example = next((name for name in names if name in pictured and pictured[name].keys() <= mine), names[0])
+    more = f", and {len(names) - 1} more: `scenic-ref conformance --impl scenic==VERSION -v` lists them" if len(names) > 1 else ""
+    agree = "".join(f" They agree under `{reading}`: {meaning(reading)}." for reading in cause.readings)
+    lines = [paragraph(f"**{cause.why}** *{', '.join(cause.implementations)}.* {'; '.join(cause.passages)}.{agree}"), ""]
+    program = next(iter(vectors[example].texts.values())).strip().splitlines()
+    if len(program) <= LONGEST_EXAMPLE:
+        lines += ["```scenic", *program, "```", ""]
+    lines += [item(f"{name}: {cell(kept[name].get(example, 'skipped'))}") for name in kept]
+    lines += ["", paragraph(f"Vector `{example}`{more}."), ""]
+    return lines + ([f"![scenes here and there](differences/{example}.png)", ""] if pictured.get(example, {}).keys() & mine - {OURS} else [])
+
+
+def meaning(readings: str) -> str:
+    """What the alternatives in "soft = scene, angle = heading" are."""
+    named = (part.partition(" = ") for part in readings.split(", "))
+    return "; ".join(READINGS[id].alternatives[alternative].rstrip(".") for id, _, alternative in named)
 
 
 def campaigns_page() -> str:
@@ -258,7 +280,9 @@ def pictures() -> Iterator[tuple[str, bytes]]:
     for campaign in shipped_findings():
         for number, found in enumerate(campaign.findings, 1):
             if found.here or found.there:
-                yield f"campaigns/{picture_name(campaign.name, number)}", side_by_side({"scenic-ref": found.here, campaign.name: found.there})
+                yield f"campaigns/{picture_name(campaign.name, number)}", side_by_side({OURS: found.here, campaign.name: found.there})
+    for vector, sides in pictured_scenes().items():
+        yield f"differences/{vector}.png", side_by_side(sides)
 
 
 def outcome(counts: Counter[str]) -> str:

@@ -128,6 +128,11 @@ def test_every_page_stands_in_the_table_of_contents(generate: ModuleType):
     assert not {page for page in pages if f": {page}\n" not in contents}
 
 
+def test_every_picture_of_a_page_is_made_and_every_picture_that_is_made_is_shown(generate: ModuleType, pages: dict[str, str]):
+    shown = {name for page in pages.values() for name in re.findall(r"!\[[^]]*\]\(([^)]+)\)", page)}
+    assert shown == {name for name, _ in generate.pictures()}
+
+
 @pytest.mark.parametrize("path", [path for path in TEXTS if path.parent.name != "tests"], ids=lambda path: str(path.relative_to(ROOT)))
 def test_the_code_that_a_page_names_is_there(path: Path):
     text = path.read_text()

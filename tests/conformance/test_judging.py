@@ -14,6 +14,7 @@ from scenic_ref.conformance import Ourselves, environments, judge, known, load_v
 from scenic_ref.conformance.explaining import alike, explained
 from scenic_ref.conformance.external import External
 from scenic_ref.conformance.implementation import SceneRecord, Task
+from scenic_ref.conformance.pictured import look_different
 from scenic_ref.errors import UsageError
 from scenic_ref.semantics.readings import select
 
@@ -137,6 +138,26 @@ def test_the_example_of_the_documentation_is_a_list_of_differences() -> None:
 
 def test_the_differences_that_ship_name_vectors_that_are_there() -> None:
     assert not {v for d in known.shipped() for v in d.vectors} - VECTORS.keys()
+
+
+def test_differences_of_one_class_and_reason_are_one_cause_with_its_smallest_program_first() -> None:
+    vectors = {vector.name: vector for vector in load_vectors()}
+    found = known.causes(known.shipped())
+    assert len({(cause.class_, cause.why, *cause.readings) for cause in found}) == len(found) < len(known.shipped())
+    listed = {name for difference in known.shipped() for name in difference.vectors}
+    assert {name for cause in found for name in cause.smallest_first(vectors)} == listed
+    for cause in found:
+        first, *others = cause.smallest_first(vectors)
+        failing = {name: sum(name in d.vectors for d in cause.differences for _ in d.implementations) for name in (first, *others)}
+        lines = {name: next(iter(vectors[name].texts.values())).strip().count("\n") for name in (first, *others)}
+        assert all((-failing[first], lines[first]) <= (-failing[name], lines[name]) for name in others)
+
+
+def test_scenes_look_different_if_one_side_has_none_or_they_stand_elsewhere() -> None:
+    here, beside, around = [[(0, 0, 0, 1, 1)]], [[(0, 0, 0.1, 1, 1)]], [[(x, 0, 0, 1, 1)] for x in range(5)]
+    assert look_different(here, []) and look_different([], here) and look_different(here, beside)
+    assert not look_different(here, here) and not look_different([], [])
+    assert not look_different(around, around[1:]) and look_different(around, around[2:])
 
 
 def test_results_are_the_same_without_addresses_and_places() -> None:
