@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+import zlib
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
@@ -12,6 +13,7 @@ from xml.etree import ElementTree
 import pytest
 from scenic_ref.cli import answer
 from scenic_ref.cli.fuzz import seconds_in
+from scenic_ref.conformance import external, process
 from scenic_ref.conformance.environments import implementation
 from scenic_ref.conformance.fuzzing import campaign
 from scenic_ref.conformance.fuzzing.aimed import aimed_program
@@ -25,7 +27,7 @@ from scenic_ref.conformance.loading import read_file
 from scenic_ref.conformance.looking import DiffSettings, ProgramVerdict
 from scenic_ref.interpreter.parser import parse
 from scenic_ref.scenario import loads
-from scenic_ref.semantics.kernel.errors import CheckError, ParseError, ProgramError, UsageError
+from scenic_ref.semantics.kernel.errors import AttemptsExhausted, CheckError, ParseError, ProgramError, UsageError
 
 OTHER = """
 from scenic_ref.conformance import Ourselves
@@ -149,6 +151,75 @@ def test_we_do_not_differ_from_ourselves(tmp_path: Path) -> None:
         found = [examine(number, settings, there, frozenset()) for number in range(12)]
     assert not [one for one in found if one.verdict == "differ"]
     assert sum(one.verdict == "agree" for one in found) >= 3, Counter(one.verdict for one in found)
+
+
+BROKEN = """
+import json, os, signal, sys, zlib
+
+def say(id, **answer):
+    print(json.dumps(dict(answer, id=id)), flush=True)
+
+for line in sys.stdin:
+    asked = json.loads(line)
+    id, request = asked["id"], asked["request"]
+    if request == "start":
+        say(id, answer="started", protocol="scenic-ref/harness/1", name="broken", version="1", dialects=["paper"], capabilities=["scenes"], readings={})
+    elif request == "compile":
+        way = WAYS[zlib.crc32(asked["program"].encode()) % len(WAYS)]
+        say(id, answer="compiled")
+    elif request == "sample":
+        scene = dict(params={}, ego=0, objects=[dict(position=[1, 2], heading=0.0, properties={})])
+        exec(way)
+        for _ in range(asked["count"]):
+            say(id, answer="scene", scene=scene)
+        say(id, answer="done")
+"""
+WAYS = {
+    "pass": None, "os._exit(3)": "crashed", "os.kill(os.getpid(), 9)": "crashed", "print('hello', flush=True)": "garbled", "id -= 1": "garbled",
+    "scene['objects'][0]['heading'] = float('nan')": "garbled", "open('big', 'wb').write(bytes(4 << 20))": "crashed",
+    "open(HANGS, 'w').close(); signal.pause()": "timed out",
+}  # fmt: skip
+"""What a broken implementation does with a scene, and the kind of finding that it is."""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no limits of files")
+def test_a_campaign_goes_on_whatever_breaks_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    hangs, ways = tmp_path / "hangs", list(WAYS)
+
+    class Clock:
+        """The time of the limits, which passes only while the other side hangs."""
+
+        now = 0.0
+
+        def monotonic(self) -> float:
+            self.now += 2.0 if hangs.exists() else 0.0
+            return self.now
+
+    for module in (external, process):
+        monkeypatch.setattr(module, "time", Clock())
+    monkeypatch.setattr(process, "LARGEST_FOLDER", 1 << 20)
+    settings = CampaignSettings("broken", seed=5, budget=0.2, shrinking=0.0)
+    chosen: dict[str, int] = {}
+    for number in range(400):
+        text = invented(settings.seed, number).text
+        way = ways[zlib.crc32(text.encode()) % len(ways)]
+        if way not in chosen and "simulation" not in text and "dialect" not in text and accepts(text):
+            chosen[way] = number
+    assert set(chosen) == set(ways)
+    broken = BROKEN.replace("WAYS", repr(ways)).replace("HANGS", repr(str(hangs)))
+    with external.External([sys.executable, "-c", f"HANGS = {str(hangs)!r}\n{broken}"], seconds=1.0) as there:
+        for way in (*ways, "pass"):
+            hangs.unlink(missing_ok=True)
+            found = examine(chosen[way], settings, there, frozenset())
+            assert found.verdict == "differ" and (found.kind == WAYS[way] if WAYS[way] else found.kind not in WAYS.values()), way
+
+
+def accepts(text: str) -> bool:
+    try:
+        loads(text).sample(0, max_attempts=20)
+    except (ProgramError, AttemptsExhausted):
+        return False
+    return True
 
 
 def test_a_program_whose_scene_is_an_error_is_no_fault_of_ours(tmp_path: Path) -> None:
