@@ -163,7 +163,8 @@ for line in sys.stdin:
     asked = json.loads(line)
     id, request = asked["id"], asked["request"]
     if request == "start":
-        say(id, answer="started", protocol="scenic-ref/harness/1", name="broken", version="1", dialects=["paper"], capabilities=["scenes"], readings={})
+        said = dict(name="broken", version="1", dialects=["paper"], capabilities=["scenes"], readings={})
+        say(id, answer="started", protocol="scenic-ref/harness/1", **said)
     elif request == "compile":
         way = WAYS[zlib.crc32(asked["program"].encode()) % len(WAYS)]
         say(id, answer="compiled")
