@@ -11,6 +11,7 @@ import sys
 import tomllib
 from dataclasses import dataclass, field
 from inspect import unwrap
+from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,8 @@ AT_LEAST = 4
 """... and so many seconds more."""
 IMPORT = 60
 """Seconds of processor time for importing the package."""
+OTHERS = 60.0
+"""Seconds, as they were when the lines were watched, of the vectors that are tried though they do not run a line themselves that runs at import."""
 
 
 @dataclass(slots=True)
@@ -47,14 +50,15 @@ class Covered:
                 known.setdefault(line, set()).add(number)
 
     def reaching(self, mutant: Mutant) -> list[int]:
-        """Those that can notice a mutant, the quickest first: those that run its lines; then, if these run at import, all others."""
+        """Those that can notice a mutant, the quickest first: those that run its lines; then, if these run at import, the quickest of the others."""
         span = range(mutant.lines[0], mutant.lines[1] + 1)
         known = self.lines.get(mutant.file, {})
         found = {number for line in span for number in known.get(line, ())}
         first = sorted(found, key=self.seconds.__getitem__)
         if not mutant.at_import and self.at_import.get(mutant.file, set()).isdisjoint(span):
             return first
-        return first + sorted(set(range(len(self.names))) - found, key=self.seconds.__getitem__)
+        others = sorted(set(range(len(self.names))) - found, key=self.seconds.__getitem__)
+        return first + [n for n, spent in zip(others, accumulate(self.seconds[n] for n in others), strict=True) if spent <= OTHERS]
 
 
 def seconds() -> float:
