@@ -30,6 +30,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument("--files", nargs="+", metavar="TEXT", help="only files of semantics/ whose path contains one of these texts")
     parser.add_argument("--vectors-only", action="store_true", help="what the vectors miss is not tried by the suite")
     parser.add_argument("--tests", nargs="+", metavar="TEXT", default=[""], help="only files of tests whose path contains one of these texts")
+    parser.add_argument("--quick", action="store_true", help="only tests that are not slow, as `make test` runs them")
     parser.add_argument("--budget", type=float, default=suite.BUDGET, help="seconds that the tests for one mutant may take together (60)")
     parser.add_argument("-o", metavar="PATH", type=Path, help="a line for each result, appended; what it holds already is not done again")
     parser.add_argument("--missed", action="store_true", help="of those that are drawn, only those that vectors missed before, by the file of -o")
@@ -76,7 +77,7 @@ def run(options: argparse.Namespace) -> int:
         missed = [m for m in chosen if not results.by_vectors(m) and key(m) not in results.suite and not any(e.names(m) for e in excused)]
         if missed and not options.vectors_only:
             load(["pytest", "_pytest.assertion.rewrite", "hypothesis"])
-            covered = suite.survey_tests(known.covered.at_import, options.tests, options.jobs, kept.tests)
+            covered = suite.survey_tests(known.covered.at_import, options.tests, options.jobs, kept.tests, quick=options.quick)
             kept.write()
             tried("suite", (suite.trial_by_tests(m, covered, options.budget) for m in missed), suite.by_tests(), results, options.jobs)
     except KeyboardInterrupt:

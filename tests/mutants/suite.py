@@ -100,10 +100,10 @@ def run_pytest(arguments: list[str], plugin: object) -> int:
     return int(pytest.main([*OPTIONS, *arguments], plugins=[plugin]))
 
 
-def survey_tests(at_import: dict[str, set[int]], wanted: Sequence[str], jobs: int, kept: dict[str, Any]) -> Covered:
+def survey_tests(at_import: dict[str, set[int]], wanted: Sequence[str], jobs: int, kept: dict[str, Any], *, quick: bool = False) -> Covered:
     """Which tests run which lines, in files whose path contains one of the texts `wanted`; those that do not pass are left out.
 
-    `kept` holds what an earlier run found, and takes over what is found.
+    With `quick`, only those that are not marked slow. `kept` holds what an earlier run found, and takes over what is found.
     """
 
     def watch(file: Any, tell: Tell) -> None:
@@ -111,11 +111,12 @@ def survey_tests(at_import: dict[str, set[int]], wanted: Sequence[str], jobs: in
             for_started("SCENIC_REF_LINES", folder)
             lines = Lines()
             lines.start()
-            run_pytest([file], Watching(lines, folder, tell))
+            run_pytest([file, *chosen], Watching(lines, folder, tell))
 
+    chosen = ("-m", "not slow") if quick else ()
     there = sorted((ROOT / "tests").rglob("test_*.py"), key=lambda path: -path.stat().st_size)
     paths = [str(path.relative_to(ROOT)) for path in there]
-    known = {path: digest([ROOT / path]) for path in paths if any(text in path for text in wanted)}
+    known = {path: digest([ROOT / path]) + " ".join(chosen) for path in paths if any(text in path for text in wanted)}
     waiting = [name for name, content in known.items() if kept.get(name, {}).get("content") != content]
     for done, (file, told, _) in enumerate(each(waiting, watch, jobs), 1):
         kept[file] = {"content": known[file], "told": told}
