@@ -13,7 +13,8 @@ from ..semantics.kernel.config import State
 from ..semantics.kernel.errors import UsageError
 from ..semantics.kernel.kinds import is_scalar
 from ..semantics.kernel.nesting import check_nesting
-from ..semantics.kernel.values import Instance, ScenicClass, plain, unwrap
+from ..semantics.kernel.scenic_classes import ScenicClass
+from ..semantics.kernel.values import Instance, plain, unwrap
 from ..semantics.programs import ego_of
 from ..semantics.python.texts import stable_repr
 from ..semantics.scenes.default_requirements import workspace_of

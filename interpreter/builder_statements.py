@@ -192,6 +192,8 @@ class StatementBuilder(BuilderBase):
                 return Pass(span=span)
             raise ParseError("a property is written `name: default`", span)
         names = () if attributes is None else tuple(attributes.strip("[] \t").replace(",", " ").split())
+        if "final" in names and not self.dialect.explicit_new:
+            raise ParseError("the attribute `final` belongs to dialect scenic-3", span, hint="leave it out")
         node = PropertyDefault(span=span, name=self.two_dimensional(left.name, span), value=self.object_place(annotation), attributes=names)
         self.properties[span] = node
         return node

@@ -112,7 +112,8 @@ def _released_rules() -> list[Rule]:
     rewritings = [_equation(r.rule, r.rewrite, RELEASED) for r in (*released.OPERATOR_REWRITINGS.values(), *released.SPECIFIER_REWRITINGS.values())]
     tables = (*(equations for _, equations in released.OPERATORS.values()), *released.WRAPPED.values())
     equations = [_equation(q.rule, q.function, RELEASED) for equations in tables for q in equations]
-    forms = [f for forms in (*(forms for _, forms in released.SPECIFIERS.values()), *released.BESIDE.values(), (released.BEYOND,)) for f in forms]
+    specifiers_ = (forms for _, forms in released.SPECIFIERS.values())
+    forms = [f for forms in (*specifiers_, *released.BESIDE.values(), (released.BEYOND,), *released.ORIENTED_OFFSETS.values()) for f in forms]
     return [*rewritings, *equations, *(_equation(f.rule, f.function, RELEASED) for f in forms)]
 
 

@@ -15,7 +15,8 @@ from .kernel.errors import GuardViolation, NeedsElements, NeedsPosition, RunErro
 from .kernel.host import DoorStuck, HostException
 from .kernel.nesting import too_deep
 from .kernel.outcome import Draw, Fault, Next, Outcome, Requirement, Stuck, dated
-from .kernel.values import Random, ScenicClass
+from .kernel.scenic_classes import DefaultIn, ScenicClass
+from .kernel.values import Random
 from .kernel.waiting import Waiting
 from .python import (
     assignment,
@@ -86,6 +87,7 @@ REDUCE: Mapping[type, Reduction] = {
     e.IntervalOrPair: intervals.interval_or_pair,
     e.InInitialScenario: queries.in_initial_scenario,
     Waiting: operations.waited,
+    DefaultIn: object_definitions.default_in,
     # object definitions
     e.ObjectDefinition: object_definitions.object_definition,
     e.ObjectOrValue: object_definitions.object_definition,

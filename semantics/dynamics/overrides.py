@@ -46,6 +46,9 @@ def conclude_override(node: d.Override, values: list[object], stack: Stack, stat
             raise RunError(f"{specifier.property} is updated by the simulator: it cannot be overridden", specifier.span, rule="D-Override")
         if specifier.property not in state.objects[target.number]:
             raise RunError(f"{target!r} has no property {specifier.property}", specifier.span, rule="D-Override")
+        if specifier.property in target.class_.finals:
+            text = f"the property {specifier.property} of {target.class_.name} is final: no specifier may specify it"
+            raise RunError(text, specifier.span, rule="D-Override")
         changes[specifier.property] = value
     old = {name: state.objects[target.number][name] for name in changes}
     agent = simulation_of(state).agents.get(target.number, Agent(target)) if "behavior" in changes else None

@@ -25,8 +25,9 @@ from ..space.vectors import Vector
 from .budget import Metered
 from .generators import Generator
 from .queries import Clock, Closest, Parameters
+from .scenic_classes import Above, ScenicClass
 from .sets import FrozenSet, Set
-from .values import Above, Bound, Constructor, Dynamic, Entries, Function, Instance, Method, Module, Native, Pairs, Random, ScenicClass, Special
+from .values import Bound, Constructor, Dynamic, Entries, Function, Instance, Method, Module, Native, Pairs, Random, Special
 from .waiting import Waiting
 
 Names = frozenset[str]

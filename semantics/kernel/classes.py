@@ -10,8 +10,8 @@ from ..space.vectors import Vector
 from ..syntax import expressions as e
 from ..syntax.nodes import Node
 from ..syntax.python_expressions import Attribute, Constant, Name, TupleDisplay
+from .scenic_classes import ScenicClass
 from .scopes import Scope
-from .values import ScenicClass
 from .versions import Versions
 
 EMPTY = Scope("builtins", Versions())

@@ -23,7 +23,8 @@ from .budget import PLAIN
 from .classes import view_distance
 from .config import State
 from .errors import RunError
-from .values import Dynamic, Instance, Origin, Random, ScenicClass, each, plain, unwrap, wrap
+from .scenic_classes import ScenicClass
+from .values import Dynamic, Instance, Origin, Random, each, plain, unwrap, wrap
 from .waiting import Waiting
 
 SCALAR, VECTOR, HEADING, FIELD, REGION = "scalar", "vector", "heading", "vector field", "region"

@@ -11,7 +11,8 @@ from .config import Stack, value
 from .errors import RunError
 from .kinds import Reader, kind_name
 from .outcome import Outcome
-from .values import Instance, ScenicClass, plain
+from .scenic_classes import ScenicClass
+from .values import Instance, plain
 
 if TYPE_CHECKING:
     from ..syntax.nodes import Node

@@ -17,8 +17,9 @@ from ..kernel.outcome import Change, Next, Outcome
 from ..kernel.positions import wait
 from ..kernel.premises import SHARED, axiom, describe_origin, premises
 from ..kernel.properties import checked_property
+from ..kernel.scenic_classes import ScenicClass
 from ..kernel.scopes import MISSING
-from ..kernel.values import Function, Instance, Method, Module, Random, ScenicClass, plain, unwrap
+from ..kernel.values import Function, Instance, Method, Module, Random, plain, unwrap
 from ..kernel.versions import CHANGEABLE, note_attribute, note_container, note_item
 from ..kernel.waiting import Waiting, needs_position
 from ..syntax import python_expressions as p

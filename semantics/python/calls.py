@@ -18,23 +18,9 @@ from ..kernel.outcome import Next, Outcome
 from ..kernel.positions import specified
 from ..kernel.premises import premises
 from ..kernel.queries import Clock, Closest, check_running, distance_to_closest
+from ..kernel.scenic_classes import ScenicClass
 from ..kernel.scopes import Scope, function_names
-from ..kernel.values import (
-    Bound,
-    Constructor,
-    Dynamic,
-    Function,
-    Instance,
-    Method,
-    Native,
-    Origin,
-    Random,
-    ScenicClass,
-    Special,
-    plain,
-    unwrap,
-    wrap,
-)  # fmt: skip
+from ..kernel.values import Bound, Constructor, Dynamic, Function, Instance, Method, Native, Origin, Random, Special, plain, unwrap, wrap  # fmt: skip
 from ..kernel.versions import STORED, note_call
 from ..kernel.waiting import refuse_waiting
 from ..space.distributions import BadParameters

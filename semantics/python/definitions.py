@@ -13,11 +13,11 @@ from ..kernel.host import HostException
 from ..kernel.kinds import kind_name
 from ..kernel.outcome import Change, Next, Outcome
 from ..kernel.premises import premises
+from ..kernel.scenic_classes import ScenicClass
 from ..kernel.scopes import NO_NAMES, Scope
-from ..kernel.values import ScenicClass, plain
+from ..kernel.values import plain
 from ..syntax import statements as s
-from ..syntax.nodes import Node, Span
-from ..syntax.python_expressions import Constant, TupleDisplay
+from ..syntax.nodes import Node
 from .assignment import done
 from .control import block
 
@@ -93,7 +93,7 @@ def make_scenic_class(
         name = canonical(default.name, readings)
         if name in defaults:
             raise CheckError(f"the property {name} has two defaults in class {node.name}", default.span)
-        defaults[name] = all_of(default, name, inheriting.lineage[1:], scope) if "additive" in default.attributes else default.value
+        defaults[name] = default.value
     for name in members:
         if canonical(name, readings) in inherited:
             owner = inherited[canonical(name, readings)][1]
@@ -105,8 +105,8 @@ def make_scenic_class(
             f"the Scenic class {node.name} has no __init__: its objects are made from specifiers", node.span, rule="S-Class",
             hint=f"for a Python class write class {node.name}(object):",
         )
-    finals = frozenset(canonical(d.name, readings) for d in node.properties if "final" in d.attributes)
-    return ScenicClass(node.name, superclasses, defaults, scope, dict(members), node.span, own_finals=finals)
+    finals, additives = (frozenset(canonical(d.name, readings) for d in node.properties if a in d.attributes) for a in ("final", "additive"))
+    return ScenicClass(node.name, superclasses, defaults, scope, dict(members), node.span, own_finals=finals, own_additives=additives)
 
 
 def check_finals(node: s.ClassDefinition, inheriting: ScenicClass, readings: Mapping[str, str]) -> None:
@@ -121,26 +121,6 @@ def check_finals(node: s.ClassDefinition, inheriting: ScenicClass, readings: Map
                     f"the property {name} of {owner.name} is final: {overriding} cannot give it another default", own.get(name, node.span),
                     rule="S-Class", hint=f"leave out [final] in {owner.name}, or the default",
                 )
-
-
-def all_of(default: s.PropertyDefault, name: str, above: tuple[ScenicClass, ...], scope: Scope) -> Node:
-    """The released implementations, `p[additive]: E`: the tuple of E and the defaults of the classes above, the nearest first."""
-    items: list[Node] = [default.value]
-    for owner in above:
-        expression = owner.own_defaults.get(name)
-        if expression is None:
-            continue
-        if isinstance(expression, TupleDisplay) and expression.span is ADDED:  # those that it adds are those of the classes that follow
-            expression = expression.items[0]
-        if owner.scope is not scope and not isinstance(expression, Constant):
-            text = f"the default of {name} in {owner.name}, which is to be added, belongs to another module"
-            raise RunError(text, default.span, rule="S-Class", hint="make it a constant")
-        items.append(expression)
-    return TupleDisplay(items=tuple(items), span=ADDED)  # type: ignore[arg-type]
-
-
-ADDED = Span("<additive>", 0, 0, 0, 0)
-"""Where a default stands that was put together."""
 
 
 def make_python_class(node: s.ClassDefinition, superclasses: tuple[type, ...], members: Mapping[str, object]) -> type:

@@ -19,25 +19,10 @@ from ..kernel.kinds import Reader, has_kind, is_pair, kind_name
 from ..kernel.outcome import Outcome
 from ..kernel.premises import premises, raw_axiom
 from ..kernel.queries import Clock, Closest, Parameters, attribute_of_clock
+from ..kernel.scenic_classes import Above, ScenicClass
 from ..kernel.scopes import MISSING, Scope
 from ..kernel.sets import Set
-from ..kernel.values import (
-    Above,
-    Bound,
-    Dynamic,
-    Function,
-    Instance,
-    Method,
-    Module,
-    Native,
-    Random,
-    ScenicClass,
-    each,
-    plain,
-    unwrap,
-    with_random_keys,
-    wrap,
-)
+from ..kernel.values import Bound, Dynamic, Function, Instance, Method, Module, Native, Random, each, plain, unwrap, with_random_keys, wrap
 from ..kernel.versions import note_call, note_item
 from ..kernel.waiting import Waiting, needs_position
 from ..space.fields import VectorField

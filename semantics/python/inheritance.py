@@ -5,7 +5,8 @@ from __future__ import annotations
 from ..kernel.allowed import is_user_made
 from ..kernel.config import State
 from ..kernel.host import HostException, raw
-from ..kernel.values import Above, Function, Instance, Method, Native, ScenicClass
+from ..kernel.scenic_classes import Above, ScenicClass
+from ..kernel.values import Function, Instance, Method, Native
 
 
 def member_of(found: object, subject: object | None, class_: object, state: State) -> object:

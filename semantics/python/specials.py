@@ -15,8 +15,9 @@ from ..kernel.kinds import kind_name
 from ..kernel.nesting import check_written
 from ..kernel.outcome import Change, Outcome
 from ..kernel.premises import describe_origin
+from ..kernel.scenic_classes import Above, ScenicClass
 from ..kernel.scopes import MISSING, Scope
-from ..kernel.values import Above, Dynamic, Function, Instance, Method, Origin, Random, ScenicClass, Special, plain, unwrap, wrap
+from ..kernel.values import Dynamic, Function, Instance, Method, Origin, Random, Special, plain, unwrap, wrap
 from ..kernel.versions import STORED
 from ..kernel.waiting import refuse_waiting
 from ..space.regions import PolylineRegion

@@ -23,11 +23,12 @@ from ..kernel.outcome import Change, Draw, Next, Outcome, Requirement, Stuck
 from ..kernel.positions import expression_of, specified, specifying, wait, waits
 from ..kernel.premises import NOT_AN_AXIOM, Premises, axiom, premises
 from ..kernel.properties import checked_property
+from ..kernel.scenic_classes import DefaultIn, ScenicClass
 from ..kernel.scopes import Scope
 from ..kernel.simulation import check_setup
-from ..kernel.values import Instance, Origin, Random, ScenicClass
+from ..kernel.values import Instance, Origin, Random
 from ..kernel.waiting import Waiting
-from ..python.functions import LARGEST_DEPTH
+from ..python.functions import LARGEST_DEPTH, InScope
 from ..space.distributions import BadParameters, PointIn
 from ..space.fields import OutsideField
 from ..space.regions import Region
@@ -220,6 +221,12 @@ def evaluate_default(frame: Construction, stack: Stack, state: State) -> Outcome
     scope = Scope("specifier", owner.scope, bindings={"self": frame.instance})
     inner = state._replace(sigma=scope, depth=state.depth + 1)
     return reduce(node, Defaulting(node, inner), stack, inner)
+
+
+def default_in(node: DefaultIn, stack: Stack, state: State) -> Outcome:
+    """Reduce the default value expression of another class, of which an additive one is made, in the scope of that class."""
+    scope = Scope("specifier", node.owner.scope, bindings={"self": state.sigma.lookup("self")})
+    return Next("", Config(node.expression, (InScope(state.sigma), stack), state._replace(sigma=scope)))
 
 
 def resume_defaulting(frame: Defaulting, result: object, stack: Stack, state: State) -> Outcome:

@@ -8,8 +8,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from ..kernel.kinds import HEADING, ORIENTED_POINT, POINT, REGION, SCALAR, VECTOR, OrientedPointAt, View
+from ..kernel.kinds import FIELD, HEADING, OBJECT, ORIENTED_POINT, POINT, REGION, SCALAR, VECTOR, OrientedPointAt, View
 from ..space import geometry
+from ..space.fields import VectorField
 from ..space.regions import Region
 from ..space.vectors import Vector
 from ..syntax import expressions as e
@@ -18,7 +19,7 @@ from ..syntax.nodes import Node
 from ..syntax.python_expressions import Name
 from . import operators, specifiers
 from .operators import EGO, EGO_POSITION, Equation, Rewriting, visible_region
-from .specifiers import Form, in_region
+from .specifiers import HEADING_ONLY, Form, in_region
 
 WORKSPACE = Name(name="workspace")
 
@@ -73,6 +74,21 @@ def beyond_by_scalar(v1: Vector, s: float, v3: Vector) -> Vector:
     return specifiers.beyond(v1, Vector(0.0, s), v3)
 
 
+def offset_by_oriented(v: Vector, ego: View) -> OrientedPointAt:
+    """⟦offset by V⟧ = ⟦V relative to ego⟧: its position, and optionally ego's heading (reading `offset-heading`)."""
+    return OrientedPointAt(specifiers.offset_by_local(v, ego), ego.heading)
+
+
+def offset_along_heading_oriented(h: float, v: Vector, ego: View) -> OrientedPointAt:
+    """⟦offset along H by V⟧ = OrientedPoint(⟦ego.position offset along H by V⟧, ego.heading), the heading being optional."""
+    return OrientedPointAt(specifiers.offset_along_heading(h, v, ego), ego.heading)
+
+
+def offset_along_field_oriented(f: VectorField, v: Vector, ego: View) -> OrientedPointAt:
+    """⟦offset along F by V⟧ = OrientedPoint(⟦ego.position offset along F by V⟧, ego.heading), the heading being optional."""
+    return OrientedPointAt(specifiers.offset_along_field(f, v, ego), ego.heading)
+
+
 def by_vector(form: Form, side: str) -> Form:
     """`left of X by V` and its kin: as by the component of V across (along) the object, then moved by the other one."""
     across = side in ("left", "right")
@@ -111,6 +127,14 @@ SPECIFIER_REWRITINGS: Mapping[type[Node], Rewriting] = {
 }
 BESIDE: Mapping[str, tuple[Form, ...]] = {side: tuple(by_vector(f, side) for f in forms) for side, forms in specifiers.BESIDE.items()}
 BEYOND = Form("P-Beyond-Scalar", (VECTOR, SCALAR, VECTOR), beyond_by_scalar)
+ORIENTED_OFFSETS: Mapping[type[Node], tuple[Form, ...]] = {
+    q.OffsetBySpecifier: (Form("P-OffsetBy-Oriented", (VECTOR, OBJECT), offset_by_oriented, optional=HEADING_ONLY, needs_ego=True),),
+    q.OffsetAlongSpecifier: (
+        Form("P-OffsetAlong-Heading-Oriented", (HEADING, VECTOR, OBJECT), offset_along_heading_oriented, optional=HEADING_ONLY, needs_ego=True),
+        Form("P-OffsetAlong-Field-Oriented", (FIELD, VECTOR, OBJECT), offset_along_field_oriented, optional=HEADING_ONLY, needs_ego=True),
+    ),
+}
+"""The forms of offsets that have a heading under `offset-heading=ego`."""
 
 WRAPPED: Mapping[type[Node], tuple[Equation, ...]] = {
     e.RelativeHeading: (Equation("O-RelativeHeading-Wrapped", (HEADING, HEADING), relative_heading_wrapped),),
@@ -130,9 +154,11 @@ def equations_of(node: Node, oriented_offset: str, angle: str) -> tuple[Equation
     return operators.OFFSET_BY[oriented_offset] if isinstance(node, e.OffsetBy) else EQUATIONS[type(node)][1]
 
 
-def forms_of(node: Node, offset_by: str, amounts: str) -> tuple[Form, ...]:
-    """The forms among which the kinds of the arguments choose, under readings `offset-by` and `offset-amounts`."""
+def forms_of(node: Node, offset_by: str, amounts: str, heading: str) -> tuple[Form, ...]:
+    """The forms among which the kinds of the arguments choose, under readings `offset-by`, `offset-amounts` and `offset-heading`."""
     either = amounts == "either"
+    if heading == "ego" and type(node) in ORIENTED_OFFSETS:
+        return ORIENTED_OFFSETS[type(node)]
     if isinstance(node, q.BesideSpecifier):
         return specifiers.BESIDE[node.side] + (BESIDE[node.side] if either else ())
     if isinstance(node, q.OffsetBySpecifier):

@@ -15,8 +15,9 @@ from ..kernel.errors import RunError
 from ..kernel.kinds import has_kind, kind_name, refuse_third_dimension
 from ..kernel.positions import waits
 from ..kernel.premises import axiom
+from ..kernel.scenic_classes import ScenicClass
 from ..kernel.scopes import ByIdentity, descendants
-from ..kernel.values import ScenicClass, unwrap
+from ..kernel.values import unwrap
 from ..syntax import python_expressions as p
 from ..syntax import specifiers as q
 from ..syntax.nodes import Node
@@ -51,7 +52,7 @@ def describe(node: Node, arguments: Sequence[object], state: State) -> Specifica
 
 def forms_under(node: Node, state: State) -> tuple[sp.Form, ...]:
     """The forms of a specifier under the readings of the run."""
-    return released.forms_of(node, state.reading("offset-by"), state.reading("offset-amounts"))
+    return released.forms_of(node, state.reading("offset-by"), state.reading("offset-amounts"), state.reading("offset-heading"))
 
 
 def choose_form(node: Node, forms: tuple[sp.Form, ...], arguments: Sequence[object], state: State) -> tuple[sp.Form, tuple[object, ...]]:

@@ -7,7 +7,8 @@ import operator
 from collections.abc import Callable, Iterator
 from functools import partial, reduce
 
-from ....semantics.kernel.values import Bound, Dynamic, Function, Instance, Method, Module, Random, ScenicClass
+from ....semantics.kernel.scenic_classes import ScenicClass
+from ....semantics.kernel.values import Bound, Dynamic, Function, Instance, Method, Module, Random
 from ....semantics.python.arithmetic import BINARY, UNARY
 from ....semantics.python.calls import invoke, vector
 from ....semantics.space.numeric import negation

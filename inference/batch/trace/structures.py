@@ -8,8 +8,9 @@ from collections.abc import Callable
 from types import BuiltinFunctionType, MethodType
 from typing import Any
 
+from ....semantics.kernel.scenic_classes import ScenicClass
 from ....semantics.kernel.sets import FrozenSet, Set
-from ....semantics.kernel.values import Dynamic, Function, Instance, Method, Module, Pairs, Random, ScenicClass
+from ....semantics.kernel.values import Dynamic, Function, Instance, Method, Module, Pairs, Random
 from ....semantics.space.symbols import NotLifted
 from ....semantics.space.vectors import Vector
 from .graph import GraphNode, RowCall, RowDraw
