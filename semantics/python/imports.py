@@ -135,7 +135,7 @@ def import_from(node: s.ImportFrom, stack: Stack, state: State) -> Outcome:
 
 def model(node: s.Model, stack: Stack, state: State) -> Outcome:
     """⟨model m⟩ → ⟨from m import *⟩; the command line may name another m for the program (`programs.initial`)."""
-    return Next("S-Model", Config(s.ImportFrom(module=node.name, names=(), span=node.span), stack, state), node)
+    return Next("S-Model", Config(s.ImportFrom(module=node.name, names=(), as_model=True, span=node.span), stack, state), node)
 
 
 def public_names(module: object, node: Node) -> list[str]:
@@ -209,6 +209,15 @@ def own_copy(value: object) -> object:
     if type(value) is dict:
         return {key: own_copy(item) for key, item in value.items()}
     return [own_copy(item) for item in value] if type(value) is list else value
+
+
+def in_model(stack: Stack) -> bool:
+    """Whether the module that a `model` statement names, or one that it imports, is being run."""
+    while stack:
+        frame, stack = stack
+        if isinstance(frame, ModuleBody) and isinstance(frame.then, s.ImportFrom) and frame.then.as_model:
+            return True
+    return False
 
 
 def resume_module_body(frame: ModuleBody, result: object, stack: Stack, state: State) -> Outcome:

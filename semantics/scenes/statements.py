@@ -16,6 +16,7 @@ from ..kernel.premises import premises
 from ..kernel.simulation import check_setup
 from ..kernel.values import Instance, Random, plain, unwrap
 from ..python.assignment import done
+from ..python.imports import in_model
 from ..space.distributions import BadParameters, Coin
 from ..space.numeric import is_finite_number, met
 from ..syntax import statements as s
@@ -27,8 +28,10 @@ def param(node: s.Param, stack: Stack, state: State) -> Outcome:
 
 
 def conclude_param(node: s.Param, values: list[object], stack: Stack, state: State) -> Outcome:
-    """If ⟨E, σ, π, O⟩ → ⟨v, σ, π, O'⟩ then ⟨param x = E, σ, π, O⟩ → ⟨pass, σ, π[x/v], O'⟩; a value from the command line wins."""
-    assigned = {a.name: v for a, v in zip(node.assignments, values, strict=True) if a.name not in state.settings.params}
+    """If ⟨E, σ, π, O⟩ → ⟨v, σ, π, O'⟩ then ⟨param x = E, σ, π, O⟩ → ⟨pass, σ, π[x/v], O'⟩; a value from the command line wins, and in a
+    world model one that there is already (reading `model-params`)."""
+    fixed = {*state.settings.params, *(state.params if state.reading("model-params") == "keep" and in_model(stack) else ())}
+    assigned = {a.name: v for a, v in zip(node.assignments, values, strict=True) if a.name not in fixed}
     for name, assignment in assigned.items():
         check_nesting(f"the parameter {name}", assignment, node.span)
     unwrap(assigned)  # none may wait for a position

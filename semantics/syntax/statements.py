@@ -149,11 +149,12 @@ class Import(Statement):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ImportFrom(Statement):
-    """`from module import names`; no names stands for `*`; `level` counts the leading dots."""
+    """`from module import names`; no names stands for `*`; `level` counts the leading dots. `as_model` is true of what `model` becomes."""
 
     module: str
     names: tuple[ImportedName, ...]
     level: int = 0
+    as_model: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

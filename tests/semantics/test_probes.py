@@ -204,6 +204,9 @@ EXPECTED: Mapping[str, Mapping[str, Expectation]] = {
     "combined-orientation": {"first": Gives([0.5])},
     "point-set": {"once": Chance(1 / 2, lambda s: s.ego.position.x == 4, rivals=(1 / 4,))},
     "offset-amounts": {"table": Fails(errors.RunError, "P-Beyond"), "either": Gives([Vector(6, 8)], lambda s: [s.objects[1].position])},
+    "model-params": {
+        alternative: Gives(alternative == "keep", lambda s: s.params["weather"] == "HAIL OF STONES") for alternative in ("assign", "keep")
+    },
     "offset-heading": {"none": Gives([0]), "ego": Gives([math.pi / 2])},
     "distance-method": {"position": Gives([[5, 5, 5, 5]]), "box": Gives([[4, 3, 3, 5]])},
     "only-scenario": {"named": Fails(errors.RunError, "T-Mutate"), "begins": Gives([Vector(1, 2)], positions)},
