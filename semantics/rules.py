@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from .dynamics import actions, choices, declarations, guards, initial, interrupts, invocations, overrides, policy, scenarios
+from .dynamics import actions, choices, declarations, guards, initial, interrupts, invocations, overrides, policy, requirements, scenarios
 from .kernel import conditions, draws, queries
 from .python import assignment, calls, comprehensions, control, definitions, elementwise, expressions, functions, imports, members, specials
 from .scenes import comparisons, default_requirements, mutation, object_definitions, operators, released, resolution, specifiers, statements
@@ -203,7 +203,7 @@ _DYNAMIC = [
     Rule("D-Policy-5", "run all the behaviors", PROCEDURE + ", step 5", policy.behaviors),
     Rule("D-Policy-6", "repeat step 4", PROCEDURE + ", step 6", policy.check_flag_again),
     Rule("D-Policy-7", "return the choice of actions", PROCEDURE + ", step 7", policy.actions),
-    Rule("D-Always", "require always B", OVER_TIME, policy.always),
+    Rule("D-Always", "require always B", OVER_TIME, requirements.always),
     Rule("D-Eventually", "require eventually B", OVER_TIME, policy.never_satisfied),
     Rule("D-Take", "take actions", ACTIONS, actions.conclude_take),
     Rule("D-Wait", "wait", ACTIONS, actions.wait),

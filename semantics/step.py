@@ -198,6 +198,7 @@ RESUME: Mapping[type, Resumption] = {
     frames.Scenarios: scenarios.resume_scenarios,
     scenarios.Stepping: scenarios.resume_stepping,
     scenarios.Ending: scenarios.resume_ending,
+    scenarios.RequirementsFirst: scenarios.resume_requirements_first,
     policy.Step: policy.resume_step,
 }
 
@@ -224,6 +225,7 @@ UNWIND: Mapping[type, Unwinding] = {
     processes.Coroutine: processes.unwind_coroutine,
     frames.Scenarios: scenarios.unwind_scenarios,
     scenarios.Ending: scenarios.unwind_ending,
+    scenarios.RequirementsFirst: scenarios.unwind_requirements_first,
     policy.Step: policy.unwind_step,
 }
 

@@ -7,11 +7,13 @@ from ..kernel.errors import RunError
 from ..kernel.kinds import kind_name
 from ..kernel.outcome import Change, Next, Outcome
 from ..kernel.premises import premises
+from ..kernel.scopes import descendants
 from ..kernel.simulation import Declared
 from ..kernel.values import Dynamic, plain
 from ..syntax import dynamics as d
 from ..syntax import statements as s
 from ..syntax.nodes import Node
+from ..syntax.python_expressions import Name
 from .guards import scope_of
 from .invocations import with_arguments
 from .scenarios import deadline_of, declare
@@ -21,7 +23,15 @@ def dynamic_requirement(node: Node, stack: Stack, state: State, declared: Declar
     """Section "Statements", "Requirements": "define requirements that must hold in every and some time step of the scenario respectively." They,
     and `terminate when`, are conditions for the policy, not the scene; so is what `require monitor` has `declared`.
     """
-    return Next("S-Dynamic", Config(PASS, stack, declare(declared or Declared(node, state.sigma), stack, state)), node)
+    control = PASS
+    if isinstance(node, d.RequireAlways) and state.simulation is None and state.reading("always-in-scenes") == "required" and not asks_time(node):
+        control = s.Require(condition=node.condition, span=node.span)
+    return Next("S-Dynamic", Config(control, stack, declare(declared or Declared(node, state.sigma), stack, state)), node)
+
+
+def asks_time(node: Node) -> bool:
+    """Whether a condition speaks of the simulation, so that a scene alone cannot satisfy it."""
+    return any(isinstance(part, Name) and part.name == "simulation" for part in descendants(node))
 
 
 def terminate_after(node: d.TerminateAfter, stack: Stack, state: State) -> Outcome:

@@ -76,10 +76,10 @@ def remembered(override: Overridden, stack: Stack, state: State) -> State:
 def reverted(override: Overridden, number: int, state: State) -> State:
     """The object has its properties again, and goes on with the behavior that was suspended.
 
-    Where another scenario has overridden them since, which is still running, they come back when that one ends.
+    Where another scenario has overridden them since, which is still running, they come back when that one ends (reading `override-overlap`).
     """
     for name, old in override.properties.items():
-        heir = next(iter(later_overrides(override, number, name, state)), None)
+        heir = next(iter(later_overrides(override, number, name, state)), None) if state.reading("override-overlap") == "last-ends" else None
         agent = override.agent if name == "behavior" else None
         if heir is None:
             state = state.with_properties(override.object, {name: old})

@@ -10,12 +10,11 @@ from collections.abc import Iterator
 from functools import partial
 from typing import NamedTuple
 
-from ..kernel.conditions import holding
 from ..kernel.config import PASS, Abrupt, Config, Stack, State, Value
 from ..kernel.errors import GuardViolation, RunError
 from ..kernel.host import HostException
 from ..kernel.kinds import kind_name
-from ..kernel.outcome import Act, Finish, Next, Observe, Outcome, Requirement, Stuck
+from ..kernel.outcome import Act, Finish, Next, Outcome, Requirement, Stuck
 from ..kernel.simulation import (
     TOP,
     Agent,
@@ -37,7 +36,8 @@ from .endings import end_scenario
 from .guards import guarded, opening_guards
 from .interrupts import run_for_one_step
 from .invocations import Begin, Beginning, begin_all, with_arguments
-from .processes import Ended, Yielded, address_of
+from .processes import Ended, Yielded
+from .requirements import condition_at, decision, over_time
 from .scenarios import Over, as_before, scenario_from, settled, step_of_scenario
 
 DEFAULT_TIMESTEP = 0.1
@@ -109,38 +109,13 @@ def requirements_over_time(frame: Step, result: object, stack: Stack, state: Sta
     todo = list(conditions(state))
     if frame.outer is not None:
         number, place, declared = todo[frame.next]
-        decide = {d.RequireAlways: always, d.Record: record}.get(type(declared.node), partial(eventually, number, place))
+        decide = record if isinstance(declared.node, d.Record) else decision(number, place, declared)
         return decide(declared.node, result, (frame._replace(next=frame.next + 1, outer=None), stack), as_before(frame.outer, state))  # type: ignore[arg-type]
     if frame.next < len(todo):
         return condition_at(*todo[frame.next], (frame._replace(outer=state), stack), state)
     ended = (running for running in simulation_of(state).scenarios.values() if running.over)
     missed = next((missed for running in ended if (missed := never_held(running)) is not None), None)
     return never_satisfied(missed) if missed is not None else following(frame, "D-Policy-2", stack, state)
-
-
-def condition_at(number: int, place: int, declared: Declared, stack: Stack, state: State) -> Outcome:
-    """Reduce a condition, in the scope in which it was declared; its draws are numbered apart."""
-    part = (2 * CONDITIONS if isinstance(declared.node, d.Record) else CONDITIONS) + 2 * place + isinstance(declared.node, d.RequireEventually)
-    prefix = address_of(Who("condition", number, part), state)
-    inner = state._replace(sigma=declared.scope, prefix=prefix, draws=0)
-    return Next("", Config(declared.node.value if isinstance(declared.node, d.Record) else declared.node.condition, stack, inner))  # type: ignore[attr-defined]
-
-
-def always(node: d.RequireAlways, result: object, stack: Stack, state: State) -> Outcome:
-    """Section "Dynamic Scenarios", "Requirements and Monitors": "enforces that the given condition must hold at every time step of the scenario;
-    if it is ever violated during a simulation, we reject that simulation and sample a new one." It is step 2 of the policy.
-    """
-    requirement = Requirement("always", node.span, f"`require always` on line {node.span.line}")
-    holds = holding(result, node.condition.span, state, "a requirement", "D-Always")
-    return Observe("D-Always", requirement, Config(PASS, stack, state)) if holds else Stuck("D-Always", requirement)
-
-
-def eventually(number: int, place: int, node: d.RequireEventually, result: object, stack: Stack, state: State) -> Outcome:
-    """`require eventually B`: where B holds now, it has held at some time."""
-    if holding(result, node.condition.span, state, "a requirement", "D-Eventually"):
-        running = simulation_of(state).scenarios[number]
-        state = with_scenario(state, running._replace(satisfied=running.satisfied | {place}))
-    return resume_step(stack[0], None, stack[1], state)
 
 
 def record(node: d.Record, result: object, stack: Stack, state: State) -> Outcome:
@@ -174,17 +149,13 @@ def never_satisfied(missed: Requirement) -> Stuck:
     return Stuck("D-Eventually", missed)
 
 
-CONDITIONS = 1 << 20
-"""The draws of requirements are numbered apart from those of termination conditions."""
-
-
 def conditions(state: State) -> Iterator[tuple[int, int, Declared]]:
     """What step 2 looks at: the scenario, the place among its kind, and the requirement."""
     simulation = simulation_of(state)
     for number in dict.fromkeys(simulation.active):
         running = simulation.scenarios[number]
-        yield from ((number, place, one) for place, one in enumerate(running.always))
-        yield from ((number, place, one) for place, one in enumerate(running.eventually))
+        if state.reading("requirements-order") == "after":
+            yield from ((number, place, one) for place, one in over_time(running))
         yield from ((number, place, one) for place, one in enumerate(running.records) if is_due(one, running, simulation))
 
 

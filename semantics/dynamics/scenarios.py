@@ -37,6 +37,7 @@ from .frames import Scenarios
 from .guards import compose_guards, guarded, guards_of, returned, scope_of
 from .interrupts import run_for_one_step, within
 from .processes import Coroutine, Ended, Yielded, address_of, suspend
+from .requirements import condition_at, decision, over_time
 
 
 class Stepping(NamedTuple):
@@ -224,6 +225,39 @@ def step_of_scenario(number: int, stack: Stack, state: State) -> Outcome:
     state = with_simulation(state, active=(*simulation.active, number))
     if not running.ran:
         state = with_scenario(state, running._replace(ran=True))
+    if state.reading("requirements-order") == "before":
+        return resume_requirements_first(RequirementsFirst(number), None, stack, state)
+    return compose_or_conditions(number, stack, state)
+
+
+class RequirementsFirst(NamedTuple):
+    """Frame: the requirements over time of a scenario are looked at before its compose block runs (reading `requirements-order`)."""
+
+    number: int
+    next: int = 0
+    outer: State | None = None
+
+
+def resume_requirements_first(frame: RequirementsFirst, result: object, stack: Stack, state: State) -> Outcome:
+    """Step 2 of the policy for one scenario, before step 1."""
+    todo = list(over_time(simulation_of(state).scenarios[frame.number]))
+    if frame.outer is not None:
+        place, declared = todo[frame.next]
+        below = (RequirementsFirst(frame.number, frame.next + 1), stack)
+        return decision(frame.number, place, declared)(declared.node, result, below, as_before(frame.outer, state))
+    if frame.next < len(todo):
+        return condition_at(frame.number, *todo[frame.next], (frame._replace(outer=state), stack), state)
+    return compose_or_conditions(frame.number, stack, state)
+
+
+def unwind_requirements_first(frame: RequirementsFirst, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
+    """The condition raised an exception."""
+    return Next("", Config(abrupt, stack, state if frame.outer is None else as_before(frame.outer, state)))
+
+
+def compose_or_conditions(number: int, stack: Stack, state: State) -> Outcome:
+    """The compose block of a scenario for one time step, or, where there is none, its guards and termination conditions."""
+    running = simulation_of(state).scenarios[number]
     if running.compose is not None:
         return run_for_one_step(running.compose, Who("compose", number), (Stepping(number), stack), state)
     return guarded((compose_guards(number, state),), partial(check_termination, number, 0), stack, state)

@@ -44,6 +44,10 @@ SHOWN: dict[tuple[str, str], list[object]] = {
     ("initial-guards", "around-setup"): [None, "terminated"],
     ("initial-guards", "first-step"): REJECTED,
     ("compose-only", "when-needed"): [None, "terminated"],
+    ("requirements-order", "after"): REJECTED,
+    ("requirements-order", "before"): [None, "terminated"],
+    ("override-overlap", "last-ends"): [2, 2, 2, "terminated"],
+    ("override-overlap", "as-found"): [2, 2, 0, "terminated"],
 }
 SHARES = {("choose-weights", "renormalised"), ("rejected-simulation", "discard"), ("rejected-simulation", "retry"), ("compose-only", "scene")}
 """What is shown by frequencies: below, and in test_simulation.py."""

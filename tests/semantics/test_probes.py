@@ -207,6 +207,7 @@ EXPECTED: Mapping[str, Mapping[str, Expectation]] = {
     "model-params": {
         alternative: Gives(alternative == "keep", lambda s: s.params["weather"] == "HAIL OF STONES") for alternative in ("assign", "keep")
     },
+    "always-in-scenes": {"ignored": Chance(1 / 2, lambda s: s.ego["x"] == 2, rivals=(1,)), "required": Gives(2, lambda s: s.ego["x"])},
     "offset-heading": {"none": Gives([0]), "ego": Gives([math.pi / 2])},
     "distance-method": {"position": Gives([[5, 5, 5, 5]]), "box": Gives([[4, 3, 3, 5]])},
     "only-scenario": {"named": Fails(errors.RunError, "T-Mutate"), "begins": Gives([Vector(1, 2)], positions)},
