@@ -15,6 +15,7 @@ from .kernel.values import Instance, plain
 from .python.builtins import builtin_scope
 from .python.functions import enter
 from .python.generators import expand
+from .python.imports import dunders
 from .step import step
 from .syntax import Program
 from .syntax.python_expressions import Constant
@@ -41,7 +42,7 @@ def initial(program: Program, settings: Settings) -> Config:
     """
     settings = settings._replace(door=Door(enter, expand))  # type: ignore[arg-type]
     budget = settings.door.budget
-    scope = Scope("module", builtin_scope(budget))
+    scope = Scope("module", builtin_scope(budget), bindings=dunders(program.file))
     statements: Block = program.statements
     if settings.model is not None:
         chosen = settings.model

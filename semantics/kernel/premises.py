@@ -155,7 +155,7 @@ def unknown_variable(node: Name, state: State) -> RunError:
             hint = "conditions of interrupts are evaluated before their `try` begins: see `readings interrupt-first-step`" if state.simulation else ""
             return RunError(f"the local variable {node.name} is used before it is assigned", node.span, rule="E-Variable", hint=hint)
         scope = scope.parent
-    near = get_close_matches(node.name, known, n=1)
+    near = get_close_matches(node.name, [name for name in known if not name.startswith("__")], n=1)
     hint = f"did you mean {near[0]}?" if near else "import it, or choose a world model with `model NAME`" if node.name[:1].isupper() else ""
     return RunError(f"{node.name} is not defined", node.span, rule="E-Variable", hint=hint)
 

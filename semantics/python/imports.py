@@ -6,6 +6,7 @@ sub/b.scenic. All other modules have their names as keys.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from difflib import get_close_matches
 from typing import NamedTuple
@@ -47,6 +48,20 @@ def package_of(key: str) -> str:
 def member_key(package: str, member: str) -> str:
     """The key of a module in a package."""
     return package + member if package.endswith(".") else f"{package}.{member}"
+
+
+def dunders(file: str, name: str = "__main__", path: str = "") -> dict[str, object]:
+    """The variables that a module of this file begins with: `__name__`, and unless its text comes from no file `__file__`.
+
+    The file is told as it is seen from the folder of the program, `path`, or its own name alone, so that scenes are the same wherever that folder is.
+    """
+    return {"__name__": name} if file.startswith("<") else {"__name__": name, "__file__": path or re.split(r"[/\\]", file)[-1]}
+
+
+def path_of(key: str) -> str:
+    """The path of a module as it is seen from the folder of the program."""
+    rest = key.lstrip(".")
+    return "../" * (len(key) - len(rest) - 1) + rest.replace(".", "/") + ".scenic"
 
 
 def key_of(name: str, level: int, package: str, library: Mapping[str, object]) -> str:
@@ -182,7 +197,8 @@ def load(key: str, name: str, node: Node, stack: Stack, state: State) -> Outcome
     if isinstance(found, Program):
         builtins = state.sigma.module.parent
         assert builtins is not None
-        scope = Scope("module", builtins, package=package_of(key))
+        own = dunders(found.file, key.lstrip("."), path_of(key))
+        scope = Scope("module", builtins, bindings=own, package=package_of(key))
         module = Module(name.lstrip("."), scope)
         begun = state._replace(sigma=scope, modules={**state.modules, key: module})
         return imported(node, (ModuleBody(key, state.sigma, node), stack), begun, found.statements)

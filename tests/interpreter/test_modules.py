@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 import scenic_ref
 from scenic_ref.semantics.kernel.errors import ImportRefused, RunError, UncaughtException
-from scenic_ref.semantics.python.imports import beside, package_of
+from scenic_ref.semantics.python.imports import beside, package_of, path_of
 
 
-def params(folder: Path, files: dict[str, str], program: str, **options: bool) -> dict[str, object]:
+def params(folder: Path, files: dict[str, str], program: str, **options: object) -> dict[str, object]:
     """The parameters of a program among these files."""
     for name, text in {**files, "program.scenic": program}.items():
         path = folder / name
@@ -139,6 +139,32 @@ def test_keys():
     assert [beside("b", level, ".sub.deep") for level in (1, 2, 3, 4)] == [".sub.deep.b", ".sub.b", ".b", "..b"]
     assert [beside("", level, ".") for level in (1, 2)] == [".", ".."]
     assert [package_of(key) for key in (".a", ".sub.a", "..a", "..sub.deep.a", "math")] == [".", ".sub", "..", "..sub.deep", "."]
+    assert [path_of(key) for key in (".a", ".sub.a", "..a", "..sub.deep.a")] == ["a.scenic", "sub/a.scenic", "../a.scenic", "../sub/deep/a.scenic"]
+
+
+@pytest.mark.parametrize("dialect", ["paper", "scenic-2.1"])
+def test_a_module_knows_its_name_and_its_file_but_not_where_the_program_stands(tmp_path, dialect):
+    told = "told = [__name__, __file__]\n"
+    files = {"lib.scenic": told, "sub/lib.scenic": f"from .deep import other\n{told}", "sub/deep/other.scenic": told}
+    program = "import lib, sub.lib\nego = Object\n" + told + "param r = [told, lib.told, sub.lib.told, sub.lib.other.told, lib.__name__]\n"
+    assert params(tmp_path, files, program, dialect=dialect)["r"] == [
+        ["__main__", "program.scenic"], ["lib", "lib.scenic"], ["sub.lib", "sub/lib.scenic"], ["sub.deep.other", "sub/deep/other.scenic"], "lib",
+    ]  # fmt: skip
+
+
+def test_what_is_only_for_the_main_program_is_not_run_by_an_import(tmp_path):
+    main = "if __name__ == '__main__':\n    ego = Object at 1 @ 2\n"
+    assert params(tmp_path, {"lib.scenic": f"{main}x = 3\n"}, "from lib import x\nego = Object\nparam r = [x, ego.position.x]\n") == {"r": [3, 0]}
+    assert scenic_ref.loads(main).sample().objects[0].position.x == 1
+
+
+def test_a_program_from_a_text_has_a_name_and_no_file():
+    assert scenic_ref.loads("ego = Object\nparam r = __name__\n").sample().params == {"r": "__main__"}
+    with pytest.raises(RunError, match="__file__ is not defined"):
+        scenic_ref.loads("ego = Object\nparam r = __file__\n").sample()
+    with pytest.raises(RunError, match="name is not defined") as found:
+        scenic_ref.loads("ego = Object\nparam r = name\n").sample()
+    assert not found.value.hint
 
 
 @pytest.mark.parametrize(
