@@ -20,6 +20,7 @@ from .options import (
     ParamOption,
     ProfileOption,
     ReadingOption,
+    ScenarioOption,
     Source,
     TrustOption,
     limits_of,
@@ -67,6 +68,7 @@ def check(
     reading: ReadingOption = None,
     dialect: DialectOption = None,
     model: ModelOption = None,
+    scenario: ScenarioOption = None,
     param: ParamOption = None,
     fuel: FuelOption = DEFAULT_FUEL,
     limit_memory: LimitMemoryOption = DEFAULT_MEMORY,
@@ -88,7 +90,7 @@ def check(
     session.seed = seed
     source = read_source(
         session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, fuel=fuel, trust=trust,
-        limits=limits_of(limit_memory, limit_seconds)
+        limits=limits_of(limit_memory, limit_seconds), scenario=scenario,
     )
     if samples is None:
         options = ("alpha", "detect_tv", "tolerance", "ignore", "mapped", "reference", "report", "junit", "seed", "workers")

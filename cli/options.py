@@ -33,6 +33,9 @@ DialectOption = Annotated[
     str | None, typer.Option("--dialect", metavar="D", help="The program's syntax: paper, pldi19, scenic-2.1 or scenic-3.")
 ]
 ModelOption = Annotated[str | None, typer.Option("--model", metavar="M", help="The world model, in place of the program's.")]
+ScenarioOption = Annotated[
+    str | None, typer.Option("--scenario", metavar="NAME", help="The modular scenario to begin with.", show_default="Main, if there is one")
+]
 ParamOption = Annotated[
     list[str] | None, typer.Option("-p", "--param", metavar="NAME=VALUE", help="A global parameter; wins over the program's.")
 ]

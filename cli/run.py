@@ -22,6 +22,7 @@ from .options import (
     ParamOption,
     ProfileOption,
     ReadingOption,
+    ScenarioOption,
     SeedOption,
     TrustOption,
     limits_of,
@@ -47,6 +48,7 @@ def run(
     reading: ReadingOption = None,
     dialect: DialectOption = None,
     model: ModelOption = None,
+    scenario: ScenarioOption = None,
     param: ParamOption = None,
     max_attempts: AttemptsOption = DEFAULT_ATTEMPTS,
     fuel: FuelOption = DEFAULT_FUEL,
@@ -139,7 +141,7 @@ def run(
         raise UsageError("--resample needs --backend importance")
     source = read_source(
         session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, fuel=fuel, trust=trust,
-        limits=limits_of(limit_memory, limit_seconds), prune=prune, device=device,
+        limits=limits_of(limit_memory, limit_seconds), prune=prune, scenario=scenario, device=device,
     )
     if backend == "enumerate":
         from .enumerating import EnumerationRequest, produce_enumeration

@@ -22,6 +22,7 @@ from .options import (
     ParamOption,
     ProfileOption,
     ReadingOption,
+    ScenarioOption,
     SeedOption,
     TrustOption,
     limits_of,
@@ -51,9 +52,7 @@ def simulate(
     count: Annotated[int, typer.Option("-n", metavar="N", min=1, help="How many simulations.")] = 1,
     seed: SeedOption = 0,
     run: Annotated[int | None, typer.Option("--run", metavar="K", min=0, help="Run only simulation K of the seed.")] = None,
-    scenario: Annotated[
-        str | None, typer.Option("--scenario", metavar="NAME", help="The modular scenario to begin with.", show_default="Main, if there is one")
-    ] = None,
+    scenario: ScenarioOption = None,
     output: Annotated[
         str | None, typer.Option("-o", "--output", metavar="PATH", help="Write one simulation per line as JSON (- for standard output).")
     ] = None,

@@ -22,6 +22,7 @@ from .options import (
     ParamOption,
     ProfileOption,
     ReadingOption,
+    ScenarioOption,
     SeedOption,
     TrustOption,
     limits_of,
@@ -46,9 +47,7 @@ def trace(
     timestep: Annotated[
         float | None, typer.Option("--dt", metavar="S", help="With --steps: the time step in seconds.", show_default="1 for still, 0.1 for others")
     ] = None,
-    scenario: Annotated[
-        str | None, typer.Option("--scenario", metavar="NAME", help="The modular scenario to begin with.", show_default="Main, if there is one")
-    ] = None,
+    scenario: ScenarioOption = None,
     profile: ProfileOption = "paper",
     reading: ReadingOption = None,
     dialect: DialectOption = None,

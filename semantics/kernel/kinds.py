@@ -210,11 +210,26 @@ def has_kind(value: object, kind: str) -> bool:
             raise AssertionError(kind)
 
 
+SPATIAL = frozenset({
+    "BoxRegion", "SpheroidRegion", "MeshRegion", "MeshVolumeRegion", "MeshSurfaceRegion", "PathRegion", "PolygonalFootprintRegion", "VoxelRegion",
+    "ViewRegion", "SurfaceCollisionTrimesh", "Shape", "BoxShape", "CylinderShape", "ConeShape", "SpheroidShape", "MeshShape", "Orientation",
+})  # fmt: skip
+"""Names of the released Scenic 3 for things in space."""
+SPATIAL_ATTRIBUTES = frozenset({"z", "yaw", "pitch", "roll", "orientation", "parentOrientation", "baseOffset", "contactTolerance"})
+"""Likewise of what vectors and objects have there."""
+FLAT = "is three-dimensional; this reference is two-dimensional"
+
+
+def no_attribute(subject: str, name: str, what: str = "attribute") -> AttributeError:
+    """The exception where a value has no such attribute or property."""
+    return AttributeError(f"{subject} has no {what} {name}" + (f", which {FLAT}" if name in SPATIAL_ATTRIBUTES else ""))
+
+
 def refuse_third_dimension(what: str, operands: Iterable[object], span: Span, rule: str) -> None:
     """Raises `RunError` if one of the operands has three coordinates or angles."""
     for operand in operands:
         if isinstance(operand, (tuple, list)) and len(operand) == 3 and all(map(is_scalar, operand)):
-            raise RunError(f"{what} is given three numbers, which is three-dimensional; this reference is two-dimensional", span, rule=rule)
+            raise RunError(f"{what} is given three numbers, which {FLAT}", span, rule=rule)
 
 
 def kind_name(value: object) -> str:

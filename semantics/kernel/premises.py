@@ -18,6 +18,7 @@ from ..syntax.statements import Assignment, Return
 from .config import Config, Stack, State, Value
 from .errors import NeedsPosition, RunError
 from .host import HostException, Misapplied
+from .kinds import FLAT, SPATIAL
 from .outcome import Next, Outcome
 from .positions import remaining, specified, wait
 from .scopes import MISSING, Scope
@@ -155,6 +156,8 @@ def unknown_variable(node: Name, state: State) -> RunError:
             hint = "conditions of interrupts are evaluated before their `try` begins: see `readings interrupt-first-step`" if state.simulation else ""
             return RunError(f"the local variable {node.name} is used before it is assigned", node.span, rule="E-Variable", hint=hint)
         scope = scope.parent
+    if node.name in SPATIAL:
+        return RunError(f"{node.name} {FLAT}", node.span, rule="E-Variable")
     near = get_close_matches(node.name, [name for name in known if not name.startswith("__")], n=1)
     hint = f"did you mean {near[0]}?" if near else "import it, or choose a world model with `model NAME`" if node.name[:1].isupper() else ""
     return RunError(f"{node.name} is not defined", node.span, rule="E-Variable", hint=hint)

@@ -12,7 +12,7 @@ from ..kernel.config import Stack, State, Value, value
 from ..kernel.draws import draw, of_nothing
 from ..kernel.errors import RunError
 from ..kernel.host import HostException, host, raw
-from ..kernel.kinds import is_scalar, kind_name
+from ..kernel.kinds import FLAT, is_scalar, kind_name
 from ..kernel.nesting import check_written
 from ..kernel.outcome import Next, Outcome
 from ..kernel.positions import specified
@@ -197,8 +197,10 @@ COMPARING = (sorted, min, max)
 """Functions that compare what they go through."""
 
 
-def vector(x: float, y: float) -> Vector:
+def vector(x: float, y: float, *more: float) -> Vector:
     """Vector(x, y): its coordinates are floats, as those of any vector of the language."""
+    if more:
+        raise TypeError(f"a Vector has two coordinates; one of {2 + len(more)} {FLAT if len(more) == 1 else 'is none'}")
     return Vector(number(x), number(y))
 
 

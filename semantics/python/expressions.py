@@ -15,7 +15,7 @@ from ..kernel.classes import canonical
 from ..kernel.config import Stack, State, value
 from ..kernel.errors import RunError
 from ..kernel.host import HostException, host, raw
-from ..kernel.kinds import Reader, has_kind, is_pair, kind_name
+from ..kernel.kinds import Reader, has_kind, is_pair, kind_name, no_attribute
 from ..kernel.outcome import Outcome
 from ..kernel.premises import premises, raw_axiom
 from ..kernel.queries import Clock, Closest, Parameters, attribute_of_clock
@@ -238,7 +238,7 @@ def get_host_attribute(subject: object, name: str, node: p.Attribute, state: Sta
         return raw(door, state, fallback, subject, name)
     if name.startswith("_"):
         raise RunError(f"names with a leading underscore, such as {name}, are private to Python objects", node.span, rule="E-Attribute")
-    raise HostException(AttributeError(f"{kind_name(subject)} has no attribute {name}"))
+    raise HostException(no_attribute(kind_name(subject), name))
 
 
 def instance_attribute(instance: Instance, name: str, state: State) -> object:
@@ -251,7 +251,7 @@ def instance_attribute(instance: Instance, name: str, state: State) -> object:
     if found is None and name == "distanceToClosest":
         return Closest(instance)
     if found is None:
-        error = AttributeError(f"{instance.class_.name} has no property {name}")
+        error = no_attribute(instance.class_.name, name, "property")
         if name == "height":  # under `height=own`
             error.add_note("the third extent that Scenic 3 gives every object does not exist in the plane: give it one by `with height`")
         raise HostException(error)

@@ -48,6 +48,9 @@ def test_the_scenario_can_be_named(ask, tmp_path):
     counts = [len(json.loads(ask("simulate", "p.scenic", *more).out)["scene"]["objects"]) for more in ((), ("--scenario", "Other"))]
     assert counts == [1, 2]
     assert ask("simulate", "p.scenic", "--scenario", "Nobody").code == 2
+    drawn = [len(json.loads(ask("run", "p.scenic", "-o", "-", *more).out)["objects"]) for more in ((), ("--scenario", "Other"))]
+    assert drawn == [1, 2]
+    assert [ask("check", "p.scenic", "--scenario", name).code for name in ("Other", "Nobody")] == [0, 2]
 
 
 def test_wrong_usage(ask, tmp_path):

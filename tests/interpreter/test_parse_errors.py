@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 from scenic_ref.interpreter.parser import parse
-from scenic_ref.semantics.kernel.errors import ParseError, UsageError
+from scenic_ref.scenario import loads
+from scenic_ref.semantics.kernel.errors import ParseError, ProgramError, UsageError
 
 # text: (line, column, message, hint)
 MISTAKES: dict[str, tuple[int, int, str, str]] = {
@@ -145,3 +146,9 @@ def test_orientations_in_space_are_refused(text: str) -> None:
     with pytest.raises(ParseError, match="three-dimensional"):
         parse(f"{text}\n", dialect="scenic-3")
     assert parse(text.replace("new ", "") + "\n").statements
+
+
+@pytest.mark.parametrize("text", ["in BoxRegion(dimensions=(5, 5, 5))", "with x Vector(1, 2, 3)", "with x ego.position.z", "with x ego.pitch"])
+def test_what_is_in_space_is_refused_by_name(text: str) -> None:
+    with pytest.raises(ProgramError, match="three-dimensional; this reference is two-dimensional"):
+        loads(f"ego = new Object\no = new Object at 9 @ 9, {text}\n".replace("at 9 @ 9, in", "in"), dialect="scenic-3").rehearse()

@@ -11,6 +11,7 @@ class MarsObject:
 class Goal(MarsObject):
     width: 0.3
     length: 0.3
+    heading: 0
 
 class Rover(MarsObject):
     width: 0.5
