@@ -282,7 +282,7 @@ def applied(
 
 def reduced(budget: Budget, function: Callable[[object, object], object], items: Iterable[object], *initial: object) -> object:
     """`functools.reduce(function, items, initial)`."""
-    return functools.reduce(as_callback(function, budget), budget.metered(python.iter(items)), *initial)  # type: ignore[arg-type]
+    return functools.reduce(as_callback(function, budget), budget.metered(items), *initial)  # type: ignore[arg-type]
 
 
 def comparing(budget: Budget, function: Callable[[object, object], object]) -> object:
