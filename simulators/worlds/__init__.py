@@ -42,6 +42,16 @@ CORE = {
 }
 """What the language has, under the names of the released implementations' modules."""
 
+SIMULATORS = {"newtonian": "NewtonianSimulator", "webots": "WebotsSimulator"}
+"""Simulators of the released implementations that `simulator` may name, by their modules."""
+
+
+def simulators_of(name: str) -> Callable[[], str]:
+    """The module of a simulator: programs import its name for `simulator NAME()`, which is read and not evaluated; nothing else can be done by it."""
+    why = "which simulator runs a program says whoever runs it: scenic-ref simulate --simulator NAME"
+    return lambda: f"def {name}(*arguments, **options):\n    raise NotImplementedError({why!r})\n"
+
+
 WORLDS: Mapping[str, Callable[[], str | Mapping[str, object]]] = {
     "scenic.simulators.gta.model": lambda: _text("gta/model.scenic"),
     "scenic.simulators.gta.map": gta_map,
@@ -50,6 +60,7 @@ WORLDS: Mapping[str, Callable[[], str | Mapping[str, object]]] = {
     "gtaLib": lambda: "from scenic.simulators.gta.model import *\n",
     "scenic.simulators.newtonian.model": lambda: "",  # it has no classes or regions of its own
     **{f"scenic.core.{module}": lambda names=names: {name: BUILTINS[name] for name in names.split()} for module, names in CORE.items()},
+    **{f"scenic.simulators.{module}{end}": simulators_of(name) for module, name in SIMULATORS.items() for end in ("", ".simulator")},
     "mars": lambda: _text("mars/mars.scenic"),
     "scenic.simulators.webots.mars.model": lambda: "from mars import *\n",
 }

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.kernel.errors import ImportRefused, RunError, UncaughtException
+from scenic_ref.scenario import loads
+from scenic_ref.semantics.kernel.errors import ImportRefused, ProgramError, RunError, UncaughtException
 from scenic_ref.semantics.python.imports import beside, package_of, path_of
 
 
@@ -179,3 +180,12 @@ def test_a_module_of_the_releases_that_is_not_here_is_named(tmp_path, text):
     with pytest.raises(UncaughtException, match=r"scenic\.simulators\.gta\.modle") as found:
         params(tmp_path, {}, "model scenic.simulators.gta.modle\nego = Object\n")
     assert found.value.hint == "did you mean scenic.simulators.gta.model?"
+
+
+@pytest.mark.parametrize("module", ["newtonian", "newtonian.simulator", "webots"])
+def test_a_simulator_can_be_imported_and_named_and_not_called(module: str) -> None:
+    name = "WebotsSimulator" if module == "webots" else "NewtonianSimulator"
+    text = f"from scenic.simulators.{module} import {name}\nego = new Object\n"
+    assert loads(f"{text}simulator {name}(timestep=0.1)\n", dialect="scenic-3").sample().ego.position == (0, 0)
+    with pytest.raises(ProgramError, match="scenic-ref simulate --simulator NAME"):
+        loads(f"{text}x = {name}()\n", dialect="scenic-3").sample()
