@@ -144,7 +144,14 @@ AMBIGUOUS = "an object without specifiers, or a pair, which would mean something
 
 
 def check_said(statement: Statement, target: Dialect, classes: frozenset[str]) -> None:
-    """Parse what is printed of a statement: it must be the same one. Raises `ParseError` at the innermost statement that is not."""
+    """Parse what is printed of a statement: it must be the same one. Raises `ParseError` at the innermost statement that is not.
+
+    Scenic 2.1 knows an object by the name of its class.
+    """
+    made = (node for node in descendants(statement) if isinstance(node, e.ObjectDefinition)) if target.released and not target.explicit_new else ()
+    nameless = next((node for node in made if last_name(node.class_) not in classes), None)
+    if nameless is not None:
+        raise unsaid("an object whose class is not known by its name", nameless, target)
     try:
         text = "\n".join(Converted(target).lines(statement)) + "\n"
         again = settled(parse(text, dialect=target.name).statements, classes)
