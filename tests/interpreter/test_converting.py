@@ -160,6 +160,6 @@ def test_the_text_is_that_of_the_releases() -> None:
 def test_an_object_of_a_class_that_is_a_variable_is_refused_for_2_1(specifiers: str) -> None:
     text = f"def made(kind, where):\n    return new kind{specifiers}\nego = made(Object, 1 @ 2)\n"
     program = parse(text, "p.scenic", "scenic-3")
-    with pytest.raises(ParseError, match="dialect scenic-2.1 cannot say this"):
+    with pytest.raises(ParseError, match=r"dialect scenic-2\.1 cannot say this"):
         convert(program, "scenic-2.1", {})
     assert "new kind" in convert(program, "scenic-3", {})
