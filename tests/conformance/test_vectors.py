@@ -178,6 +178,7 @@ CONDITIONAL = {
     "D-Interrupt": "an-interrupt-and-resumption-where-it-left-off",
     "D-Precondition": "any-number-of-preconditions",
     "P-Beyond": "beyond-from",
+    "D-Override": "override-of-a-property",
 }
 """For each rule that refuses programs: a vector near the border, on the side where it does not."""
 

@@ -140,7 +140,8 @@ class Again:
             again = outcome_told(step(config))
         except versions.DrivenOn:
             return
-        assert again == before, f"at {scenic_ref.semantics.step.place(config)}"
+        if again != before:  # not `assert`: its report of two big outcomes would take gigabytes
+            raise AssertionError(f"stepped again, another outcome at {scenic_ref.semantics.step.place(config)}")
         self.compared += 1
 
     def compare_all(self) -> None:
@@ -340,7 +341,8 @@ def test_a_new_version_is_made_only_where_something_changes() -> None:
 
 TAKES_MORE = {"builtin-functions", "iterators-of-the-library"}
 """Have iterators over a function that changes a list: what it did is not taken back (`docs/machine.md`)."""
-VECTORS = [v for v in load_vectors() if v.name not in TAKES_MORE]
+VECTORS = [v for v in load_vectors() if v.name not in TAKES_MORE and not v.name.startswith("too-m")]
+"""Without those that use up their budget either, `too-much-…` and `too-many-…`: what is used up is not taken back."""
 PARTS = 8
 
 
