@@ -53,9 +53,9 @@ class Scene:
         self.objects = tuple(Object(o, readings["distance-method"] == "box") for o in scene.objects)
 
     @property
-    def egoObject(self) -> Object:
-        """The object from whose point of view the scene is. Raises `UsageError` if there is none."""
-        return self.objects[self.scene.ego.id]
+    def egoObject(self) -> Object | None:
+        """The object from whose point of view the scene is, if there is one."""
+        return None if self.scene.ego_id is None else self.objects[self.scene.ego_id]
 
     @property
     def params(self) -> dict[str, object]:

@@ -139,7 +139,8 @@ def draw(axes: Axes, scene: Scene, roads: Region | None, colours: Mapping[str, s
     for spine in axes.spines.values():
         spine.set_edgecolor("#bbbbbb")
     draw_land(axes, scene.workspace if roads is None else roads, window)
-    draw_view(axes, scene.ego, window)
+    if scene.ego_id is not None:
+        draw_view(axes, scene.ego, window)
     for o in scene.objects:
         draw_object(axes, o, EGO if o.id == scene.ego_id else colours[o.class_name], east - west)
     draw_names(axes, scene, size, east - west)

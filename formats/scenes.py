@@ -147,9 +147,9 @@ class Scene:
 
     @property
     def ego(self) -> SceneObject:
-        """The object from whose point of view the scene is."""
+        """The object from whose point of view the scene is. Raises `UsageError` if there is none (readings `no-ego`, `compose-only`)."""
         if self.ego_id is None:
-            raise UsageError("the scene has no ego: a scenario that the compose block runs makes it")
+            raise UsageError("the scene has no ego")
         return self.objects[self.ego_id]
 
     def __reduce__(self) -> tuple[Callable[..., Scene], tuple[object, ...]]:
@@ -240,7 +240,7 @@ def json_value(value: object) -> object:
 def scene_of(
     state: State, seed: int, index: int, attempts: int, weight: float = 1.0, *, pruned: bool = False, simulated: bool = False
 ) -> Scene:
-    """The scene (π, O) of a finished run; one that is simulated may get its ego later (reading `compose-only`).
+    """The scene (π, O) of a finished run; one that is simulated may get its ego later (reading `compose-only`), others may have none (`no-ego`).
 
     Raises `RunError` for values that cannot be written, since they contain themselves.
     """
@@ -249,8 +249,8 @@ def scene_of(
     objects = tuple(_scene_object(i, instance, state) for i, instance in enumerate(state.scene))
     params = {name: unwrap(value)[0] for name, value in state.params.items()}
     workspace = workspace_of(state)
-    ego = None if simulated and state.ego is None else numbers[ego_of(state).number]
-    return Scene(objects, ego, params, seed, index, attempts, weight, workspace, pruned)
+    ego = ego_of(state, simulated=simulated)
+    return Scene(objects, None if ego is None else numbers[ego.number], params, seed, index, attempts, weight, workspace, pruned)
 
 
 def check_written(state: State) -> None:

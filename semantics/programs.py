@@ -53,9 +53,14 @@ def initial(program: Program, settings: Settings) -> Config:
     return Config(whole, (Finishing(), ()), State(scope, settings, budget.versions.current, params=dict(settings.params)))
 
 
-def ego_of(state: State) -> Instance:
-    """The ego object of a finished run. Raises `RunError` if a scenario that runs later is to make it (reading `compose-only`)."""
+def ego_of(state: State, *, simulated: bool = False) -> Instance | None:
+    """The ego object of a finished run, if there is one (reading `no-ego`; in a simulation a scenario may make it later, reading `compose-only`).
+
+    Raises `RunError` where there must be one.
+    """
     ego = plain(state.ego)
+    if ego is None and (simulated or state.reading("no-ego") == "allowed"):
+        return None
     if ego is None:
         raise RunError("the scene has no ego: only a scenario that the compose block runs would make it", hint="run a simulation of the program")
     assert isinstance(ego, Instance) and is_object(ego)

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from .dynamics import actions, choices, declarations, frames, guards, initial, interrupts, invocations, overrides, policy, processes, scenarios
 from .kernel import conditions, draws, premises, queries, simulation
 from .kernel.config import Abrupt, Config, Reduction, Resumption, Stack, State, Unwinding, Value
-from .kernel.errors import GuardViolation, NeedsElements, NeedsPosition, RunError, ScenicError, UncaughtException
+from .kernel.errors import GuardViolation, NeedsElements, NeedsPosition, RandomBranch, RunError, ScenicError, UncaughtException
 from .kernel.host import DoorStuck, HostException
 from .kernel.nesting import too_deep
 from .kernel.outcome import Draw, Fault, Next, Outcome, Requirement, Stuck, dated
@@ -173,6 +173,7 @@ RESUME: Mapping[type, Resumption] = {
     control.Finally: control.resume_finally,
     control.Afterwards: control.resume_afterwards,
     statements.Requiring: statements.resume_requiring,
+    statements.Deciding: statements.resume_deciding,
     draws.Apart: draws.resume_apart,
     definitions.ClassBody: definitions.resume_class_body,
     imports.ModuleBody: imports.resume_module_body,
@@ -211,6 +212,7 @@ UNWIND: Mapping[type, Unwinding] = {
     control.Handling: control.unwind_handling,
     control.Handled: control.unwind_handled,
     control.Finally: control.unwind_finally,
+    statements.Deciding: statements.unwind_deciding,
     draws.Apart: draws.unwind_apart,
     definitions.ClassBody: definitions.unwind_class_body,
     imports.ModuleBody: imports.unwind_module_body,
@@ -241,7 +243,7 @@ def step(config: Config) -> Outcome:
         if kind is Value:
             frame, rest = stack
             result = control_.value  # type: ignore[union-attr]
-            if state.simulation is not None and state.runs:
+            if (state.deciding or state.simulation is not None) and state.may_branch:
                 result = carried(result, frame)
             outcome = RESUME[type(frame)](frame, result, rest, state)
         elif kind is Abrupt:
@@ -253,6 +255,8 @@ def step(config: Config) -> Outcome:
         outcome = generators.expand(needed, config)
     except NeedsPosition as problem:
         outcome = object_definitions.wait_whole(config) or stopped(problem, config)
+    except RandomBranch as problem:
+        outcome = statements.decide(config) or stopped(problem, config)
     except Exception as problem:
         outcome = stopped(problem, config)
     if not version.undo and type(outcome) is Next and outcome.config.state.version is version:
@@ -301,7 +305,7 @@ def caught(stack: Stack) -> bool:
 
 
 def carried(result: object, frame: object) -> object:
-    """What a frame gets while a scenario runs: a plain value, unless it only passes it on (`premises.CARRIERS`)."""
+    """What a frame gets where control flow may depend on what is drawn: a plain value, unless it only passes it on (`premises.CARRIERS`)."""
     if type(result) is not Random:
         return result
     match frame:

@@ -5,14 +5,15 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ..kernel.conditions import holding
-from ..kernel.config import Stack, State, reduce
+from ..kernel.config import Stack, State
 from ..kernel.errors import RunError, UsageError
+from ..kernel.kinds import Reader
 from ..kernel.outcome import Outcome, Requirement
 from ..kernel.scopes import Scope
 from ..kernel.values import Dynamic, plain
 from ..python.calls import invocation
 from ..python.functions import InScope
-from ..scenes.statements import Requiring, observed
+from ..scenes.statements import observed, require
 from ..scenes.termination import apply_termination_rules
 from ..syntax import dynamics as d
 from ..syntax.nodes import NOWHERE, Node
@@ -77,7 +78,7 @@ def check_preconditions(frame: OpeningGuards, stack: Stack, state: State) -> Out
         return enter_initial(frame, definition, stack, state)
     condition = definition.preconditions[frame.i]
     requirement = Requirement("precondition", condition.span, f"the precondition of {definition.name} on line {condition.span.line}")
-    return reduce(condition, Requiring(requirement, precondition), (frame, stack), state)
+    return require(requirement, condition, precondition, (frame, stack), state)
 
 
 def precondition(requirement: Requirement, result: object, stack: Stack, state: State) -> Outcome:
@@ -108,12 +109,22 @@ def resume_finishing(frame: Finishing, result: object, stack: Stack, state: Stat
         if main is not None:
             return begin_initial(main, (frame, stack), state)
     if state.ego is None and not may_come_later(state):
-        scenarios = scenarios_in(state)
-        other = f"begin with a scenario: --scenario {' or '.join(scenarios)}, or call it Main"
-        hint = other if scenarios and state.initial is None else "write ego = Object ..."
-        text = "the program never assigns ego, the object from whose point of view the scene is"
-        raise RunError(text, NOWHERE, rule="T-Mutate", hint=hint)
+        check_without_ego(state)
     return apply_termination_rules(stack, in_order(state))
+
+
+def check_without_ego(state: State) -> None:
+    """Reading `no-ego`: it is an error, or only where an object must be visible from it."""
+    if state.reading("no-ego") == "allowed":
+        seen = next((o for o in state.scene if Reader(state).property(o, "requireVisible")), None)
+        if seen is not None:
+            raise RunError("this object must be visible from ego (its requireVisible), and there is none", seen.span, rule="T-Check")
+        return
+    scenarios = scenarios_in(state)
+    other = f"begin with a scenario: --scenario {' or '.join(scenarios)}, or call it Main"
+    hint = other if scenarios and state.initial is None else "write ego = Object ..."
+    text = "the program never assigns ego, the object from whose point of view the scene is"
+    raise RunError(text, NOWHERE, rule="T-Mutate", hint=hint)
 
 
 def in_order(state: State) -> State:

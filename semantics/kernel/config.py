@@ -57,8 +57,8 @@ class State(NamedTuple):
     those for the policy, with their scopes; `handling` the exceptions being handled, innermost last; `depth` counts open calls, `made` the
     instances. `initial` is the modular scenario that the run began with, if it is one, and `simulation` what there is
     while it runs (None: the scene is being generated). `settled` are the random values of what waited for a position,
-    for each object (and time step). `version` is that of the scopes and containers, which are updated in place
-    (`versions`).
+    for each object (and time step). `deciding` says that the condition of a requirement is evaluated with plain values (reading
+    `random-branch`). `version` is that of the scopes and containers, which are updated in place (`versions`).
     """
 
     sigma: Scope
@@ -81,11 +81,17 @@ class State(NamedTuple):
     initial: Dynamic | None = None
     simulation: Simulation | None = None
     settled: Mapping[tuple[object, int, int | None], object] = {}
+    deciding: bool = False
 
     @property
     def runs(self) -> bool:
-        """Whether what is drawn may decide what happens, so that rules see plain values: while a scenario runs, but not in setup blocks."""
+        """Whether a scenario runs, and this is not one of its setup blocks."""
         return self.simulation is not None and not self.simulation.setting
+
+    @property
+    def may_branch(self) -> bool:
+        """Whether what is drawn may decide what happens, so that rules see plain values."""
+        return self.deciding or self.runs
 
     @property
     def address(self) -> tuple[int, ...]:

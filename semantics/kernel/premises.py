@@ -53,7 +53,7 @@ def premises(
     Where something random went in, whether the conclusion raises an exception is random as well.
     """
     values = [] if values is None else values
-    read = raw_axiom if not state.runs or type(node) in CARRIERS else axiom
+    read = raw_axiom if not state.may_branch or type(node) in CARRIERS else axiom
     for index in range(len(values), len(expressions)):
         expression = expressions[index]
         result = None if expression is None else read(expression, state)
@@ -93,15 +93,15 @@ def resume_premises(frame: Premises, result: object, stack: Stack, state: State)
 
 
 CARRIERS = frozenset({Call, Assignment, Return, Do})
-"""While a scenario runs, whatever is drawn may decide its course, and rules see plain values; but where a value is only passed on, to a variable or
+"""Where whatever is drawn may decide the course (`State.may_branch`), rules see plain values; but where a value is only passed on, to a variable or
 parameter, it keeps the distribution that it was drawn from, for `resample`.
 """
 
 
 def axiom(expression: Node, state: State) -> object:
-    """The value of a constant or variable, else NOT_AN_AXIOM; a plain one while a scenario runs."""
+    """The value of a constant or variable, else NOT_AN_AXIOM; a plain one where control flow may depend on it."""
     found = raw_axiom(expression, state)
-    return plain(found) if state.runs else found
+    return plain(found) if state.may_branch else found
 
 
 def raw_axiom(expression: Node, state: State) -> object:

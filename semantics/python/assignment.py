@@ -70,7 +70,7 @@ def bind_targets(node: s.Assignment, pending: list[tuple[Node, object]], assigne
     """Bind the pending targets to their values."""
     while pending:
         (target, part), *pending = pending
-        if state.runs and not (isinstance(target, p.Name) and target.name not in SHARED):
+        if state.may_branch and not (isinstance(target, p.Name) and target.name not in SHARED):
             part = plain(part)  # only variables keep what a value was drawn from
         if isinstance(target, p.Name):
             state = assign_name(target.name, part, target, state)
@@ -99,7 +99,7 @@ def written(target: Node) -> str:
 
 def conclude_target(node: s.Assignment, values: list[object], stack: Stack, state: State) -> Outcome:
     """The object of `a.b` or the container and index of `a[i]` are reduced."""
-    rest, *parts = [values[0], *map(plain, values[1:])] if state.runs else values
+    rest, *parts = [values[0], *map(plain, values[1:])] if state.may_branch else values
     (target, part), pending, assigned = rest  # type: ignore[misc]
     return bind_targets(node, pending, assigned, stack, assign(target, part, parts, state))
 

@@ -49,25 +49,28 @@ def call(node: p.Call, stack: Stack, state: State) -> Outcome:
 
 def conclude_call(node: p.Call, values: list[object], stack: Stack, state: State) -> Outcome:
     """Spread starred arguments, then apply the function."""
-    function, *rest = while_running(values) if state.runs else values
+    function, *rest = as_plain(values) if state.may_branch else values
     arguments: list[object] = []
     origin: Origin | None = None
     for expression, argument in zip(node.arguments, rest, strict=False):
         if isinstance(expression, p.Starred) and takes_any_number(function):
-            spread, found = elements_in_this_run(plain(argument) if state.runs else argument, expression, state)
+            spread, found = elements_in_this_run(plain(argument) if state.may_branch else argument, expression, state)
             arguments.extend(spread)
             origin = origin or found
         elif isinstance(expression, p.Starred):
-            arguments.extend(elements(plain(argument) if state.runs else argument, expression, state))
+            arguments.extend(elements(plain(argument) if state.may_branch else argument, expression, state))
         else:
             arguments.append(argument)
     keywords: dict[str, object] = {}
     for keyword, argument in zip(node.keywords, rest[len(node.arguments) :], strict=True):
         if keyword.name is not None:
             keywords[keyword.name] = argument
-        elif type(argument) is Random:
+            continue
+        if state.may_branch:
+            argument = plain(argument)
+        if type(argument) is Random:
             raise random_branch(argument, node, "which arguments are given")
-        elif isinstance(argument, Mapping):
+        if isinstance(argument, Mapping):
             keywords.update({str(k): v for k, v in argument.items()})
         else:
             raise HostException(TypeError(f"{kind_name(argument)} after ** is not a mapping"))
@@ -90,8 +93,10 @@ def depending_on(origin: Origin, outcome: Outcome) -> Outcome:
     return outcome
 
 
-def while_running(values: list[object]) -> list[object]:
-    """A function and its arguments while a scenario runs: only functions and behaviors of the program, and `resample`, get more than plain values."""
+def as_plain(values: list[object]) -> list[object]:
+    """A function and its arguments where control flow may depend on what is drawn: only functions and behaviors of the program, and `resample`,
+    get more than plain values.
+    """
     function, *rest = values
     function = plain(function)
     passed_on = isinstance(function, (Function, Method, Dynamic)) or (isinstance(function, Special) and function.name == "resample")

@@ -258,7 +258,7 @@ def choose_handler(node: s.Try, index: int, abrupt: Abrupt, stack: Stack, state:
 def resume_choosing(frame: Choosing, result: object, stack: Stack, state: State) -> Outcome:
     """Does the handler catch the exception?"""
     classes, origin = unwrap(result)
-    if origin is not None and not state.runs:
+    if origin is not None and not state.may_branch:
         raise random_branch(Random(classes, origin), frame.node.handlers[frame.position], "which exceptions this `except` catches")
     candidates = classes if isinstance(classes, tuple) else (classes,)
     if not all(isinstance(c, type) and issubclass(c, BaseException) for c in candidates):
@@ -272,7 +272,7 @@ def handle(handler: s.Handler, abrupt: Abrupt, stack: Stack, state: State) -> Ou
     """If ⟨s1⟩ → ⟨raise v⟩ and v is an instance of C then ⟨try: s1 except C as x: s2, σ⟩ → ⟨s2, σ[x / v]⟩."""
     exception = abrupt.value
     assert isinstance(exception, BaseException)
-    if abrupt.origin is not None and not state.runs:
+    if abrupt.origin is not None and not state.may_branch:
         raise random_branch(Random(exception, abrupt.origin), handler, f"the {type(exception).__name__} that this catches, or whether it is raised,")
     if handler.name is not None:
         state.sigma.bind(handler.name, exception)

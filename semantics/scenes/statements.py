@@ -6,20 +6,21 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from ..kernel.conditions import holding
-from ..kernel.config import PASS, Captured, Config, Stack, State, reduce
-from ..kernel.draws import numbered_apart
+from ..kernel.config import PASS, Abrupt, Captured, Config, Stack, State, reduce
+from ..kernel.draws import Apart, numbered_apart
 from ..kernel.errors import RunError
 from ..kernel.kinds import is_object, is_scalar, kind_name
 from ..kernel.nesting import check_nesting
 from ..kernel.outcome import Change, Draw, Next, Observe, Outcome, Requirement, Stuck
 from ..kernel.premises import premises
 from ..kernel.simulation import check_setup
-from ..kernel.values import Instance, Random, plain, unwrap
+from ..kernel.values import Instance, Origin, Random, plain, unwrap
 from ..python.assignment import done
 from ..python.imports import in_model
 from ..space.distributions import BadParameters, Coin
 from ..space.numeric import is_finite_number, met
 from ..syntax import statements as s
+from ..syntax.nodes import Node
 
 
 def param(node: s.Param, stack: Stack, state: State) -> Outcome:
@@ -43,15 +44,75 @@ def conclude_param(node: s.Param, values: list[object], stack: Stack, state: Sta
 
 
 class Requiring(NamedTuple):
-    """Frame: the condition of a requirement is being reduced; `conclude` is the rule about its value."""
+    """Frame: the condition of a requirement is being reduced; `conclude` is the rule about its value, and `begun` the state before it where it may
+    have to be reduced once more.
+    """
 
     requirement: Requirement
+    condition: Node
     conclude: Callable[[Requirement, object, Stack, State], Outcome]
+    begun: State | None
+
+
+def require(
+    requirement: Requirement, condition: Node, conclude: Callable[[Requirement, object, Stack, State], Outcome], stack: Stack, state: State
+) -> Next:
+    """Reduce the condition of a requirement, then conclude."""
+    begun = state if state.reading("random-branch") == "in-requirements" and not state.may_branch else None
+    return reduce(condition, Requiring(requirement, condition, conclude, begun), stack, state)
 
 
 def resume_requiring(frame: Requiring, result: object, stack: Stack, state: State) -> Outcome:
     """The condition was reduced."""
     return frame.conclude(frame.requirement, result, stack, state)
+
+
+class Deciding(NamedTuple):
+    """Frame: the condition of the requirement in `frame` is being reduced with plain values; what it changes is taken back."""
+
+    frame: Requiring
+    begun: State
+
+
+def decide(config: Config) -> Next | None:
+    """What is drawn decides what happens in the condition of a requirement: if it may (reading `random-branch`), it is reduced anew, with plain
+    values. Else None.
+
+    What was drawn in the condition counts for nothing, and is drawn again, at addresses of its own.
+    """
+    _, stack, state = config
+    draws = state.draws
+    while stack:
+        frame, stack = stack
+        if isinstance(frame, Apart):
+            draws = frame.draws
+        elif isinstance(frame, Requiring):
+            if frame.begun is None:
+                return None
+            begun = frame.begun._replace(draws=draws)
+            begun.version.versions.go_to(begun.version)
+            around, within = numbered_apart((Deciding(frame, begun._replace(draws=draws + 1)), stack), begun)
+            return Next("", Config(frame.condition, around, within._replace(deciding=True)))
+    return None
+
+
+def resume_deciding(frame: Deciding, result: object, stack: Stack, state: State) -> Outcome:
+    """The condition was reduced: the requirement is observed in the state before it."""
+    outcome = frame.frame.conclude(frame.frame.requirement, result, stack, state)
+    after = Config(PASS, stack, before(frame))
+    return outcome._replace(beyond=after) if isinstance(outcome, Stuck) else outcome._replace(config=after)  # type: ignore[union-attr]
+
+
+def unwind_deciding(frame: Deciding, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
+    """An exception leaves the condition: it depends on what is drawn."""
+    origin = abrupt.origin or Origin(frame.frame.requirement.span, "a requirement")
+    return Next("", Config(abrupt._replace(origin=origin), stack, before(frame)))
+
+
+def before(frame: Deciding) -> State:
+    """The state before the condition, to which everything is taken back."""
+    frame.begun.version.versions.go_to(frame.begun.version)
+    return frame.begun
 
 
 def required(requirement: Requirement, result: object, stack: Stack, state: State) -> Outcome:
@@ -80,7 +141,7 @@ def capture(node: s.Require, stack: Stack, state: State) -> Outcome:
 def enforce(node: s.Require, stack: Stack, state: State) -> Outcome:
     """Reduce the condition: now, or at the end of the program in the state of the statement (reading `require-time`)."""
     requirement = Requirement("require", node.span, f"the requirement on line {node.span.line}")
-    return reduce(node.condition, Requiring(requirement, required), stack, state)
+    return require(requirement, node.condition, required, stack, state)
 
 
 def soft_requirement(node: s.SoftRequire, stack: Stack, state: State) -> Outcome:

@@ -180,8 +180,12 @@ EXPECTED: Mapping[str, Mapping[str, Expectation]] = {
         "point-mass": Gives([Vector(1, 2), math.radians(3), Vector(9, 9)], lambda s: [s.ego.position, s.ego.heading, s.objects[1].position])
     },
     "ego-late": {"error": Fails(errors.RunError, "E-Variable")},
+    "no-ego": {"error": Fails(errors.RunError, "T-Mutate"), "allowed": Gives([None, 1], lambda s: [s.ego_id, len(s.objects)])},
     "ego-twice": {"last": Gives([Vector(0, 5), Vector(85, 0)])},
-    "random-branch": {"error": Fails(errors.RandomBranch, "E-Branch")},
+    "random-branch": {
+        "error": Fails(errors.RandomBranch, "E-Branch"),
+        "in-requirements": Chance(1 / 3, lambda s: s.ego["x"] == 3, rivals=(1 / 4, 1 / 2), attempts=4 / 3, always=lambda s: s.ego["x"] > 2),  # type: ignore[operator]
+    },
     "boolean-random": {"short-circuit": Gives([True, 0]), "operator": Gives([True, 1])},
     "is-none": {"identity": Gives([2])},
     "default-arguments": {"definition": Gives([0, True], lambda s: [s.params["shared"], s.params["independent"] != 0])},

@@ -214,6 +214,13 @@ def test_every_kind_of_change_is_taken_back(change: str, capture: str) -> None:
     assert watching.compared > 3 * 5
 
 
+def test_what_a_requirement_changes_that_is_decided_anew_is_taken_back() -> None:
+    watching = Again(share=1.0)
+    program = "xs = []\ndef f(v):\n    xs.append(v)\n    if v > 0.5:\n        xs.append(v)\n        return True\n    return False\nx = Range(0, 1)\n"
+    run_twice(program + "require f(x)\nxs.append(3)\nparam n = len(xs)\n", watching, {"random-branch": "in-requirements"})
+    assert watching.compared > 3 * 5
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_what_was_kept_of_one_run_is_stepped_in_any_order(seed: int) -> None:
     watching = Again(share=0.3, seed=seed)

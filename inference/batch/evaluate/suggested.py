@@ -151,14 +151,17 @@ class Suggested:
 
     def of_views(self) -> Iterator[Suggestion]:
         """How much nearer than ego can see the box of each object is."""
+        ego = self.template.ego_id
+        if ego is None:
+            return
         for i, o in enumerate(self.template.objects[:MOST_RELATED]):
-            if i != self.template.ego_id and o.properties.get("requireVisible") is not False:
-                yield Suggestion(f"viewMargin({i})", partial(self.view_margin, i))
+            if i != ego and o.properties.get("requireVisible") is not False:
+                yield Suggestion(f"viewMargin({i})", partial(self.view_margin, ego, i))
 
-    def view_margin(self, i: int, table: FeatureTable) -> np.ndarray | None:
-        """View distance less distance from ego to the box."""
-        ego, pose = pose_of(table.arrays, self.template.ego_id), pose_of(table.arrays, i)
-        own = f"objects[{self.template.ego_id}].properties"
+    def view_margin(self, number: int, i: int, table: FeatureTable) -> np.ndarray | None:
+        """View distance of ego, which is object `number`, less the distance from it to the box."""
+        ego, pose = pose_of(table.arrays, number), pose_of(table.arrays, i)
+        own = f"objects[{number}].properties"
         reach = table.arrays.get(f"{own}.visibleDistance", table.arrays.get(f"{own}.viewDistance"))  # reading `view-distance`
         if ego is None or pose is None or len(pose) < 5 or reach is None or reach.dtype != np.float64:
             return None

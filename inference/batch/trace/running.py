@@ -136,6 +136,8 @@ class SymbolicRun:
         while partial_runs and type(config.control) is Value and config.stack is partial_runs[-1][0]:
             check_unchanged(partial_runs.pop()[1], config.state)
             self.made.conditions.pop()
+        if config.state.deciding:
+            raise NotLifted("what is drawn decides how the condition of a requirement is evaluated")
         self.config, self.events = config, len(self.made.graph.events)
         return step(config)
 

@@ -35,7 +35,7 @@ class Template(NamedTuple):
     """A scene with symbols in it."""
 
     objects: tuple[ObjectTemplate, ...]
-    ego_id: int
+    ego_id: int | None
     params: dict[str, object]
     workspace: Region
     pruned: bool = False
@@ -60,7 +60,7 @@ def template_of(state: State, *, pruned: bool = False) -> Template:
         ObjectTemplate(state.names.get(i.number), i.class_.name, {n: unwrap(v)[0] for n, v in state.objects[i.number].items()}, i.number)
         for i in state.scene
     )
-    return Template(objects, numbers[ego.number], {n: unwrap(v)[0] for n, v in state.params.items()}, workspace, pruned)
+    return Template(objects, None if ego is None else numbers[ego.number], {n: unwrap(v)[0] for n, v in state.params.items()}, workspace, pruned)
 
 
 def scenes_of(template: Template, columns: Columns, seed: int, indices: np.ndarray, attempts: np.ndarray) -> Iterator[Scene]:
