@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..space.distributions import BadParameters, Distribution, NoValues
 from ..syntax.nodes import Node, Span
@@ -20,7 +20,9 @@ def draw(node: Node, constructor: Constructor, arguments: tuple[object, ...], ke
         if constructor.keeps_values:
             distribution = constructor.make(*arguments, **keywords)
         else:
-            distribution = constructor.make(*(unwrap(a)[0] for a in arguments), **{k: unwrap(v)[0] for k, v in keywords.items()})
+            in_order = constructor.unordered is None or state.reading("reversed-range") == "invalid"
+            make: Any = constructor.make if in_order else constructor.unordered
+            distribution = make(*(unwrap(a)[0] for a in arguments), **{k: unwrap(v)[0] for k, v in keywords.items()})
     except NoValues as bad:
         if any(type(a) is Random for a in arguments):
             return of_nothing(constructor, node.span)

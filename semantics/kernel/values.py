@@ -189,12 +189,14 @@ class Constructor:
     """A distribution's name as a value: `make(arguments)` checks the parameters θ and gives baseDist(θ).
 
     `takes` names its parameters, for messages. `keeps_values`: the arguments are values to choose among, not parameters; they may be random.
+    `unordered` makes it where its bounds may stand in either order (reading `reversed-range`).
     """
 
     name: str
     make: Callable[..., Distribution]
     keeps_values: bool
     takes: str = ""
+    unordered: Callable[..., Distribution] | None = None
 
     def __repr__(self) -> str:
         return f"<distribution {self.name}>"

@@ -10,12 +10,14 @@ from operator import index
 from ..kernel.budget import Budget
 from ..kernel.classes import BUILT_IN_CLASSES
 from ..kernel.errors import GUARD_VIOLATIONS
+from ..kernel.kinds import is_scalar
 from ..kernel.queries import Clock, Parameters
 from ..kernel.scopes import Scope
 from ..kernel.values import Constructor, Entries, Pairs, plain, unwrap
 from ..space import regions
 from ..space.distributions import BadParameters, Discrete, Normal, Range, TruncatedNormal, Uniform
 from ..space.fields import PolygonalVectorField, VectorField
+from ..space.numeric import larger, smaller
 from ..space.vectors import Vector
 from .library import BUILTIN, bound
 from .specials import SPECIAL_VALUES
@@ -43,6 +45,13 @@ def _options(values: object) -> Uniform | Discrete:
     return Uniform(tuple(found))
 
 
+def _between(low: object, high: object) -> Range:
+    """The released implementations' `Range`: its bounds may stand in either order (reading `reversed-range`)."""
+    if is_scalar(low) and is_scalar(high):
+        low, high = smaller(low, high), larger(low, high)  # type: ignore[arg-type]
+    return Range(low, high)  # type: ignore[arg-type]
+
+
 def _discrete_range(low: object, high: object, weights: object = None) -> Uniform | Discrete:
     """The released implementations' `DiscreteRange`: a whole number from low to high, both included."""
     try:
@@ -62,7 +71,7 @@ def _discrete_range(low: object, high: object, weights: object = None) -> Unifor
 MOST_NUMBERS = 100_000
 
 CONSTRUCTORS: Mapping[str, Constructor] = {
-    "Range": Constructor("Range", Range, keeps_values=False, takes="low, high"),
+    "Range": Constructor("Range", Range, keeps_values=False, takes="low, high", unordered=_between),
     "Uniform": Constructor("Uniform", _uniform, keeps_values=True, takes="value, ..., value"),
     "Discrete": Constructor("Discrete", _discrete, keeps_values=True, takes="{value: weight, ...}"),
     "Normal": Constructor("Normal", Normal, keeps_values=False, takes="mean, stdDev"),
@@ -71,7 +80,7 @@ CONSTRUCTORS: Mapping[str, Constructor] = {
     "DiscreteRange": Constructor("DiscreteRange", _discrete_range, keeps_values=False, takes="low, high, weights=None"),
     "Options": Constructor("Options", _options, keeps_values=True, takes="[value, ..., value]"),
     # its external parameters, which a sampler may steer: here as drawn from their priors
-    "VerifaiRange": Constructor("VerifaiRange", Range, keeps_values=False, takes="low, high"),
+    "VerifaiRange": Constructor("VerifaiRange", Range, keeps_values=False, takes="low, high", unordered=_between),
     "VerifaiDiscreteRange": Constructor("VerifaiDiscreteRange", _discrete_range, keeps_values=False, takes="low, high, weights=None"),
     "VerifaiOptions": Constructor("VerifaiOptions", _options, keeps_values=True, takes="[value, ..., value]"),
 }

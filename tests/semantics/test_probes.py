@@ -198,6 +198,7 @@ EXPECTED: Mapping[str, Mapping[str, Expectation]] = {
         "error": Fails(errors.RunError, "E-Distributions"),
         "stuck": Chance(1 / 2, lambda s: s.params["d"] == 1, rivals=(1 / 3,), attempts=1.5, always=lambda s: s.params["d"] > 0),  # type: ignore[operator]
     },
+    "reversed-range": {"invalid": Fails(errors.RunError, "E-Distributions"), "either": Gives([True])},
     "pairs": {"vector": Gives([[4, 6], [2, 4]]), "tuple": Gives([[1, 2, 3, 4], [1, 2, 1, 2]])},
     "boundaries": {"tolerance": Gives([True, False])},
     "condition-truth": {
