@@ -68,6 +68,7 @@ VALUES = {
         2,
     ),
     "an instance as text": ("param r = (str(ego), f'{ego}')\n", ("Object at (0.0, 0.0)", "Object at (0.0, 0.0)")),
+    "a heading that was drawn can be drawn again": ("a = Object at 9 @ 9, facing Uniform(1, 1)\nparam r = resample(a.heading)\n", 1),
     "an identity is not random": ("xs = [Uniform(1, 2)]\nif xs is xs:\n    param r = 1\n", 1),
 }
 
