@@ -29,12 +29,13 @@ NOTHING_TO_DO = Native("__init__", lambda *arguments, **keywords: None)
 
 def attribute_above(above: Above, name: str, state: State) -> object:
     """`super().name`: that of the first class behind the one of the method that has it."""
+    subject = above.subject
+    is_class = isinstance(subject, (type, ScenicClass))
     for class_ in above.classes:
         members = class_.methods if isinstance(class_, ScenicClass) else vars(class_) if is_user_made(class_) else {}
         if name in members:
-            subject = above.subject
-            own = subject.class_ if isinstance(subject, Instance) else subject if isinstance(subject, type) else type(subject)
-            return member_of(members[name], None if isinstance(subject, type) else subject, own, state)
+            own = subject.class_ if isinstance(subject, Instance) else subject if is_class else type(subject)
+            return member_of(members[name], None if is_class else subject, own, state)
     if name == "__init__":
         return NOTHING_TO_DO
     raise HostException(AttributeError(f"super() has no attribute {name}"))

@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Mapping
 from types import BuiltinFunctionType, MethodType
 
 from ..kernel.allowed import is_known
+from ..kernel.conditions import random_branch
 from ..kernel.config import Stack, State, value
 from ..kernel.draws import ask
 from ..kernel.errors import RunError
@@ -179,20 +180,41 @@ def callable_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: S
 
 
 def super_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
-    """`super()` in a method: its first argument, as the classes see it that stand behind the one in which the method is defined."""
+    """`super(C, v)`: v, as the classes see it that stand behind C among its own; `super()` in a method is that for its class and first argument."""
+    if keywords or len(arguments) not in (0, 2):
+        raise HostException(TypeError("super() takes a class and an instance of it, or stands in a method and takes nothing"))
+    if not arguments:
+        return returned(node, above_method(node, state), stack, state)
+    class_, subject = arguments
+    classes = classes_of(subject, node)
+    if class_ not in classes:
+        raise HostException(TypeError("super(C, v) needs a class C, and an instance of it or a class below it"))
+    return returned(node, Above(subject, classes[classes.index(class_) + 1 :]), stack, state)
+
+
+def classes_of(subject: object, node: Node) -> tuple[ScenicClass | type, ...]:
+    """The class of a value, or a class itself, and those that stand behind it, in Python's order."""
+    if type(subject) is Random:
+        raise random_branch(subject, node, "the value whose classes super() looks through")
+    if isinstance(subject, (Instance, ScenicClass)):
+        return (subject.class_ if isinstance(subject, Instance) else subject).lineage
+    return (subject if isinstance(subject, type) else type(subject)).__mro__
+
+
+def above_method(node: Node, state: State) -> Above:
+    """The first argument of the method that runs, as the classes see it that stand behind the one in which the method is defined."""
     scope: Scope | None = state.sigma
     while scope is not None and scope.kind != "function":
         scope = scope.parent
-    if arguments or keywords or scope is None or not scope.bindings:
-        hint = "name the class: Base.method(self, ...)"
-        raise RunError("super() stands in a method, and takes no arguments", node.span, rule="E-Call-Host", hint=hint)
-    subject = plain(next(iter(scope.bindings.values())))
-    classes = subject.class_.lineage if isinstance(subject, Instance) else (subject if isinstance(subject, type) else type(subject)).__mro__
+    if scope is None or not scope.bindings:
+        raise RunError("super() stands in a method", node.span, rule="E-Call-Host", hint="name the class: Base.method(self, ...)")
+    subject = next(iter(scope.bindings.values()))
+    classes = classes_of(subject, node)
     for place, class_ in enumerate(classes):
         members = class_.methods if isinstance(class_, ScenicClass) else vars(class_)
         functions = (getattr(m, "__func__", getattr(m, "fget", m)) for m in members.values())
         if any(isinstance(f, Function) and f.names is scope.names and f.scope is scope.parent for f in functions):
-            return returned(node, Above(subject, classes[place + 1 :]), stack, state)
+            return Above(subject, classes[place + 1 :])
     raise RunError("super() stands in a method of a class, which this function is not", node.span, rule="E-Call-Host")
 
 

@@ -69,6 +69,14 @@ VALUES = {
     ),
     "an instance as text": ("param r = (str(ego), f'{ego}')\n", ("Object at (0.0, 0.0)", "Object at (0.0, 0.0)")),
     "a heading that was drawn can be drawn again": ("a = Object at 9 @ 9, facing Uniform(1, 1)\nparam r = resample(a.heading)\n", 1),
+    "super with arguments": (
+        BOX + "class A(Box):\n    def __init__(self): super(A, self).__init__(Uniform(3, 3))\nparam r = A().x\n", 3,
+    ),
+    "super in a class method of a Scenic class": (
+        "class C:\n    @classmethod\n    def f(cls): return 5\n"
+        "class D(C):\n    @classmethod\n    def f(cls): return super().f() + super(D, cls).f()\nparam r = D.f()\n",
+        10,
+    ),
     "an identity is not random": ("xs = [Uniform(1, 2)]\nif xs is xs:\n    param r = 1\n", 1),
 }
 
@@ -143,6 +151,9 @@ REFUSALS = {
     ),
     "print as a key": ("param r = sorted([1, 2], key=print)\n", "library code cannot call print"),
     "super": ("param r = super()\n", "super() stands in a method"),
+    "super of a random class": ("class A(object): pass\nclass B(A): pass\nparam r = super(Uniform(A, B), B())\n", "super(C, v) needs a class"),
+    "super of a random value": (BOX + "param r = super(Box, Uniform(Box(1), Box(2)))\n", "whose classes super() looks through"),
+    "super of another class": (BOX + "param r = super(int, Box(1))\n", "super(C, v) needs a class"),
 }
 
 
