@@ -84,6 +84,9 @@ ATTRIBUTES: Mapping[type, Names] = {
     property: names("setter getter deleter"),
     staticmethod: names(""),
     classmethod: names(""),
+    BuiltinFunctionType: names("__name__"),
+    MethodType: names("__name__"),
+    MethodDescriptorType: names("__name__"),
     Enum: names("name value"),
     auto: names(""),
     # the reference's own

@@ -22,7 +22,9 @@ from ..kernel.queries import Clock, Closest, Parameters, attribute_of_clock
 from ..kernel.scenic_classes import Above, ScenicClass
 from ..kernel.scopes import MISSING, Scope
 from ..kernel.sets import Set
-from ..kernel.values import Bound, Dynamic, Function, Instance, Method, Module, Native, Random, each, plain, unwrap, with_random_keys, wrap
+from ..kernel.values import (
+    Bound, Constructor, Dynamic, Function, Instance, Method, Module, Native, Random, Special, each, plain, unwrap, with_random_keys, wrap,
+)  # fmt: skip
 from ..kernel.versions import note_call, note_item
 from ..kernel.waiting import Waiting, needs_position
 from ..space.fields import VectorField
@@ -214,9 +216,12 @@ def get_attribute(subject: object, node: p.Attribute, state: State) -> object:
             return space.bindings[name]
         case Dynamic(space=Scope()) if name == "ego" and state.ego is not None:
             return state.ego  # all scenarios share it (reading `ego-of-scenarios`)
+        case (
+            Function(name=own) | Method(function=Function(name=own)) | Native(name=own) | Bound(name=own) | Special(name=own)
+            | Constructor(name=own) | Member(name=own) | Dynamic(arguments=None, definition=object(name=own))
+        ) if name == "__name__":  # fmt: skip
+            return own
         case Function() | Method() | Dynamic():
-            if name == "__name__" and isinstance(subject, Function):
-                return subject.name
             raise HostException(AttributeError(f"{subject!r} has no attribute {name}"))
         case Native(members=members) | Bound(members=members) if name in members:
             return bound(members[name], state.settings.door.budget)

@@ -363,7 +363,14 @@ def method_of(subject: object, name: str, budget: Budget) -> object | None:
     return None
 
 
-GIVEN: Mapping[type, Mapping[str, Callable[[Any], object]]] = {PolygonalRegion: {"polygon": lambda region: region}}
+def name_of_class(class_: type) -> str:
+    """`C.__name__`: sets are ours under Python's name."""
+    return {Set: "set", FrozenSet: "frozenset"}.get(class_, class_.__name__)
+
+
+GIVEN: Mapping[type, Mapping[str, Callable[[Any], object]]] = {
+    PolygonalRegion: {"polygon": lambda region: region}, type: {"__name__": name_of_class},
+}  # fmt: skip
 """Attributes whose value is not Python's: a polygonal region stands for its polygon."""
 
 

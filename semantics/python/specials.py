@@ -26,9 +26,10 @@ from ..syntax import python_expressions as p
 from ..syntax.nodes import Node
 from .assignment import assigned_to, set_attribute
 from .elementwise import ELEMENTWISE
-from .expressions import attribute_is, get_attribute, host_container, instance_text
+from .expressions import attribute_is, conclude_attribute, get_attribute, host_container, instance_text
 from .functions import returned
 from .iteration import elements
+from .members import member
 from .texts import written
 
 Arguments = tuple[object, ...]
@@ -133,6 +134,11 @@ def getattr_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: St
     """`getattr(v, name[, default])`, under the same rules as `v.name`."""
     if len(arguments) not in (2, 3) or not isinstance(plain(arguments[1]), str):
         raise HostException(TypeError("getattr() takes a value, a name and perhaps a default"))
+    subject, name = arguments[:2]
+    if member(subject, str(plain(name)), state) is not None:
+        if type(name) is Random:
+            raise random_branch(name, node, "which member of this value is meant")
+        return conclude_attribute(p.Attribute(value=p.Constant(value=None), name=str(name), span=node.span), [subject], stack, state)
     result, origin = _named(node, arguments, state)
     if result is MISSING:
         result = arguments[2]
@@ -144,7 +150,8 @@ def hasattr_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: St
     if len(arguments) != 2 or not isinstance(plain(arguments[1]), str):
         raise HostException(TypeError("hasattr() takes a value and a name"))
     result, origin = _named(node, (*arguments, None), state)
-    return attribute_is(node, wrap(result is not MISSING, origin), stack, state)
+    known = result is not MISSING or member(arguments[0], str(plain(arguments[1])), state) is not None
+    return attribute_is(node, wrap(known, origin), stack, state)
 
 
 def _named(node: Node, arguments: Arguments, state: State) -> tuple[object, Origin | None]:

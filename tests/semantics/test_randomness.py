@@ -77,6 +77,14 @@ VALUES = {
         "class D(C):\n    @classmethod\n    def f(cls): return super().f() + super(D, cls).f()\nparam r = D.f()\n",
         10,
     ),
+    "getattr of a member of the releases keeps its randomness": (
+        "p = Uniform(4, 4) @ 6\nparam r = (hasattr(ego, 'corners'), getattr(p, 'distanceTo')(1 @ 2))\n", (True, 5),
+    ),
+    "names of functions": (
+        BOX + "b = Box(3)\nbehavior B():\n    wait\n"
+        "param r = (Box.__init__.__name__, b.__init__.__name__, B.__name__, Range.__name__, print.__name__, type(frozenset()).__name__)\n",
+        ("__init__", "__init__", "B", "Range", "print", "frozenset"),
+    ),
     "an identity is not random": ("xs = [Uniform(1, 2)]\nif xs is xs:\n    param r = 1\n", 1),
 }
 
@@ -103,6 +111,8 @@ BRANCHES = {
     "a deque": ("from collections import deque\nq = deque([1])\nq.append(Uniform(1, 2))\n", "2 in q"),
     "a value view": ("d = {1: Uniform(1, 2)}\n", "1 in d.values()"),
     "hasattr": ("", "hasattr(ego, Uniform('width', 'foo'))"),
+    "hasattr of a member of the releases": ("", "hasattr(ego, Uniform('corners', 'foo'))"),
+    "getattr of a member of the releases": ("", "getattr(ego, Uniform('corners', 'foo'), 1)"),
     "hasattr of a random subject": ("", "hasattr(Uniform(ego, 1), 'width')"),
     "getattr": ("", "getattr(ego, Uniform('width', 'length')) == 1"),
     "getattr's default": ("", "getattr(ego, Uniform('foo', 'length'), 3) == 3"),
