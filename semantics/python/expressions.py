@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping
 
 from ..kernel.allowed import is_user_made, may_ask
 from ..kernel.classes import canonical
+from ..kernel.conditions import is_counted
 from ..kernel.config import Stack, State, value
 from ..kernel.errors import RunError
 from ..kernel.host import HostException, host, raw
@@ -322,7 +323,19 @@ def conclude_binary(node: p.BinaryOperation, values: list[object], stack: Stack,
     operands = as_vectors(values, state)
     if node.operator in "+-*/" and state.reading("pairs") == "vector" and any(map(is_pair, operands)):
         operands = pairs_as_vectors(node.operator, operands, state)
+    if puts_together(node.operator, operands):
+        result = raw(state.settings.door, state, BINARY[node.operator], *operands)
+        state.settings.door.budget.made(plain(result))
+        return value("E-Arithmetic", result, stack, state, node)
     return arithmetic(node, BINARY[node.operator], operands, stack, state)
+
+
+def puts_together(operator: str, operands: list[object]) -> bool:
+    """Whether the operator makes a container of the elements of two, or of one several times: these keep their randomness, as in a display."""
+    left, right = map(type, operands)
+    if operator == "*":
+        return {left, right} in ({list, int}, {tuple, int})
+    return left is right and left in {"+": (list, tuple), "|": (dict,)}.get(operator, ())
 
 
 def arithmetic(node: Node, operation: Callable[..., object], operands: list[object], stack: Stack, state: State) -> Outcome:
@@ -366,6 +379,8 @@ def conclude_unary(node: p.UnaryOperation, values: list[object], stack: Stack, s
 
 def negated(node: Node, operation: Callable[..., object], operands: list[object], stack: Stack, state: State) -> Outcome:
     """If ⟨B⟩ → b then ⟨not B⟩ → ¬b."""
+    if is_counted(operands[0]):
+        return value("E-Not", not operands[0], stack, state, node)
     return apply_host("E-Not", node, operation, operands, stack, state)
 
 

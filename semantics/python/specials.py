@@ -235,6 +235,7 @@ def str_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack,
 
 STRUCTURAL: Mapping[Callable[..., object], Callable[..., object]] = {
     len: lambda xs: sum(map(len, xs.lines)) if isinstance(xs, PolylineRegion) else len(xs),
+    bool: bool,
     list: list,
     tuple: tuple,
     dict: lambda *xs, **named: _settled(dict(*xs, **named)),

@@ -85,6 +85,22 @@ VALUES = {
         "param r = (Box.__init__.__name__, b.__init__.__name__, B.__name__, Range.__name__, print.__name__, type(frozenset()).__name__)\n",
         ("__init__", "__init__", "B", "Range", "print", "frozenset"),
     ),
+    "a key is there, whatever its value is": (
+        "from collections import OrderedDict, defaultdict\nd = {1: Uniform(2, 3)}\n"
+        "r = [1 in d, 2 in d, 2 not in d, 1 in OrderedDict(d), 1 in d.keys()]\nif 1 in d and not 2 in d:\n    param r = r\n",
+        [True, False, True, True, True],
+    ),
+    "an element is there, whatever the others are": (
+        "xs = [Uniform(2, 3), 'a', (Uniform(4, 5), 6)]\nif 'a' in xs and 'a' in tuple(xs):\n    param r = 'a' not in xs\n", False,
+    ),
+    "the truth of a container is that of its length": (
+        "xs = [Uniform(0, 1)]\nd = {1: Uniform(0, 1)}\nif xs and d and not not xs and bool(d):\n    param r = 1 if (xs[0],) else 2\n", 1,
+    ),
+    "joined containers keep their elements apart": (
+        "xs = [Uniform(0, 1)] + [5]\nys = (Uniform(0, 1), 6, 7) * 2\nd = {1: Uniform(0, 1)} | {2: 7}\nif xs[1] == 5 and ys[4] == 6 and d[2] == 7:\n"
+        "    param r = len(xs) + len(ys) + len(d)\n",
+        10,
+    ),
     "an identity is not random": ("xs = [Uniform(1, 2)]\nif xs is xs:\n    param r = 1\n", 1),
 }
 
@@ -111,6 +127,15 @@ BRANCHES = {
     "a deque": ("from collections import deque\nq = deque([1])\nq.append(Uniform(1, 2))\n", "2 in q"),
     "a value view": ("d = {1: Uniform(1, 2)}\n", "1 in d.values()"),
     "hasattr": ("", "hasattr(ego, Uniform('width', 'foo'))"),
+    "an element that may be the one": ("", "3 in [1, Uniform(2, 3)]"),
+    "an element of a random list": ("", "1 in Uniform([1], [1, 2])"),
+    "a random item": ("", "Uniform(1, 2) in [1, 2]"),
+    "a random key": ("", "Uniform(1, 2) in {1: 2}"),
+    "a class of the program that says what is in it": (
+        "u = Uniform(1, 2)\nclass L(list):\n    def __contains__(self, x): return x == u\n    def __bool__(self): return u == 1\n", "2 in L()",
+    ),
+    "a class of the program that says whether it is true": ("u = Uniform(1, 2)\nclass L(list):\n    def __bool__(self): return u == 1\n", "L()"),
+    "the elements of joined lists": ("", "([1] + [Uniform(2, 3)])[1] == 2"),
     "hasattr of a member of the releases": ("", "hasattr(ego, Uniform('corners', 'foo'))"),
     "getattr of a member of the releases": ("", "getattr(ego, Uniform('corners', 'foo'), 1)"),
     "hasattr of a random subject": ("", "hasattr(Uniform(ego, 1), 'width')"),
