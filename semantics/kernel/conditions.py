@@ -100,7 +100,7 @@ def bool_of(result: object, node: Node, state: State) -> bool:
 
 def is_counted(value: object) -> TypeGuard[Collection[object]]:
     """Whether the truth of a value is whether it has elements, whatever they are: of Python's own containers."""
-    return isinstance(value, (list, tuple, dict, set, frozenset, deque)) and not is_user_made(value)
+    return not is_user_made(value) and isinstance(value, (list, tuple, dict, set, frozenset, deque))
 
 
 def truth(result: object, node: Node, state: State, what: str) -> bool:

@@ -24,7 +24,21 @@ from ..kernel.scenic_classes import Above, ScenicClass
 from ..kernel.scopes import MISSING, Scope
 from ..kernel.sets import Set
 from ..kernel.values import (
-    Bound, Constructor, Dynamic, Function, Instance, Method, Module, Native, Random, Special, each, plain, unwrap, with_random_keys, wrap,
+    Bound,
+    Constructor,
+    Dynamic,
+    Function,
+    Instance,
+    Method,
+    Module,
+    Native,
+    Random,
+    Special,
+    each,
+    plain,
+    unwrap,
+    with_random_keys,
+    wrap,
 )  # fmt: skip
 from ..kernel.versions import note_call, note_item
 from ..kernel.waiting import Waiting, needs_position
