@@ -286,6 +286,26 @@ class Bound:
         return f"<built-in function {self.name}>"
 
 
+@dataclass(frozen=True, slots=True)
+class Hint:
+    """A name of `typing`, with or without arguments: it stands in annotations, which say nothing to the machine."""
+
+    name: str
+
+    __iter__ = None  # else `__getitem__` would make it endless
+
+    def __getitem__(self, arguments: object) -> Hint:
+        return self
+
+    def __or__(self, other: object) -> Hint:
+        return self
+
+    __ror__ = __or__
+
+    def __repr__(self) -> str:
+        return f"typing.{self.name}"
+
+
 class Entries(dict[Any, Any]):
     """A dictionary with random keys, as it is in this run; `pairs` are its entries before equal keys became one."""
 
