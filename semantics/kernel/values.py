@@ -188,13 +188,15 @@ class Method:
 class Constructor:
     """A distribution's name as a value: `make(arguments)` checks the parameters θ and gives baseDist(θ).
 
-    `takes` names its parameters, for messages. `keeps_values`: the arguments are values to choose among, not parameters; they may be random.
+    `takes` names its parameters, for messages, and `renamed` those that the releases name otherwise, by their names. `keeps_values`: the
+    arguments are values to choose among, not parameters; they may be random.
     """
 
     name: str
     make: Callable[..., Distribution]
     keeps_values: bool
     takes: str = ""
+    renamed: Mapping[str, str] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         return f"<distribution {self.name}>"
