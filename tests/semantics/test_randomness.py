@@ -127,6 +127,9 @@ BRANCHES = {
     "a deque": ("from collections import deque\nq = deque([1])\nq.append(Uniform(1, 2))\n", "2 in q"),
     "a value view": ("d = {1: Uniform(1, 2)}\n", "1 in d.values()"),
     "hasattr": ("", "hasattr(ego, Uniform('width', 'foo'))"),
+    "the text of an exception": (
+        "class E(Exception):\n    def __init__(self, x): self.x = x\ne = E(Uniform(1, 2))\n", "str(e) == '1' or f'{e}' == '1' or [e] == 3",
+    ),
     "an element that may be the one": ("", "3 in [1, Uniform(2, 3)]"),
     "an element of a random list": ("", "1 in Uniform([1], [1, 2])"),
     "a random item": ("", "Uniform(1, 2) in [1, 2]"),
@@ -212,3 +215,30 @@ def test_an_exception_that_depends_on_a_draw_may_not_be_caught():
     with pytest.raises(errors.RandomBranch, match="ZeroDivisionError"):
         for index in range(20):
             scenic_ref.loads(program).sample(0, index)
+
+
+OWN_ERROR = "class E(Exception):\n    def __init__(self, x): self.x = x\n"
+
+
+@pytest.mark.parametrize("statement", ["assert False, x", "raise ValueError(x)", "raise E(x)"])
+def test_a_handler_may_not_see_what_an_exception_is_made_of_if_that_is_drawn(statement):
+    program = f"ego = Object\nx = Uniform(1, 2)\n{OWN_ERROR}try:\n    {statement}\nexcept Exception as e:\n    param r = str(e)\n"
+    with pytest.raises(errors.RandomBranch, match="that this catches") as caught:
+        scenic_ref.loads(program).sample()
+    assert caught.value.span.line == 7
+
+
+@pytest.mark.parametrize(("statement", "text"), [
+    ("assert False, x", "AssertionError: 2"), ("raise ValueError(x)", "ValueError: 2"), ("raise E(x)", "E: 2"), ("raise E([x, 'a'])", "E: [2, 'a']"),
+])  # fmt: skip
+def test_an_exception_says_what_was_drawn_in_this_run_and_where_it_was_raised(statement, text):
+    with pytest.raises(errors.UncaughtException) as caught:
+        scenic_ref.loads(f"ego = Object\nx = Uniform(2, 2)\n{OWN_ERROR}{statement}\n").sample()
+    assert (caught.value.message, caught.value.span.line) == (text, 5)
+
+
+def test_the_text_of_an_exception_that_something_drawn_is_in_is_the_same_in_every_backend():
+    scenario = scenic_ref.loads(f"ego = Object\n{OWN_ERROR}e = E(Uniform(1, 2))\nparam r = [str(e), f'{{e}}', repr(e), '%s' % e]\n")
+    scenes = [scenario.sample(3, index).params["r"] for index in range(12)]
+    assert [s.params["r"] for s in scenario.sample_many(12, 3)] == scenes
+    assert {tuple(texts) for texts in scenes} == {(str(n), str(n), f"E({n})", str(n)) for n in (1, 2)}
