@@ -23,9 +23,8 @@ from ..kernel.queries import Clock, Closest, Parameters, attribute_of_clock
 from ..kernel.scenic_classes import Above, ScenicClass
 from ..kernel.scopes import MISSING, Scope
 from ..kernel.sets import Set
-from ..kernel.values import (
+from ..kernel.values import (  # fmt: skip
     Bound,
-    Constructor,
     Dynamic,
     Function,
     Instance,
@@ -33,13 +32,12 @@ from ..kernel.values import (
     Module,
     Native,
     Random,
-    Special,
     each,
     plain,
     unwrap,
     with_random_keys,
     wrap,
-)  # fmt: skip
+)
 from ..kernel.versions import note_call, note_item
 from ..kernel.waiting import Waiting, needs_position
 from ..space.fields import VectorField
@@ -48,12 +46,12 @@ from ..space.vectors import Vector
 from ..syntax import expressions as e
 from ..syntax import python_expressions as p
 from ..syntax.nodes import Node
-from .arithmetic import BINARY, UNARY
+from .arithmetic import BINARY, UNARY, puts_together
 from .inheritance import attribute_above, member_of
 from .iteration import elements
 from .keys import check_key, check_keys
 from .library import ascii_of, attribute_of, bound
-from .members import Member, member, rewritten
+from .members import Member, member, own_name, rewritten
 from .texts import formatted as format_value
 from .texts import represented, written
 
@@ -231,10 +229,7 @@ def get_attribute(subject: object, node: p.Attribute, state: State) -> object:
             return space.bindings[name]
         case Dynamic(space=Scope()) if name == "ego" and state.ego is not None:
             return state.ego  # all scenarios share it (reading `ego-of-scenarios`)
-        case (
-            Function(name=own) | Method(function=Function(name=own)) | Native(name=own) | Bound(name=own) | Special(name=own)
-            | Constructor(name=own) | Member(name=own) | Dynamic(arguments=None, definition=object(name=own))
-        ) if name == "__name__":  # fmt: skip
+        case _ if name == "__name__" and (own := own_name(subject)) is not None:
             return own
         case Function() | Method() | Dynamic():
             raise HostException(AttributeError(f"{subject!r} has no attribute {name}"))
@@ -342,14 +337,6 @@ def conclude_binary(node: p.BinaryOperation, values: list[object], stack: Stack,
         state.settings.door.budget.made(plain(result))
         return value("E-Arithmetic", result, stack, state, node)
     return arithmetic(node, BINARY[node.operator], operands, stack, state)
-
-
-def puts_together(operator: str, operands: list[object]) -> bool:
-    """Whether the operator makes a container of the elements of two, or of one several times: these keep their randomness, as in a display."""
-    left, right = map(type, operands)
-    if operator == "*":
-        return {left, right} in ({list, int}, {tuple, int})
-    return left is right and left in {"+": (list, tuple), "|": (dict,)}.get(operator, ())
 
 
 def arithmetic(node: Node, operation: Callable[..., object], operands: list[object], stack: Stack, state: State) -> Outcome:

@@ -19,7 +19,7 @@ from ..kernel.host import HostException
 from ..kernel.kinds import OBJECT, REGION, Reader, has_kind, is_object, is_oriented, kind_name
 from ..kernel.outcome import Next, Outcome
 from ..kernel.premises import premises
-from ..kernel.values import Constructor, Instance, Native, plain
+from ..kernel.values import Bound, Constructor, Dynamic, Function, Instance, Method, Native, Special, plain
 from ..space import geometry, regions
 from ..space.boundaries import METRES
 from ..space.distributions import PointIn
@@ -269,6 +269,17 @@ class Member:
 
     def __repr__(self) -> str:
         return f"<method {self.name}>"
+
+
+def own_name(value: object) -> str | None:
+    """`v.__name__` of a function, method, distribution or class of behaviors; None for anything else."""
+    match value:
+        case Function() | Native() | Bound() | Special() | Constructor() | Member():
+            return value.name
+        case Method(function=Function(name=name)) | Dynamic(arguments=None, definition=object(name=name)):
+            return name
+        case _:
+            return None
 
 
 def member(subject: object, name: str, state: State) -> tuple[Rewrite, bool] | None:
