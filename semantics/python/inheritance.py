@@ -6,7 +6,7 @@ from ..kernel.allowed import is_user_made
 from ..kernel.config import State
 from ..kernel.host import HostException, raw
 from ..kernel.scenic_classes import Above, ScenicClass
-from ..kernel.values import Function, Instance, Method, Native
+from ..kernel.values import Function, Instance, Method, Native, plain
 
 
 def member_of(found: object, subject: object | None, class_: object, state: State) -> object:
@@ -34,7 +34,8 @@ def attribute_above(above: Above, name: str, state: State) -> object:
     for class_ in above.classes:
         members = class_.methods if isinstance(class_, ScenicClass) else vars(class_) if is_user_made(class_) else {}
         if name in members:
-            own = subject.class_ if isinstance(subject, Instance) else subject if is_class else type(subject)
+            inner = plain(subject)
+            own = inner.class_ if isinstance(inner, Instance) else inner if is_class else type(inner)
             return member_of(members[name], None if is_class else subject, own, state)
     if name == "__init__":
         return NOTHING_TO_DO

@@ -200,9 +200,13 @@ def super_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stac
 
 
 def classes_of(subject: object, node: Node) -> tuple[ScenicClass | type, ...]:
-    """The class of a value, or a class itself, and those that stand behind it, in Python's order."""
+    """The class of a value, or of all among which a draw chose, or a class itself, and those that stand behind it, in Python's order."""
     if type(subject) is Random:
-        raise random_branch(subject, node, "the value whose classes super() looks through")
+        support = subject.origin.distribution.support() if subject.origin.distribution is not None else None
+        first, *others = [plain(v) for v, _ in support or ((None, 1),)]
+        if not isinstance(first, Instance) or not all(isinstance(v, Instance) and v.class_ is first.class_ for v in others):
+            raise random_branch(subject, node, "the value whose classes super() looks through")
+        subject = first
     if isinstance(subject, (Instance, ScenicClass)):
         return (subject.class_ if isinstance(subject, Instance) else subject).lineage
     return (subject if isinstance(subject, type) else type(subject)).__mro__
