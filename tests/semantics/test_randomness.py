@@ -101,6 +101,10 @@ VALUES = {
         "    param r = len(xs) + len(ys) + len(d)\n",
         10,
     ),
+    "the standard deviation by the releases' name": (
+        "param r = [Normal(mean=1, stddev=0), TruncatedNormal(mean=5, stddev=0, low=4, high=6), Options(opts=[3]), Discrete(opts={4: 1})]\n",
+        [1, 5, 3, 4],
+    ),
     "an identity is not random": ("xs = [Uniform(1, 2)]\nif xs is xs:\n    param r = 1\n", 1),
 }
 
