@@ -17,7 +17,7 @@ import random
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from .formats.released_objects import Object
+from .formats.released_objects import Object, object_of
 from .formats.scenes import Scene as OurScene
 from .interpreter.dialects import MARK
 from .interpreter.modules import read_text
@@ -50,7 +50,7 @@ class Scene:
 
     def __init__(self, scene: OurScene, readings: Mapping[str, str]) -> None:
         self.scene = scene
-        self.objects = tuple(Object(o, readings["distance-method"] == "box") for o in scene.objects)
+        self.objects = tuple(object_of(o, readings["distance-method"] == "box") for o in scene.objects)
 
     @property
     def egoObject(self) -> Object | None:

@@ -7,12 +7,39 @@ from ..semantics.space.vectors import Vector
 from .scenes import SceneObject
 
 
+class Position(Vector):
+    """A vector with the methods of the released implementations."""
+
+    __slots__ = ()
+
+    def distanceTo(self, other: Object | Vector | tuple[float, float]) -> float:
+        """The distance to a position in metres, or to an object as that measures it."""
+        return other.distanceTo(self) if isinstance(other, Object) else geometry.distance(self, position_of(other))
+
+    def angleTo(self, other: Object | Vector | tuple[float, float]) -> float:
+        """The heading from here to a position or to that of an object, in radians anticlockwise from North."""
+        return geometry.angle_of(position_of(other) - self)
+
+    def __eq__(self, other: object) -> bool:
+        return Vector(self.x, self.y) == (Vector(other.x, other.y) if isinstance(other, Vector) else other)
+
+    __hash__ = Vector.__hash__
+
+
+def object_of(object_: SceneObject, to_box: bool) -> Object:
+    """The object, of a class that has the name of its class in the program."""
+    return type(object_.class_name, (Object,), {})(object_, to_box)
+
+
 class Object:
     """An object of a scene: its properties are attributes."""
 
     def __init__(self, object_: SceneObject, to_box: bool) -> None:
         self._object = object_
         self._to_box = to_box
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return object_of, (self._object, self._to_box)
 
     def __getattr__(self, name: str) -> object:
         if name.startswith("_"):
@@ -22,9 +49,10 @@ class Object:
         if name == "visibleDistance" and name not in self._object.properties:
             name = "viewDistance"
         try:
-            return self._object[name]
+            value = self._object[name]
         except KeyError:
             raise AttributeError(f"{self!r} has no property {name}") from None
+        return Position(value.x, value.y) if isinstance(value, Vector) else value
 
     @property
     def corners(self) -> tuple[Vector, ...]:

@@ -33,7 +33,7 @@ from .python import (
     intervals,
     members,
 )
-from .python.texts import too_many_digits, without_addresses
+from .python.texts import in_this_run, too_many_digits, without_addresses
 from .scenes import comparisons, object_definitions, operations, statements, termination
 from .space.distributions import BadParameters
 from .space.fields import BadField, OutsideField
@@ -341,7 +341,7 @@ MOST_SAID = 1000
 def said(exception: BaseException) -> str:
     """The text of an exception; "" where a method of the program that should give it does not."""
     try:
-        text = without_addresses(str(exception))
+        text = without_addresses(str(in_this_run(exception)))
     except Exception:
         return ""
     return text if len(text) <= MOST_SAID else f"{text[:MOST_SAID]}..."

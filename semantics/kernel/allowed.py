@@ -27,7 +27,7 @@ from .generators import Generator
 from .queries import Clock, Closest, Parameters
 from .scenic_classes import Above, ScenicClass
 from .sets import FrozenSet, Set
-from .values import Bound, Constructor, Dynamic, Entries, Function, Instance, Method, Module, Native, Pairs, Random, Special
+from .values import Bound, Constructor, Dynamic, Entries, Function, Hint, Instance, Method, Module, Native, Pairs, Random, Special
 from .waiting import Waiting
 
 Names = frozenset[str]
@@ -84,6 +84,9 @@ ATTRIBUTES: Mapping[type, Names] = {
     property: names("setter getter deleter"),
     staticmethod: names(""),
     classmethod: names(""),
+    BuiltinFunctionType: names("__name__"),
+    MethodType: names("__name__"),
+    MethodDescriptorType: names("__name__"),
     Enum: names("name value"),
     auto: names(""),
     # the reference's own
@@ -104,8 +107,8 @@ KEY = type(cmp_to_key(lambda first, second: 0))
 """What `functools.cmp_to_key` gives."""
 
 OWN: tuple[type, ...] = (
-    Above, Bound, Clock, Closest, Constructor, Dynamic, Entries, Function, Generator, Instance, Metered, Method, Module, Native, Pairs, Parameters,
-    Random, ScenicClass, Special, Waiting, Symbol, Region, VectorField, KEY,
+    Above, Bound, Clock, Closest, Constructor, Dynamic, Entries, Function, Generator, Hint, Instance, Metered, Method, Module, Native, Pairs,
+    Parameters, Random, ScenicClass, Special, Waiting, Symbol, Region, VectorField, KEY,
 )  # fmt: skip
 """Types of the machine, and of what it computes with: the rules of the language say what may be done with them."""
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import operator as python
-from collections.abc import Callable, Sequence
+from collections import deque
+from collections.abc import Callable, Collection, Sequence
 from functools import reduce as fold_left
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeGuard
 
 from ..space.numeric import is_needed, is_truth
 from ..syntax import python_expressions as p
@@ -89,10 +90,17 @@ def bool_of(result: object, node: Node, state: State) -> bool:
     """The truth of a value that is not random."""
     if result is True or result is False:
         return result
+    if is_counted(result):
+        return len(result) > 0
     answer = host(state.settings.door, state, bool, result)
     if type(answer) is Random:  # a class of the program whose truth depends on something random
         raise random_branch(answer, node, "the truth of this value")
     return bool(answer)
+
+
+def is_counted(value: object) -> TypeGuard[Collection[object]]:
+    """Whether the truth of a value is whether it has elements, whatever they are: of Python's own containers."""
+    return not is_user_made(value) and isinstance(value, (list, tuple, dict, set, frozenset, deque))
 
 
 def truth(result: object, node: Node, state: State, what: str) -> bool:

@@ -16,6 +16,7 @@ from .values import Constructor, Origin, Random, unwrap
 def draw(node: Node, constructor: Constructor, arguments: tuple[object, ...], keywords: Mapping[str, object], stack: Stack, state: State) -> Outcome:
     """⟨params⟩ → θ and v ∈ dom baseDist(θ) give ⟨baseDist(params)⟩ →^{P_θ(v)} v (Figure "Semantics of expressions", Distributions)."""
     unwrap((arguments, keywords))  # none may wait for a position
+    keywords = {constructor.renamed.get(name, name): given for name, given in keywords.items()}
     try:
         if constructor.keeps_values:
             distribution = constructor.make(*arguments, **keywords)

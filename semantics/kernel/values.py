@@ -59,12 +59,12 @@ def plain(value: object) -> object:
 def unwrap(value: object) -> tuple[object, Origin | None]:
     """The value with no `Random` anywhere inside lists, tuples, sets and dicts, and the origin of the first one found.
 
-    Raises `NeedsPosition` where one waits for a position.
+    An exception stays what it is, and is as random as its arguments. Raises `NeedsPosition` where one waits for a position.
     """
     if isinstance(value, Random):
         inner, _ = unwrap(value.value)
         return inner, value.origin
-    if isinstance(value, CONTAINERS):
+    if isinstance(value, HOLDING):
         return _unwrapped(value, {})
     if type(value) is Waiting:
         raise needs_position(value)
@@ -81,6 +81,8 @@ def _unwrapped(value: Any, seen: dict[int, tuple[object, Origin | None]]) -> tup
 
 def _unwrapped_first(value: Any, seen: dict[int, tuple[object, Origin | None]]) -> tuple[object, Origin | None]:
     kind = type(value)
+    if isinstance(value, BaseException):
+        return value, _part(value.args, seen)[1]
     if isinstance(value, dict):
         if is_flat(value.keys()) and is_flat(value.values()):
             return value, None
@@ -102,16 +104,17 @@ def _part(item: object, seen: dict[int, tuple[object, Origin | None]]) -> tuple[
         return _part(item.value, seen)[0], item.origin
     if type(item) is Waiting:
         raise needs_position(item)
-    return _unwrapped(item, seen) if isinstance(item, CONTAINERS) else (item, None)
+    return _unwrapped(item, seen) if isinstance(item, HOLDING) else (item, None)
 
 
 def is_flat(items: Iterable[object]) -> bool:
-    """Whether there is neither a random or waiting value nor a container among the items."""
-    return not any(kind is Random or kind is Waiting or issubclass(kind, CONTAINERS) for kind in set(map(type, items)))
+    """Whether there is neither a random or waiting value nor a container or exception among the items."""
+    return not any(kind is Random or kind is Waiting or issubclass(kind, HOLDING) for kind in set(map(type, items)))
 
 
 PLAIN = (tuple, Set, FrozenSet, set, frozenset)
 CONTAINERS = (list, tuple, set, frozenset, dict, deque, type({}.values()), type({}.items()))
+HOLDING = (*CONTAINERS, BaseException)
 
 
 def _refilled(container: object, content: object) -> object:
@@ -188,8 +191,9 @@ class Method:
 class Constructor:
     """A distribution's name as a value: `make(arguments)` checks the parameters θ and gives baseDist(θ).
 
-    `takes` names its parameters, for messages. `keeps_values`: the arguments are values to choose among, not parameters; they may be random.
-    `unordered` makes it where its bounds may stand in either order (reading `reversed-range`).
+    `takes` names its parameters, for messages, and `renamed` those that the releases name otherwise, by their names. `keeps_values`: the
+    arguments are values to choose among, not parameters; they may be random. `unordered` makes it where its bounds may stand in either order
+    (reading `reversed-range`).
     """
 
     name: str
@@ -197,6 +201,7 @@ class Constructor:
     keeps_values: bool
     takes: str = ""
     unordered: Callable[..., Distribution] | None = None
+    renamed: Mapping[str, str] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         return f"<distribution {self.name}>"
@@ -286,6 +291,26 @@ class Bound:
 
     def __repr__(self) -> str:
         return f"<built-in function {self.name}>"
+
+
+@dataclass(frozen=True, slots=True)
+class Hint:
+    """A name of `typing`, with or without arguments: it stands in annotations, which say nothing to the machine."""
+
+    name: str
+
+    __iter__ = None  # else `__getitem__` would make it endless
+
+    def __getitem__(self, arguments: object) -> Hint:
+        return self
+
+    def __or__(self, other: object) -> Hint:
+        return self
+
+    __ror__ = __or__
+
+    def __repr__(self) -> str:
+        return f"typing.{self.name}"
 
 
 class Entries(dict[Any, Any]):

@@ -77,3 +77,11 @@ BINARY: Mapping[str, Callable[..., object]] = {
     "<<": _shift, ">>": python.rshift, "&": _and, "|": _or, "^": _xor,
 }
 UNARY: Mapping[str, Callable[..., object]] = {"-": python.neg, "+": python.pos, "~": python.invert, "not": python.not_}
+
+
+def puts_together(operator: str, operands: list[object]) -> bool:
+    """Whether the operator makes a container of the elements of two, or of one several times: these keep their randomness, as in a display."""
+    left, right = map(type, operands)
+    if operator == "*":
+        return {left, right} in ({list, int}, {tuple, int})
+    return left is right and left in {"+": (list, tuple), "|": (dict,)}.get(operator, ())

@@ -27,19 +27,19 @@ def _uniform(*values: object) -> Uniform:
     return Uniform(values)
 
 
-def _discrete(weights: object) -> Discrete:
-    weights = plain(weights)
+def _discrete(opts: object) -> Discrete:
+    weights = plain(opts)
     if not isinstance(weights, (Mapping, Pairs)):
         raise BadParameters("Discrete", "weights", "must be given as {value: weight, ...}")
     pairs = weights.pairs if isinstance(weights, (Entries, Pairs)) else weights.items()
     return Discrete(tuple((value, unwrap(weight)[0]) for value, weight in pairs))  # pyright: ignore[reportArgumentType]: Discrete checks
 
 
-def _options(values: object) -> Uniform | Discrete:
+def _options(opts: object) -> Uniform | Discrete:
     """The released implementations' `Options`: one of a list, or of a dictionary with weights."""
-    if isinstance(plain(values), (Mapping, Pairs)):
-        return _discrete(values)
-    found = plain(values)
+    found = plain(opts)
+    if isinstance(found, (Mapping, Pairs)):
+        return _discrete(found)
     if not isinstance(found, (list, tuple)):
         raise BadParameters("Options", "options", "must be given as [value, ...] or {value: weight, ...}")
     return Uniform(tuple(found))
@@ -69,13 +69,14 @@ def _discrete_range(low: object, high: object, weights: object = None) -> Unifor
 
 
 MOST_NUMBERS = 100_000
+DEVIATION = {"stddev": "stdDev"}
 
 CONSTRUCTORS: Mapping[str, Constructor] = {
     "Range": Constructor("Range", Range, keeps_values=False, takes="low, high", unordered=_between),
     "Uniform": Constructor("Uniform", _uniform, keeps_values=True, takes="value, ..., value"),
     "Discrete": Constructor("Discrete", _discrete, keeps_values=True, takes="{value: weight, ...}"),
-    "Normal": Constructor("Normal", Normal, keeps_values=False, takes="mean, stdDev"),
-    "TruncatedNormal": Constructor("TruncatedNormal", TruncatedNormal, keeps_values=False, takes="mean, stdDev, low, high"),
+    "Normal": Constructor("Normal", Normal, keeps_values=False, takes="mean, stdDev", renamed=DEVIATION),
+    "TruncatedNormal": Constructor("TruncatedNormal", TruncatedNormal, keeps_values=False, takes="mean, stdDev, low, high", renamed=DEVIATION),
     # of the released implementations
     "DiscreteRange": Constructor("DiscreteRange", _discrete_range, keeps_values=False, takes="low, high, weights=None"),
     "Options": Constructor("Options", _options, keeps_values=True, takes="[value, ..., value]"),

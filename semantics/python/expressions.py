@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping
 
 from ..kernel.allowed import is_user_made, may_ask
 from ..kernel.classes import canonical
+from ..kernel.conditions import is_counted
 from ..kernel.config import Stack, State, value
 from ..kernel.errors import RunError
 from ..kernel.host import HostException, host, raw
@@ -22,7 +23,21 @@ from ..kernel.queries import Clock, Closest, Parameters, attribute_of_clock
 from ..kernel.scenic_classes import Above, ScenicClass
 from ..kernel.scopes import MISSING, Scope
 from ..kernel.sets import Set
-from ..kernel.values import Bound, Dynamic, Function, Instance, Method, Module, Native, Random, each, plain, unwrap, with_random_keys, wrap
+from ..kernel.values import (  # fmt: skip
+    Bound,
+    Dynamic,
+    Function,
+    Instance,
+    Method,
+    Module,
+    Native,
+    Random,
+    each,
+    plain,
+    unwrap,
+    with_random_keys,
+    wrap,
+)
 from ..kernel.versions import note_call, note_item
 from ..kernel.waiting import Waiting, needs_position
 from ..space.fields import VectorField
@@ -31,12 +46,12 @@ from ..space.vectors import Vector
 from ..syntax import expressions as e
 from ..syntax import python_expressions as p
 from ..syntax.nodes import Node
-from .arithmetic import BINARY, UNARY
+from .arithmetic import BINARY, UNARY, puts_together
 from .inheritance import attribute_above, member_of
 from .iteration import elements
 from .keys import check_key, check_keys
 from .library import ascii_of, attribute_of, bound
-from .members import Member, member, rewritten
+from .members import Member, member, own_name, rewritten
 from .texts import formatted as format_value
 from .texts import represented, written
 
@@ -214,9 +229,9 @@ def get_attribute(subject: object, node: p.Attribute, state: State) -> object:
             return space.bindings[name]
         case Dynamic(space=Scope()) if name == "ego" and state.ego is not None:
             return state.ego  # all scenarios share it (reading `ego-of-scenarios`)
+        case _ if name == "__name__" and (own := own_name(subject)) is not None:
+            return own
         case Function() | Method() | Dynamic():
-            if name == "__name__" and isinstance(subject, Function):
-                return subject.name
             raise HostException(AttributeError(f"{subject!r} has no attribute {name}"))
         case Native(members=members) | Bound(members=members) if name in members:
             return bound(members[name], state.settings.door.budget)
@@ -317,6 +332,10 @@ def conclude_binary(node: p.BinaryOperation, values: list[object], stack: Stack,
     operands = as_vectors(values, state)
     if node.operator in "+-*/" and state.reading("pairs") == "vector" and any(map(is_pair, operands)):
         operands = pairs_as_vectors(node.operator, operands, state)
+    if puts_together(node.operator, operands):
+        result = raw(state.settings.door, state, BINARY[node.operator], *operands)
+        state.settings.door.budget.made(plain(result))
+        return value("E-Arithmetic", result, stack, state, node)
     return arithmetic(node, BINARY[node.operator], operands, stack, state)
 
 
@@ -361,6 +380,8 @@ def conclude_unary(node: p.UnaryOperation, values: list[object], stack: Stack, s
 
 def negated(node: Node, operation: Callable[..., object], operands: list[object], stack: Stack, state: State) -> Outcome:
     """If ⟨B⟩ → b then ⟨not B⟩ → ¬b."""
+    if is_counted(operands[0]):
+        return value("E-Not", not operands[0], stack, state, node)
     return apply_host("E-Not", node, operation, operands, stack, state)
 
 

@@ -6,7 +6,7 @@ from ..kernel.allowed import is_user_made
 from ..kernel.config import State
 from ..kernel.host import HostException, raw
 from ..kernel.scenic_classes import Above, ScenicClass
-from ..kernel.values import Function, Instance, Method, Native
+from ..kernel.values import Function, Instance, Method, Native, plain
 
 
 def member_of(found: object, subject: object | None, class_: object, state: State) -> object:
@@ -29,12 +29,14 @@ NOTHING_TO_DO = Native("__init__", lambda *arguments, **keywords: None)
 
 def attribute_above(above: Above, name: str, state: State) -> object:
     """`super().name`: that of the first class behind the one of the method that has it."""
+    subject = above.subject
+    is_class = isinstance(subject, (type, ScenicClass))
     for class_ in above.classes:
         members = class_.methods if isinstance(class_, ScenicClass) else vars(class_) if is_user_made(class_) else {}
         if name in members:
-            subject = above.subject
-            own = subject.class_ if isinstance(subject, Instance) else subject if isinstance(subject, type) else type(subject)
-            return member_of(members[name], None if isinstance(subject, type) else subject, own, state)
+            inner = plain(subject)
+            own = inner.class_ if isinstance(inner, Instance) else inner if is_class else type(inner)
+            return member_of(members[name], None if is_class else subject, own, state)
     if name == "__init__":
         return NOTHING_TO_DO
     raise HostException(AttributeError(f"super() has no attribute {name}"))

@@ -20,7 +20,7 @@ from ..kernel.allowed import BUILTINS, MARK, OURS_OF_MATH, is_user_made
 from ..kernel.budget import ITEM, Budget, Metered, length_of, refuse_too_large, refuse_too_long, size_of, whole
 from ..kernel.generators import Generator
 from ..kernel.sets import FrozenSet, Set
-from ..kernel.values import Bound, Native
+from ..kernel.values import Bound, Hint, Native
 from ..kernel.versions import note_attribute, note_container
 from ..space.regions import PolygonalRegion
 from .arithmetic import BINARY
@@ -319,6 +319,19 @@ def count_in(budget: Budget, items: Any, value: Any) -> int:
     return items.count(value)
 
 
+HINTS = (
+    "AbstractSet Annotated Any AnyStr Callable ClassVar Collection Container Counter DefaultDict Deque Dict Final FrozenSet Generator "
+    "Generic Hashable Iterable Iterator List Literal Mapping MutableMapping MutableSequence MutableSet NoReturn Optional OrderedDict Reversible Self "
+    "Sequence Set Sized SupportsFloat SupportsInt Text Tuple Type Union"
+)
+"""What of `typing` a program may name: it is for annotations, and none of it is a class."""
+
+
+def type_variable(name: str, *bounds: object, **options: object) -> Hint:
+    """`typing.TypeVar(name)`."""
+    return Hint(name)
+
+
 MODULES: Mapping[str, Mapping[str, object]] = {
     "math": MATH,
     "itertools": ITERTOOLS,
@@ -328,6 +341,7 @@ MODULES: Mapping[str, Mapping[str, object]] = {
         **{c.__name__: c for c in (collections.Counter, collections.OrderedDict, collections.defaultdict, collections.deque)},
     },
     "enum": {c.__name__: c for c in (enum.Enum, enum.IntEnum, enum.Flag, enum.auto)},
+    "typing": {**{name: Hint(name) for name in HINTS.split()}, "TypeVar": native(type_variable, "TypeVar"), "TYPE_CHECKING": False},
 }
 """The harmless standard modules, by name."""
 
@@ -363,7 +377,14 @@ def method_of(subject: object, name: str, budget: Budget) -> object | None:
     return None
 
 
-GIVEN: Mapping[type, Mapping[str, Callable[[Any], object]]] = {PolygonalRegion: {"polygon": lambda region: region}}
+def name_of_class(class_: type) -> str:
+    """`C.__name__`: sets are ours under Python's name."""
+    return {Set: "set", FrozenSet: "frozenset"}.get(class_, class_.__name__)
+
+
+GIVEN: Mapping[type, Mapping[str, Callable[[Any], object]]] = {
+    PolygonalRegion: {"polygon": lambda region: region}, type: {"__name__": name_of_class},
+}  # fmt: skip
 """Attributes whose value is not Python's: a polygonal region stands for its polygon."""
 
 

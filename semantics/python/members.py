@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from inspect import signature
+from types import MappingProxyType
 from typing import ClassVar
 
 from ..kernel.classes import ORIENTED_POINT_CLASS, canonical
@@ -17,12 +19,13 @@ from ..kernel.host import HostException
 from ..kernel.kinds import OBJECT, REGION, Reader, has_kind, is_object, is_oriented, kind_name
 from ..kernel.outcome import Next, Outcome
 from ..kernel.premises import premises
-from ..kernel.values import Constructor, Instance, Native, plain
+from ..kernel.values import Bound, Constructor, Dynamic, Function, Instance, Method, Native, Special, plain
 from ..space import geometry, regions
 from ..space.boundaries import METRES
 from ..space.distributions import PointIn
 from ..space.fields import OutsideField, VectorField
 from ..space.numeric import lifted
+from ..space.regions import Region
 from ..space.vectors import Vector
 from ..syntax import expressions as e
 from ..syntax import python_expressions as p
@@ -65,9 +68,9 @@ def length(v: Expression) -> Expression:
     return e.Distance(origin=ZERO, target=v)
 
 
-def turned(v: Expression, h: Expression) -> Expression:
+def turned(v: Expression, angle: Expression) -> Expression:
     """The vector, rotated anticlockwise."""
-    return e.OffsetAlong(base=ZERO, direction=h, offset=v)
+    return e.OffsetAlong(base=ZERO, direction=angle, offset=v)
 
 
 def product(v: Expression, w: Expression, axis: str) -> Expression:
@@ -104,41 +107,41 @@ SEEING: Mapping[str, Rewrite] = {"visibleRegion": lambda o: e.VisibleFrom(region
 
 OF_POINTS: Mapping[str, Rewrite] = {
     "toVector": lambda o: p.Attribute(value=o, name="position"),
-    "distanceTo": lambda o, v: e.Distance(origin=o, target=v),
-    "angleTo": lambda o, v: e.Angle(origin=o, target=v),
-    "canSee": lambda o, v: e.CanSee(viewer=o, target=v),
+    "distanceTo": lambda o, point: e.Distance(origin=o, target=point),
+    "angleTo": lambda o, other: e.Angle(origin=o, target=other),
+    "canSee": lambda o, other: e.CanSee(viewer=o, target=other),
 }
 OF_ORIENTED_POINTS: Mapping[str, Rewrite] = {
     **OF_POINTS,
-    "distancePast": lambda o, v: e.DistancePast(oriented_point=o, vector=v),
-    "relativize": lambda o, v: e.RelativeTo(left=v, right=o),
+    "distancePast": lambda o, vec: e.DistancePast(oriented_point=o, vector=vec),
+    "relativize": lambda o, vec: e.RelativeTo(left=vec, right=o),
 }
 OF_OBJECTS: Mapping[str, Rewrite] = {
-    **OF_ORIENTED_POINTS, "containsPoint": lambda o, v: within(v, box(o)), "intersects": boxes_meet,
+    **OF_ORIENTED_POINTS, "containsPoint": lambda o, point: within(point, box(o)), "intersects": boxes_meet,
 }  # fmt: skip
 
 
-def to_box(o: Expression, v: Expression) -> Expression:
+def to_box(o: Expression, point: Expression) -> Expression:
     """The distance between the bounding box of an object and a position."""
-    return e.Distance(origin=v, target=box(o))
+    return e.Distance(origin=point, target=box(o))
 
 
-def to_position_or_box(v: Expression, to: Expression) -> Expression:
+def to_position_or_box(v: Expression, other: Expression) -> Expression:
     """The distance between a position and the bounding box of an object, or another position."""
-    inner = plain(to.value) if isinstance(to, p.Constant) else None
-    return to_box(to, v) if isinstance(inner, Instance) and is_object(inner) else e.Distance(origin=v, target=to)
+    inner = plain(other.value) if isinstance(other, p.Constant) else None
+    return to_box(other, v) if isinstance(inner, Instance) and is_object(inner) else e.Distance(origin=v, target=other)
 
 
 OF_VECTORS: Mapping[str, Rewrite] = {
-    "distanceTo": lambda v, w: e.Distance(origin=v, target=w),
-    "angleTo": lambda v, w: e.Angle(origin=v, target=w),
+    "distanceTo": lambda v, other: e.Distance(origin=v, target=other),
+    "angleTo": lambda v, other: e.Angle(origin=v, target=other),
     "toVector": lambda v: v,
     "norm": length,
-    "dot": lambda v, w: p.BinaryOperation(operator="+", left=product(v, w, "x"), right=product(v, w, "y")),
+    "dot": lambda v, other: p.BinaryOperation(operator="+", left=product(v, other, "x"), right=product(v, other, "y")),
     "normalized": lambda v: p.BinaryOperation(operator="/", left=v, right=length(v)),
     "rotatedBy": turned,
-    "offsetRotated": lambda v, h, w: e.OffsetAlong(base=v, direction=h, offset=w),
-    "offsetRadially": lambda v, r, h: e.OffsetAlong(base=v, direction=h, offset=pair(number(0), r)),
+    "offsetRotated": lambda v, heading, offset: e.OffsetAlong(base=v, direction=heading, offset=offset),
+    "offsetRadially": lambda v, radius, heading: e.OffsetAlong(base=v, direction=heading, offset=pair(number(0), radius)),
 }
 def computed(function: Callable[..., object]) -> Rewrite:
     """A function of the value, by the library."""
@@ -205,17 +208,17 @@ def oriented(point: Callable[[regions.PolylineRegion], Vector]) -> Rewrite:
     )
 
 
-def field_of_regions(parts: list[regions.Region], tolerance: float = 0.0) -> VectorField:
+def field_of_regions(regions: list[Region], tolerance: float = 0.0) -> VectorField:
     """A field with the orientation of the first of some regions that has the point, or of the nearest one within `tolerance` metres."""
 
     @lifted(float)
     def heading(v: Vector) -> float:
-        near = next((r for r in parts if r.contains_point(v)), None) or min(parts, key=lambda r: r.distance_to(v), default=None)
+        near = next((r for r in regions if r.contains_point(v)), None) or min(regions, key=lambda r: r.distance_to(v), default=None)
         if near is None or near.orientation is None or near.distance_to(v) > max(tolerance, METRES):
             raise OutsideField(field, v)
         return near.orientation.at(v)
 
-    if not all(isinstance(part, regions.Region) for part in parts):
+    if not all(isinstance(region, Region) for region in regions):
         raise TypeError("forUnionOf() takes a list of regions")
     field = VectorField("union of regions", heading)
     return field
@@ -225,9 +228,17 @@ UNIFORM_POINT = Constructor("uniformPointIn", PointIn, keeps_values=False, takes
 OF_REGION_CLASS: Mapping[str, Rewrite] = {"uniformPointIn": lambda r: p.Constant(value=UNIFORM_POINT)}
 FIELD_OF_REGIONS = Native("forUnionOf", field_of_regions)
 OF_FIELD_CLASS: Mapping[str, Rewrite] = {"forUnionOf": lambda f: p.Constant(value=FIELD_OF_REGIONS)}
-OF_FIELDS: Mapping[str, Rewrite] = {
-    "followFrom": lambda f, v, s: p.Attribute(value=e.Follow(field=f, origin=v, distance=s), name="position"),
-}
+NOT_GIVEN = p.Constant(value=None)
+
+
+def follow_from(f: Expression, pos: Expression, dist: Expression, steps: Expression = NOT_GIVEN, stepSize: Expression = NOT_GIVEN) -> Expression:
+    """`(follow F from V for S).position`, in so many steps, or in steps of at most that size."""
+    if steps is not NOT_GIVEN or stepSize is not NOT_GIVEN:
+        f = p.Call(function=p.Constant(value=Native("followFrom", VectorField.stepping)), arguments=(f, steps, stepSize))
+    return p.Attribute(value=e.Follow(field=f, origin=pos, distance=dist), name="position")
+
+
+OF_FIELDS: Mapping[str, Rewrite] = {"followFrom": follow_from}
 OF_POLYLINES: Mapping[str, Rewrite] = {
     "length": computed(length_of_line),
     "start": oriented(start_of),
@@ -238,8 +249,8 @@ OF_POLYGONS: Mapping[str, Rewrite] = {"boundary": computed(boundary_of), "area":
 OF_RECTANGLES: Mapping[str, Rewrite] = {**OF_POLYGONS, "corners": computed(corners_of)}
 OF_REGIONS: Mapping[str, Rewrite] = {
     "getAABB": computed(bounding_box),
-    "distanceTo": lambda r, v: e.Distance(origin=v, target=r),
-    "containsObject": lambda r, o: within(o, r),
+    "distanceTo": lambda r, point: e.Distance(origin=point, target=r),
+    "containsObject": lambda r, obj: within(obj, r),
 }
 
 
@@ -258,6 +269,17 @@ class Member:
 
     def __repr__(self) -> str:
         return f"<method {self.name}>"
+
+
+def own_name(value: object) -> str | None:
+    """`v.__name__` of a function, method, distribution or class of behaviors; None for anything else."""
+    match value:
+        case Function() | Native() | Bound() | Special() | Constructor() | Member():
+            return value.name
+        case Method(function=Function(name=name)) | Dynamic(arguments=None, definition=object(name=name)):
+            return name
+        case _:
+            return None
 
 
 def member(subject: object, name: str, state: State) -> tuple[Rewrite, bool] | None:
@@ -295,9 +317,13 @@ def coordinates(v: Expression) -> Expression:
     return p.TupleDisplay(items=(p.Attribute(value=v, name="x"), p.Attribute(value=v, name="y")))
 
 
-def rewritten(node: Node, rewrite: Rewrite, values: tuple[object, ...], stack: Stack, state: State) -> Outcome:
+def rewritten(
+    node: Node, rewrite: Rewrite, values: tuple[object, ...], stack: Stack, state: State, keywords: Mapping[str, object] = MappingProxyType({})
+) -> Outcome:
     """⟦E.name(E_1, ..., E_n)⟧ = ⟦the operator that says the same⟧ of the values of E and E_i, and likewise ⟦E.name⟧."""
-    expression = rewrite(*(p.Constant(value=v, span=node.span) for v in values))
+    expression = rewrite(
+        *(p.Constant(value=v, span=node.span) for v in values), **{name: p.Constant(value=v, span=node.span) for name, v in keywords.items()}
+    )
     return Next("E-Member", Config(replace(expression, span=node.span), stack, state), node)
 
 
@@ -319,8 +345,11 @@ def meet(node: e.Intersects, values: list[object], stack: Stack, state: State) -
 
 def call_member(node: Node, function: Member, arguments: tuple[object, ...], keywords: Mapping[str, object], stack: Stack, state: State) -> Outcome:
     """Apply a method. Raises `HostException` for arguments that it does not take."""
-    wanted = function.rewrite.__code__.co_argcount - 1
-    if keywords or len(arguments) != wanted:
-        raise HostException(TypeError(f"{function.name}() takes {wanted} argument{'s' * (wanted != 1)} without names"))
-    return rewritten(node, function.rewrite, (function.subject, *arguments), stack, state)
+    taken = signature(function.rewrite)
+    try:
+        taken.bind(function.subject, *arguments, **keywords)
+    except TypeError as problem:
+        _, *names = taken.parameters
+        raise HostException(TypeError(f"{function.name}() takes ({', '.join(names)}): {problem}")) from None
+    return rewritten(node, function.rewrite, (function.subject, *arguments), stack, state, keywords)
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Mapping
 from types import BuiltinFunctionType, MethodType
 
 from ..kernel.allowed import is_known
+from ..kernel.conditions import random_branch
 from ..kernel.config import Stack, State, value
 from ..kernel.draws import ask
 from ..kernel.errors import RunError
@@ -25,9 +26,10 @@ from ..syntax import python_expressions as p
 from ..syntax.nodes import Node
 from .assignment import assigned_to, set_attribute
 from .elementwise import ELEMENTWISE
-from .expressions import attribute_is, get_attribute, host_container, instance_text
+from .expressions import attribute_is, conclude_attribute, get_attribute, host_container, instance_text
 from .functions import returned
 from .iteration import elements
+from .members import member
 from .texts import written
 
 Arguments = tuple[object, ...]
@@ -132,6 +134,11 @@ def getattr_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: St
     """`getattr(v, name[, default])`, under the same rules as `v.name`."""
     if len(arguments) not in (2, 3) or not isinstance(plain(arguments[1]), str):
         raise HostException(TypeError("getattr() takes a value, a name and perhaps a default"))
+    subject, name = arguments[:2]
+    if member(subject, str(plain(name)), state) is not None:
+        if type(name) is Random:
+            raise random_branch(name, node, "which member of this value is meant")
+        return conclude_attribute(p.Attribute(value=p.Constant(value=None), name=str(name), span=node.span), [subject], stack, state)
     result, origin = _named(node, arguments, state)
     if result is MISSING:
         result = arguments[2]
@@ -143,7 +150,8 @@ def hasattr_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: St
     if len(arguments) != 2 or not isinstance(plain(arguments[1]), str):
         raise HostException(TypeError("hasattr() takes a value and a name"))
     result, origin = _named(node, (*arguments, None), state)
-    return attribute_is(node, wrap(result is not MISSING, origin), stack, state)
+    known = result is not MISSING or member(arguments[0], str(plain(arguments[1])), state) is not None
+    return attribute_is(node, wrap(known, origin), stack, state)
 
 
 def _named(node: Node, arguments: Arguments, state: State) -> tuple[object, Origin | None]:
@@ -179,20 +187,45 @@ def callable_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: S
 
 
 def super_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
-    """`super()` in a method: its first argument, as the classes see it that stand behind the one in which the method is defined."""
+    """`super(C, v)`: v, as the classes see it that stand behind C among its own; `super()` in a method is that for its class and first argument."""
+    if keywords or len(arguments) not in (0, 2):
+        raise HostException(TypeError("super() takes a class and an instance of it, or stands in a method and takes nothing"))
+    if not arguments:
+        return returned(node, above_method(node, state), stack, state)
+    class_, subject = arguments
+    classes = classes_of(subject, node)
+    if class_ not in classes:
+        raise HostException(TypeError("super(C, v) needs a class C, and an instance of it or a class below it"))
+    return returned(node, Above(subject, classes[classes.index(class_) + 1 :]), stack, state)
+
+
+def classes_of(subject: object, node: Node) -> tuple[ScenicClass | type, ...]:
+    """The class of a value, or of all among which a draw chose, or a class itself, and those that stand behind it, in Python's order."""
+    if type(subject) is Random:
+        support = subject.origin.distribution.support() if subject.origin.distribution is not None else None
+        first, *others = [plain(v) for v, _ in support or ((None, 1),)]
+        if not isinstance(first, Instance) or not all(isinstance(v, Instance) and v.class_ is first.class_ for v in others):
+            raise random_branch(subject, node, "the value whose classes super() looks through")
+        subject = first
+    if isinstance(subject, (Instance, ScenicClass)):
+        return (subject.class_ if isinstance(subject, Instance) else subject).lineage
+    return (subject if isinstance(subject, type) else type(subject)).__mro__
+
+
+def above_method(node: Node, state: State) -> Above:
+    """The first argument of the method that runs, as the classes see it that stand behind the one in which the method is defined."""
     scope: Scope | None = state.sigma
     while scope is not None and scope.kind != "function":
         scope = scope.parent
-    if arguments or keywords or scope is None or not scope.bindings:
-        hint = "name the class: Base.method(self, ...)"
-        raise RunError("super() stands in a method, and takes no arguments", node.span, rule="E-Call-Host", hint=hint)
-    subject = plain(next(iter(scope.bindings.values())))
-    classes = subject.class_.lineage if isinstance(subject, Instance) else (subject if isinstance(subject, type) else type(subject)).__mro__
+    if scope is None or not scope.bindings:
+        raise RunError("super() stands in a method", node.span, rule="E-Call-Host", hint="name the class: Base.method(self, ...)")
+    subject = next(iter(scope.bindings.values()))
+    classes = classes_of(subject, node)
     for place, class_ in enumerate(classes):
         members = class_.methods if isinstance(class_, ScenicClass) else vars(class_)
         functions = (getattr(m, "__func__", getattr(m, "fget", m)) for m in members.values())
         if any(isinstance(f, Function) and f.names is scope.names and f.scope is scope.parent for f in functions):
-            return returned(node, Above(subject, classes[place + 1 :]), stack, state)
+            return Above(subject, classes[place + 1 :])
     raise RunError("super() stands in a method of a class, which this function is not", node.span, rule="E-Call-Host")
 
 
@@ -206,6 +239,7 @@ def str_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack,
 
 STRUCTURAL: Mapping[Callable[..., object], Callable[..., object]] = {
     len: lambda xs: sum(map(len, xs.lines)) if isinstance(xs, PolylineRegion) else len(xs),
+    bool: bool,
     list: list,
     tuple: tuple,
     dict: lambda *xs, **named: _settled(dict(*xs, **named)),

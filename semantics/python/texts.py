@@ -11,6 +11,7 @@ from typing import Any
 from ..kernel.budget import Budget, length_of, refuse_too_long, whole
 from ..kernel.errors import RunError
 from ..kernel.nesting import check_written
+from ..kernel.values import unwrap
 
 NUMBER = re.compile(r"\d+")
 ADDRESS = re.compile(r"(<[^<>]*) at 0x[0-9a-fA-F]+")
@@ -24,16 +25,26 @@ def check_specification(specification: str) -> str:
     return specification
 
 
+def in_this_run(value: object) -> object:
+    """An exception of the program whose arguments are random, with those of this run; anything else as it is."""
+    if not isinstance(value, BaseException) or unwrap(value.args)[1] is None:
+        return value
+    arguments: Any = unwrap(value.args)[0]
+    told = type(value).__new__(type(value), *arguments)
+    told.__dict__.update(value.__dict__)
+    return told
+
+
 def represented(value: object) -> str:
     """`repr(value)`, never with an address in memory, which would differ from run to run."""
     check_written(value)
-    return without_addresses(repr(value))
+    return without_addresses(repr(in_this_run(value)))
 
 
 def written(value: object) -> str:
     """`str(value)`, never with an address in memory."""
     check_written(value)
-    return str(value) if isinstance(value, str) else without_addresses(str(value))
+    return str(value) if isinstance(value, str) else without_addresses(str(in_this_run(value)))
 
 
 def too_many_digits(problem: ValueError) -> bool:
@@ -51,7 +62,7 @@ def formatted(value: object, specification: str = "") -> str:
     if not isinstance(specification, str):
         raise TypeError("a format specification must be a text")
     check_written(value)
-    text = format(value, check_specification(specification))
+    text = format(in_this_run(value), check_specification(specification))
     return text if isinstance(value, str) else without_addresses(text)
 
 
@@ -116,7 +127,7 @@ def percent(template: str, values: object) -> str:
     """`template % values`."""
     check_percent(template, values)
     parts = values if isinstance(values, tuple) else values.values() if isinstance(values, dict) else (values,)
-    text = template % values
+    text = template % (tuple(map(in_this_run, values)) if isinstance(values, tuple) else in_this_run(values))
     return text if all(isinstance(part, (str, int, float)) for part in parts) else without_addresses(text)
 
 

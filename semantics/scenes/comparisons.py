@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import operator as python
+from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from ..kernel.allowed import is_user_made
 from ..kernel.budget import ITEM, refuse_too_long, size_of
 from ..kernel.conditions import before_operands, bool_of, combine, truth_of, where_open
 from ..kernel.config import Stack, State, Value, reduce, value
@@ -94,7 +96,20 @@ def link(node: p.Comparison, name: str, left: object, right: object, state: Stat
             return COMPARE[name](left, right)
     state.settings.door.budget.compared(plain(left), plain(right))
     check_written(plain(left), plain(right))
+    if name in ("in", "not in") and unwrap(left)[1] is None:
+        if isinstance(right, dict) and not is_user_made(right):
+            right = dict.fromkeys(right)  # its values do not matter
+        elif certain_member(left, right, state):
+            return name == "in"
     return host(state.settings.door, state, COMPARE[name], left, right)
+
+
+def certain_member(item: object, container: object, state: State) -> bool:
+    """Whether the item is one of the elements that are not random, among others that are: then it does not depend on a draw that it is there."""
+    if type(container) not in (list, tuple, deque, type({}.values())) or unwrap(container)[1] is None:
+        return False
+    certain = [element for element in container if unwrap(element)[1] is None]  # type: ignore[attr-defined]
+    return host(state.settings.door, state, contains, certain, item) is True
 
 
 ORDER = frozenset({"<", ">", "<=", ">="})

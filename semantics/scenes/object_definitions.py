@@ -155,7 +155,7 @@ def assign(rule: str, v: Mapping[str, object], stack: Stack, state: State) -> Ne
     specification, names = frame.order[frame.i]
     place = frame.node.span if specification.is_default else specification.node.span
     chosen = {n: checked_property(n, v[n], place, specification.name, state) for n in names if n in v}
-    if "heading" in chosen:
+    if "heading" in chosen and state.reading("heading-property") == "wrapped":
         reader = Reader(state)
         chosen["heading"] = reader.wrap(heading_property(reader.plain(chosen["heading"]), reader))
     following = Construction(frame.node, frame.instance, frame.order, frame.i + 1, frame.outer, frame.depth)

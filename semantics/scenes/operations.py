@@ -16,7 +16,7 @@ from ..kernel.premises import premises
 from ..kernel.values import Instance
 from ..kernel.waiting import Waiting
 from ..python.functions import InScope
-from ..space.fields import OutsideField
+from ..space.fields import BadField, OutsideField
 from ..space.geometry import normalise_heading
 from ..space.vectors import Vector
 from ..syntax import expressions as e
@@ -81,6 +81,8 @@ def compute(equation: Callable[..., object], arguments: Sequence[object], reader
         result = equation(*arguments)
     except (OutsideField, ScenicError, HostException, DoorStuck):
         raise
+    except BadField as problem:
+        raise RunError(str(problem), rule="O-Follow") from None
     except Exception as exception:
         if door.called:
             raise HostException(exception) from exception

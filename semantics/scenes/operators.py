@@ -235,7 +235,7 @@ def follow_from_ego(node: e.Follow) -> Node:
 
 def follow(f: VectorField, v: Vector, s: float, euler_steps: int = 4) -> OrientedPointAt:
     """⟦follow F from V for S⟧ = OrientedPoint(y, ⟦F⟧(y)) where y = forwardEuler(⟦V⟧, ⟦S⟧, ⟦F⟧)."""
-    y = geometry.forward_euler(f.at, v, s, euler_steps)
+    y = geometry.forward_euler(f.at, v, s, f.steps(s, euler_steps))
     return OrientedPointAt(y, f.at(y))
 
 

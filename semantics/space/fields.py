@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from copy import copy
 from functools import cached_property
 from typing import TypeAlias
 
@@ -18,6 +19,7 @@ from .vectors import Vector
 
 Cell: TypeAlias = "tuple[Polygon | MultiPolygon, float | Callable[[Vector], float] | None]"
 
+MOST_STEPS = 100_000
 _CANDIDATE_MARGIN = 1e-6  # metres by which a square of the lookup grid is widened, so that rounding loses no cell
 
 
@@ -38,16 +40,37 @@ class BadField(ValueError):
 class VectorField:
     """A heading (radians, anticlockwise from North) at each point, given by the function `value`.
 
-    `minSteps` and `defaultStepSize` are accepted as by the released library; the paper's forwardEuler has its own N.
+    forwardEuler along the field takes at least `minSteps` steps, each of at most `defaultStepSize` metres (of the released implementations); where
+    they are not given, the paper's N steps, however long.
     """
 
-    def __init__(self, name: str, value: Callable[[Vector], float], minSteps: int = 4, defaultStepSize: float = 5) -> None:
+    def __init__(
+        self, name: str, value: Callable[[Vector], float], minSteps: int | None = None, defaultStepSize: float | None = None
+    ) -> None:  # fmt: skip
         if not callable(value) or isinstance(value, type):
             raise BadField(f"the value of a vector field must be a function of a point, not {value!r}")
+        if minSteps is not None and not (isinstance(minSteps, int) and minSteps > 0):
+            raise BadField(f"the number of steps along a vector field must be a positive whole number, not {minSteps!r}")
+        if defaultStepSize is not None and not (is_real(defaultStepSize) and defaultStepSize > 0):
+            raise BadField(f"the size of a step along a vector field must be a positive number, not {defaultStepSize!r}")
         self.name = name
         self.value = value
         self.minSteps = minSteps
         self.defaultStepSize = defaultStepSize
+
+    def steps(self, distance: float, steps: int) -> int:
+        """How many steps forwardEuler takes for a distance in metres, where N is `steps`. Raises `BadField` for more than `MOST_STEPS`."""
+        least = self.minSteps or steps
+        number = least if self.defaultStepSize is None else max(least, math.ceil(distance / self.defaultStepSize))
+        if number > MOST_STEPS:
+            raise BadField(f"{number} steps along a vector field are too many")
+        return number
+
+    def stepping(self, steps: int | None, size: float | None) -> VectorField:
+        """This field, along which forwardEuler takes so many steps, or steps of at most this size."""
+        changed = copy(self)
+        VectorField.__init__(changed, self.name, self.value, steps or self.minSteps, None if steps is not None else size)
+        return changed
 
     def at(self, v: Vector) -> float:
         """The heading at `v`: ⟦F at V⟧ = ⟦F⟧(⟦V⟧). Raises `OutsideField` where there is none."""

@@ -35,7 +35,7 @@ KEPT = 12
 
 KINDS = """
 ego = Object at (0, 0)
-import math, itertools, functools, collections, enum, random
+import math, itertools, functools, collections, enum, random, typing
 import scenic.simulators.gta.model as gta
 import scenic.simulators.gta.map as gtamap
 import scenic.domains.driving.actions as actions

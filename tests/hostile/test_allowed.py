@@ -75,10 +75,10 @@ SUBJECTS = {
     "an exception": "caught()", "an enumeration": "E", "a member": "E.A", "a named tuple": "P(1, 2)", "a record": "P",
     "an iterator": "itertools.count()", "a module": "math", "a partial": "functools.partial(len)", "a behavior": "B", "a distribution": "Range",
     "random": "Range(0, 1)", "a generator": "random.Random(1)", "the clock": "simulation", "a property": "property(f)",
-    "a bound method": "[].append",
+    "a bound method": "[].append", "a name of typing": "typing.List[int]",
 }  # fmt: skip
 BEFORE = """
-import math, itertools, functools, collections, enum, random
+import math, itertools, functools, collections, enum, random, typing
 class C(object):
     def m(self): return self
 class E(enum.Enum):
@@ -210,6 +210,12 @@ ego = Object at (0, 0)
 param x = [hasattr(v, 'x') for v in (everywhere, CircularRegion, int, ValueError, sum, Object, Range)], y = math.pi, z = len(m.MODELS), u = len(m.COLOR_WEIGHTS)
 param v = list(itertools.chain.from_iterable([[1], [2]])), w = len([sum([1, 2])]), r = m.road is m.curb
 """
+
+
+@pytest.mark.parametrize("use", ["list(List)", "3 in List", "[*List]", "isinstance(3, List)", "List()", "List.foo", "type(List)"])
+def test_names_of_typing_are_for_annotations(use):
+    with pytest.raises(errors.ScenicError):
+        scenic_ref.loads(f"from typing import List\nego = Object\nx = {use}\n").sample()
 
 
 def test_a_program_leaves_nothing_behind():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import pickle
 import random
 from pathlib import Path
@@ -12,6 +13,7 @@ import scenic_ref
 from scenic_ref import compat
 from scenic_ref.formats.scenes import Scene
 from scenic_ref.semantics.kernel.values import Instance
+from scenic_ref.semantics.space.vectors import Vector
 
 RICH = """
 workspace = Workspace(RectangularRegion((0, 0), 0.5, 80, 80))
@@ -172,6 +174,20 @@ def test_a_scene_can_be_given_twice_under_the_released_names() -> None:
         scenario.conditionOn(scene, objects=(1,))
         other, _ = scenario.generate()
         assert [o.position for o in other.objects] == [o.position for o in scene.objects]
+
+
+@pytest.mark.parametrize(("new", "to_b"), [("new ", 3.5), ("", 5.0)])
+def test_objects_under_the_released_names(new: str, to_b: float) -> None:
+    program = f"class Car:\n    width: 3\nego = {new}Car at (0, 0)\nb = {new}Car at (5, 0), facing 90 deg, with width 1, with length 3\n"
+    scene, _ = compat.scenarioFromString(program).generate()
+    ego, b = scene.objects
+    assert (type(ego).__name__, isinstance(ego, compat.Object), b.heading) == ("Car", True, math.pi / 2)
+    assert (ego.position.distanceTo((3, 4)), ego.position.distanceTo(b.position), ego.position.distanceTo(b)) == (5, 5, to_b)
+    assert ego.position.angleTo(b) == -math.pi / 2
+    assert [tuple(corner) for corner in ego.corners] == [(1.5, 0.5), (-1.5, 0.5), (-1.5, -0.5), (1.5, -0.5)]
+    assert ego.position == Vector(0, 0) == ego.position == (0, 0) and hash(ego.position) == hash(Vector(0, 0))
+    again = pickle.loads(pickle.dumps(ego))
+    assert (type(again).__name__, again.position) == ("Car", ego.position)
 
 
 def test_the_older_dialect_under_the_released_names() -> None:

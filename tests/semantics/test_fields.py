@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import pytest
+import scenic_ref
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scenic_ref.semantics.kernel.errors import ScenicError
 from scenic_ref.semantics.space.fields import OutsideField, PolygonalVectorField, VectorField
+from scenic_ref.semantics.space.regions import CircularRegion
 from scenic_ref.semantics.space.vectors import Vector
 from shapely.geometry import Point, Polygon, box
 
@@ -74,3 +77,31 @@ def test_a_field_without_cells_is_nowhere_defined() -> None:
 def test_cells_of_very_different_sizes_are_all_found() -> None:
     field = PolygonalVectorField("field", [*((box(i, 0, i + 1, 1), float(i)) for i in range(50)), (box(-1e5, -1e5, 1e5, 1e5), -1.0)])
     assert [field.at(Vector(x, 0.5)) for x in (3.5, 49.5, 60.0, -9e4)] == [3, 49, -1, -1]
+
+
+@pytest.mark.parametrize(("steps", "message"), [
+    ("minSteps=0", "positive whole number"), ("minSteps=1.5", "positive whole number"), ("defaultStepSize=0", "positive number"),
+    ("defaultStepSize='a'", "positive number"), ("defaultStepSize=1e-9", "4000000000 steps"), ("step=1", "unexpected keyword argument 'step'"),
+])  # fmt: skip
+def test_steps_along_a_field_are_a_reasonable_number(steps: str, message: str) -> None:
+    program = f"ego = Object\nF = VectorField('F', lambda p: 0, {steps})\nparam x = follow F from (0, 0) for 4\n"
+    with pytest.raises(ScenicError, match=message):
+        scenic_ref.loads(program).sample()
+
+
+@pytest.mark.parametrize("arguments", ["(0, 0)", "(0, 0), 4, size=2", "(0, 0), 4, dist=3"])
+def test_methods_name_the_parameters_that_they_have(arguments: str) -> None:
+    program = f"ego = Object\nF = VectorField('F', lambda p: 0)\nparam x = F.followFrom({arguments})\n"
+    with pytest.raises(ScenicError, match=r"followFrom\(\) takes \(pos, dist, steps, stepSize\)"):
+        scenic_ref.loads(program).sample()
+
+
+def test_steps_that_are_drawn_are_taken_by_every_backend() -> None:
+    program = "ego = Object\nF = VectorField('F', lambda p: p.x / 10, minSteps=Uniform(3, 4), defaultStepSize=1)\n"
+    program += "param x = [follow F from (1, 0) for Range(2, 9), F.followFrom((0, 0), Range(3, 6), steps=Uniform(2, 3))]\n"
+    scenario = scenic_ref.loads(program)
+    assert [s.to_json() for s in scenario.sample_many(10, 3)] == [scenario.sample(3, index).to_json() for index in range(10)]
+
+
+def test_a_circle_has_no_resolution() -> None:
+    assert CircularRegion(Vector(0, 0), 2, 4, "a") == CircularRegion(Vector(0, 0), 2, resolution=64)

@@ -68,6 +68,43 @@ VALUES = {
         2,
     ),
     "an instance as text": ("param r = (str(ego), f'{ego}')\n", ("Object at (0.0, 0.0)", "Object at (0.0, 0.0)")),
+    "a heading that was drawn can be drawn again": ("a = Object at 9 @ 9, facing Uniform(1, 1)\nparam r = resample(a.heading)\n", 1),
+    "super with arguments": (
+        BOX + "class A(Box):\n    def __init__(self): super(A, self).__init__(Uniform(3, 3))\nparam r = A().x\n", 3,
+    ),
+    "super in a class method of a Scenic class": (
+        "class C:\n    @classmethod\n    def f(cls): return 5\n"
+        "class D(C):\n    @classmethod\n    def f(cls): return super().f() + super(D, cls).f()\nparam r = D.f()\n",
+        10,
+    ),
+    "getattr of a member of the releases keeps its randomness": (
+        "p = Uniform(4, 4) @ 6\nparam r = (hasattr(ego, 'corners'), getattr(p, 'distanceTo')(1 @ 2))\n", (True, 5),
+    ),
+    "names of functions": (
+        BOX + "b = Box(3)\nbehavior B():\n    wait\n"
+        "param r = (Box.__init__.__name__, b.__init__.__name__, B.__name__, Range.__name__, print.__name__, type(frozenset()).__name__)\n",
+        ("__init__", "__init__", "B", "Range", "print", "frozenset"),
+    ),
+    "a key is there, whatever its value is": (
+        "from collections import OrderedDict, defaultdict\nd = {1: Uniform(2, 3)}\n"
+        "r = [1 in d, 2 in d, 2 not in d, 1 in OrderedDict(d), 1 in d.keys()]\nif 1 in d and not 2 in d:\n    param r = r\n",
+        [True, False, True, True, True],
+    ),
+    "an element is there, whatever the others are": (
+        "xs = [Uniform(2, 3), 'a', (Uniform(4, 5), 6)]\nif 'a' in xs and 'a' in tuple(xs):\n    param r = 'a' not in xs\n", False,
+    ),
+    "the truth of a container is that of its length": (
+        "xs = [Uniform(0, 1)]\nd = {1: Uniform(0, 1)}\nif xs and d and not not xs and bool(d):\n    param r = 1 if (xs[0],) else 2\n", 1,
+    ),
+    "joined containers keep their elements apart": (
+        "xs = [Uniform(0, 1)] + [5]\nys = (Uniform(0, 1), 6, 7) * 2\nd = {1: Uniform(0, 1)} | {2: 7}\nif xs[1] == 5 and ys[4] == 6 and d[2] == 7:\n"
+        "    param r = len(xs) + len(ys) + len(d)\n",
+        10,
+    ),
+    "the standard deviation by the releases' name": (
+        "param r = [Normal(mean=1, stddev=0), TruncatedNormal(mean=5, stddev=0, low=4, high=6), Options(opts=[3]), Discrete(opts={4: 1})]\n",
+        [1, 5, 3, 4],
+    ),
     "an identity is not random": ("xs = [Uniform(1, 2)]\nif xs is xs:\n    param r = 1\n", 1),
 }
 
@@ -94,6 +131,20 @@ BRANCHES = {
     "a deque": ("from collections import deque\nq = deque([1])\nq.append(Uniform(1, 2))\n", "2 in q"),
     "a value view": ("d = {1: Uniform(1, 2)}\n", "1 in d.values()"),
     "hasattr": ("", "hasattr(ego, Uniform('width', 'foo'))"),
+    "the text of an exception": (
+        "class E(Exception):\n    def __init__(self, x): self.x = x\ne = E(Uniform(1, 2))\n", "str(e) == '1' or f'{e}' == '1' or [e] == 3",
+    ),
+    "an element that may be the one": ("", "3 in [1, Uniform(2, 3)]"),
+    "an element of a random list": ("", "1 in Uniform([1], [1, 2])"),
+    "a random item": ("", "Uniform(1, 2) in [1, 2]"),
+    "a random key": ("", "Uniform(1, 2) in {1: 2}"),
+    "a class of the program that says what is in it": (
+        "u = Uniform(1, 2)\nclass L(list):\n    def __contains__(self, x): return x == u\n    def __bool__(self): return u == 1\n", "2 in L()",
+    ),
+    "a class of the program that says whether it is true": ("u = Uniform(1, 2)\nclass L(list):\n    def __bool__(self): return u == 1\n", "L()"),
+    "the elements of joined lists": ("", "([1] + [Uniform(2, 3)])[1] == 2"),
+    "hasattr of a member of the releases": ("", "hasattr(ego, Uniform('corners', 'foo'))"),
+    "getattr of a member of the releases": ("", "getattr(ego, Uniform('corners', 'foo'), 1)"),
     "hasattr of a random subject": ("", "hasattr(Uniform(ego, 1), 'width')"),
     "getattr": ("", "getattr(ego, Uniform('width', 'length')) == 1"),
     "getattr's default": ("", "getattr(ego, Uniform('foo', 'length'), 3) == 3"),
@@ -142,6 +193,9 @@ REFUSALS = {
     ),
     "print as a key": ("param r = sorted([1, 2], key=print)\n", "library code cannot call print"),
     "super": ("param r = super()\n", "super() stands in a method"),
+    "super of a random class": ("class A(object): pass\nclass B(A): pass\nparam r = super(Uniform(A, B), B())\n", "super(C, v) needs a class"),
+    "super of a random value": (BOX + "param r = super(Box, Uniform(Box(1), Box(2)))\n", "whose classes super() looks through"),
+    "super of another class": (BOX + "param r = super(int, Box(1))\n", "super(C, v) needs a class"),
 }
 
 
@@ -165,3 +219,30 @@ def test_an_exception_that_depends_on_a_draw_may_not_be_caught():
     with pytest.raises(errors.RandomBranch, match="ZeroDivisionError"):
         for index in range(20):
             scenic_ref.loads(program).sample(0, index)
+
+
+OWN_ERROR = "class E(Exception):\n    def __init__(self, x): self.x = x\n"
+
+
+@pytest.mark.parametrize("statement", ["assert False, x", "raise ValueError(x)", "raise E(x)"])
+def test_a_handler_may_not_see_what_an_exception_is_made_of_if_that_is_drawn(statement):
+    program = f"ego = Object\nx = Uniform(1, 2)\n{OWN_ERROR}try:\n    {statement}\nexcept Exception as e:\n    param r = str(e)\n"
+    with pytest.raises(errors.RandomBranch, match="that this catches") as caught:
+        scenic_ref.loads(program).sample()
+    assert caught.value.span.line == 7
+
+
+@pytest.mark.parametrize(("statement", "text"), [
+    ("assert False, x", "AssertionError: 2"), ("raise ValueError(x)", "ValueError: 2"), ("raise E(x)", "E: 2"), ("raise E([x, 'a'])", "E: [2, 'a']"),
+])  # fmt: skip
+def test_an_exception_says_what_was_drawn_in_this_run_and_where_it_was_raised(statement, text):
+    with pytest.raises(errors.UncaughtException) as caught:
+        scenic_ref.loads(f"ego = Object\nx = Uniform(2, 2)\n{OWN_ERROR}{statement}\n").sample()
+    assert (caught.value.message, caught.value.span.line) == (text, 5)
+
+
+def test_the_text_of_an_exception_that_something_drawn_is_in_is_the_same_in_every_backend():
+    scenario = scenic_ref.loads(f"ego = Object\n{OWN_ERROR}e = E(Uniform(1, 2))\nparam r = [str(e), f'{{e}}', repr(e), '%s' % e]\n")
+    scenes = [scenario.sample(3, index).params["r"] for index in range(12)]
+    assert [s.params["r"] for s in scenario.sample_many(12, 3)] == scenes
+    assert {tuple(texts) for texts in scenes} == {(str(n), str(n), f"E({n})", str(n)) for n in (1, 2)}

@@ -34,7 +34,7 @@ LIFTED: dict[Callable[..., object], Callable[..., object]] = {
 ZERO_DIVIDES = (operator.truediv, operator.mod)
 FEW = 64
 DIRECT = (CircularRegion, SectorRegion, RectangularRegion, Workspace)
-STATEFUL = (Function, Method, Dynamic, Module, Instance, ScenicClass)
+STATEFUL = (Function, Method, Dynamic, Module, Instance, ScenicClass, BaseException)
 
 
 def lift(trace: Recorder, operation: Callable[..., object], arguments: list[object], keywords: dict[str, object]) -> object:

@@ -45,6 +45,8 @@ def _collect(value: object, found: list[Traced], depth: int) -> None:
             raise NotLifted("a dictionary with random keys")
         case Random():
             _collect(value.value, found, depth + 1)
+        case BaseException():
+            _collect(value.args, found, depth + 1)
         case Vector():
             _collect(value.x, found, depth + 1)
             _collect(value.y, found, depth + 1)

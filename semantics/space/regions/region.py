@@ -25,6 +25,7 @@ class Region(ABC):
     """
 
     dimension: int = 2
+    name: str | None = None
     orientation: VectorField | None = None
     is_simple = False
     """Whether `measure` is known, and `sample` a map of a fixed number of numbers."""

@@ -1,9 +1,12 @@
-"""Discs, sectors and rectangles: regions with a closed form for everything (Disc and Sector of the Figure "Notation")."""
+"""Discs, sectors and rectangles: regions with a closed form for everything (Disc and Sector of the Figure "Notation").
+
+`resolution` is how many sides the released implementations give a circle that they approximate; these are exact. `name` says nothing either.
+"""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import InitVar, dataclass, field
 from functools import lru_cache
 
 import numpy as np
@@ -34,8 +37,10 @@ class CircularRegion(Region):
 
     center: Vector
     radius: float
+    resolution: InitVar[int] = 32
+    name: str | None = field(default=None, compare=False, repr=False)
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, resolution: int) -> None:
         object.__setattr__(self, "center", vector("circle", "center", self.center))
         object.__setattr__(self, "radius", nonnegative("circle", "radius", self.radius))
 
@@ -84,8 +89,10 @@ class SectorRegion(Region):
     radius: float
     heading: float
     angle: float
+    resolution: InitVar[int] = 32
+    name: str | None = field(default=None, compare=False, repr=False)
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, resolution: int) -> None:
         object.__setattr__(self, "center", vector("sector", "center", self.center))
         object.__setattr__(self, "radius", nonnegative("sector", "radius", self.radius))
         object.__setattr__(self, "heading", finite("sector", "heading", self.heading))
@@ -178,6 +185,7 @@ class RectangularRegion(Region):
     heading: float
     width: float
     length: float
+    name: str | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "position", vector("rectangle", "position", self.position))
