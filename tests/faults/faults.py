@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import shutil
+from pathlib import Path
 from typing import NamedTuple
+
+ROOT = Path(__file__).parent.parent.parent
+PACKAGES = ("semantics", "interpreter", "inference", "scenario", "simulators", "conformance", "testing", "cli")
 
 
 class Edit(NamedTuple):
@@ -203,3 +208,17 @@ FAULTS = (
         ("discrete-with-weights", "discrete-weights-below-one"),
     ),
 )
+
+
+def wrong_machine(fault: Fault, folder: Path) -> Path:
+    """A copy of the package with the fault in it; the folder to put on the path."""
+    home = folder / "scenic_ref"
+    for name in PACKAGES:
+        shutil.copytree(ROOT / name, home / name, ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("__init__.py", "__main__.py"):
+        shutil.copy(ROOT / name, home / name)
+    for file, old, new in fault.edits:
+        text = (home / file).read_text()
+        assert text.count(old) == 1, f"{fault.name}: the text to replace stands {text.count(old)} times in {file}"
+        (home / file).write_text(text.replace(old, new))
+    return folder

@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib
 import json
 import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -18,23 +17,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 faults = importlib.import_module("faults")
 sys.path.pop(0)
 
-ROOT = Path(__file__).parent.parent.parent
-PACKAGES = ("semantics", "interpreter", "inference", "scenario", "simulators", "conformance", "testing", "cli")
 SCENES = 1500
-
-
-def wrong_machine(fault, folder: Path) -> Path:
-    """A copy of the package with the fault in it; the folder to put on the path."""
-    home = folder / "scenic_ref"
-    for name in PACKAGES:
-        shutil.copytree(ROOT / name, home / name, ignore=shutil.ignore_patterns("__pycache__"))
-    for name in ("__init__.py", "__main__.py"):
-        shutil.copy(ROOT / name, home / name)
-    for file, old, new in fault.edits:
-        text = (home / file).read_text()
-        assert text.count(old) == 1, f"{fault.name}: the text to replace stands {text.count(old)} times in {file}"
-        (home / file).write_text(text.replace(old, new))
-    return folder
 
 
 def run(machine: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
@@ -49,7 +32,7 @@ def fault(request):
 
 @pytest.mark.slow
 def test_vectors_and_check_catch_the_fault(fault, tmp_path):
-    machine = wrong_machine(fault, tmp_path)
+    machine = faults.wrong_machine(fault, tmp_path)
     program = tmp_path / "program.scenic"
     program.write_text(fault.program)
     drawn = run(machine, "run", str(program), "-n", str(SCENES), "--seed", "77", "--backend", "interpreter", "-o", str(tmp_path / "scenes.jsonl"))

@@ -1,0 +1,60 @@
+"""`python -m tests.faults`: how long a campaign takes to find each of the wrong machines, unaided.
+
+Each machine is put to `scenic-ref fuzz`, as any other implementation is, until the first finding is confirmed, or the time is over.
+"""
+
+from __future__ import annotations
+
+import argparse
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from .faults import FAULTS, Fault, wrong_machine
+
+
+def first_finding(fault: Fault, limit: str, seed: int) -> tuple[float, str]:
+    """The seconds until the first finding, and what was said of it; "" if there was none."""
+    with tempfile.TemporaryDirectory() as folder:
+        machine = wrong_machine(fault, Path(folder))
+        served = f"env PYTHONPATH={machine} {sys.executable} -P -m scenic_ref.conformance.serving"
+        command = [sys.executable, "-m", "scenic_ref", "fuzz", "--impl", served, "--time", limit, "--seed", str(seed), "--workers", "1"]
+        began = time.monotonic()
+        with subprocess.Popen([*command, "-o", f"{folder}/campaign"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as campaign:
+            found = next(findings(campaign), "")
+            took = time.monotonic() - began
+            campaign.send_signal(signal.SIGINT)
+            campaign.communicate()
+    return took, found
+
+
+def findings(campaign: subprocess.Popen[str]) -> Iterator[str]:
+    """The lines in which the campaign tells a finding."""
+    assert campaign.stderr is not None
+    yield from (line.strip() for line in campaign.stderr if line.startswith("program "))
+
+
+def main() -> int:
+    """Each machine, some at a time; the exit code is 1 if one was not found."""
+    parser = argparse.ArgumentParser(prog="python -m tests.faults", description=__doc__)
+    parser.add_argument("--time", default="10m", help="how long a campaign may take (default: 10m)")
+    parser.add_argument("--seed", type=int, default=0, help="the seed of the campaigns (default: 0)")
+    parser.add_argument("--jobs", type=int, default=2, help="campaigns at a time, of one process each (default: 2)")
+    parser.add_argument("names", nargs="*", help="only these machines")
+    given = parser.parse_args()
+    chosen = [fault for fault in FAULTS if not given.names or fault.name in given.names]
+    missed = 0
+    with ThreadPoolExecutor(given.jobs) as pool:
+        for fault, (took, found) in zip(chosen, pool.map(lambda fault: first_finding(fault, given.time, given.seed), chosen), strict=True):
+            missed += not found
+            print(f"{fault.name}: {f'{took:.0f} s, {found}' if found else f'not found in {given.time}'}", flush=True)
+    return 1 if missed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
