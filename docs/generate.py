@@ -189,8 +189,8 @@ def differences_page() -> str:
         "Every [vector](../vectors.md) was put to the released implementations, each in its own environment and dialect, by "
         "`scenic-ref conformance --impl scenic==VERSION` ([how](../harness.md)). A cell says how many passed, and how many failed; the others were "
         "skipped, since the program cannot be said in that dialect or needs a reading that the release does not follow. scenic-ref passes all. "
-        "Differences are grouped by how they show, and the groups were read beside the paper; not every single one was, and those of the class "
-        "`undecided` were not."
+        "Differences are grouped by their cause, and each one was read beside the paper, but for those of the class `undecided`: does what the "
+        "release answered follow from that cause, and is the passage about it?"
     )
     heads, rule = " | ".join(names), " --- |" * len(names)
     lines = ["# Differences", "", paragraph(about), "", f"| chapter of the paper | vectors | {heads} |", f"| --- | --- |{rule}"]
