@@ -254,9 +254,17 @@ def answered(request, say):
     except RejectionException:
         return {"answer": "rejected"}
     except (MemoryError, SystemExit) as error:
-        return {"answer": "crashed", "message": f"{type(error).__name__}: {error}"}
+        return {"answer": "crashed", "message": text_of(error)}
     except Exception as error:
         return error_json(error)
+
+
+def text_of(error):
+    """The class of an exception and what it says: nothing where a method of the program is to say it and fails."""
+    try:
+        return f"{type(error).__name__}: {error}"
+    except Exception:
+        return type(error).__name__
 
 
 def error_json(error):
@@ -265,7 +273,7 @@ def error_json(error):
     parse = isinstance(error, (errors.ScenicSyntaxError, SyntaxError)) and not isinstance(error, runtime)
     phase = "parse" if parse else None
     line = getattr(error, "lineno", None)
-    message = f"{type(error).__name__}: {error}"
+    message = text_of(error)
     return {"answer": "error", "phase": phase, "message": message, **({"line": line} if type(line) is int else {})}
 
 

@@ -101,7 +101,7 @@ def _is_instance(subject: object, class_: object) -> bool:
     if isinstance(class_, ScenicClass):
         return isinstance(subject, Instance) and subject.class_.is_subclass_of(class_)
     if isinstance(class_, type):
-        return isinstance(subject, class_) and not isinstance(subject, (Instance, ScenicClass, Function, Method, Dynamic))
+        return class_ is object or (isinstance(subject, class_) and not isinstance(subject, (Instance, ScenicClass, Function, Method, Dynamic)))
     raise HostException(TypeError("isinstance() needs a class or a tuple of classes"))
 
 
@@ -112,7 +112,7 @@ def issubclass_rule(node: Node, arguments: Arguments, keywords: Keywords, stack:
     (subject, classes), origin = unwrap(arguments)  # type: ignore[misc]
     others = _flat(classes)
     if isinstance(subject, ScenicClass):
-        result: object = any(isinstance(c, ScenicClass) and subject.is_subclass_of(c) for c in others)
+        result: object = any(c is object or (isinstance(c, ScenicClass) and subject.is_subclass_of(c)) for c in others)
     else:
         result = raw(state.settings.door, state, issubclass, subject, tuple(c for c in others if isinstance(c, type)))
     return returned(node, wrap(result, origin), stack, state)
