@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from .dynamics import actions, choices, declarations, frames, guards, initial, interrupts, invocations, overrides, policy, processes, scenarios
 from .kernel import conditions, draws, premises, queries, simulation
 from .kernel.config import Abrupt, Config, Reduction, Resumption, Stack, State, Unwinding, Value
-from .kernel.errors import GuardViolation, NeedsElements, NeedsPosition, RandomBranch, RunError, ScenicError, UncaughtException
+from .kernel.errors import GuardViolation, NeedsElements, NeedsPosition, RunError, ScenicError, UncaughtException
 from .kernel.host import DoorStuck, HostException
 from .kernel.nesting import too_deep
 from .kernel.outcome import Draw, Fault, Next, Outcome, Requirement, Stuck, dated
@@ -255,8 +255,6 @@ def step(config: Config) -> Outcome:
         outcome = generators.expand(needed, config)
     except NeedsPosition as problem:
         outcome = object_definitions.wait_whole(config) or stopped(problem, config)
-    except RandomBranch as problem:
-        outcome = statements.decide(config) or stopped(problem, config)
     except Exception as problem:
         outcome = stopped(problem, config)
     if not version.undo and type(outcome) is Next and outcome.config.state.version is version:

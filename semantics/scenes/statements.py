@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from ..kernel.conditions import holding
 from ..kernel.config import PASS, Abrupt, Captured, Config, Stack, State, reduce
-from ..kernel.draws import Apart, numbered_apart
+from ..kernel.draws import numbered_apart
 from ..kernel.errors import RunError
 from ..kernel.kinds import is_object, is_scalar, kind_name
 from ..kernel.nesting import check_nesting
@@ -20,7 +20,7 @@ from ..python.imports import in_model
 from ..space.distributions import BadParameters, Coin
 from ..space.numeric import is_finite_number, met
 from ..syntax import statements as s
-from ..syntax.nodes import Node
+from ..syntax.nodes import Node, Span
 
 
 def param(node: s.Param, stack: Stack, state: State) -> Outcome:
@@ -43,23 +43,34 @@ def conclude_param(node: s.Param, values: list[object], stack: Stack, state: Sta
 # Requirements
 
 
+Concluding = Callable[[Requirement, object, Stack, State], Outcome]
+"""The rule about the value of a condition."""
+
+
 class Requiring(NamedTuple):
-    """Frame: the condition of a requirement is being reduced; `conclude` is the rule about its value, and `begun` the state before it where it may
-    have to be reduced once more.
+    """Frame: the condition of a requirement is being reduced."""
+
+    requirement: Requirement
+    conclude: Concluding
+
+
+class Deciding(NamedTuple):
+    """Frame: the condition of a requirement is being reduced with plain values (reading `random-branch`), and what it changes will be taken back, to
+    the state `after` it.
     """
 
     requirement: Requirement
-    condition: Node
-    conclude: Callable[[Requirement, object, Stack, State], Outcome]
-    begun: State | None
+    conclude: Concluding
+    after: State
 
 
-def require(
-    requirement: Requirement, condition: Node, conclude: Callable[[Requirement, object, Stack, State], Outcome], stack: Stack, state: State
-) -> Next:
-    """Reduce the condition of a requirement, then conclude."""
-    begun = state if state.reading("random-branch") == "in-requirements" and not state.may_branch else None
-    return reduce(condition, Requiring(requirement, condition, conclude, begun), stack, state)
+def require(requirement: Requirement, condition: Node, conclude: Concluding, stack: Stack, state: State) -> Next:
+    """Reduce the condition of a requirement, then conclude. What is drawn may decide what happens in it, if it may (reading `random-branch`)."""
+    if state.reading("random-branch") == "error" or state.may_branch:
+        return reduce(condition, Requiring(requirement, conclude), stack, state)
+    frame = Deciding(requirement, conclude, state._replace(draws=state.draws + 1))
+    around, within = numbered_apart((frame, stack), state)
+    return Next("", Config(condition, around, within._replace(deciding=True)))
 
 
 def resume_requiring(frame: Requiring, result: object, stack: Stack, state: State) -> Outcome:
@@ -67,52 +78,33 @@ def resume_requiring(frame: Requiring, result: object, stack: Stack, state: Stat
     return frame.conclude(frame.requirement, result, stack, state)
 
 
-class Deciding(NamedTuple):
-    """Frame: the condition of the requirement in `frame` is being reduced with plain values; what it changes is taken back."""
-
-    frame: Requiring
-    begun: State
-
-
-def decide(config: Config) -> Next | None:
-    """What is drawn decides what happens in the condition of a requirement: if it may (reading `random-branch`), it is reduced anew, with plain
-    values. Else None.
-
-    What was drawn in the condition counts for nothing, and is drawn again, at addresses of its own.
-    """
-    _, stack, state = config
-    draws = state.draws
-    while stack:
-        frame, stack = stack
-        if isinstance(frame, Apart):
-            draws = frame.draws
-        elif isinstance(frame, Requiring):
-            if frame.begun is None:
-                return None
-            begun = frame.begun._replace(draws=draws)
-            begun.version.versions.go_to(begun.version)
-            around, within = numbered_apart((Deciding(frame, begun._replace(draws=draws + 1)), stack), begun)
-            return Next("", Config(frame.condition, around, within._replace(deciding=True)))
-    return None
-
-
 def resume_deciding(frame: Deciding, result: object, stack: Stack, state: State) -> Outcome:
-    """The condition was reduced: the requirement is observed in the state before it."""
-    outcome = frame.frame.conclude(frame.frame.requirement, result, stack, state)
-    after = Config(PASS, stack, before(frame))
+    """The condition was reduced: the requirement is observed, and the state is as before."""
+    outcome = frame.conclude(frame.requirement, result, stack, state)
+    after = Config(PASS, stack, taken_back(frame))
     return outcome._replace(beyond=after) if isinstance(outcome, Stuck) else outcome._replace(config=after)  # type: ignore[union-attr]
 
 
 def unwind_deciding(frame: Deciding, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
     """An exception leaves the condition: it depends on what is drawn."""
-    origin = abrupt.origin or Origin(frame.frame.requirement.span, "a requirement")
-    return Next("", Config(abrupt._replace(origin=origin), stack, before(frame)))
+    origin = abrupt.origin or Origin(frame.requirement.span, "a requirement")
+    return Next("", Config(abrupt._replace(origin=origin), stack, taken_back(frame)))
 
 
-def before(frame: Deciding) -> State:
-    """The state before the condition, to which everything is taken back."""
-    frame.begun.version.versions.go_to(frame.begun.version)
-    return frame.begun
+def taken_back(frame: Deciding) -> State:
+    """The state without what the condition changed."""
+    frame.after.version.versions.go_to(frame.after.version)
+    return frame.after
+
+
+def check_place(span: Span, stack: Stack, state: State) -> None:
+    """A requirement may not stand in what the condition of another calls, where that changes nothing."""
+    within = state.deciding
+    while stack and not within:
+        frame, stack = stack
+        within = isinstance(frame, Deciding)
+    if within:
+        raise RunError("a requirement may not be stated while the condition of another is evaluated", span, rule="S-Require")
 
 
 def required(requirement: Requirement, result: object, stack: Stack, state: State) -> Outcome:
@@ -128,6 +120,7 @@ def observed(rule: str, requirement: Requirement, holds: object, stack: Stack, s
 
 def hard_requirement(node: s.Require, stack: Stack, state: State) -> Outcome:
     """`require B`, now or at the end (reading `require-time`)."""
+    check_place(node.span, stack, state)
     at_the_end = state.reading("require-time") == "end" and state.simulation is None
     return capture(node, stack, state) if at_the_end else enforce(node, stack, state)
 
@@ -146,6 +139,7 @@ def enforce(node: s.Require, stack: Stack, state: State) -> Outcome:
 
 def soft_requirement(node: s.SoftRequire, stack: Stack, state: State) -> Outcome:
     """The probability of `require[p] B` comes first."""
+    check_place(node.span, stack, state)
     return premises(node, [node.probability], conclude_soft, stack, state)
 
 

@@ -115,6 +115,9 @@ def outcome_told(outcome: Outcome) -> object:
     return parts
 
 
+MOST_KEPT = 200
+
+
 class Again:
     """A step function that steps many configurations again, the present one and older ones, and compares; `share` says how many it keeps."""
 
@@ -128,9 +131,11 @@ class Again:
         """One step, perhaps the second of its configuration."""
         outcome = step(config)
         if self.random.random() < self.share:
-            self.kept.append((config, outcome_told(outcome)))
+            told_before = outcome_told(outcome)
+            if len(self.kept) < MOST_KEPT:
+                self.kept.append((config, told_before))
             self.compare(*self.random.choice(self.kept))
-            self.compare(config, self.kept[-1][1])
+            self.compare(config, told_before)
             return step(config)
         return outcome
 

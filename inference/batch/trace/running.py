@@ -136,10 +136,16 @@ class SymbolicRun:
         while partial_runs and type(config.control) is Value and config.stack is partial_runs[-1][0]:
             check_unchanged(partial_runs.pop()[1], config.state)
             self.made.conditions.pop()
-        if config.state.deciding:
-            raise NotLifted("what is drawn decides how the condition of a requirement is evaluated")
         self.config, self.events = config, len(self.made.graph.events)
-        return step(config)
+        outcome = step(config)
+        return self.with_symbols(outcome) if isinstance(outcome, Next) and outcome.config.state.deciding else outcome
+
+    def with_symbols(self, outcome: Next) -> Next:
+        """The condition of a requirement, which the machine evaluates with plain values: what branches on one has no graph."""
+        state = outcome.config.state
+        if state.reading("boolean-random") == "operator":
+            raise NotLifted("the condition of a requirement is short-circuit, others are not")
+        return outcome._replace(config=outcome.config._replace(state=state._replace(deciding=False)))
 
     def answer(self, draw: Draw) -> object:
         """The symbol for what is drawn; heads for a coin that is one, and what follows is then evaluated only in some runs."""
