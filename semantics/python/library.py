@@ -329,6 +329,8 @@ HINTS = (
 
 def type_variable(name: str, *bounds: object, **options: object) -> Hint:
     """`typing.TypeVar(name)`."""
+    if type(name) is not str:
+        raise TypeError("TypeVar() takes a text as its name")
     return Hint(name)
 
 

@@ -194,9 +194,10 @@ def super_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stac
         return returned(node, above_method(node, state), stack, state)
     class_, subject = arguments
     classes = classes_of(subject, node)
-    if class_ not in classes:
+    place = next((i for i, found in enumerate(classes) if found is class_), None)
+    if place is None:
         raise HostException(TypeError("super(C, v) needs a class C, and an instance of it or a class below it"))
-    return returned(node, Above(subject, classes[classes.index(class_) + 1 :]), stack, state)
+    return returned(node, Above(subject, classes[place + 1 :]), stack, state)
 
 
 def classes_of(subject: object, node: Node) -> tuple[ScenicClass | type, ...]:

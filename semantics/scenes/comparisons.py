@@ -98,18 +98,20 @@ def link(node: p.Comparison, name: str, left: object, right: object, state: Stat
     check_written(plain(left), plain(right))
     if name in ("in", "not in") and unwrap(left)[1] is None:
         if isinstance(right, dict) and not is_user_made(right):
-            right = dict.fromkeys(right)  # its values do not matter
-        elif certain_member(left, right, state):
+            right = right.keys()  # its values do not matter
+        elif certain_member(left, right):
             return name == "in"
     return host(state.settings.door, state, COMPARE[name], left, right)
 
 
-def certain_member(item: object, container: object, state: State) -> bool:
-    """Whether the item is one of the elements that are not random, among others that are: then it does not depend on a draw that it is there."""
-    if type(container) not in (list, tuple, deque, type({}.values())) or unwrap(container)[1] is None:
+SIMPLE = (bool, int, float, str, type(None))
+
+
+def certain_member(item: object, container: object) -> bool:
+    """Whether a number or text is one of the elements that are not random: then it does not depend on a draw that it is there."""
+    if type(item) not in SIMPLE or type(container) not in (list, tuple, deque, type({}.values())):
         return False
-    certain = [element for element in container if unwrap(element)[1] is None]  # type: ignore[attr-defined]
-    return host(state.settings.door, state, contains, certain, item) is True
+    return any(type(element) in SIMPLE and (element is item or element == item) for element in container)  # type: ignore[attr-defined]
 
 
 ORDER = frozenset({"<", ">", "<=", ">="})

@@ -11,6 +11,7 @@ from ....interpreter.streams import Stream
 from ....interpreter.walls import within
 from ....semantics.kernel.config import Abrupt, Config, State, Value
 from ....semantics.kernel.driving import drive_machine
+from ....semantics.kernel.errors import RandomBranch
 from ....semantics.kernel.outcome import Done, Draw, Fault, Next, Outcome, Requirement, Stuck
 from ....semantics.kernel.scopes import target_names
 from ....semantics.kernel.versions import STORED
@@ -104,6 +105,8 @@ def trace_run(config: Config, attempt: int, fuel: int, draws: Draws = AS_THEY_AR
         match end:
             case Done(state=state):
                 return Lifted(made.graph, state)
+            case Fault(error=RandomBranch()):
+                raise NotLifted("what is drawn decides what happens in the condition of a requirement")
             case Fault(error=error):
                 raise Mistaken(f"{error}")
             case Stuck(requirement=requirement):

@@ -10,7 +10,7 @@ from typing import Any
 
 from ....semantics.kernel.scenic_classes import ScenicClass
 from ....semantics.kernel.sets import FrozenSet, Set
-from ....semantics.kernel.values import Dynamic, Function, Instance, Method, Module, Pairs, Random
+from ....semantics.kernel.values import Dynamic, Function, Instance, Method, Module, Pairs, Random, unwrap
 from ....semantics.space.symbols import NotLifted
 from ....semantics.space.vectors import Vector
 from .graph import GraphNode, RowCall, RowDraw
@@ -45,8 +45,8 @@ def _collect(value: object, found: list[Traced], depth: int) -> None:
             raise NotLifted("a dictionary with random keys")
         case Random():
             _collect(value.value, found, depth + 1)
-        case BaseException():
-            _collect(value.args, found, depth + 1)
+        case BaseException() if unwrap(value)[1] is not None:
+            raise NotLifted("an exception is made of something random")
         case Vector():
             _collect(value.x, found, depth + 1)
             _collect(value.y, found, depth + 1)
