@@ -208,6 +208,8 @@ def get_attribute(subject: object, node: p.Attribute, state: State) -> object:
         case Above():
             return attribute_above(subject, name, state)
         case Parameters():
+            if name not in state.params and name in ("get", "keys", "values", "items"):
+                return get_attribute(dict(state.params), node, state)
             if name not in state.params:
                 raise HostException(AttributeError(f"there is no global parameter {name}"))
             return state.params[name]
@@ -298,6 +300,8 @@ def get_item(node: p.Subscript, values: list[object], state: State) -> object:
     places, origin = unwrap(parts)
     if type(container) is Random:
         container, origin = container.value, container.origin
+    if type(container) is Parameters:
+        container = dict(state.params)
     index = slice(*places) if isinstance(node.index, p.Slice) else places[0]  # type: ignore[misc, index]
     check_key(index)
     if isinstance(container, defaultdict):  # which makes what is missing

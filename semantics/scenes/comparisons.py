@@ -16,6 +16,7 @@ from ..kernel.kinds import has_kind, kind_name
 from ..kernel.nesting import check_written
 from ..kernel.outcome import Next, Outcome
 from ..kernel.premises import Premises, premises
+from ..kernel.queries import Parameters
 from ..kernel.values import Random, plain, unwrap
 from ..python.keys import check_key
 from ..space.regions import Region
@@ -94,6 +95,8 @@ def link(node: p.Comparison, name: str, left: object, right: object, state: Stat
             return name == "is not"
         if type(left) is not Random and type(right) is not Random:
             return COMPARE[name](left, right)
+    if type(right) is Parameters and name in ("in", "not in"):
+        right = dict(state.params)
     state.settings.door.budget.compared(plain(left), plain(right))
     check_written(plain(left), plain(right))
     if name in ("in", "not in") and unwrap(left)[1] is None:

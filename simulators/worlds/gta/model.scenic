@@ -28,7 +28,7 @@ class Car:
              + self.roadDeviation
     roadDeviation: 0
     width: self.model.width
-    height: self.model.height
+    length: self.model.length  # `height` in the paper, which is another property in the profiles of the releases (reading `height`)
     viewAngle: 80 deg
     visibleDistance: 30
     model: CarModel.defaultModel()
