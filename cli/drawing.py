@@ -108,7 +108,7 @@ class Drawing:
             if self.prints:
                 printed.clear()
                 with suppress(ScenicError):
-                    run(self.scenario.start(), from_stream(0, 0, 0), fuel=self.scenario.fuel, witness=lambda outcome, _: _listen(outcome, printed))
+                    run(self.scenario.start(), from_stream(0, 0, 0), fuel=self.scenario.fuel, witness=lambda outcome, _: listen(outcome, printed))
             raise
 
     def draw(
@@ -118,7 +118,7 @@ class Drawing:
 
         def listening(attempt: int) -> Witness:
             printed.clear()
-            return lambda outcome, drawn: _listen(outcome, printed)
+            return lambda outcome, drawn: listen(outcome, printed)
 
         self.rehearse(printed)
         scenario = self.scenario
@@ -160,7 +160,8 @@ class Drawing:
         return tuple(found.values())
 
 
-def _listen(outcome: Outcome, printed: list[str]) -> None:
+def listen(outcome: Outcome, printed: list[str]) -> None:
+    """Keep what the program prints."""
     if type(outcome) is Next and outcome.change is not None and outcome.change.where == "print" and len(printed) < MOST_PRINTED:
         printed.append(str(outcome.change.value))
 

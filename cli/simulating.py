@@ -13,12 +13,12 @@ from typing import NamedTuple
 
 from ..formats.recordings import to_line
 from ..inference.simulation import SampledRun
-from ..scenario import Scenario
+from ..semantics.kernel.driving import Witness
 from ..semantics.kernel.errors import InternalError
 from ..semantics.kernel.outcome import Requirement
 from ..simulators import by_name
 from ..simulators.simulating import Failed
-from .drawing import DrawnScene, drawing_of
+from .drawing import Drawing, DrawnScene, drawing_of, listen
 from .files import LINES, check_ending, check_place
 from .options import Source
 from .outputs import Output, open_output
@@ -79,7 +79,7 @@ def produce_simulations(source: Source, request: SimulationRequest, session: Ses
         output = None if shown_only(request) else stack.enter_context(open_output(request.output, resume=False))
         progress = stack.enter_context(Progress(total, what="simulations"))
         try:
-            for run in simulations(drawing.scenario, request, tally, progress) if replays is None else replays:
+            for run in simulations(drawing, request, tally, progress) if replays is None else replays:
                 write(output, run)
                 tally.count += 1
                 if len(tally.kept) < (MOST if request.html is not None else 1 if request.gif is not None else 0):
@@ -133,13 +133,27 @@ def told_so_far(count: int, output: Output | None) -> str:
     return f"{count:,} {'simulation was' if count == 1 else 'simulations were'} finished" + ("" if output is None else ", written as whole lines")
 
 
-def simulations(scenario: Scenario, request: SimulationRequest, tally: SimulationTally, progress: Progress) -> Iterator[SampledRun]:
-    """The simulations that are asked for, one after the other; attempts are counted as they are made."""
+def simulations(drawing: Drawing, request: SimulationRequest, tally: SimulationTally, progress: Progress) -> Iterator[SampledRun]:
+    """The simulations that are asked for, one after the other; attempts are counted as they are made.
+
+    What the latest attempt at each printed goes to standard error, also if that ends with an error.
+    """
     simulator = by_name(request.simulator, request.timestep)
+    printed: list[str] = []
+
+    def listening(attempt: int) -> Witness:
+        printed.clear()
+        return lambda outcome, drawn: listen(outcome, printed)
+
     for index in range(request.start, request.stop):
-        run = scenario.simulate(
-            simulator, request.steps, request.seed, index, max_attempts=request.max_attempts, on_attempt=progress.stuck, on_failed=tally.failed
-        )  # fmt: skip
+        try:
+            run = drawing.scenario.simulate(
+                simulator, request.steps, request.seed, index, max_attempts=request.max_attempts, on_attempt=progress.stuck,
+                on_failed=tally.failed, witnessed=listening if drawing.prints else None,
+            )  # fmt: skip
+        finally:
+            for text in printed:
+                progress.say(text)
         tally.attempts += 1
         yield run
 
