@@ -128,14 +128,21 @@ def imported_names(program: Program, package: str) -> Iterator[Asked]:
 def absent(name: str, worlds: Mapping[str, World]) -> ModuleNotFoundError:
     """The error that there is no such module, with the nearest name that there is; those of the released implementations are named as theirs."""
     theirs = name.startswith("scenic.")
-    outside = f"the module {name} of the released implementations is outside this reference"
+    outside = f"the module {name} of the released implementations is outside this reference: {why_outside(name)}"
     error = ModuleNotFoundError(outside if theirs else f"there is no module {name}")
-    near = get_close_matches(name, [*worlds, *HARMLESS], n=1, cutoff=0.9 if theirs else 0.6)
+    near = get_close_matches(name, [*worlds, *HARMLESS], n=1, cutoff=0.95 if theirs else 0.6)
     if near:
         error.add_note(f"did you mean {near[0]}?")
     elif theirs:
         error.add_note(f"of theirs there are: {', '.join(key for key in worlds if key.startswith('scenic.'))}")
     return error
+
+
+def why_outside(name: str) -> str:
+    """Why a module of the released implementations is not here."""
+    if any(word in name for word in ("driving", "carla", "lgsvl", "metadrive")):
+        return "it needs the roads of a map, which this reference does not have"
+    return "it is about a simulator that this reference does not know" if name.startswith("scenic.simulators.") else "it is a part of theirs alone"
 
 
 def module_named(name: str, library: Library) -> Found:

@@ -50,7 +50,7 @@ from .arithmetic import BINARY, UNARY, puts_together
 from .inheritance import attribute_above, member_of
 from .iteration import elements
 from .keys import check_key, check_keys
-from .library import ascii_of, attribute_of, bound
+from .library import ascii_of, attribute_of, bound, lacking
 from .members import Member, member, own_name, rewritten
 from .texts import formatted as format_value
 from .texts import represented, written
@@ -218,7 +218,7 @@ def get_attribute(subject: object, node: p.Attribute, state: State) -> object:
         case Module():
             result = subject.scope.bindings.get(name, MISSING)
             if result is MISSING:
-                raise HostException(AttributeError(f"module {subject.name} has no {name}"))
+                raise HostException(lacking(subject.name, AttributeError(f"module {subject.name} has no {name}")))
             return result
         case ScenicClass():
             found = subject.method(name)

@@ -22,7 +22,7 @@ from ..syntax import statements as s
 from ..syntax.nodes import Node
 from ..syntax.statements import Block
 from .control import block
-from .library import bound
+from .library import bound, lacking
 
 # Keys
 
@@ -178,7 +178,7 @@ def member_of(module: object, name: str) -> object:
 
 def unknown(member: str, name: str, module: object) -> HostException:
     """The exception of a name that a module has not, with the nearest one that it has."""
-    error = ImportError(f"the module {name} has no {member}")
+    error = lacking(name, ImportError(f"the module {name} has no {member}"))
     near = get_close_matches(member, members(module), n=1)
     if near:
         error.add_note(f"did you mean {near[0]}?")

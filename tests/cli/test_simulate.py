@@ -75,3 +75,14 @@ def test_an_error_in_the_middle_leaves_whole_lines(ask, tmp_path):
     assert "ZeroDivisionError" in done.err
     for line in (tmp_path / "runs.jsonl").read_text().splitlines():
         json.loads(line)
+
+
+def test_what_the_finished_attempt_prints_is_shown(ask, tmp_path):
+    (tmp_path / "p.scenic").write_text(
+        "x = Range(0, 1)\nprint('begun')\nbehavior B():\n    print('acts', simulation.currentTime)\n    require x < 0.5\n    take 1\n"
+        "ego = Object at (0, 0), with behavior B\n"
+    )
+    done = ask("simulate", "p.scenic", "-n", "4", "--steps", "1", "-o", "runs.jsonl")
+    assert done.code == 0 and "attempts" in done.err and "4 simulations" in done.err
+    assert done.err.count("begun") == 4 and done.err.count("acts 0") == 4
+    assert "begun" not in done.out

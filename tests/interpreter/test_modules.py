@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import scenic_ref
 from scenic_ref.scenario import loads
-from scenic_ref.semantics.kernel.errors import ImportRefused, ProgramError, RunError, UncaughtException
+from scenic_ref.semantics.kernel.errors import ImportRefused, ProgramError, RunError, ScenicError, UncaughtException
 from scenic_ref.semantics.python.imports import beside, package_of, path_of
 
 
@@ -189,3 +189,23 @@ def test_a_simulator_can_be_imported_and_named_and_not_called(module: str) -> No
     assert loads(f"{text}simulator {name}(timestep=0.1)\n", dialect="scenic-3").sample().ego.position == (0, 0)
     with pytest.raises(ProgramError, match="scenic-ref simulate --simulator NAME"):
         loads(f"{text}x = {name}()\n", dialect="scenic-3").sample()
+
+
+WHY_OUTSIDE = {
+    "scenic.domains.driving.model": "roads of a map",
+    "scenic.simulators.webots.model": "a simulator that",
+    "scenic.core.geometry": "a part of theirs",
+}
+
+
+@pytest.mark.parametrize(("module", "why"), WHY_OUTSIDE.items())
+def test_a_module_of_the_releases_that_is_not_here_says_why(module: str, why: str) -> None:
+    with pytest.raises(ScenicError, match=why):
+        loads(f"model {module}\nego = Object\n").sample(seed=0)
+
+
+@pytest.mark.parametrize("program", ["import random\nego = Object\nx = random.uniform(0, 1)\n", "from random import uniform\nego = Object\n"])
+def test_draws_of_python_say_what_to_write(program: str) -> None:
+    with pytest.raises(ScenicError, match="has no uniform") as found:
+        loads(program).sample(seed=0)
+    assert "Range" in found.value.hint

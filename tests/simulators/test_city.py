@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
+import scenic_ref
 from scenic_ref.interpreter.streams import Stream
 from scenic_ref.semantics.space import geometry as g
 from scenic_ref.semantics.space.vectors import Vector
@@ -105,3 +106,10 @@ def test_avenues_are_three_lanes_a_side(world: City) -> None:
     """21 m and the strips at the edges; measured across the avenue of the gallery's cars."""
     across = world.road.intersection(LineString([(-660.0, -540.0), (-600.0, -540.0)]))
     assert across.length == pytest.approx(6 * LANE + 2 * SHOULDER, abs=0.1)
+
+
+@pytest.mark.parametrize(("dialect", "profile", "new"), [("paper", "paper", ""), ("scenic-2.1", "scenic-2.1", ""), ("scenic-3", "scenic-3", "new ")])
+def test_cars_are_as_long_as_their_models(dialect: str, profile: str, new: str) -> None:
+    program = f"model scenic.simulators.gta.model\nego = {new}Car\nparam wanted = [ego.model.width, ego.model.length]\n"
+    scene = scenic_ref.loads(program, dialect=dialect, profile=profile).sample(seed=1)
+    assert [scene.ego.width, scene.ego.length] == scene.params["wanted"] and scene.ego.length > 3
