@@ -377,9 +377,9 @@ PARTS = 8
 def test_configurations_of_the_vectors_can_be_stepped_again(part: int) -> None:
     ours, compared = Ourselves(), 0
     for vector in VECTORS[part::PARTS]:
-        watching = Again(share=0.1, seed=part)
+        watching = Again(share=0.05, seed=part)
         task = replace(vector.task(next(d for d in ours.dialects if d in vector.texts)), seed=0)
         with stepping(watching), suppress(Refused):
             fired_in(ours, vector, task)
         compared += watching.compared
-    assert compared > 1000
+    assert compared > 300
