@@ -115,9 +115,6 @@ def outcome_told(outcome: Outcome) -> object:
     return parts
 
 
-MOST_KEPT = 200
-
-
 class Kept(NamedTuple):
     """A configuration, what was left of the budget before its step, which is not taken back (`docs/machine.md`), and what the step said."""
 
@@ -127,10 +124,11 @@ class Kept(NamedTuple):
 
 
 class Again:
-    """A step function that steps many configurations again, the present one and older ones, and compares; `share` says how many it keeps."""
+    """A step function that steps many configurations again, the present one and older ones, and compares; `share` says how many it keeps, `most` at most how many."""
 
-    def __init__(self, share: float, seed: int = 0) -> None:
+    def __init__(self, share: float, seed: int = 0, most: int = 1000) -> None:
         self.share = share
+        self.most = most
         self.random = random.Random(seed)
         self.kept: list[Kept] = []
         self.compared = 0
@@ -140,11 +138,10 @@ class Again:
         budget = config.state.settings.door.budget
         before = budget.left
         outcome = step(config)
-        if self.random.random() >= self.share:
+        if len(self.kept) == self.most or self.random.random() >= self.share:
             return outcome
         kept, after = Kept(config, before, outcome_told(outcome)), budget.left
-        if len(self.kept) < MOST_KEPT:
-            self.kept.append(kept)
+        self.kept.append(kept)
         self.compare(self.random.choice(self.kept))
         self.compare(kept)
         budget.left = before
@@ -377,9 +374,9 @@ PARTS = 8
 def test_configurations_of_the_vectors_can_be_stepped_again(part: int) -> None:
     ours, compared = Ourselves(), 0
     for vector in VECTORS[part::PARTS]:
-        watching = Again(share=0.05, seed=part)
+        watching = Again(share=0.1, seed=part, most=100)
         task = replace(vector.task(next(d for d in ours.dialects if d in vector.texts)), seed=0)
         with stepping(watching), suppress(Refused):
             fired_in(ours, vector, task)
         compared += watching.compared
-    assert compared > 300
+    assert compared > 1000
