@@ -225,6 +225,13 @@ def no_attribute(subject: str, name: str, what: str = "attribute") -> AttributeE
     return AttributeError(f"{subject} has no {what} {name}" + (f", which {FLAT}" if name in SPATIAL_ATTRIBUTES else ""))
 
 
+def lacking(module: str, error: Exception) -> Exception:
+    """The error that a module has no such member, with what to write for those of `random`."""
+    if module == "random":
+        error.add_note("what Python draws by itself does not follow from the seed: draw with Range, Uniform or Normal, or from random.Random(1)")
+    return error
+
+
 def refuse_third_dimension(what: str, operands: Iterable[object], span: Span, rule: str) -> None:
     """Raises `RunError` if one of the operands has three coordinates or angles."""
     for operand in operands:

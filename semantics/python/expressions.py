@@ -16,28 +16,14 @@ from ..kernel.conditions import is_counted
 from ..kernel.config import Stack, State, value
 from ..kernel.errors import RunError
 from ..kernel.host import HostException, host, raw
-from ..kernel.kinds import Reader, has_kind, is_pair, kind_name, no_attribute
+from ..kernel.kinds import Reader, has_kind, is_pair, kind_name, lacking, no_attribute
 from ..kernel.outcome import Outcome
 from ..kernel.premises import premises, raw_axiom
 from ..kernel.queries import Clock, Closest, Parameters, attribute_of_clock
 from ..kernel.scenic_classes import Above, ScenicClass
 from ..kernel.scopes import MISSING, Scope
 from ..kernel.sets import Set
-from ..kernel.values import (  # fmt: skip
-    Bound,
-    Dynamic,
-    Function,
-    Instance,
-    Method,
-    Module,
-    Native,
-    Random,
-    each,
-    plain,
-    unwrap,
-    with_random_keys,
-    wrap,
-)
+from ..kernel.values import Bound, Dynamic, Function, Instance, Method, Module, Native, Random, each, plain, unwrap, with_random_keys, wrap
 from ..kernel.versions import note_call, note_item
 from ..kernel.waiting import Waiting, needs_position
 from ..space.fields import VectorField
@@ -50,7 +36,7 @@ from .arithmetic import BINARY, UNARY, puts_together
 from .inheritance import attribute_above, member_of
 from .iteration import elements
 from .keys import check_key, check_keys
-from .library import ascii_of, attribute_of, bound, lacking
+from .library import ascii_of, attribute_of, bound
 from .members import Member, member, own_name, rewritten
 from .texts import formatted as format_value
 from .texts import represented, written

@@ -14,6 +14,7 @@ from typing import NamedTuple
 from ..kernel.config import Abrupt, Config, Stack, State
 from ..kernel.errors import ImportRefused, RunError
 from ..kernel.host import HostException
+from ..kernel.kinds import lacking
 from ..kernel.outcome import Next, Outcome
 from ..kernel.scopes import MISSING, Scope
 from ..kernel.values import Module
@@ -22,7 +23,7 @@ from ..syntax import statements as s
 from ..syntax.nodes import Node
 from ..syntax.statements import Block
 from .control import block
-from .library import bound, lacking
+from .library import bound
 
 # Keys
 

@@ -327,13 +327,6 @@ HINTS = (
 """What of `typing` a program may name: it is for annotations, and none of it is a class."""
 
 
-def lacking(module: str, error: Exception) -> Exception:
-    """The error that a module has no such member, with what to write for those of `random`."""
-    if module == "random":
-        error.add_note("what Python draws by itself does not follow from the seed: draw with Range, Uniform or Normal, or from random.Random(1)")
-    return error
-
-
 def type_variable(name: str, *bounds: object, **options: object) -> Hint:
     """`typing.TypeVar(name)`."""
     if type(name) is not str:
