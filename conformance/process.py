@@ -62,7 +62,7 @@ class AnsweringProcess:
             raise ImplementationFault("crashed", f"{command[0]} could not be started: {error.strerror or error}") from error
         assert self.child.stdout is not None and self.child.stderr is not None
         in_background(self.read_lines, self.child.stdout)
-        in_background(self.read_words, self.child.stderr)
+        self.hearing = in_background(self.read_words, self.child.stderr)
 
     def read_lines(self, stream: IO[bytes]) -> None:
         """Each line of stdout, None behind the last."""
@@ -110,6 +110,7 @@ class AnsweringProcess:
         """How it ended, with its last words."""
         with suppress(subprocess.TimeoutExpired):
             self.child.wait(PATIENCE)
+        self.hearing.join(PATIENCE)  # a process that it left behind may hold stderr for longer
         code = self.child.returncode
         how = "it closed its output" if code is None else f"signal {-code}" if code < 0 else f"exit code {code}"
         last = next((word for word in reversed(self.words) if word.strip()), "")
