@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
 
 from ..space.distributions import BadParameters, Distribution, NoValues
 from ..syntax.nodes import Node, Span
@@ -16,14 +16,12 @@ from .values import Constructor, Origin, Random, unwrap
 def draw(node: Node, constructor: Constructor, arguments: tuple[object, ...], keywords: Mapping[str, object], stack: Stack, state: State) -> Outcome:
     """⟨params⟩ → θ and v ∈ dom baseDist(θ) give ⟨baseDist(params)⟩ →^{P_θ(v)} v (Figure "Semantics of expressions", Distributions)."""
     unwrap((arguments, keywords))  # none may wait for a position
-    keywords = {constructor.renamed.get(name, name): given for name, given in keywords.items()}
     try:
+        named = renamed(keywords, constructor)
         if constructor.keeps_values:
-            distribution = constructor.make(*arguments, **keywords)
+            distribution = constructor.make(*arguments, **named)
         else:
-            in_order = constructor.unordered is None or state.reading("reversed-range") == "invalid"
-            make: Any = constructor.make if in_order else constructor.unordered
-            distribution = make(*(unwrap(a)[0] for a in arguments), **{k: unwrap(v)[0] for k, v in keywords.items()})
+            distribution = maker(constructor, state)(*(unwrap(a)[0] for a in arguments), **{k: unwrap(v)[0] for k, v in named.items()})
     except NoValues as bad:
         if any(type(a) is Random for a in arguments):
             return of_nothing(constructor, node.span)
@@ -33,6 +31,21 @@ def draw(node: Node, constructor: Constructor, arguments: tuple[object, ...], ke
     except TypeError:
         raise RunError(f"the parameters of {constructor.name} are ({constructor.takes})", node.span, rule="E-Distributions") from None
     return ask(node, distribution, "E-Distributions", stack, state, f"{constructor.name}(...)")
+
+
+def renamed(keywords: Mapping[str, object], constructor: Constructor) -> dict[str, object]:
+    """The arguments by our names of the parameters. Raises `TypeError` if one is given by two names."""
+    named = {constructor.renamed.get(name, name): given for name, given in keywords.items()}
+    if len(named) < len(keywords):
+        raise TypeError("a parameter is given by two names")
+    return named
+
+
+def maker(constructor: Constructor, state: State) -> Callable[..., Distribution]:
+    """What makes the distribution: bounds may stand in either order, or not (reading `reversed-range`)."""
+    if constructor.unordered is not None and state.reading("reversed-range") == "either":
+        return constructor.unordered
+    return constructor.make
 
 
 def of_nothing(constructor: Constructor, span: Span) -> Stuck:

@@ -111,10 +111,18 @@ SIMPLE = (bool, int, float, str, type(None))
 
 
 def certain_member(item: object, container: object) -> bool:
-    """Whether a number or text is one of the elements that are not random: then it does not depend on a draw that it is there."""
+    """Whether a number or text is one of the elements that are not random: then it does not depend on a draw that it is there.
+
+    An element before it whose class may say itself what it equals is asked first, as in Python.
+    """
     if type(item) not in SIMPLE or type(container) not in (list, tuple, deque, type({}.values())):
         return False
-    return any(type(element) in SIMPLE and (element is item or element == item) for element in container)  # type: ignore[attr-defined]
+    for element in container:  # type: ignore[attr-defined]
+        if type(plain(element)) not in SIMPLE:
+            return False
+        if type(element) is not Random and (element is item or element == item):
+            return True
+    return False
 
 
 ORDER = frozenset({"<", ">", "<=", ">="})

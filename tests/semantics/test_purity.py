@@ -124,23 +124,28 @@ class Kept(NamedTuple):
 
 
 class Again:
-    """A step function that steps many configurations again, the present one and older ones, and compares; `share` says how many it keeps, `most` at most how many."""
+    """A step function that steps many configurations again, the present one and older ones, and compares; `share` says how many it keeps, `most` at most how many, spread over the whole run."""
 
     def __init__(self, share: float, seed: int = 0, most: int = 1000) -> None:
         self.share = share
         self.most = most
         self.random = random.Random(seed)
         self.kept: list[Kept] = []
-        self.compared = 0
+        self.met = self.compared = 0
 
     def __call__(self, config: Config) -> Outcome:
         """One step, perhaps the second of its configuration."""
         budget = config.state.settings.door.budget
         before = budget.left
         outcome = step(config)
-        if len(self.kept) == self.most or self.random.random() >= self.share:
+        if self.random.random() >= self.share:
+            return outcome
+        self.met += 1
+        if len(self.kept) == self.most and self.random.random() * self.met >= self.most:
             return outcome
         kept, after = Kept(config, before, outcome_told(outcome)), budget.left
+        if len(self.kept) == self.most:
+            self.kept.pop(self.random.randrange(self.most))
         self.kept.append(kept)
         self.compare(self.random.choice(self.kept))
         self.compare(kept)
@@ -374,7 +379,7 @@ PARTS = 8
 def test_configurations_of_the_vectors_can_be_stepped_again(part: int) -> None:
     ours, compared = Ourselves(), 0
     for vector in VECTORS[part::PARTS]:
-        watching = Again(share=0.1, seed=part, most=100)
+        watching = Again(share=0.1, seed=part, most=50)
         task = replace(vector.task(next(d for d in ours.dialects if d in vector.texts)), seed=0)
         with stepping(watching), suppress(Refused):
             fired_in(ours, vector, task)

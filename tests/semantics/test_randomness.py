@@ -246,3 +246,14 @@ def test_the_text_of_an_exception_that_something_drawn_is_in_is_the_same_in_ever
     scenes = [scenario.sample(3, index).params["r"] for index in range(12)]
     assert [s.params["r"] for s in scenario.sample_many(12, 3)] == scenes
     assert {tuple(texts) for texts in scenes} == {(str(n), str(n), f"E({n})", str(n)) for n in (1, 2)}
+
+
+def test_an_element_that_says_itself_what_it_equals_is_asked_as_in_python() -> None:
+    text = "log = []\nclass K(object):\n    def __eq__(self, other):\n        log.append(1)\n        return False\n    def __hash__(self): return 1\n"
+    scene = scenic_ref.loads(text + "ego = Object\nfound = 1 in [K(), 1] and 'a' not in {K(): 1}\nparam r = [found, len(log)]\n").sample(seed=0)
+    assert scene.params["r"] == [True, 1]
+
+
+def test_a_parameter_by_two_names_is_an_error() -> None:
+    with pytest.raises(errors.RunError, match=r"the parameters of Normal are \(mean, stdDev\)"):
+        scenic_ref.loads("ego = Object\nx = Normal(mean=0, stddev=1, stdDev=100)\n").sample(seed=0)
