@@ -322,15 +322,15 @@ def conclude_binary(node: p.BinaryOperation, values: list[object], stack: Stack,
     operands = as_vectors(values, state)
     if node.operator in "+-*/" and state.reading("pairs") == "vector" and any(map(is_pair, operands)):
         operands = pairs_as_vectors(node.operator, operands, state)
-    if puts_together(node.operator, operands):
-        result = raw(state.settings.door, state, BINARY[node.operator], *operands)
-        state.settings.door.budget.made(plain(result))
-        return value("E-Arithmetic", result, stack, state, node)
     return arithmetic(node, BINARY[node.operator], operands, stack, state)
 
 
 def arithmetic(node: Node, operation: Callable[..., object], operands: list[object], stack: Stack, state: State) -> Outcome:
     """If ⟨E1⟩ → v1 and ⟨E2⟩ → v2 then ⟨E1 ⊕ E2⟩ → v1 ⊕ v2, and ⟨⊖E⟩ → ⊖v likewise, as in Python."""
+    if isinstance(node, p.BinaryOperation) and puts_together(node.operator, operands):  # what it holds stays as random as it is
+        result = raw(state.settings.door, state, operation, *operands)
+        state.settings.door.budget.made(plain(result))
+        return value("E-Arithmetic", result, stack, state, node)
     return apply_host("E-Arithmetic", node, operation, operands, stack, state)
 
 
