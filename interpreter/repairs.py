@@ -80,6 +80,10 @@ TABLE: tuple[tuple[str, str, str], ...] = (
     (r"\busing\s+\w.*", "specifiers made in Python (`using`) are not part of the language", "write the specifiers that it stands for"),
     (r"^\s*record\b.*\bto\b.*", "values are recorded in the file of the simulation, not `to` another one", "leave out `to ...`"),
     (
+        r"^\s*require\b(?!.*\b(?:until|next|always|eventually)\b).*\bimplies\b.*",
+        "`implies` is not part of the language", "write `not B or C` for `B implies C`",
+    ),
+    (
         r"^\s*require\b.*\b(?:until|implies|next|always|eventually)\b.*",
         MESSAGE, HINT,
     ),

@@ -110,11 +110,13 @@ class BuilderBase:
         if not self.dialect.released:
             raise ParseError(f"`{construct}` belongs to dialects {having('released')}", span, hint=hint or "choose that dialect by --dialect")
 
-    def two_dimensional(self, name: str, span: Span) -> str:
-        """The name of a property. Raises ParseError where it is one from which the released Scenic 3 makes an orientation in space."""
-        if self.dialect.explicit_new and name in ORIENTATION:
-            text = f"the property `{name}` is three-dimensional; this reference is two-dimensional"
-            raise ParseError(text, span, hint="write `facing A`, or give a default to `heading`" if name == "yaw" else "leave it out")
+    def checked_property(self, name: str, span: Span) -> str:
+        """The name of a property. Raises ParseError where it has a meaning in the releases that it does not have here: it would be without effect."""
+        if self.dialect.explicit_new and name in IN_SPACE:
+            raise ParseError(f"the property `{name}` is three-dimensional; this reference is two-dimensional", span, hint=IN_SPACE[name])
+        if self.dialect.released and name == "cameraOffset":
+            text = "the property `cameraOffset` of the releases is outside this reference: what an object sees, it sees from its position"
+            raise ParseError(text, span, hint="leave it out, or place a Point where the camera is")
         return name
 
     def object_place(self, node: Expression) -> Expression:
@@ -126,8 +128,11 @@ class BuilderBase:
         return node
 
 
-ORIENTATION = {"yaw", "pitch", "roll", "parentOrientation", "orientation"}
-"""The properties of the released Scenic 3 that are parts of an orientation in space."""
+IN_SPACE = {
+    "yaw": "write `facing A`, or give a default to `heading`", **dict.fromkeys(("pitch", "roll", "parentOrientation", "orientation"), "leave it out"),
+    "orientationStdDev": "write `headingStdDev` and the first of the angles",
+}
+"""The properties by which the released Scenic 3 turns things in space: what to write for them."""
 
 
 def _refuse_split_vector(node: TupleDisplay) -> None:

@@ -156,6 +156,8 @@ def unknown_variable(node: Name, state: State) -> RunError:
             hint = "conditions of interrupts are evaluated before their `try` begins: see `readings interrupt-first-step`" if state.simulation else ""
             return RunError(f"the local variable {node.name} is used before it is assigned", node.span, rule="E-Variable", hint=hint)
         scope = scope.parent
+    if node.name == "workspace":
+        return RunError("there is no workspace", node.span, rule="E-Variable", hint="set it first: workspace = Workspace(REGION)")
     if node.name in SPATIAL:
         return RunError(f"{node.name} {FLAT}", node.span, rule="E-Variable")
     near = get_close_matches(node.name, [name for name in known if not name.startswith("__")], n=1)

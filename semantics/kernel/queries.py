@@ -43,6 +43,10 @@ class Closest:
     instance: Instance
 
 
+CLOCK = ("currentTime", "currentRealTime", "timestep", "objects")
+"""What a simulation may be asked for."""
+
+
 def check_running(node: Node, state: State) -> Simulation:
     """The simulation that runs. Raises `RunError` while the scene is generated."""
     if state.simulation is None:
@@ -51,10 +55,17 @@ def check_running(node: Node, state: State) -> Simulation:
 
 
 def attribute_of_clock(name: str, node: Node, state: State) -> object:
-    """`simulation.currentTime`: in seconds, or in steps (reading `time-unit`); `currentRealTime`, of the released ones, is in seconds."""
-    if name not in ("currentTime", "currentRealTime"):
-        raise RunError(f"`simulation` has no {name}", node.span, rule="E-Attribute", hint="it has currentTime and currentRealTime")
+    """`simulation.currentTime`: in seconds, or in steps (reading `time-unit`).
+
+    Of the released implementations: `currentRealTime` and `timestep`, in seconds, and `objects`, those that there are by now.
+    """
+    if name not in CLOCK:
+        raise RunError(f"`simulation` has no {name}", node.span, rule="E-Attribute", hint=f"it has {', '.join(CLOCK)}")
     simulation = check_running(node, state)
+    if name == "objects":
+        return state.scene
+    if name == "timestep":
+        return simulation.timestep
     return simulation.step if name == "currentTime" and state.reading("time-unit") == "steps" else simulation.step * simulation.timestep
 
 

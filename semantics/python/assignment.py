@@ -22,6 +22,7 @@ from ..kernel.scopes import MISSING
 from ..kernel.values import Function, Instance, Method, Module, Random, plain, unwrap
 from ..kernel.versions import CHANGEABLE, note_attribute, note_container, note_item
 from ..kernel.waiting import Waiting, needs_position
+from ..space.vectors import Vector
 from ..syntax import python_expressions as p
 from ..syntax import statements as s
 from ..syntax.nodes import Node
@@ -146,7 +147,8 @@ def unpack(items: tuple[Node, ...], assigned: object, node: Node, state: State) 
     star = next((i for i, item in enumerate(items) if isinstance(item, p.Starred)), None)
     least = len(items) if star is None else len(items) - 1
     if len(found) < least or (star is None and len(found) > least):
-        problem = ValueError(f"{least} values {'or more ' if star is not None else ''}are needed to unpack into these names, not {len(found)}")
+        which = ", those of a vector in the plane" if isinstance(plain(assigned), Vector) else ""
+        problem = ValueError(f"{least} values {'or more ' if star is not None else ''}are needed to unpack into these names, not {len(found)}{which}")
         raise HostException(problem, assigned.origin if type(assigned) is Random else None)
     if star is None:
         return found

@@ -109,7 +109,7 @@ def specified_twice(name: str, first: Specification, second: Specification) -> S
     seen = [name for name in names if name in VISIBILITY]
     hint = ""
     if "with height" in names:
-        hint = "height is another spelling of length, unless the reading is `height=own`"
+        hint = "height is another spelling of length, unless the reading is `height=own`, as in the profiles of the releases"
     elif len(seen) == 1:
         hint = f"to require it of the other's position, leave `{seen[0]}` out and write {VISIBILITY[seen[0]]}, x being this object, P the viewer"
     return SpecifiedTwice(text, second.node.span, rule="R-SpecifiedTwice", hint=hint)

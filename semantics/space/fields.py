@@ -40,8 +40,8 @@ class BadField(ValueError):
 class VectorField:
     """A heading (radians, anticlockwise from North) at each point, given by the function `value`.
 
-    forwardEuler along the field takes at least `minSteps` steps, each of at most `defaultStepSize` metres (of the released implementations); where
-    they are not given, the paper's N steps, however long.
+    forwardEuler along the field takes at least `minSteps` steps, and forwards each of at most `defaultStepSize` metres (of the released
+    implementations); where they are not given, the paper's N steps, however long.
     """
 
     def __init__(
@@ -69,7 +69,7 @@ class VectorField:
     def stepping(self, steps: int | None, size: float | None) -> VectorField:
         """This field, along which forwardEuler takes so many steps, or steps of at most this size."""
         changed = copy(self)
-        VectorField.__init__(changed, self.name, self.value, steps or self.minSteps, None if steps is not None else size)
+        VectorField.__init__(changed, self.name, self.value, self.minSteps if steps is None else steps, None if steps is not None else size)
         return changed
 
     def at(self, v: Vector) -> float:
