@@ -105,6 +105,10 @@ def make_scenic_class(
             f"the Scenic class {node.name} has no __init__: its objects are made from specifiers", node.span, rule="S-Class",
             hint=f"for a Python class write class {node.name}(object):",
         )
+    special = next((name for name in members if name in OVERRIDES and name != "__doc__"), None)
+    if special is not None:
+        text = f"a Scenic class cannot say what {special} is: its instances are shown, compared and combined as the language does it"
+        raise RunError(text, node.span, rule="S-Class", hint=f"give the method another name, or write class {node.name}(object): for a Python class")
     finals, additives = (frozenset(canonical(d.name, readings) for d in node.properties if a in d.attributes) for a in ("final", "additive"))
     return ScenicClass(node.name, superclasses, defaults, scope, dict(members), node.span, own_finals=finals, own_additives=additives)
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from ..kernel.allowed import is_user_made
+from dataclasses import replace
+
+from ..kernel.allowed import is_user_made, may_ask
 from ..kernel.config import State
 from ..kernel.host import HostException, raw
 from ..kernel.scenic_classes import Above, ScenicClass
-from ..kernel.values import Function, Instance, Method, Native, plain
+from ..kernel.values import Bound, Function, Instance, Method, Native, plain
+from .library import attribute_of
 
 
 def member_of(found: object, subject: object | None, class_: object, state: State) -> object:
@@ -24,7 +27,7 @@ def member_of(found: object, subject: object | None, class_: object, state: Stat
 
 
 NOTHING_TO_DO = Native("__init__", lambda *arguments, **keywords: None)
-"""The `__init__` of a class that has none of the program: what there is to do is done when the instance is made."""
+"""The `__init__` of a Scenic class: what there is to do is done when the instance is made."""
 
 
 def attribute_above(above: Above, name: str, state: State) -> object:
@@ -37,6 +40,16 @@ def attribute_above(above: Above, name: str, state: State) -> object:
             inner = plain(subject)
             own = inner.class_ if isinstance(inner, Instance) else inner if is_class else type(inner)
             return member_of(members[name], None if is_class else subject, own, state)
+        if isinstance(class_, type) and is_user_made(subject) and not is_class and not is_user_made(class_) and may_ask(class_, name):
+            return method_of_python(class_, name, subject, state)
     if name == "__init__":
         return NOTHING_TO_DO
     raise HostException(AttributeError(f"super() has no attribute {name}"))
+
+
+def method_of_python(class_: type, name: str, subject: object, state: State) -> object:
+    """`super().name` where it is a method of a Python class below which the class of the program stands."""
+    found = raw(state.settings.door, state, attribute_of, class_, name, state.settings.door.budget)
+    if isinstance(found, Bound):  # which takes the subject first
+        return replace(found, subject=(subject,))
+    return raw(state.settings.door, state, found.__get__, subject, type(subject)) if callable(found) else found  # type: ignore[attr-defined]

@@ -72,6 +72,15 @@ VALUES = {
     "super with arguments": (
         BOX + "class A(Box):\n    def __init__(self): super(A, self).__init__(Uniform(3, 3))\nparam r = A().x\n", 3,
     ),
+    "super of Python's classes": (
+        "class A(list):\n    def __init__(self, xs):\n        super(A, self).__init__(xs)\n        super().append(Uniform(7, 7))\n"
+        "class B(dict):\n    def __init__(self, entries): super().__init__(entries)\n    def get(self, k): return super().get(k, 5)\n"
+        "class E(ValueError):\n    def __init__(self, n): super().__init__(f'n is {n}')\n"
+        "class O(object):\n    def __init__(self): super().__init__()\n"
+        "a, b, o = A([1, 2]), B({3: 4}), O()\ntry: raise E(2)\nexcept ValueError as e: t = str(e)\n"
+        "param r = (len(a), a[2], b.get(3), b.get(4), t)\n",
+        (3, 7, 4, 5, "n is 2"),
+    ),
     "super in a class method of a Scenic class": (
         "class C:\n    @classmethod\n    def f(cls): return 5\n"
         "class D(C):\n    @classmethod\n    def f(cls): return super().f() + super(D, cls).f()\nparam r = D.f()\n",
@@ -195,6 +204,10 @@ REFUSALS = {
     "super": ("param r = super()\n", "super() stands in a method"),
     "super of a random class": ("class A(object): pass\nclass B(A): pass\nparam r = super(Uniform(A, B), B())\n", "super(C, v) needs a class"),
     "super of a random value": (BOX + "param r = super(Box, Uniform(Box(1), Box(2)))\n", "whose classes super() looks through"),
+    "super of object, with arguments": ("class A(object):\n    def __init__(self): super().__init__(3)\nparam r = A()\n", "takes exactly one argument"),
+    "super of a container, with too many arguments": ("class A(list):\n    def __init__(self): super().__init__(3, 4)\nparam r = A()\n", "expected at most 1"),
+    "super of a container, a method that it lacks": ("class A(list):\n    def f(self): return super().get(3)\nparam r = A().f()\n", "super() has no attribute get"),
+    "a special method of a Scenic class": ("class A:\n    def __str__(self): return 'a'\n", "a Scenic class cannot say what __str__ is"),
     "super of another class": (BOX + "param r = super(int, Box(1))\n", "super(C, v) needs a class"),
 }
 
