@@ -204,9 +204,15 @@ REFUSALS = {
     "super": ("param r = super()\n", "super() stands in a method"),
     "super of a random class": ("class A(object): pass\nclass B(A): pass\nparam r = super(Uniform(A, B), B())\n", "super(C, v) needs a class"),
     "super of a random value": (BOX + "param r = super(Box, Uniform(Box(1), Box(2)))\n", "whose classes super() looks through"),
-    "super of object, with arguments": ("class A(object):\n    def __init__(self): super().__init__(3)\nparam r = A()\n", "takes exactly one argument"),
-    "super of a container, with too many arguments": ("class A(list):\n    def __init__(self): super().__init__(3, 4)\nparam r = A()\n", "expected at most 1"),
-    "super of a container, a method that it lacks": ("class A(list):\n    def f(self): return super().get(3)\nparam r = A().f()\n", "super() has no attribute get"),
+    "super of object, with arguments": (
+        "class A(object):\n    def __init__(self): super().__init__(3)\nparam r = A()\n", "takes exactly one argument",
+    ),
+    "super of a container, with too many arguments": (
+        "class A(list):\n    def __init__(self): super().__init__(3, 4)\nparam r = A()\n", "expected at most 1",
+    ),
+    "super of a container, a method that it lacks": (
+        "class A(list):\n    def f(self): return super().get(3)\nparam r = A().f()\n", "super() has no attribute get",
+    ),
     "a special method of a Scenic class": ("class A:\n    def __str__(self): return 'a'\n", "a Scenic class cannot say what __str__ is"),
     "super of another class": (BOX + "param r = super(int, Box(1))\n", "super(C, v) needs a class"),
 }
