@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import fields, replace
+from itertools import chain
 
 from ...interpreter.parser import parse
 from ...interpreter.printer import to_source
@@ -29,14 +30,14 @@ def shrunk(text: str, holds: Callable[[str], bool], out_of_time: Callable[[], bo
 
 
 def fresh(text: str, seen: set[str]) -> Iterator[str]:
-    """The texts with one thing less that were not tried yet, the largest things first."""
+    """The texts with one thing less that were not tried yet, the largest things first: whole statements, at any depth, before their parts."""
     try:
         program = parse(text, "<shrinking>", None)
     except ProgramError:
         yield from fresh_lines(text, seen)
         return
     size = measure(text)
-    for variant in variants(program.statements):
+    for variant in chain(thinner(program.statements), variants(program.statements)):
         try:
             smaller = to_source(replace_statements(program, variant))
         except (InternalError, ProgramError, TypeError, ValueError, AttributeError):  # what cannot be printed, such as an empty block
@@ -73,6 +74,17 @@ def parts(count: int) -> Iterator[range]:
     while length:
         yield from (range(start, min(start + length, count)) for start in range(0, count, length))
         length //= 2
+
+
+def thinner(value: object) -> Iterator[object]:
+    """A node or a tuple of such with less statements or clauses, or with a block in the place of the statement that holds it."""
+    if isinstance(value, tuple) and value and all(isinstance(item, Node) and not isinstance(item, Expression) for item in value):
+        yield from shorter(value)
+        for place, item in enumerate(value):
+            yield from ((*value[:place], other, *value[place + 1 :]) for other in thinner(item))
+    elif isinstance(value, Node) and not isinstance(value, Expression):
+        for field in fields(value):
+            yield from (replace(value, **{field.name: other}) for other in thinner(getattr(value, field.name)))
 
 
 def variants(value: object) -> Iterator[object]:

@@ -85,6 +85,20 @@ def test_what_is_left_out_is_all_that_can_be(text: str, needle: str, small: str)
     assert len(tried) == len(set(tried)), "nothing is tried twice"
 
 
+def test_whole_statements_are_left_out_before_their_parts() -> None:
+    """Where expressions come first, the thirty tries are spent on the one that has to stay."""
+    lines = "".join(f"    if self.x + {i} < max({i}, 2 * self.y):\n        take (Uniform({i}, 2), 3)\n" for i in range(3))
+    kept = "1 + Range(2, 3) * max(4, 5)"
+    text = f"behavior A():\n    need = {kept}\n{lines}behavior B():\n{lines}    need = 2\nego = Object with behavior B\n"
+    tried: list[str] = []
+
+    def holds(candidate: str) -> bool:
+        tried.append(candidate)
+        return "behavior A()" in candidate and "behavior B()" in candidate and "Range(2, 3) * max(4, 5)" in candidate.replace("(Range", "Range")
+
+    assert len(shrunk(text, holds, lambda: len(tried) >= 30).splitlines()) == 4
+
+
 def test_shrinking_ends_when_its_time_is_over() -> None:
     asked: list[str] = []
     text = "ego = Object at 1 @ 2\nx = 3\n"
