@@ -45,7 +45,8 @@ def drive(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL, witness:
     if isinstance(end, Fault):
         raise end.error
     if isinstance(end, Unfinished):
-        raise endless(end.config, fuel, "raise --fuel if it really takes that long")
+        timeless = "time passes only where something is taken, waited for or done"
+        raise endless(end.config, fuel, "raise --fuel if it really takes that long" if end.config.state.simulation is None else timeless)
     return end, steps  # type: ignore[return-value]
 
 

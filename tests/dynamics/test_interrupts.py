@@ -178,8 +178,9 @@ def test_errors_have_their_place():
     assert found.value.span.line == 3
     with pytest.raises(UncaughtException, match="ZeroDivisionError"):
         actions(behavior("take 1 / 0"))
-    with pytest.raises(FuelExhausted, match="endless loop"):
+    with pytest.raises(FuelExhausted, match="endless loop") as endless:
         actions(behavior("while True:\n    pass"), fuel=10_000)
+    assert endless.value.hint == "time passes only where something is taken, waited for or done"
     with pytest.raises(RunError, match="invokes itself too deeply"):
         actions(behavior("do B()"))
     with pytest.raises(RunError, match="no agent that could run"):
