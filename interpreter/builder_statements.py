@@ -161,6 +161,9 @@ class StatementBuilder(BuilderBase):
 
     def make_decorated(self, span: Span, parts: Parts) -> FunctionDefinition:
         *decorators, function = parts
+        if isinstance(function, ClassDefinition):
+            hint = f"call it after the class: {function.name} = decorator({function.name})"
+            raise ParseError("decorators of classes are not part of the language", decorators[0].span, hint=hint)
         return FunctionDefinition(span=span, name=function.name, parameters=function.parameters, body=function.body, decorators=tuple(decorators))
 
     def make_decorator(self, span: Span, parts: Parts) -> Expression:

@@ -114,9 +114,9 @@ class BuilderBase:
         """The name of a property. Raises ParseError where it has a meaning in the releases that it does not have here: it would be without effect."""
         if self.dialect.explicit_new and name in IN_SPACE:
             raise ParseError(f"the property `{name}` is three-dimensional; this reference is two-dimensional", span, hint=IN_SPACE[name])
-        if self.dialect.released and name == "cameraOffset":
-            text = "the property `cameraOffset` of the releases is outside this reference: what an object sees, it sees from its position"
-            raise ParseError(text, span, hint="leave it out, or place a Point where the camera is")
+        if self.dialect.released and name in OUTSIDE:
+            what, hint = OUTSIDE[name]
+            raise ParseError(f"the property `{name}` of the releases is outside this reference: {what}", span, hint=hint)
         return name
 
     def object_place(self, node: Expression) -> Expression:
@@ -129,10 +129,16 @@ class BuilderBase:
 
 
 IN_SPACE = {
-    "yaw": "write `facing A`, or give a default to `heading`", **dict.fromkeys(("pitch", "roll", "parentOrientation", "orientation"), "leave it out"),
-    "orientationStdDev": "write `headingStdDev` and the first of the angles",
+    "yaw": "write `facing A`, or give a default to `heading`", "orientationStdDev": "write `headingStdDev` and the first of the angles",
+    "contactTolerance": "write the gap: `left of X by S`", "baseOffset": "write the position itself",
+    **dict.fromkeys(("pitch", "roll", "parentOrientation", "orientation"), "leave it out"),
 }
-"""The properties by which the released Scenic 3 turns things in space: what to write for them."""
+"""The properties by which the released Scenic 3 turns and places things in space: what to write for them."""
+OUTSIDE = {
+    "cameraOffset": ("what an object sees, it sees from its position", "leave it out, or place a Point where the camera is"),
+    "mutator": ("mutation adds normal noise to position and heading", "say how much by positionStdDev and headingStdDev, or draw the value yourself"),
+}
+"""Properties of both releases that would be without effect here: why, and what to write."""
 
 
 def _refuse_split_vector(node: TupleDisplay) -> None:

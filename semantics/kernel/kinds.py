@@ -222,7 +222,10 @@ FLAT = "is three-dimensional; this reference is two-dimensional"
 
 def no_attribute(subject: str, name: str, what: str = "attribute") -> AttributeError:
     """The exception where a value has no such attribute or property."""
-    return AttributeError(f"{subject} has no {what} {name}" + (f", which {FLAT}" if name in SPATIAL_ATTRIBUTES else ""))
+    error = AttributeError(f"{subject} has no {what} {name}" + (f", which {FLAT}" if name in SPATIAL_ATTRIBUTES else ""))
+    if name == "yaw":
+        error.add_note("ask for its heading")
+    return error
 
 
 def lacking(module: str, error: Exception) -> Exception:

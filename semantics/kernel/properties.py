@@ -47,4 +47,5 @@ def checked_property(name: str, assigned: object, place: Span, source: str, stat
 def _bad(name: str, expected: str, found: object, place: Span, source: str) -> RunError:
     is_number = isinstance(found, (int, float, Vector)) and not isinstance(found, bool)
     shown = str(found) if is_number else kind_name(found)
-    return RunError(f"the property {name} must be {expected}, not {shown} (from `{source}`)", place, rule="E-ObjectDefinition")
+    hint = "write one number, the standard deviation of each coordinate" if name == "positionStdDev" and isinstance(found, (tuple, list)) else ""
+    return RunError(f"the property {name} must be {expected}, not {shown} (from `{source}`)", place, rule="E-ObjectDefinition", hint=hint)

@@ -179,7 +179,7 @@ def member_of(module: object, name: str) -> object:
 
 def unknown(member: str, name: str, module: object) -> HostException:
     """The exception of a name that a module has not, with the nearest one that it has."""
-    error = lacking(name, ImportError(f"the module {name} has no {member}"))
+    error = lacking(name, ImportError(f"the module {name} has no {member} in this reference"))
     near = get_close_matches(member, members(module), n=1)
     if near:
         error.add_note(f"did you mean {near[0]}?")

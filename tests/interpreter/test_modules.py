@@ -131,7 +131,7 @@ def test_the_error_names_the_nearest_name(tmp_path, text, hint):
 
 def test_an_unknown_name_of_a_trusted_module(tmp_path):
     program = "try:\n    from json import nope\nexcept ImportError as problem:\n    r = str(problem)\nego = Object\nparam r = r\n"
-    assert params(tmp_path, {}, program, trust=True) == {"r": "the module json has no nope"}
+    assert params(tmp_path, {}, program, trust=True) == {"r": "the module json has no nope in this reference"}
     program = program.replace("from json import nope", "import json.nope")
     assert params(tmp_path, {}, program, trust=True) == {"r": "there is no module json.nope"}
 

@@ -46,6 +46,7 @@ MISTAKES: dict[str, tuple[int, int, str, str]] = {
     "Car at X facing 3": (1, 10, "a comma is missing before `facing`", "separate specifiers with commas"),
     "Car, with x 3": (1, 1, "a comma stands before the first specifier", "remove the comma after the class"),
     "yield x": (1, 1, "`yield` is not part of the language", "return a list, or write a behavior"),
+    "@d\nclass C: pass": (1, 2, "decorators of classes are not part of the language", "call it after the class: C = decorator(C)"),
     "require a implies b": (1, 11, "`implies` is not part of the language", "write `not B or C` for `B implies C`"),
     "with a as b: pass": (1, 1, "Python's `with` statement is not part of the language", "use try and finally"),
     "async def f(): pass": (1, 1, "`async` and `await` are not part of the language", "write a behavior"),
