@@ -8,7 +8,7 @@ PLAIN ?= .venv-plain
 TESTS ?=
 MARK ?=
 
-.PHONY: demo test test-all test-plain nightly mutants results check docs bench clean
+.PHONY: demo test test-all test-plain nightly mutants results check docs proofs bench clean
 
 $(VENV)/.core: pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit("scenic-ref needs Python 3.11 or later" if sys.version_info < (3, 11) else 0)'
@@ -84,6 +84,11 @@ check: $(VENV)/.test
 docs: $(VENV)/.docs
 	$(BIN)/python docs/generate.py
 	$(BIN)/mkdocs build --strict --quiet
+
+## The theorems of proofs/, checked by Coq 8.16 (Debian: apt-get install coq)
+proofs:
+	@command -v coqc > /dev/null || { echo "make proofs needs Coq 8.16, which is not installed (Debian: apt-get install coq)" >&2; exit 1; }
+	cd proofs && coq_makefile -f _CoqProject -o CoqMakefile && $(MAKE) --no-print-directory -f CoqMakefile -j2
 
 ## Scenes per second of each gallery program, by every backend; make bench AGAINST=scenic==3.1.1=/path/to/bin/python measures a released one as well
 bench: $(VENV)/.test

@@ -100,6 +100,8 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: p
     """Tell what was wrong with the run as a whole."""
     for problem in config.stash[PROBLEMS]:
         terminalreporter.write_line(f"FAILED {problem}", red=True)
+    if any("no Coq" in str(report.longrepr) for report in terminalreporter.stats.get("skipped", ())):
+        terminalreporter.write_line("the ties of the proofs to the program were skipped: they need Coq 8.16 (Debian: apt-get install coq)")
     if config.getoption("--seconds"):
         seconds = config.stash[SECONDS]
         for folder, taken in sorted(seconds.items()):

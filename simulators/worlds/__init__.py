@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from functools import cache
 from importlib.resources import files
 
+from ...semantics.kernel.values import Native
 from ...semantics.python.builtins import BUILTINS
 from .city import city
 from .gta import data
@@ -33,12 +34,14 @@ def driving_actions() -> Mapping[str, object]:
     return ACTIONS
 
 
+OF_RELEASES = {**BUILTINS, "distributionFunction": Native("distributionFunction", lambda function: function)}
+"""What the modules of the releases may give. Any function here takes random values, so that `distributionFunction` has nothing to do."""
 CORE = {
     "vectors": "Vector VectorField PolygonalVectorField",
     "regions": "Region everywhere nowhere CircularRegion SectorRegion RectangularRegion PolygonalRegion PolylineRegion PointSetRegion",
     "workspaces": "Workspace",
     "object_types": "Point OrientedPoint Object",
-    "distributions": "Range DiscreteRange Normal TruncatedNormal Uniform Discrete Options",
+    "distributions": "Range DiscreteRange Normal TruncatedNormal Uniform Discrete Options distributionFunction",
 }
 """What the language has, under the names of the released implementations' modules."""
 
@@ -59,7 +62,7 @@ WORLDS: Mapping[str, Callable[[], str | Mapping[str, object]]] = {
     "street": lambda: _text("street.scenic"),
     "gtaLib": lambda: "from scenic.simulators.gta.model import *\n",
     "scenic.simulators.newtonian.model": lambda: "",  # it has no classes or regions of its own
-    **{f"scenic.core.{module}": lambda names=names: {name: BUILTINS[name] for name in names.split()} for module, names in CORE.items()},
+    **{f"scenic.core.{module}": lambda names=names: {name: OF_RELEASES[name] for name in names.split()} for module, names in CORE.items()},
     **{f"scenic.simulators.{module}{end}": simulators_of(name) for module, name in SIMULATORS.items() for end in ("", ".simulator")},
     "mars": lambda: _text("mars/mars.scenic"),
     "scenic.simulators.webots.mars.model": lambda: "from mars import *\n",
