@@ -51,14 +51,19 @@ def unknown(name: str, known: tuple[str, ...]) -> Exception:
 
 def record(rule: Rule) -> dict[str, object]:
     """A rule in JSON."""
+    from ..semantics.theorems import theorems_of
+
     return {
         "id": rule.id, "name": rule.name, "place": rule.place, "code": rule.code, "statement": rule.statement, "inherited": rule.inherited,
+        "theorems": theorems_of(rule.id),
     }
 
 
 def explained(rule: Rule) -> list[str]:
-    """A rule with the docstring of its function."""
+    """A rule with the docstring of its function, and what is proved of it."""
+    from ..semantics.theorems import theorems_of
+
     return [
         f"{rule.id}: {rule.name}", "", *(inspect.getdoc(rule.function) or "").splitlines(), "",
-        f"place   {rule.place}", f"code    {rule.code}",
+        f"place   {rule.place}", f"code    {rule.code}", *(f"proved  {theorem}" for theorem in theorems_of(rule.id)),
     ]

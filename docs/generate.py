@@ -22,9 +22,11 @@ from scenic_ref.formats.comparisons import side_by_side
 from scenic_ref.semantics.kernel import allowed
 from scenic_ref.semantics.readings import PROFILES, READINGS, Reading, always_decided
 from scenic_ref.semantics.rules import CATALOGUE
+from scenic_ref.semantics.theorems import THEOREMS
 from typer.core import TyperCommand, TyperGroup
 
 HERE = Path(__file__).parent / "reference"
+PROOFS = Path(__file__).parents[1] / "proofs"
 WIDTH = 100
 """The longest line, but for tables and code."""
 MARK, JOIN = re.compile(r"\s+(?=([-+*>#]+|\d+[.)])(\s|$))"), "\0"
@@ -69,6 +71,26 @@ def rules_page() -> str:
         more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
         named = ", ".join(f"`{name}`" for name in names[:MOST_NAMED]) + more
         lines.append(f"| `{rule.id}` | {cell(rule.name)} | {cell(rule.place)} | `{rule.code}` | {named} |")
+    return "\n".join(lines) + "\n"
+
+
+def proofs_page() -> str:
+    """Every theorem of proofs/ with the rules that it is about."""
+    about = (
+        "The theorems of `proofs/`, checked by Coq: theory by theory, each named by what it says. `proofs/README.md` tells from which assumptions "
+        "they are proved, and how the theories are tied to the program that runs; `scenic-ref rules R-Cyclic` names the theorems about a rule."
+    )
+    lines = ["# Theorems", "", paragraph(about)]
+    rules_of: dict[tuple[str, str], list[str]] = {}
+    for rule, theories in THEOREMS.items():
+        for theory, names in theories.items():
+            for name in names:
+                rules_of.setdefault((theory, name), []).append(rule)
+    for theory in (line for line in (PROOFS / "_CoqProject").read_text().splitlines() if line.endswith(".v")):
+        lines += ["", f"## {theory}", "", "| theorem | rules |", "| --- | --- |"]
+        for name in re.findall(r"^\s*Theorem\s+(\w+)", (PROOFS / theory).read_text(), re.MULTILINE):
+            about_rules = ", ".join(f"`{rule}`" for rule in rules_of.get((theory, name), ()))
+            lines.append(f"| {name.replace('_', ' ')} | {about_rules} |")
     return "\n".join(lines) + "\n"
 
 
@@ -292,7 +314,7 @@ def outcome(counts: Counter[str]) -> str:
 
 
 PAGES = {
-    "rules.md": rules_page, "readings.md": readings_page, "commands.md": commands_page, "allowed.md": allowed_page,
+    "rules.md": rules_page, "proofs.md": proofs_page, "readings.md": readings_page, "commands.md": commands_page, "allowed.md": allowed_page,
     "productions.md": productions_page, "differences.md": differences_page, "campaigns.md": campaigns_page,
 }  # fmt: skip
 

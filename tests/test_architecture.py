@@ -130,7 +130,7 @@ def test_rules_do_not_meet_what_the_batch_backend_needs():
 
 
 def test_modules_of_semantics_stand_in_a_room():
-    assert {p.stem for p in (ROOT / "semantics").glob("*.py")} == {"__init__", "step", "rules", "programs"}
+    assert {p.stem for p in (ROOT / "semantics").glob("*.py")} == {"__init__", "step", "rules", "theorems", "programs"}
     assert {p.name for p in (ROOT / "semantics").iterdir() if (p / "__init__.py").exists()} == set(ROOMS) - {""}
 
 

@@ -15,6 +15,7 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
+from ...inference.batch.jobs.blocks import end_with_parent
 from ...semantics.kernel.errors import UsageError
 from ..environments import implementation
 from ..external import External
@@ -78,7 +79,8 @@ def as_examined(told: Mapping[str, Any]) -> FuzzedProgram:
 
 
 def start(settings: CampaignSettings) -> None:
-    """A process that examines has an implementation of its own, and leaves Ctrl-C to the one that asked."""
+    """A process that examines has an implementation of its own, leaves Ctrl-C to the one that asked, and ends with it, however that ends."""
+    end_with_parent()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     others[:] = [implementation(settings.impl, settings.answer, lambda line: None)]
 

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import json
+import os
+import subprocess
 import sys
+import time
 import zlib
 from collections import Counter
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
@@ -235,6 +239,34 @@ def accepts(text: str) -> bool:
     except (ProgramError, AttemptsExhausted):
         return False
     return True
+
+
+def of_session(number: int) -> list[int]:
+    """The processes of a session."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*"):
+        with suppress(ProcessLookupError):
+            if os.getsid(int(path.name)) == number:
+                found.append(int(path.name))
+    return found
+
+
+@pytest.mark.slow
+def test_a_campaign_that_is_killed_leaves_no_process(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "scenic_ref", "fuzz", "--impl", other(tmp_path), "--time", "1h", "-o", str(tmp_path / "campaign")]
+    with subprocess.Popen(command, start_new_session=True, stderr=subprocess.DEVNULL) as begun:
+        try:
+            journal = tmp_path / "campaign" / "campaign.jsonl"
+            while begun.poll() is None and not (journal.exists() and len(journal.read_text().splitlines()) > 2):
+                time.sleep(0.1)
+            assert len(of_session(begun.pid)) > 2  # those that examine are there
+        finally:
+            begun.kill()
+    for _ in range(1200):  # however long it takes
+        if not of_session(begun.pid):
+            return
+        time.sleep(0.1)
+    raise AssertionError(of_session(begun.pid))
 
 
 def test_a_program_whose_scene_is_an_error_is_no_fault_of_ours(tmp_path: Path) -> None:

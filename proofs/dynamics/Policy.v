@@ -1,0 +1,240 @@
+(** The policy of a dynamic scenario, in its seven steps: `semantics/dynamics/policy.py`. The paper's Section "Semantics of Scenic", "Dynamic
+    Constructs", whose sentences are quoted.
+
+    What the coroutines of a time step do is given: this is about what the policy makes of it. There is one scenario that runs, the top-level
+    one; a `require eventually` counts from the first time step on (reading `eventually-window`), and all behaviors run in a time step, even
+    where one of them has terminated the scenario (reading `behaviors-after-terminate`). *)
+From Coq Require Import List Bool Arith Lia.
+Import ListNotations.
+
+(** What a compose block, a monitor or a behavior does in a time step: a `require` that does not hold is a failure. *)
+Inductive turn : Type := Goes_on | Terminates | Fails.
+
+Record time_step (action : Type) : Type := {
+  compose : turn;             (* the compose block of the top-level scenario *)
+  is_over : bool;             (* it finishes its compose block, or one of its `terminate when` conditions is true *)
+  always : list bool;         (* the `require always` conditions, as they are now *)
+  eventually : list bool;     (* the `require eventually` conditions, as they are now *)
+  monitors : list turn;
+  behaviors : list (turn * action)
+}.
+Arguments compose {action}. Arguments is_over {action}. Arguments always {action}. Arguments eventually {action}.
+Arguments monitors {action}. Arguments behaviors {action}.
+
+Inductive verdict (action : Type) : Type :=
+| Discarded (step : nat)
+| Terminated (step : nat)
+| Acts (actions : list action).
+Arguments Discarded {action}. Arguments Terminated {action}. Arguments Acts {action}.
+
+(** Whether one of them terminates the scenario, or nothing if one of them fails. *)
+Fixpoint run_all (turns : list turn) : option bool :=
+  match turns with
+  | [] => Some false
+  | Goes_on :: rest => run_all rest
+  | Terminates :: rest => option_map (fun _ => true) (run_all rest)
+  | Fails :: _ => None
+  end.
+
+(** Which `require eventually` conditions were satisfied at some time step, with the present one. *)
+Fixpoint seen (before now : list bool) : list bool :=
+  match before, now with
+  | b :: before', n :: now' => (b || n) :: seen before' now'
+  | _, _ => []
+  end.
+
+Definition all (conditions : list bool) : bool := forallb (fun holds => holds) conditions.
+
+Section Policy.
+Context {action : Type}.
+
+(** "If the flag is set, check that all require eventually conditions were satisfied at some time step: if so, terminate the simulation;
+    otherwise, discard it." *)
+Definition check_flag (step : nat) (flag : bool) (satisfied : list bool) (next : verdict action) : verdict action :=
+  if flag then (if all satisfied then Terminated step else Discarded step) else next.
+
+(** The seven steps: `before` says which `require eventually` conditions were satisfied in an earlier time step. *)
+Definition policy (before : list bool) (now : time_step action) : verdict action :=
+  match run_all [compose now] with                                               (* 1 *)
+  | None => Discarded 1
+  | Some composed =>
+      if all (always now) then                                                   (* 2 *)
+        match run_all (monitors now) with                                        (* 3 *)
+        | None => Discarded 3
+        | Some monitored =>
+            let satisfied := seen before (eventually now) in
+            check_flag 4 (composed || is_over now || monitored) satisfied        (* 4 *)
+              match run_all (map fst (behaviors now)) with                       (* 5 *)
+              | None => Discarded 5
+              | Some behaved =>
+                  check_flag 6 behaved satisfied                                 (* 6 *)
+                    (Acts (map snd (behaviors now)))                             (* 7 *)
+              end
+        end
+      else Discarded 2
+  end.
+
+Inductive ending : Type := Thrown_away (time step : nat) | Over (time step : nat) | Still_running.
+
+(** A simulation: the actions of each time step, and how it ends. *)
+Fixpoint simulation (time : nat) (before : list bool) (history : list (time_step action)) : list (list action) * ending :=
+  match history with
+  | [] => ([], Still_running)
+  | now :: rest =>
+      match policy before now with
+      | Discarded step => ([], Thrown_away time step)
+      | Terminated step => ([], Over time step)
+      | Acts actions => let (later, ending) := simulation (S time) (seen before (eventually now)) rest in (actions :: later, ending)
+      end
+  end.
+
+(** * What a verdict says *)
+
+Definition nothing_failed (now : time_step action) : Prop :=
+  compose now <> Fails /\ Forall (fun holds => holds = true) (always now) /\ ~ In Fails (monitors now) /\ ~ In Fails (map fst (behaviors now)).
+
+Lemma run_all_some turns flag : run_all turns = Some flag -> ~ In Fails turns /\ (flag = true <-> In Terminates turns).
+Proof.
+  revert flag; induction turns as [|t rest IH]; simpl; intros flag H; [injection H as <-; split; [easy|split; easy]|].
+  destruct t; [|destruct (run_all rest) as [f|]; [|discriminate]|discriminate]; simpl in H.
+  - destruct (IH _ H) as [A B]; split; [intros [E|E]; [discriminate|tauto]|]. rewrite B; split; [tauto|intros [E|E]; [discriminate|tauto]].
+  - injection H as <-. destruct (IH f eq_refl) as [A _]; split; [intros [E|E]; [discriminate|tauto]|tauto].
+Qed.
+
+Lemma run_all_none turns : run_all turns = None <-> In Fails turns.
+Proof.
+  induction turns as [|t rest IH]; simpl; [now split|]. destruct t; simpl.
+  - rewrite IH; split; [tauto|intros [E|E]; [discriminate|exact E]].
+  - destruct (run_all rest); simpl; split; try discriminate.
+    + intros [E|E]; [discriminate|]. apply IH in E; discriminate.
+    + intros _; right; now apply IH.
+    + reflexivity.
+  - split; [now left|reflexivity].
+Qed.
+
+Lemma all_forall conditions : all conditions = true <-> Forall (fun holds => holds = true) conditions.
+Proof. unfold all; rewrite forallb_forall, Forall_forall; reflexivity. Qed.
+
+Ltac steps H :=
+  unfold policy, check_flag in H; simpl run_all at 1 in H;
+  repeat match type of H with
+  | context [match compose ?n with _ => _ end] => destruct (compose n) eqn:?
+  | context [if all ?l then _ else _] => destruct (all l) eqn:?
+  | context [match run_all ?l with _ => _ end] => destruct (run_all l) eqn:?
+  | context [if ?f then _ else _] => destruct f eqn:?
+  end; simpl in H; try discriminate.
+
+Theorem no_action_is_returned_in_a_time_step_in_which_a_requirement_failed before now actions :
+  policy before now = Acts actions -> nothing_failed now /\ actions = map snd (behaviors now).
+Proof.
+  intro H; steps H; injection H as <-; split; try reflexivity; unfold nothing_failed;
+  repeat match goal with E : run_all _ = Some _ |- _ => apply run_all_some in E as [? _] end;
+  rewrite <- all_forall; repeat split; congruence || tauto.
+Qed.
+
+Theorem no_action_is_returned_in_a_time_step_in_which_the_scenario_ends before now actions :
+  policy before now = Acts actions ->
+  compose now <> Terminates /\ is_over now = false /\ ~ In Terminates (monitors now) /\ ~ In Terminates (map fst (behaviors now)).
+Proof.
+  intro H; unfold policy, check_flag in H.
+  destruct (run_all [compose now]) as [c|] eqn:C; [|discriminate].
+  destruct (all (always now)); [|discriminate].
+  destruct (run_all (monitors now)) as [m|] eqn:M; [|discriminate].
+  destruct (c || is_over now || m) eqn:F; [destruct (all _); discriminate|].
+  destruct (run_all (map fst (behaviors now))) as [b|] eqn:B; [|discriminate].
+  destruct b; [destruct (all _); discriminate|].
+  apply orb_false_elim in F as [F ->]; apply orb_false_elim in F as [-> O].
+  apply run_all_some in C as [_ [_ C]], M as [_ [_ M]], B as [_ [_ B]].
+  repeat split; [intro E; rewrite E in C; discriminate (C (or_introl eq_refl))|exact O|intro E; discriminate (M E)|intro E; discriminate (B E)].
+Qed.
+
+Theorem a_requirement_that_fails_in_the_first_three_steps_discards_the_simulation_though_the_flag_is_set before now :
+  compose now = Fails \/ all (always now) = false \/ In Fails (monitors now) ->
+  exists step, policy before now = Discarded step /\ 1 <= step <= 3.
+Proof.
+  intro H; unfold policy; destruct (compose now) eqn:C; simpl; try (exists 1; split; [reflexivity|lia]);
+  (destruct (all (always now)) eqn:A; [|exists 2; split; [reflexivity|lia]]);
+  (destruct (run_all (monitors now)) eqn:M; [|exists 3; split; [reflexivity|lia]]);
+  apply run_all_some in M as [M _]; exfalso; intuition (discriminate || congruence).
+Qed.
+
+Theorem a_behavior_that_terminates_the_scenario_keeps_no_other_from_failing before now :
+  policy before now = Terminated 6 \/ policy before now = Discarded 6 -> ~ In Fails (map fst (behaviors now)).
+Proof.
+  intros [H|H]; steps H; match goal with E : run_all (map fst _) = Some _ |- _ => now apply run_all_some in E as [E _] end.
+Qed.
+
+(** * Simulations that terminate *)
+
+Definition kept_its_requirements (now : time_step action) : Prop :=
+  compose now <> Fails /\ Forall (fun holds => holds = true) (always now) /\ ~ In Fails (monitors now).
+
+Lemma terminated before now step : policy before now = Terminated step -> kept_its_requirements now /\ all (seen before (eventually now)) = true.
+Proof.
+  intro H; steps H; unfold kept_its_requirements; rewrite <- all_forall;
+  repeat match goal with E : run_all _ = Some _ |- _ => apply run_all_some in E as [? _] end; repeat split; congruence || tauto.
+Qed.
+
+Theorem a_terminated_simulation_has_satisfied_every_require_always_at_every_time_step history : forall time before actions t step,
+  simulation time before history = (actions, Over t step) ->
+  Forall kept_its_requirements (firstn (S (length actions)) history) /\ length actions < length history.
+Proof.
+  induction history as [|now rest IH]; intros time before actions t step H; simpl in H; [discriminate|].
+  destruct (policy before now) as [s|s|acts] eqn:P.
+  - discriminate.
+  - injection H as <- _ _. split; [|simpl; lia]. simpl. constructor; [|constructor]. now apply terminated in P.
+  - destruct (simulation (S time) (seen before (eventually now)) rest) as [later e] eqn:R. injection H as <- ->.
+    destruct (IH _ _ _ _ _ R) as [F L]. split; [|simpl; lia].
+    change (firstn (S (length (acts :: later))) (now :: rest)) with (now :: firstn (S (length later)) rest).
+    constructor; [|exact F]. apply no_action_is_returned_in_a_time_step_in_which_a_requirement_failed in P as [(A & B & C & _) _]. now repeat split.
+Qed.
+
+(** The k-th `require eventually` condition held in one of these time steps. *)
+Definition held (k : nat) (history : list (time_step action)) : Prop := Exists (fun now => nth k (eventually now) false = true) history.
+
+Lemma nth_seen k : forall before now, nth k (seen before now) false = true -> nth k before false = true \/ nth k now false = true.
+Proof.
+  induction k as [|k IH]; intros [|b before] [|n now] H; simpl in *; try discriminate; [now apply orb_prop in H|now apply IH].
+Qed.
+
+Lemma length_seen : forall before now, length before = length now -> length (seen before now) = length before.
+Proof. induction before; intros [|n now] H; simpl in *; try discriminate; try reflexivity. now rewrite IHbefore by lia. Qed.
+
+Theorem a_terminated_simulation_has_satisfied_every_require_eventually_at_some_time_step history : forall time before actions t step k,
+  Forall (fun now => length (eventually now) = length before) history ->
+  simulation time before history = (actions, Over t step) -> k < length before ->
+  nth k before false = true \/ held k (firstn (S (length actions)) history).
+Proof.
+  induction history as [|now rest IH]; intros time before actions t step k N H K; simpl in H; [discriminate|].
+  inversion N as [|? ? E F]; subst. destruct (policy before now) as [s|s|acts] eqn:P.
+  - discriminate.
+  - injection H as <- _ _. apply terminated in P as [_ A]. unfold all in A; rewrite forallb_forall in A.
+    assert (nth k (seen before (eventually now)) false = true) as W.
+    { apply A, nth_In. now rewrite length_seen. }
+    apply nth_seen in W as [W|W]; [now left|right]. now constructor.
+  - destruct (simulation (S time) (seen before (eventually now)) rest) as [later e] eqn:R. injection H as <- ->.
+    assert (length (seen before (eventually now)) = length before) as L by now apply length_seen.
+    destruct (IH _ _ _ _ _ k ltac:(now rewrite L) R ltac:(now rewrite L)) as [W|W].
+    + apply nth_seen in W as [W|W]; [now left|right]. simpl; now constructor.
+    + right. change (firstn (S (length (acts :: later))) (now :: rest)) with (now :: firstn (S (length later)) rest). now apply Exists_cons_tl.
+Qed.
+
+Theorem a_simulation_that_is_thrown_away_failed_a_requirement history : forall time before actions t step,
+  simulation time before history = (actions, Thrown_away t step) ->
+  exists now satisfied, nth_error history (length actions) = Some now /\ t = time + length actions /\
+  (~ nothing_failed now \/ all (seen satisfied (eventually now)) = false).
+Proof.
+  induction history as [|now rest IH]; intros time before actions t step H; simpl in H; [discriminate|].
+  destruct (policy before now) as [s|s|acts] eqn:P.
+  - injection H as <- <- _. exists now, before; repeat split; [simpl; lia|].
+    destruct (all (seen before (eventually now))) eqn:A; [left|now right].
+    intros (C & L & M & B). rewrite <- all_forall in L. unfold policy, check_flag in P. rewrite L, A in P.
+    destruct (run_all (monitors now)) eqn:E; [|now apply run_all_none in E].
+    destruct (run_all (map fst (behaviors now))) eqn:F; [|now apply run_all_none in F].
+    destruct (compose now); simpl in P; try congruence; destruct (is_over now), b, b0; simpl in P; discriminate.
+  - discriminate.
+  - destruct (simulation (S time) (seen before (eventually now)) rest) as [later e] eqn:R. injection H as <- ->.
+    destruct (IH _ _ _ _ _ R) as (n & satisfied & A & B & C). exists n, satisfied; repeat split; [exact A|simpl; lia|exact C].
+Qed.
+
+End Policy.

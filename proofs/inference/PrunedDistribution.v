@@ -1,0 +1,53 @@
+(** Pruning leaves the distribution of a scenario as it is where what is removed has probability zero under the requirements, and nowhere else:
+    `inference/pruning/applicability.py`. The paper's Section "Domain-Specific Sampling Techniques". That the algorithms remove no more is in
+    `Pruning`. *)
+From Coq Require Import List QArith Bool Lqa.
+From ScenicRef Require Import kernel.Distribution.
+Import ListNotations.
+Local Open Scope Q_scope.
+
+(** A scenario: a position is drawn from the prior `d`, and `rest` gives the accepted runs that go on from it, with their probabilities. *)
+Definition runs {A B} (d : dist A) (rest : A -> dist B) : dist B := normalised (bind d rest).
+
+(** The same where the position is drawn from what pruning keeps. *)
+Definition pruned_runs {A B} (kept : A -> bool) (d : dist A) (rest : A -> dist B) : dist B := runs (normalised (given kept d)) rest.
+
+Lemma expect_of_pruned A B (f : B -> Q) (kept : A -> bool) (d : dist A) (rest : A -> dist B) :
+  (forall x, nonnegative (rest x)) -> (forall x, kept x = false -> mass (rest x) == 0) ->
+  expect f (bind (normalised (given kept d)) rest) == / pr kept d * expect f (bind d rest).
+Proof.
+  intros N Z. rewrite expect_bind. unfold normalised. rewrite expect_scale, expect_given, mass_given, expect_bind.
+  apply Qmult_comp; [reflexivity|]. apply expect_ext; intro x. destruct (kept x) eqn:K; simpl; [ring|].
+  rewrite (expect_without_mass _ f (rest x) (N x) (Z x K)). ring.
+Qed.
+
+Theorem pruning_what_no_accepted_run_has_leaves_the_distribution_as_it_is A B (kept : A -> bool) (d : dist A) (rest : A -> dist B) :
+  (forall x, nonnegative (rest x)) -> (forall x, kept x = false -> mass (rest x) == 0) ->
+  ~ pr kept d == 0 ->
+  same (pruned_runs kept d rest) (runs d rest).
+Proof.
+  intros N Z P f. unfold pruned_runs, runs. unfold normalised at 1 3. rewrite !expect_scale. unfold mass at 1 2.
+  rewrite !expect_of_pruned by assumption. set (m := expect (fun _ => 1) (bind d rest)).
+  destruct (Qeq_dec m 0) as [M|M]; [rewrite M, Qmult_0_r; unfold Qinv; simpl; ring|]. field; now split.
+Qed.
+
+(** * Where it does not hold *)
+
+Definition uniform (values : list nat) : dist nat := map (fun v => (v, 1 # Pos.of_nat (length values))) values.
+Definition in_container (x : nat) : bool := Nat.leb 1 x.
+
+(** An object at 0 or 1 is moved by 0 or 1 when it is mutated, and has to be in the container, at 1 or further, after that. *)
+Definition mutated (x : nat) : dist nat := given in_container (bind (uniform [0; 1]%nat) (fun noise => ret (x + noise)%nat)).
+
+Theorem pruning_before_a_mutation_changes_the_distribution :
+  pr (Nat.eqb 1) (runs (uniform [0; 1]%nat) mutated) == 2 # 3 /\
+  pr (Nat.eqb 1) (pruned_runs in_container (uniform [0; 1]%nat) mutated) == 1 # 2.
+Proof. now split. Qed.
+
+(** An object at 0 or 1 has to be in the container with probability 1/2. *)
+Definition softly_contained (x : nat) : dist nat := bind (coin (1 # 2)) (fun checked => given (fun y => negb checked || in_container y) (ret x)).
+
+Theorem pruning_by_a_soft_requirement_changes_the_distribution :
+  pr (Nat.eqb 0) (runs (uniform [0; 1]%nat) softly_contained) == 1 # 3 /\
+  pr (Nat.eqb 0) (pruned_runs in_container (uniform [0; 1]%nat) softly_contained) == 0.
+Proof. now split. Qed.

@@ -1,0 +1,165 @@
+(** The pruning algorithms lose no position that an accepted run has: `inference/pruning/algorithms.py`. The paper's Section "Domain-Specific
+    Sampling Techniques" and Appendix "Sampling Algorithms". That the conditional distribution stays what it was is in `PrunedDistribution`.
+
+    A region is the set of its points. Angles are real numbers here, of which no turn is taken away. *)
+From Coq Require Import Reals Lra Psatz List.
+From ScenicRef Require Import scenes.Operators.
+Import ListNotations.
+Local Open Scope R_scope.
+
+Definition region : Type := vector -> Prop.
+Definition dilate (r : region) (d : R) : region := fun x => exists y, r y /\ distance x y <= d.
+Definition erode (r : region) (d : R) : region := fun x => forall y, distance x y <= d -> r y.
+Definition included (r s : region) : Prop := forall x, r x -> s x.
+
+(** boundingBox(O): what is at most half the width to the side of the centre, and half the length before or behind it. *)
+Definition box (centre : vector) (h : heading) (width length : R) : region := fun y =>
+  exists v, y = offset_local centre h v /\ Rabs (fst v) <= width / 2 /\ Rabs (snd v) <= length / 2.
+
+(** * Distances *)
+
+Lemma distance_squared v w : distance v w * distance v w = (fst w - fst v) * (fst w - fst v) + (snd w - snd v) * (snd w - snd v).
+Proof. unfold distance; rewrite length_times_length; unfold square, minus, plus, opposite; simpl; ring. Qed.
+
+Lemma distance_not_negative v w : 0 <= distance v w.
+Proof. apply sqrt_pos. Qed.
+
+Theorem the_way_round_is_not_shorter u v w : distance u w <= distance u v + distance v w.
+Proof.
+  pose proof (distance_squared u v) as A; pose proof (distance_squared v w) as B; pose proof (distance_squared u w) as C.
+  pose proof (distance_not_negative u v); pose proof (distance_not_negative v w); pose proof (distance_not_negative u w).
+  set (a := distance u v) in *; set (b := distance v w) in *; set (c := distance u w) in *.
+  set (p := fst v - fst u) in *; set (q := snd v - snd u) in *; set (r := fst w - fst v) in *; set (s := snd w - snd v) in *.
+  assert (fst w - fst u = p + r) as E by (unfold p, r; ring). assert (snd w - snd u = q + s) as F by (unfold q, s; ring).
+  rewrite E, F in C. assert (p * r + q * s <= a * b) as D.
+  { apply Rsqr_incr_0_var; [|now apply Rmult_le_pos]. unfold Rsqr. replace (a * b * (a * b)) with ((a * a) * (b * b)) by ring.
+    rewrite A, B. pose proof (Rle_0_sqr (p * s - q * r)) as S; unfold Rsqr in S. nra. }
+  apply Rsqr_incr_0_var; [|lra]. unfold Rsqr. nra.
+Qed.
+
+Lemma coordinate_within v : Rabs (fst v) <= length v /\ Rabs (snd v) <= length v.
+Proof.
+  unfold length; split; rewrite <- sqrt_Rsqr_abs; apply sqrt_le_1_alt; unfold Rsqr, square; nra.
+Qed.
+
+(** * Pruning based on containment *)
+
+Theorem a_box_holds_the_disc_of_its_inradius x h width length r y :
+  is_heading h -> r <= width / 2 -> r <= length / 2 -> distance x y <= r -> box x h width length y.
+Proof.
+  intros H W L D; exists (rotate (minus y x) (back h)).
+  assert (is_heading (back h)) as B by (now apply (headings_are_a_commutative_group h h h)).
+  destruct (coordinate_within (rotate (minus y x) (back h))) as [X Y]; rewrite rotation_preserves_lengths in X, Y by exact B.
+  unfold distance in D. repeat split; try lra.
+  unfold offset_local. destruct (rotation_can_be_undone (minus y x) h H) as [_ ->]. destruct x, y; unfold minus, plus, opposite; simpl; f_equal; ring.
+Qed.
+
+Theorem pruning_by_containment_keeps_every_position_of_an_object_that_is_contained (positions container : region) x h width length min_radius :
+  is_heading h -> min_radius <= width / 2 -> min_radius <= length / 2 ->
+  positions x -> included (box x h width length) container ->
+  positions x /\ erode container min_radius x.
+Proof. intros H W L P C; split; [exact P|]. intros y D. apply C, a_box_holds_the_disc_of_its_inradius with min_radius; assumption. Qed.
+
+(** * Pruning based on orientation *)
+
+(** A polygon of the map, and the angle of the vector field in it. *)
+Definition cell : Type := region * R.
+
+(** pruneByHeading(map, A, M, δ): "relHead(P, Q) ± 2δ ∈ A" says that the interval meets A (reading `prune-heading`). *)
+Definition pruned_by_heading (map : list cell) (allowed : R -> Prop) (m delta : R) : region := fun x =>
+  exists p q, In p map /\ In q map /\ fst p x /\ dilate (fst q) m x /\
+  exists a, Rabs (a - (snd q - snd p)) <= 2 * delta /\ allowed a.
+
+(** X is in a cell of the map, and its heading differs from the cell's by at most δ. *)
+Definition is_aligned (map : list cell) (delta : R) (x : vector) (angle : R) (p : cell) : Prop :=
+  In p map /\ fst p x /\ Rabs (angle - snd p) <= delta.
+
+Theorem pruning_by_heading_keeps_every_position_of_an_object_whose_relative_heading_is_allowed map (allowed : R -> Prop) m delta x y hx hy p q :
+  is_aligned map delta x hx p -> is_aligned map delta y hy q -> distance x y <= m -> allowed (hy - hx) ->
+  pruned_by_heading map allowed m delta x.
+Proof.
+  intros (P & Px & Hp) (Q & Qy & Hq) D A; exists p, q; repeat split; try assumption; [exists y; now split|].
+  exists (hy - hx); split; [|exact A]. unfold Rabs in *; repeat destruct Rcase_abs; lra.
+Qed.
+
+(** The other way to read it, that all of the interval lies in A, would lose positions. *)
+Definition pruned_where_all_are_allowed (map : list cell) (allowed : R -> Prop) (m delta : R) : region := fun x =>
+  exists p q, In p map /\ In q map /\ fst p x /\ dilate (fst q) m x /\
+  forall a, Rabs (a - (snd q - snd p)) <= 2 * delta -> allowed a.
+
+Theorem were_all_of_the_interval_to_be_allowed_positions_would_be_lost :
+  exists (map : list cell) (allowed : R -> Prop) (m delta : R) (x y : vector) (hx hy : R) (p q : cell),
+  is_aligned map delta x hx p /\ is_aligned map delta y hy q /\ distance x y <= m /\ allowed (hy - hx) /\
+  ~ pruned_where_all_are_allowed map allowed m delta x.
+Proof.
+  set (c := ((fun _ => True) : region, 0)).
+  exists [c], (fun a => a = 0), 0, 1, (0, 0), (0, 0), 0, 0, c, c.
+  assert (is_aligned [c] 1 (0, 0) 0 c) as A.
+  { repeat split; [now left|]. unfold c; simpl; rewrite Rminus_0_r, Rabs_R0; lra. }
+  repeat split; try apply A; try lra.
+  - unfold distance, length, square, minus, plus, opposite; simpl. replace (_ + _) with 0 by ring. rewrite sqrt_0; lra.
+  - intros (p & q & Hp & Hq & _ & _ & F). destruct Hp as [<-|[]], Hq as [<-|[]]; simpl in F.
+    specialize (F 1). rewrite !Rminus_0_r, Rabs_R1 in F. lra.
+Qed.
+
+(** * Pruning based on size *)
+
+Definition oriented_cell : Type := region * heading.
+
+(** How far to the right of v a point w is, along a heading. *)
+Definition across (h : heading) (v w : vector) : R := fst (rotate (minus w v) (back h)).
+
+(** `narrow`: no two points of the cell are so far apart across its heading. *)
+Definition narrow (min_width : R) (p : oriented_cell) : Prop :=
+  forall v w, fst p v -> fst p w -> Rabs (across (snd p) v w) < min_width.
+
+(** pruneByWidth(map, M, minWidth). Whether a cell is narrow, and whether a point lies in it, is decided: the theorem's first premises. *)
+Definition pruned_by_width (map : list oriented_cell) (m min_width : R) : region := fun x =>
+  (exists p, In p map /\ ~ narrow min_width p /\ fst p x) \/
+  (exists p q, In p map /\ narrow min_width p /\ fst p x /\ In q map /\ q <> p /\ dilate (fst q) m x).
+
+Theorem pruning_by_width_keeps_every_position_of_a_configuration_that_is_wide map m min_width p x y z :
+  (narrow min_width p \/ ~ narrow min_width p) -> (fst p y \/ ~ fst p y) ->
+  In p map -> fst p x -> (exists q, In q map /\ fst q y) -> (exists q, In q map /\ fst q z) ->
+  distance x y <= m -> distance x z <= m -> min_width <= Rabs (across (snd p) y z) ->
+  pruned_by_width map m min_width x.
+Proof.
+  intros [N|N] Y P Px (q & Q & Qy) (r & R & Rz) Dy Dz W; [right; destruct Y as [Py|Py]|left; now exists p].
+  - exists p, r; repeat split; try assumption; [|exists z; now split].
+    intros ->. specialize (N y z Py Rz). lra.
+  - exists p, q; repeat split; try assumption; [now intros ->|exists y; now split].
+Qed.
+
+(** * Pruning based on reachability *)
+
+(** The positions of a run, one after the other: each step takes `dt`, at no more than the greatest speed. *)
+Fixpoint drives (speed dt : R) (x : vector) (path : list vector) : Prop :=
+  match path with
+  | [] => True
+  | y :: rest => distance x y <= speed * dt /\ drives speed dt y rest
+  end.
+
+Lemma last_of_more (rest : list vector) : forall x y, last (y :: rest) x = last rest y.
+Proof.
+  induction rest as [|z rest IH]; intros x y; [reflexivity|].
+  change (last (z :: rest) x = last (z :: rest) y). now rewrite !IH.
+Qed.
+
+Lemma a_path_is_no_longer_than_speed_times_time speed dt path : forall x,
+  drives speed dt x path -> distance x (last path x) <= speed * (INR (List.length path) * dt).
+Proof.
+  induction path as [|y rest IH]; intros x D.
+  - simpl. rewrite Rmult_0_l, Rmult_0_r. unfold distance, length, square, minus, plus, opposite; simpl.
+    replace (_ + _) with 0 by ring. rewrite sqrt_0; lra.
+  - destruct D as [D E]. specialize (IH y E).
+    rewrite last_of_more.
+    change (List.length (y :: rest)) with (S (List.length rest)); rewrite S_INR.
+    pose proof (the_way_round_is_not_shorter x y (last rest y)). lra.
+Qed.
+
+Theorem pruning_by_reachability_keeps_every_start_from_which_the_goal_is_reached (goal : region) speed dt time x path :
+  0 <= speed -> drives speed dt x path -> INR (List.length path) * dt <= time -> goal (last path x) -> dilate goal (speed * time) x.
+Proof.
+  intros S D T G; exists (last path x); split; [exact G|].
+  pose proof (a_path_is_no_longer_than_speed_times_time speed dt path x D). nra.
+Qed.

@@ -1,0 +1,63 @@
+"""Every theorem of `proofs/` is proved from nothing but the real numbers of Coq's standard library."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from .coq import PROOFS, needs_coq, printed
+
+THEORIES = [line for line in (PROOFS / "_CoqProject").read_text().splitlines() if line.endswith(".v")]
+ALLOWED = {
+    "ClassicalDedekindReals.sig_forall_dec", "ClassicalDedekindReals.sig_not_dec", "FunctionalExtensionality.functional_extensionality_dep",
+}
+"""What the standard library's real numbers assume."""
+ESCAPES = re.compile(r"\b(?:Admitted|admit|Axioms?|Parameters?|Conjecture|Hypothes[ie]s|Variables?|Unset Guard Checking|bypass_check)\b")
+COMMENT = re.compile(r"\(\*.*?\*\)", re.DOTALL)
+
+
+def code_of(theory: str) -> str:
+    """A theory without its comments."""
+    return COMMENT.sub("", (PROOFS / theory).read_text())
+
+
+def theorems_of(theory: str) -> list[str]:
+    """The names of the theorems of a theory."""
+    return re.findall(r"^\s*Theorem\s+(\w+)", code_of(theory), re.MULTILINE)
+
+
+def test_every_theory_is_listed() -> None:
+    assert sorted(THEORIES) == sorted(str(path.relative_to(PROOFS)) for path in PROOFS.rglob("*.v"))
+
+
+@pytest.mark.parametrize("theory", THEORIES)
+def test_nothing_is_left_unproved(theory: str) -> None:
+    """Sections may have variables: these become premises of what is proved in them."""
+    outside = re.sub(r"^Section (\w+)\..*?^End \1\.", "", code_of(theory), flags=re.DOTALL | re.MULTILINE)
+    assert not ESCAPES.findall(outside)
+    assert not re.search(r"\b(?:Admitted|admit|Axioms?|Parameters?)\b", code_of(theory))
+
+
+def assumed(answer: str) -> set[str]:
+    """The axioms that `Print Assumptions` tells of."""
+    found = set(re.findall(r"^([\w.]+)\s*:", answer, re.MULTILINE))
+    assert found or answer.strip() == "Closed under the global context", answer
+    return found - {"Axioms"}
+
+
+@needs_coq
+def test_theorems_assume_the_real_numbers_alone(tmp_path: Path) -> None:
+    modules = [theory.removesuffix(".v").replace("/", ".") for theory in THEORIES]
+    names = [f"{module}.{name}" for module, theory in zip(modules, THEORIES, strict=True) for name in theorems_of(theory)]
+    assert len(names) > 5
+    for name, answer in zip(names, printed(modules, [f"Print Assumptions {name}." for name in names], tmp_path), strict=True):
+        assert assumed(answer) <= ALLOWED, name
+
+
+@needs_coq
+def test_an_assumption_is_found(tmp_path: Path) -> None:
+    planted = "Axiom wrong : False.\nTheorem nothing_is_true : False. Proof. exact wrong. Qed.\nPrint Assumptions nothing_is_true."
+    assert assumed(printed([], [planted], tmp_path)[0]) == {"wrong"}
+    assert assumed(printed(["scenes.Resolution"], ["Print Assumptions List.app_nil_r."], tmp_path)[0]) == set()
