@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+MACHINE = "kernel/Machine.v"
 RESOLUTION, OPERATORS, SOFT = "scenes/Resolution.v", "scenes/Operators.v", "scenes/SoftRequirements.v"
 POLICY, REJECTION, PRUNING = "dynamics/Policy.v", "inference/Rejection.v", "inference/PrunedDistribution.v"
 
@@ -20,6 +21,12 @@ DECIDED = (
 TERMINATED = "no_action_is_returned_in_a_time_step_in_which_the_scenario_ends"
 ALWAYS = "a_terminated_simulation_has_satisfied_every_require_always_at_every_time_step"
 EVENTUALLY = "a_terminated_simulation_has_satisfied_every_require_eventually_at_some_time_step"
+DETERMINED = ("the_function_says_what_the_rules_say", "two_steps_with_one_answer_lead_to_one_configuration")
+CORE = (
+    "E-Constant E-Variable E-Attribute E-Arithmetic E-Not E-Compare E-Boolean E-ObjectDefinition P-With P-At S-Assignment S-Param "
+    "S-Require-Capture S-Mutate"
+)
+"""Rules of the machine of which the theories have no theorem beside those of all of them."""
 
 THEOREMS: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "R-ResolveSpecifiers": {RESOLUTION: (
@@ -40,9 +47,14 @@ THEOREMS: Mapping[str, Mapping[str, tuple[str, ...]]] = {
         "the_claim_is_false_under_run", "the_claim_is_true_under_scene", "accepted_mass_of_an_outcome_is_prior_times_survival",
     )},
     "S-SoftReq-Skip": {SOFT: ("demanded_with_probability_0_is_no_requirement", "accepted_mass_of_an_outcome_is_prior_times_survival")},
-    "S-Require": {REJECTION: ("a_scene_found_within_n_attempts_has_the_desired_distribution",)},
-    "T-Check": {REJECTION: ("a_scene_found_within_n_attempts_has_the_desired_distribution", "factorised_rejection_has_the_desired_distribution")},
-    "T-Mutate": {PRUNING: ("pruning_before_a_mutation_changes_the_distribution",)},
+    **{rule: {MACHINE: DETERMINED} for rule in CORE.split()},
+    "E-Distributions": {MACHINE: (*DETERMINED, "the_distribution_at_a_draw_is_a_mixture", "the_masses_of_all_runs_add_up_to_1")},
+    "S-Require": {MACHINE: ("a_stuck_run_contributes_nothing",), REJECTION: ("a_scene_found_within_n_attempts_has_the_desired_distribution",)},
+    "T-Check": {
+        MACHINE: ("a_stuck_run_contributes_nothing", "the_law_of_scenes_is_that_of_done_runs_divided_by_their_mass"),
+        REJECTION: ("a_scene_found_within_n_attempts_has_the_desired_distribution", "factorised_rejection_has_the_desired_distribution"),
+    },
+    "T-Mutate": {MACHINE: ("the_masses_of_all_runs_add_up_to_1",), PRUNING: ("pruning_before_a_mutation_changes_the_distribution",)},
     "D-Policy-1": {POLICY: DECIDED},
     "D-Policy-2": {POLICY: (*DECIDED, ALWAYS)},
     "D-Policy-3": {POLICY: DECIDED},

@@ -5,13 +5,14 @@
     probabilities of all rewrite rules yields a probability for the trace"; "if we discard all traces which do not terminate (due to
     violating a requirement), then normalizing the probabilities of the remaining traces yields a distribution over [...] scenes".
 
-    [step], [done], [stuck] and [fault] are the rules as inductive relations, with the names of the catalogue (`scenic-ref rules`);
-    [outcome] is the same as a function, as [step] of semantics/step.py, with its frames; [runs] finds all runs of a program. Proved:
+    [step], [done], [stuck_at] and [fault] are the rules as inductive relations, with the names of the catalogue (`scenic-ref rules`), made
+    longer where one rule is several constructors; those called Premise only fetch the premises, from left to right. [machine] is the same
+    as a function, as [step] of semantics/step.py, with its frames; [runs] finds all runs of a program. Proved:
 
-    - [the_function_says_what_the_rules_say]: the two agree;
-    - [the_answers_to_draws_determine_the_run], [two_steps_with_one_answer_lead_to_one_configuration];
+    - [the_function_says_what_the_rules_say], [the_rules_say_what_the_function_says]: the two agree;
+    - [two_steps_with_one_answer_lead_to_one_configuration], [the_answers_to_draws_determine_the_run];
     - [every_configuration_steps_asks_is_done_is_stuck_or_is_a_named_error]: exactly one of these;
-    - [every_program_ends], [the_runs_found_are_the_runs], [the_masses_of_all_runs_add_up_to_1];
+    - [every_program_ends], [the_runs_found_are_the_runs], [no_run_is_found_twice], [the_masses_of_all_runs_add_up_to_1];
     - [the_law_of_scenes_is_that_of_done_runs_divided_by_their_mass], [a_stuck_run_contributes_nothing],
       [the_law_has_mass_1_if_some_run_is_done], [errors_are_kept_apart].
 
@@ -345,7 +346,8 @@ Definition checked (O : list bindings) (p : property) (v : value) : answer value
   if p =? position then match as_its position O v with Vector x y => inl (Vector x y) | _ => inr (Bad_property p) end
   else if p =? heading then match as_its heading O v with Number q => inl (Number q) | _ => inr (Bad_property p) end
   else if (p =? allowCollisions) || (p =? requireVisible) then match v with Truth _ => inl v | _ => inr (Bad_property p) end
-  else if p <? allowCollisions then match v with Number q => if Qle_bool 0 q then inl v else inr (Bad_property p) | _ => inr (Bad_property p) end
+  else if p <? allowCollisions
+  then match v with Number q => if Qle_bool 0 q then inl v else inr (Bad_property p) | _ => inr (Bad_property p) end
   else inl v.
 
 (** The properties that `self` has so far. *)
@@ -388,7 +390,11 @@ Definition mutated_objects (vs : list value) (scale : value) (O : list bindings)
   match scale with
   | Number q =>
       if Qle_bool 0 q
-      then match scaled (match vs with [] => map Instance (seq 0 (length O)) | _ => vs end) scale O with Some changed => inl changed | None => inr Not_mutable end
+      then
+        match scaled (match vs with [] => map Instance (seq 0 (length O)) | _ => vs end) scale O with
+        | Some changed => inl changed
+        | None => inr Not_mutable
+        end
       else inr Bad_scale
   | _ => inr Bad_scale
   end.
@@ -617,7 +623,7 @@ Inductive step : config -> option answered -> config -> Prop :=
 | Premise_parameter x e rest s : Execute (Param x e :: rest) s ⟶ Evaluate e (Place [] (Setting x) (Then rest)) s
 | S_Param x v n s : Have v (Place [] (Setting x) n) s ⟶ after n (with_params (put x v (params s)) s)
 | Premise_expression e rest s : Execute (Expression e :: rest) s ⟶ Evaluate e (Place [] Discarding (Then rest)) s
-| S_Expression v n s : Have v (Place [] Discarding n) s ⟶ after n s
+| Premise_expression_known v n s : Have v (Place [] Discarding n) s ⟶ after n s
 | Premise_condition line b rest s :
     at_the_end = false -> Execute (Require line b :: rest) s ⟶ Evaluate b (Place [] (Requiring line) (Then rest)) s
 | S_Require line n s : Have (Truth true) (Place [] (Requiring line) n) s ⟶ after n s
@@ -1020,7 +1026,8 @@ Lemma ordered_size own arguments specifiers order :
   resolved own specifiers = Resolution.Resolved order -> order_size (ordered own arguments order) <= object_cost own specifiers.
 Proof.
   unfold object_cost. intros ->. cbn [cost]. unfold ordered, order_size.
-  clear specifiers. induction order as [|[x ps] order IH]; [cbn; lia|]. cbn [flat_map total fst]. rewrite total_app. apply Nat.add_le_mono; [|exact IH].
+  clear specifiers. induction order as [|[x ps] order IH]; [cbn; lia|].
+  cbn [flat_map total fst]. rewrite total_app. apply Nat.add_le_mono; [|exact IH].
   destruct x as [s|p e].
   - destruct (nth_error arguments _) as [[[p|] v]|]; cbn; lia.
   - destruct (nth_error (expressions own) _) eqn:E; [|cbn; lia]. apply expressions_size in E. cbn [total]. lia.
@@ -1209,6 +1216,15 @@ Proof.
     apply (branches_are _ _ _ _ _ B) in J as (j & w & q & rest & rs' & _ & G & _). injection G as G _ _ _. lia.
 Qed.
 
+Theorem the_answers_to_draws_determine_the_run c answers e1 e2 : run c answers e1 -> run c answers e2 -> e1 = e2.
+Proof.
+  destruct (every_program_ends c) as (n & rs & H). rewrite !(the_runs_found_are_the_runs _ _ _ H).
+  pose proof (no_run_is_found_twice _ _ _ H) as N. clear H. induction rs as [|[a e] rs IH]; [intros []|].
+  cbn in N. inversion N as [|? ? O M]; subst. intros [I|I] [J|J]; [congruence| | |auto]; exfalso; apply O; apply (in_map fst) in I || idtac.
+  - injection I as -> ->. now apply (in_map fst) in J.
+  - injection J as -> ->. exact I.
+Qed.
+
 (** * The distribution of a program *)
 
 (** How the runs end, with their probabilities. *)
@@ -1320,7 +1336,9 @@ Definition meaning (rs : list (list answered * ending)) : dist scene + list erro
 
 Theorem errors_are_kept_apart n c rs : runs n c = Some rs ->
   match meaning rs with
-  | inl found => found = law rs /\ (forall answers e, ~ run c answers (Failed e)) /\ (pr is_accepted (weighted rs) + pr is_rejected (weighted rs) == 1)%Q
+  | inl found =>
+      found = law rs /\ (forall answers e, ~ run c answers (Failed e)) /\
+      (pr is_accepted (weighted rs) + pr is_rejected (weighted rs) == 1)%Q
   | inr wrong => wrong <> [] /\ forall e, In e wrong <-> exists answers, run c answers (Failed e)
   end.
 Proof.
