@@ -1,9 +1,13 @@
-"""Every theorem of `proofs/` is proved from nothing but the real numbers of Coq's standard library."""
+"""Every theorem of `proofs/` is proved from nothing but the real numbers of Coq's standard library.
+
+`python -m tests.proofs.test_assumptions` writes `proofs/assumptions.txt` anew: each theorem with what Coq says that it assumes.
+"""
 
 from __future__ import annotations
 
 import re
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
 
@@ -64,3 +68,22 @@ def test_an_assumption_is_found(tmp_path: Path) -> None:
     planted = "Axiom wrong : False.\nTheorem nothing_is_true : False. Proof. exact wrong. Qed.\nPrint Assumptions nothing_is_true."
     assert assumed(printed([], [planted], tmp_path)[0]) == {"wrong"}
     assert assumed(printed(["scenes.Resolution"], ["Print Assumptions List.app_nil_r."], tmp_path)[0]) == set()
+
+
+def list_of_assumptions(folder: Path) -> str:
+    """Each theorem with its assumptions, as Coq prints them."""
+    modules = {theory.removesuffix(".v").replace("/", "."): theorems_of(theory) for theory in THEORIES}
+    names = [f"{module}.{name}" for module, names in modules.items() for name in names]
+    answers = printed(modules, [f"Print Assumptions {name}." for name in names], folder)
+    return "\n\n".join(f"{name}\n{answer.strip()}" for name, answer in zip(names, answers, strict=True)) + "\n"
+
+
+@pytest.mark.slow
+@needs_coq
+def test_the_list_of_assumptions_is_what_coq_prints(tmp_path: Path) -> None:
+    assert (PROOFS / "assumptions.txt").read_text() == list_of_assumptions(tmp_path)
+
+
+if __name__ == "__main__":
+    with TemporaryDirectory() as folder:
+        (PROOFS / "assumptions.txt").write_text(list_of_assumptions(Path(folder)))
