@@ -1,6 +1,6 @@
 """Which rules the machine-checked theorems of `proofs/` (of the project's repository) are about.
 
-The names of theorems are sentences; the theories mirror the files of this package. `proofs/README.md` says from which assumptions they are proved.
+Most names of theorems are sentences; the theories mirror the files of this package. `proofs/README.md` says from which assumptions they are proved.
 """
 
 from __future__ import annotations
@@ -9,11 +9,13 @@ from collections.abc import Mapping
 
 MACHINE = "kernel/Machine.v"
 RESOLUTION, OPERATORS, SOFT = "scenes/Resolution.v", "scenes/Operators.v", "scenes/SoftRequirements.v"
-POLICY, REJECTION, PRUNING = "dynamics/Policy.v", "inference/Rejection.v", "inference/PrunedDistribution.v"
+POLICY, REJECTION = "dynamics/Policy.v", "inference/Rejection.v"
 
 SUCCEEDS = "resolution_succeeds_exactly_when_no_property_is_specified_twice_and_dependencies_are_present_and_acyclic"
 FIRST_ERROR = "the_error_is_that_of_the_first_phase_that_finds_one"
 OFFSETS = ("an_offset_is_as_far_as_it_says", "an_offset_can_be_read_back", "offsets_along_one_heading_add_up")
+LOCAL = (*OFFSETS, "a_local_offset_is_one_along_the_heading")
+OBJECT = ("the_object_has_the_properties_that_are_specified_or_have_a_default", "each_value_is_computed_from_the_values_that_the_finished_object_has")
 DECIDED = (
     "no_action_is_returned_in_a_time_step_in_which_a_requirement_failed",
     "a_requirement_that_fails_in_the_first_three_steps_discards_the_simulation_though_the_flag_is_set",
@@ -23,14 +25,15 @@ ALWAYS = "a_terminated_simulation_has_satisfied_every_require_always_at_every_ti
 EVENTUALLY = "a_terminated_simulation_has_satisfied_every_require_eventually_at_some_time_step"
 DETERMINED = ("the_function_says_what_the_rules_say", "two_steps_with_one_answer_lead_to_one_configuration")
 CORE = (
-    "E-Constant E-Variable E-Attribute E-Arithmetic E-Not E-Compare E-Boolean E-ObjectDefinition P-With P-At S-Assignment S-Param "
-    "S-Require-Capture S-Mutate"
+    "E-Constant E-Variable E-Attribute E-Arithmetic E-Not E-Compare E-Boolean O-VectorOf P-With P-At S-Assignment S-Param S-Require-Capture "
+    "S-Mutate T-Mutate"
 )
 """Rules of the machine of which the theories have no theorem beside those of all of them."""
 
 THEOREMS: Mapping[str, Mapping[str, tuple[str, ...]]] = {
-    "R-ResolveSpecifiers": {RESOLUTION: (
-        SUCCEEDS, "precedence_is_non_optional_then_optional_then_default", "each_property_is_determined_exactly_once",
+    "R-ResolveSpecifiers": {MACHINE: DETERMINED, RESOLUTION: (
+        SUCCEEDS, "the_order_returned_is_admissible", *OBJECT,
+        "precedence_is_non_optional_then_optional_then_default", "each_property_is_determined_exactly_once",
         "every_dependency_is_determined_before_its_dependents", "any_two_topological_orders_build_the_same_object",
         "the_order_of_specifiers_in_the_source_is_irrelevant",
     )},
@@ -41,30 +44,38 @@ THEOREMS: Mapping[str, Mapping[str, tuple[str, ...]]] = {
         RESOLUTION: (SUCCEEDS, FIRST_ERROR, "the_graph_of_properties_is_acyclic_exactly_when_that_of_specifiers_is"),
         "scenes/Ordering.v": ("no_order_is_found_only_if_there_is_a_cycle", "what_has_a_topological_order_has_no_cycle"),
     },
-    "P-Default": {RESOLUTION: ("the_default_is_that_of_the_most_derived_class",)},
-    "S-SoftReq-Check": {SOFT: (
-        "probability_under_run_is_q_over_1_minus_p_plus_p_q", "probability_under_run_is_below_p_iff_q_is_below_p_over_1_plus_p",
-        "the_claim_is_false_under_run", "the_claim_is_true_under_scene", "accepted_mass_of_an_outcome_is_prior_times_survival",
+    "E-ObjectDefinition": {MACHINE: DETERMINED, RESOLUTION: OBJECT},
+    "P-Default": {MACHINE: DETERMINED, RESOLUTION: ("the_default_is_that_of_the_most_derived_class",)},
+    "S-SoftReq-Check": {MACHINE: DETERMINED, SOFT: (
+        "demanded_with_probability_1_is_hard", "probability_under_run_is_q_over_1_minus_p_plus_p_q",
+        "probability_under_run_is_below_p_iff_q_is_below_p_over_1_plus_p",
+        "the_claim_is_false_under_run", "the_claim_is_true_under_scene_of_what_is_possible", "accepted_mass_of_an_outcome_is_prior_times_survival",
     )},
-    "S-SoftReq-Skip": {SOFT: ("demanded_with_probability_0_is_no_requirement", "accepted_mass_of_an_outcome_is_prior_times_survival")},
+    "S-SoftReq-Skip": {
+        MACHINE: DETERMINED,
+        SOFT: ("demanded_with_probability_0_is_no_requirement", "accepted_mass_of_an_outcome_is_prior_times_survival"),
+    },
     **{rule: {MACHINE: DETERMINED} for rule in CORE.split()},
     "E-Distributions": {MACHINE: (*DETERMINED, "the_distribution_at_a_draw_is_a_mixture", "the_masses_of_all_runs_add_up_to_1")},
-    "S-Require": {MACHINE: ("a_stuck_run_contributes_nothing",), REJECTION: ("a_scene_found_within_n_attempts_has_the_desired_distribution",)},
-    "T-Check": {
-        MACHINE: ("a_stuck_run_contributes_nothing", "the_law_of_scenes_is_that_of_done_runs_divided_by_their_mass"),
-        REJECTION: ("a_scene_found_within_n_attempts_has_the_desired_distribution", "factorised_rejection_has_the_desired_distribution"),
+    "S-Require": {
+        MACHINE: (*DETERMINED, "a_stuck_run_contributes_nothing"),
+        REJECTION: ("a_scene_found_within_n_attempts_has_the_desired_distribution",),
     },
-    "T-Mutate": {MACHINE: ("the_masses_of_all_runs_add_up_to_1",), PRUNING: ("pruning_before_a_mutation_changes_the_distribution",)},
-    "D-Policy-1": {POLICY: DECIDED},
+    "T-Check": {
+        MACHINE: (*DETERMINED, "a_stuck_run_contributes_nothing", "the_law_of_scenes_is_that_of_done_runs_divided_by_their_mass"),
+        REJECTION: ("a_scene_found_within_n_attempts_has_the_desired_distribution",),
+    },
+    "D-Policy-1": {POLICY: (*DECIDED, TERMINATED)},
     "D-Policy-2": {POLICY: (*DECIDED, ALWAYS)},
-    "D-Policy-3": {POLICY: DECIDED},
+    "D-Policy-3": {POLICY: (*DECIDED, TERMINATED)},
     "D-Policy-4": {POLICY: (TERMINATED, EVENTUALLY)},
-    "D-Policy-5": {POLICY: (DECIDED[0], "a_behavior_that_terminates_the_scenario_keeps_no_other_from_failing")},
+    "D-Policy-5": {POLICY: (DECIDED[0], TERMINATED, "a_behavior_that_fails_discards_the_simulation_though_another_terminates_the_scenario")},
     "D-Policy-6": {POLICY: (TERMINATED, EVENTUALLY)},
     "D-Policy-7": {POLICY: (DECIDED[0], TERMINATED)},
     "D-Always": {POLICY: (ALWAYS,)},
     "D-Eventually": {POLICY: (EVENTUALLY, "a_simulation_that_is_thrown_away_failed_a_requirement")},
-    **{rule: {OPERATORS: OFFSETS} for rule in ("O-OffsetAlong-Heading", "P-OffsetAlong-Heading", "O-OffsetBy-OrientedPoint", "P-OffsetBy-Local")},
+    **{rule: {OPERATORS: OFFSETS} for rule in ("O-OffsetAlong-Heading", "P-OffsetAlong-Heading")},
+    **{rule: {OPERATORS: LOCAL} for rule in ("O-OffsetBy-OrientedPoint", "P-OffsetBy-Local", "O-RelativeTo-VectorOrientedPoint")},
     "P-Beyond": {OPERATORS: (
         "what_lies_beyond_is_as_far_from_the_point_as_it_says", "straight_beyond_is_on_the_line_of_sight_and_so_much_further",
         "the_offset_beyond_can_be_read_back",
@@ -73,7 +84,6 @@ THEOREMS: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "O-ApparentHeading": {OPERATORS: ("an_object_apparently_faces_what_it_was_told",)},
     "O-RelativeHeading": {OPERATORS: ("a_relative_heading_is_what_was_added",)},
     "O-RelativeTo-Headings": {OPERATORS: ("a_relative_heading_is_what_was_added", "headings_are_a_commutative_group")},
-    "O-RelativeTo-VectorOrientedPoint": {OPERATORS: ("an_offset_can_be_read_back",)},
     "O-DistancePast": {OPERATORS: ("the_distance_past_is_the_forward_part_of_the_offset",)},
     "O-Angle": {OPERATORS: ("the_heading_of_a_vector_turns_north_into_it", "no_other_heading_does")},
     "P-AheadOf-OrientedPoint": {OPERATORS: ("an_object_ahead_leaves_the_gap_behind_it",)},

@@ -158,11 +158,10 @@ Proof.
   apply run_all_some in M as [M _]; exfalso; intuition (discriminate || congruence).
 Qed.
 
-Theorem a_behavior_that_terminates_the_scenario_keeps_no_other_from_failing before now :
-  policy before now = Terminated 6 \/ policy before now = Discarded 6 -> ~ In Fails (map fst (behaviors now)).
-Proof.
-  intros [H|H]; steps H; match goal with E : run_all (map fst _) = Some _ |- _ => now apply run_all_some in E as [E _] end.
-Qed.
+Theorem a_behavior_that_fails_discards_the_simulation_though_another_terminates_the_scenario before now :
+  compose now = Goes_on -> is_over now = false -> all (always now) = true -> run_all (monitors now) = Some false ->
+  In Fails (map fst (behaviors now)) -> policy before now = Discarded 5.
+Proof. intros C O A M B. apply run_all_none in B. unfold policy, check_flag. now rewrite C, A, M, O, B. Qed.
 
 (** * Simulations that terminate *)
 
@@ -219,22 +218,48 @@ Proof.
     + right. change (firstn (S (length (acts :: later))) (now :: rest)) with (now :: firstn (S (length later)) rest). now apply Exists_cons_tl.
 Qed.
 
-Theorem a_simulation_that_is_thrown_away_failed_a_requirement history : forall time before actions t step,
-  simulation time before history = (actions, Thrown_away t step) ->
-  exists now satisfied, nth_error history (length actions) = Some now /\ t = time + length actions /\
-  (~ nothing_failed now \/ all (seen satisfied (eventually now)) = false).
+Lemma nth_seen_false k : forall before now, length before = length now -> nth k (seen before now) false = false ->
+  nth k before false = false /\ nth k now false = false.
 Proof.
-  induction history as [|now rest IH]; intros time before actions t step H; simpl in H; [discriminate|].
-  destruct (policy before now) as [s|s|acts] eqn:P.
-  - injection H as <- <- _. exists now, before; repeat split; [simpl; lia|].
-    destruct (all (seen before (eventually now))) eqn:A; [left|now right].
-    intros (C & L & M & B). rewrite <- all_forall in L. unfold policy, check_flag in P. rewrite L, A in P.
-    destruct (run_all (monitors now)) eqn:E; [|now apply run_all_none in E].
-    destruct (run_all (map fst (behaviors now))) eqn:F; [|now apply run_all_none in F].
-    destruct (compose now); simpl in P; try congruence; destruct (is_over now), b, b0; simpl in P; discriminate.
+  induction k as [|k IH]; intros [|b before] [|n now] L H; simpl in *; try discriminate; try (now split); [now apply orb_false_elim|].
+  apply IH; [lia|exact H].
+Qed.
+
+Lemma not_all conditions : all conditions = false -> exists k, k < length conditions /\ nth k conditions false = false.
+Proof.
+  unfold all; induction conditions as [|[] rest IH]; simpl; intro H; [discriminate| |exists 0; split; [lia|reflexivity]].
+  destruct (IH H) as (k & L & N). exists (S k); split; [lia|exact N].
+Qed.
+
+(** A `require eventually` condition was satisfied in no time step, the last one included. *)
+Definition never_satisfied (before : list bool) (history : list (time_step action)) : Prop :=
+  exists k, k < length before /\ nth k before false = false /\ ~ held k history.
+
+Theorem a_simulation_that_is_thrown_away_failed_a_requirement history : forall time before actions t step,
+  Forall (fun now => length (eventually now) = length before) history ->
+  simulation time before history = (actions, Thrown_away t step) ->
+  t = time + length actions /\
+  ((exists now, nth_error history (length actions) = Some now /\ ~ nothing_failed now) \/ never_satisfied before (firstn (S (length actions)) history)).
+Proof.
+  induction history as [|now rest IH]; intros time before actions t step N H; simpl in H; [discriminate|].
+  inversion N as [|? ? E F]; subst. destruct (policy before now) as [s|s|acts] eqn:P.
+  - injection H as <- <- _. split; [simpl; lia|].
+    destruct (all (seen before (eventually now))) eqn:A.
+    + left; exists now; split; [reflexivity|]. intros (C & L & M & B). rewrite <- all_forall in L. unfold policy, check_flag in P. rewrite L, A in P.
+      destruct (run_all (monitors now)) eqn:Q; [|now apply run_all_none in Q].
+      destruct (run_all (map fst (behaviors now))) eqn:R; [|now apply run_all_none in R].
+      destruct (compose now); simpl in P; try congruence; destruct (is_over now), b, b0; simpl in P; discriminate.
+    + right. destruct (not_all _ A) as (k & L & K). rewrite length_seen in L by now symmetry.
+      destruct (nth_seen_false k _ _ (eq_sym E) K) as [X Y]. exists k; repeat split; try assumption.
+      intro W; apply Exists_cons in W as [W|W]; [congruence|now apply Exists_nil in W].
   - discriminate.
   - destruct (simulation (S time) (seen before (eventually now)) rest) as [later e] eqn:R. injection H as <- ->.
-    destruct (IH _ _ _ _ _ R) as (n & satisfied & A & B & C). exists n, satisfied; repeat split; [exact A|simpl; lia|exact C].
+    assert (length (seen before (eventually now)) = length before) as L by now apply length_seen.
+    destruct (IH _ _ _ _ _ ltac:(now rewrite L) R) as [T [(n & A & B)|(k & A & B & C)]].
+    + split; [simpl; lia|left]. now exists n.
+    + split; [simpl; lia|right]. rewrite L in A. destruct (nth_seen_false k _ _ (eq_sym E) B) as [X Y]. exists k; repeat split; try assumption.
+      change (firstn (S (length (acts :: later))) (now :: rest)) with (now :: firstn (S (length later)) rest).
+      intro W; apply Exists_cons in W as [W|W]; [congruence|now apply C].
 Qed.
 
 End Policy.

@@ -1,5 +1,6 @@
 (** The pruning algorithms lose no position that an accepted run has: `inference/pruning/algorithms.py`. The paper's Section "Domain-Specific
-    Sampling Techniques" and Appendix "Sampling Algorithms". That the conditional distribution stays what it was is in `PrunedDistribution`.
+    Sampling Techniques" and Appendix "Sampling Algorithms". What follows for the conditional distribution is in `PrunedDistribution`. Of that file,
+    `prune_by_offset` and reachability `within` a container, which are not the paper's, are not treated.
 
     A region is the set of its points. Angles are real numbers here, of which no turn is taken away. *)
 From Coq Require Import Reals Lra Psatz List.
@@ -70,15 +71,17 @@ Definition pruned_by_heading (map : list cell) (allowed : R -> Prop) (m delta : 
   exists p q, In p map /\ In q map /\ fst p x /\ dilate (fst q) m x /\
   exists a, Rabs (a - (snd q - snd p)) <= 2 * delta /\ allowed a.
 
-(** X is in a cell of the map, and its heading differs from the cell's by at most δ. *)
+(** X is in a cell of the map, and its heading differs from the cell's by at most δ. The δ of the algorithm may be the mean of two. *)
 Definition is_aligned (map : list cell) (delta : R) (x : vector) (angle : R) (p : cell) : Prop :=
   In p map /\ fst p x /\ Rabs (angle - snd p) <= delta.
 
-Theorem pruning_by_heading_keeps_every_position_of_an_object_whose_relative_heading_is_allowed map (allowed : R -> Prop) m delta x y hx hy p q :
-  is_aligned map delta x hx p -> is_aligned map delta y hy q -> distance x y <= m -> allowed (hy - hx) ->
+Theorem pruning_by_heading_keeps_every_position_of_an_object_whose_relative_heading_is_allowed
+  map (allowed : R -> Prop) m delta delta_x delta_y x y hx hy p q :
+  delta_x + delta_y <= 2 * delta ->
+  is_aligned map delta_x x hx p -> is_aligned map delta_y y hy q -> distance x y <= m -> allowed (hy - hx) ->
   pruned_by_heading map allowed m delta x.
 Proof.
-  intros (P & Px & Hp) (Q & Qy & Hq) D A; exists p, q; repeat split; try assumption; [exists y; now split|].
+  intros S (P & Px & Hp) (Q & Qy & Hq) D A; exists p, q; repeat split; try assumption; [exists y; now split|].
   exists (hy - hx); split; [|exact A]. unfold Rabs in *; repeat destruct Rcase_abs; lra.
 Qed.
 

@@ -7,9 +7,10 @@
 
     - factorised rejection, where a component that is independent of the others is drawn again
       by itself until what is required of it alone holds (batch/evaluate/components.py);
-    - weighted runs (inference/importance.py), in expectation;
+    - weighted runs, in expectation (inference/importance.py weighs runs by the survival of their
+      coins, which is [weighing_by_survival_gives_the_law_under_run] of SoftRequirements);
     - moves that are as likely back as forth, taken where the requirements allow it
-      (inference/mcmc.py, sites/moves.py), in that they leave the distribution as it is;
+      (inference/mcmc.py, the moves redraw and exchange of sites/moves.py), in that they leave the distribution as it is;
 
     but it will not do to draw only the object that collides again, nor a component that
     depends on another.
@@ -296,7 +297,7 @@ Theorem redrawing_a_dependent_component_is_wrong :
   /\ pr (fun ab => Nat.eqb (fst ab) 0) (repaired required example_x example_beside) == 1 # 2.
 Proof. now split. Qed.
 
-(** ** Importance weights (inference/importance.py) *)
+(** ** Importance weights *)
 
 (** A weight for each value of a finite space. *)
 Definition table {A} (space : list A) (weight : A -> Q) : dist A :=

@@ -1328,7 +1328,7 @@ Proof.
   destruct R as [[= -> ->]|R]; [lra|]. specialize (IH R ltac:(assumption)). destruct e; nra.
 Qed.
 
-(** "An error in any run is an error of the program": a program has a law, or errors. *)
+(** An error in any run is an error of the program (`docs/enumeration.md`): a program has a law, or errors. *)
 Definition errors (rs : list (list answered * ending)) : list error :=
   flat_map (fun r => match snd r with Failed e => [e] | _ => [] end) rs.
 Definition meaning (rs : list (list answered * ending)) : dist scene + list error :=

@@ -156,6 +156,9 @@ Theorem an_object_to_the_left_leaves_the_gap_at_its_right position h self_width 
   offset_local (left_of position h self_width s) h (self_width / 2, 0) = offset_local position h (- s, 0).
 Proof. unfold left_of, offset_local; coordinates; field. Qed.
 
+Theorem a_local_offset_is_one_along_the_heading position h v : offset_local position h v = offset_along position h v.
+Proof. reflexivity. Qed.
+
 (** * beyond *)
 
 Lemma minus_zero v w : v <> w -> minus v w <> (0, 0).

@@ -1,4 +1,5 @@
-(** Soft requirements: what `require[p] B` makes of the probability of B.
+(** Soft requirements: what `require[p] B` makes of the probability of B (semantics/scenes/statements.py,
+    inference/enumeration.py).
 
     The rule "Soft Requirements" (the paper, figure "Semantics of statements") goes on with
     `require B` with probability p, and with `pass` otherwise; runs that get stuck are
@@ -474,7 +475,8 @@ End Readings.
 
 (** ** The claim of Section 5.1 *)
 
-(** "This ensures that the condition B will hold with probability at least p". *)
+(** "This ensures that the condition B will hold with probability at least p", where B can hold at all: else it fails under both readings
+    ([what_never_holds_does_not_hold_under_scene]). *)
 Definition claim (reading : forall A, dist A -> list (soft A) -> dist A) : Prop :=
   forall A (prior : dist A) p (B : A -> bool),
     nonnegative prior -> mass prior == 1 -> 0 < p < 1 -> 0 < pr B prior ->
@@ -496,7 +498,7 @@ Proof.
   apply H; try reflexivity; [apply nonnegative_coin|]; split; now compute.
 Qed.
 
-Theorem the_claim_is_true_under_scene : claim (@under_scene).
+Theorem the_claim_is_true_under_scene_of_what_is_possible : claim (@under_scene).
 Proof.
   intros A prior p B N M P H.
   apply probability_under_scene_is_at_least_p_iff_q_is_positive_or_p_is_0; try lra; [trivial|].
