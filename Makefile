@@ -96,3 +96,4 @@ bench: $(VENV)/.test
 
 clean:
 	rm -rf $(VENV) $(PLAIN) .venv-3.12 .venv-3.13 .venv-scenic-3 .venv-scenic-2.1 demo site build dist *.egg-info
+	rm -f proofs/CoqMakefile* proofs/.CoqMakefile.d proofs/*/*.vo* proofs/*/*.glob proofs/*/.*.aux
