@@ -61,8 +61,11 @@ def implementation(text: str, seconds: float = ANSWER_SECONDS, say: Callable[[st
 
 
 def here(word: str) -> str:
-    """A word of a command: a file of this folder by its whole path, since the command runs in a folder of its own."""
-    return str(Path(word).resolve()) if Path(word).is_file() else word
+    """A word of a command: a file of this folder by its whole path, since the command runs in a folder of its own.
+
+    Links are not followed: the Python of a virtual environment is one.
+    """
+    return str(Path(word).absolute()) if Path(word).is_file() else word
 
 
 def released(version: str, seconds: float, say: Callable[[str], None]) -> External:

@@ -18,7 +18,7 @@ import pytest
 from scenic_ref.cli import answer
 from scenic_ref.cli.fuzz import seconds_in
 from scenic_ref.conformance import external, process
-from scenic_ref.conformance.environments import implementation
+from scenic_ref.conformance.environments import here, implementation
 from scenic_ref.conformance.fuzzing import campaign
 from scenic_ref.conformance.fuzzing.aimed import aimed_program
 from scenic_ref.conformance.fuzzing.causes import OFTEN, OUR_BUG, Cause, causes_of, seen_often
@@ -239,6 +239,13 @@ def accepts(text: str) -> bool:
     except (ProgramError, AttemptsExhausted):
         return False
     return True
+
+
+def test_links_in_a_command_are_not_followed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The Python of a virtual environment is one, and another Python without it."""
+    (tmp_path / "python").symlink_to(sys.executable)
+    monkeypatch.chdir(tmp_path)
+    assert [here("python"), here("-m")] == [str(tmp_path / "python"), "-m"]
 
 
 def of_session(number: int) -> list[int]:

@@ -6,7 +6,6 @@ Each machine is put to `scenic-ref fuzz`, as any other implementation is, until 
 from __future__ import annotations
 
 import argparse
-import signal
 import subprocess
 import sys
 import tempfile
@@ -26,17 +25,22 @@ def first_finding(fault: Fault, limit: str, seed: int) -> tuple[float, str]:
         command = [sys.executable, "-m", "scenic_ref", "fuzz", "--impl", served, "--time", limit, "--seed", str(seed), "--workers", "1"]
         began = time.monotonic()
         with subprocess.Popen([*command, "-o", f"{folder}/campaign"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as campaign:
-            found = next(findings(campaign), "")
+            told: list[str] = []
+            found = next((line for line in lines(campaign, told) if line.startswith("program ")), "")
             took = time.monotonic() - began
-            campaign.send_signal(signal.SIGINT)
+            campaign.terminate()
             campaign.communicate()
+        if not found and campaign.returncode not in (0, 1):
+            raise SystemExit("\n".join(told))  # it never began
     return took, found
 
 
-def findings(campaign: subprocess.Popen[str]) -> Iterator[str]:
-    """The lines in which the campaign tells a finding."""
+def lines(campaign: subprocess.Popen[str], told: list[str]) -> Iterator[str]:
+    """What the campaign tells, line by line, which is also added to `told`."""
     assert campaign.stderr is not None
-    yield from (line.strip() for line in campaign.stderr if line.startswith("program "))
+    for line in campaign.stderr:
+        told.append(line.strip())
+        yield line.strip()
 
 
 def main() -> int:
