@@ -241,7 +241,7 @@ class ScenicBuilder(BuilderBase):
     # -- Specifiers
 
     def make_with(self, span: Span, parts: Parts) -> WithSpecifier:
-        return WithSpecifier(span=span, property=self.checked_property(self.identifier(parts[0]), span), value=parts[1])
+        return WithSpecifier(span=span, property=self.property_with_effect(self.identifier(parts[0]), span), value=parts[1])
 
     def make_at(self, span: Span, parts: Parts) -> AtSpecifier:
         return AtSpecifier(span=span, vector=as_vector(parts[1]))

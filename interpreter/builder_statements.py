@@ -197,7 +197,7 @@ class StatementBuilder(BuilderBase):
         names = () if attributes is None else tuple(attributes.strip("[] \t").replace(",", " ").split())
         if "final" in names and not self.dialect.explicit_new:
             raise ParseError("the attribute `final` belongs to dialect scenic-3", span, hint="leave it out")
-        node = PropertyDefault(span=span, name=self.checked_property(left.name, span), value=self.object_place(annotation), attributes=names)
+        node = PropertyDefault(span=span, name=self.property_with_effect(left.name, span), value=self.object_place(annotation), attributes=names)
         self.properties[span] = node
         return node
 

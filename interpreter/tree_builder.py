@@ -9,6 +9,7 @@ from lark import Token, Tree
 
 from ..semantics.kernel.classes import BUILT_IN_CLASSES
 from ..semantics.kernel.errors import ParseError
+from ..semantics.kernel.kinds import FLAT, SPATIAL_PROPERTIES
 from ..semantics.syntax import Expression, Span
 from ..semantics.syntax.expressions import FieldAt, ObjectDefinition, ObjectOrOperator, ObjectOrValue, OffsetBy
 from ..semantics.syntax.python_expressions import Comparison, Constant, TupleDisplay, UnaryOperation
@@ -110,10 +111,10 @@ class BuilderBase:
         if not self.dialect.released:
             raise ParseError(f"`{construct}` belongs to dialects {having('released')}", span, hint=hint or "choose that dialect by --dialect")
 
-    def checked_property(self, name: str, span: Span) -> str:
+    def property_with_effect(self, name: str, span: Span) -> str:
         """The name of a property. Raises ParseError where it has a meaning in the releases that it does not have here: it would be without effect."""
-        if self.dialect.explicit_new and name in IN_SPACE:
-            raise ParseError(f"the property `{name}` is three-dimensional; this reference is two-dimensional", span, hint=IN_SPACE[name])
+        if self.dialect.explicit_new and name in SPATIAL_PROPERTIES:
+            raise ParseError(f"the property `{name}` {FLAT}", span, hint=SPATIAL_PROPERTIES[name])
         if self.dialect.released and name in OUTSIDE:
             what, hint = OUTSIDE[name]
             raise ParseError(f"the property `{name}` of the releases is outside this reference: {what}", span, hint=hint)
@@ -128,12 +129,6 @@ class BuilderBase:
         return node
 
 
-IN_SPACE = {
-    "yaw": "write `facing A`, or give a default to `heading`", "orientationStdDev": "write `headingStdDev` and the first of the angles",
-    "contactTolerance": "write the gap: `left of X by S`", "baseOffset": "write the position itself",
-    **dict.fromkeys(("pitch", "roll", "parentOrientation", "orientation"), "leave it out"),
-}
-"""The properties by which the released Scenic 3 turns and places things in space: what to write for them."""
 OUTSIDE = {
     "cameraOffset": ("what an object sees, it sees from its position", "leave it out, or place a Point where the camera is"),
     "mutator": ("mutation adds normal noise to position and heading", "say how much by positionStdDev and headingStdDev, or draw the value yourself"),

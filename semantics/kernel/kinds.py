@@ -9,7 +9,7 @@ Section "Data Types"). A `Reader` makes these interpretations and remembers whet
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from numbers import Real
 from typing import NamedTuple
 
@@ -215,8 +215,14 @@ SPATIAL = frozenset({
     "ViewRegion", "SurfaceCollisionTrimesh", "Shape", "BoxShape", "CylinderShape", "ConeShape", "SpheroidShape", "MeshShape", "Orientation",
 })  # fmt: skip
 """Names of the released Scenic 3 for things in space."""
-SPATIAL_ATTRIBUTES = frozenset({"z", "yaw", "pitch", "roll", "orientation", "parentOrientation", "baseOffset", "contactTolerance"})
-"""Likewise of what vectors and objects have there."""
+SPATIAL_PROPERTIES: Mapping[str, str] = {
+    "yaw": "write `facing A`, or give a default to `heading`", "orientationStdDev": "write `headingStdDev` and the first of the angles",
+    "contactTolerance": "write the gap: `left of X by S`", "baseOffset": "write the position itself",
+    **dict.fromkeys(("pitch", "roll", "parentOrientation", "orientation"), "leave it out"),
+}
+"""The properties by which it turns and places things there: what to write for them."""
+SPATIAL_ATTRIBUTES = frozenset({"z", *SPATIAL_PROPERTIES})
+"""Names of what vectors and objects have there."""
 FLAT = "is three-dimensional; this reference is two-dimensional"
 
 

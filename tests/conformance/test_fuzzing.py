@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 import json
-import os
-import subprocess
 import sys
-import time
 import zlib
 from collections import Counter
-from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
@@ -18,7 +14,7 @@ import pytest
 from scenic_ref.cli import answer
 from scenic_ref.cli.fuzz import seconds_in
 from scenic_ref.conformance import external, process
-from scenic_ref.conformance.environments import here, implementation
+from scenic_ref.conformance.environments import implementation
 from scenic_ref.conformance.fuzzing import campaign
 from scenic_ref.conformance.fuzzing.aimed import aimed_program
 from scenic_ref.conformance.fuzzing.causes import OFTEN, OUR_BUG, Cause, causes_of, seen_often
@@ -26,7 +22,6 @@ from scenic_ref.conformance.fuzzing.examining import OUR_FAULT, CampaignSettings
 from scenic_ref.conformance.fuzzing.inventing import THEMES, invented
 from scenic_ref.conformance.fuzzing.judgements import CampaignFindings, findings_at, findings_in, findings_of, shipped_findings, to_toml
 from scenic_ref.conformance.fuzzing.saving import draft_of
-from scenic_ref.conformance.fuzzing.shrinking import shrunk
 from scenic_ref.conformance.loading import read_file
 from scenic_ref.conformance.looking import DiffSettings, ProgramVerdict
 from scenic_ref.interpreter.parser import parse
@@ -64,50 +59,6 @@ HEAD = 'name = "other 1"\nabout = "nothing"\n'
 def finding(number: int = 0, **changes: object) -> FuzzedProgram:
     plain = FuzzedProgram(number, "aimed", "differ", "error", 1.0, "x", "words", "detail", None, None, "ego = Object\n", (), (), True)
     return replace(plain, **changes)  # type: ignore[arg-type]
-
-
-def never() -> bool:
-    return False
-
-
-@pytest.mark.parametrize("text, needle, small", [
-    ("x = Range(1, 2)\nego = Object at (x, 3), facing 30 deg, with foo Uniform(1, 2)\nrequire ego.foo < 3\nparam y = x\n", "facing",
-     "Object facing 0\n"),
-    ("class A:\n    foo: 17.25\n    bar: 3\nego = A at 1 @ 2\nif True:\n    for i in range(3):\n        Object at i @ 9\n", "foo:",
-     "class A:\n    foo: 0\n"),
-    ("ego = = 3\nx = 1\ny = 2\n", "= =", "ego = = 3\n"),
-    ("ego = Object\nmutate ego\nrequire (distance to (3 + 4, 5)) < abs(-2)\n", "distance", "require (distance)\n"),
-])
-def test_what_is_left_out_is_all_that_can_be(text: str, needle: str, small: str) -> None:
-    tried: list[str] = []
-
-    def holds(candidate: str) -> bool:
-        tried.append(candidate)
-        return needle in candidate
-
-    assert shrunk(text, holds, never) == small
-    assert len(tried) == len(set(tried)), "nothing is tried twice"
-
-
-def test_whole_statements_are_left_out_before_their_parts() -> None:
-    """Where expressions come first, the thirty tries are spent on the one that has to stay."""
-    lines = "".join(f"    if self.x + {i} < max({i}, 2 * self.y):\n        take (Uniform({i}, 2), 3)\n" for i in range(3))
-    kept = "1 + Range(2, 3) * max(4, 5)"
-    text = f"behavior A():\n    need = {kept}\n{lines}behavior B():\n{lines}    need = 2\nego = Object with behavior B\n"
-    tried: list[str] = []
-
-    def holds(candidate: str) -> bool:
-        tried.append(candidate)
-        return "behavior A()" in candidate and "behavior B()" in candidate and "Range(2, 3) * max(4, 5)" in candidate.replace("(Range", "Range")
-
-    assert len(shrunk(text, holds, lambda: len(tried) >= 30).splitlines()) == 4
-
-
-def test_shrinking_ends_when_its_time_is_over() -> None:
-    asked: list[str] = []
-    text = "ego = Object at 1 @ 2\nx = 3\n"
-    assert shrunk(text, lambda candidate: not asked.append(candidate), lambda: len(asked) > 0) in (text, asked[0])
-    assert len(asked) <= 1
 
 
 def test_programs_are_functions_of_seed_and_number() -> None:
@@ -239,41 +190,6 @@ def accepts(text: str) -> bool:
     except (ProgramError, AttemptsExhausted):
         return False
     return True
-
-
-def test_links_in_a_command_are_not_followed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The Python of a virtual environment is one, and another Python without it."""
-    (tmp_path / "python").symlink_to(sys.executable)
-    monkeypatch.chdir(tmp_path)
-    assert [here("python"), here("-m")] == [str(tmp_path / "python"), "-m"]
-
-
-def of_session(number: int) -> list[int]:
-    """The processes of a session."""
-    found = []
-    for path in Path("/proc").glob("[0-9]*"):
-        with suppress(ProcessLookupError):
-            if os.getsid(int(path.name)) == number:
-                found.append(int(path.name))
-    return found
-
-
-@pytest.mark.slow
-def test_a_campaign_that_is_killed_leaves_no_process(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "scenic_ref", "fuzz", "--impl", other(tmp_path), "--time", "1h", "-o", str(tmp_path / "campaign")]
-    with subprocess.Popen(command, start_new_session=True, stderr=subprocess.DEVNULL) as begun:
-        try:
-            journal = tmp_path / "campaign" / "campaign.jsonl"
-            while begun.poll() is None and not (journal.exists() and len(journal.read_text().splitlines()) > 2):
-                time.sleep(0.1)
-            assert len(of_session(begun.pid)) > 2  # those that examine are there
-        finally:
-            begun.kill()
-    for _ in range(1200):  # however long it takes
-        if not of_session(begun.pid):
-            return
-        time.sleep(0.1)
-    raise AssertionError(of_session(begun.pid))
 
 
 def test_a_program_whose_scene_is_an_error_is_no_fault_of_ours(tmp_path: Path) -> None:

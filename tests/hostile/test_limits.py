@@ -10,11 +10,8 @@ import pytest
 import scenic_ref
 from scenic_ref.semantics.kernel import errors
 
-LONGEST = 1000
-"""No program takes more than so many times the processor time of a fixed calculation of about a tenth of a second.
-
-The longest take 180 times alone and up to four times as much beside others; one that is not stopped takes hours, 30,000 times and more.
-"""
+LONGEST = 250
+"""No program takes more than so many times the processor time of a fixed calculation of about a tenth of a second."""
 
 IMPORTS = "import itertools, collections, functools, math, random\n"
 USER = (
@@ -70,7 +67,7 @@ def test_what_would_take_for_ever_is_an_error_soon(text, effort):
         with pytest.raises(errors.ProgramError):
             scenic_ref.loads("ego = Object at (0, 0)\n" + IMPORTS + USER + text + "\n", fuel=300_000).sample(max_attempts=1)
 
-    assert effort(ends) < LONGEST
+    assert any(effort(ends) < LONGEST for _ in range(3))  # a busy machine only adds to it
 
 
 # Ctrl-C

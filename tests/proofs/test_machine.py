@@ -553,7 +553,7 @@ def content_of(scene: Scene) -> Key:
 
 def agree(machine: Answer, theory: Answer) -> bool:
     """Whether they say the same; where runs fail, the Python raises the error of one of them."""
-    return BEYOND in theory.errors or (machine.errors <= theory.errors if machine.errors else machine == theory)
+    return machine.errors <= theory.errors if machine.errors else machine == theory
 
 
 def telling() -> Iterator[Program]:
@@ -596,7 +596,7 @@ def test_the_machines_agree(theories: list[Answer]) -> None:
 
 @needs_coq
 def test_the_programs_do_various_things(theories: list[Answer]) -> None:
-    assert sum(BEYOND in one.errors for one in theories) < COUNT / 200
+    assert not any(BEYOND in one.errors for one in theories)
     lawful = [one for one in theories if not one.errors]
     assert len(lawful) > COUNT / 2
     assert sum(len(one.law) > 1 for one in lawful) > COUNT / 4
