@@ -11,7 +11,6 @@ from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
 
 import pytest
 import scenic_ref
@@ -26,50 +25,16 @@ from scenic_ref.semantics.space.vectors import Vector
 
 from .coq import PROOFS, Term, evaluated, needs_coq
 from .core_programs import NAMES, Both, Program, assigned, binary, discrete, fraction, listed, number, program, truth, variable
+from .theory import ERRORS, TOLD, Key, bindings, value
 
 pytestmark = pytest.mark.slow
 
 COUNT = 1000
-STEPS = 3000
-TOLD = f"""fun '(at_the_end, program) =>
-    let q x := let r := Qred x in [Qnum r; Zpos (Qden r)] in
-    let int n := Z.of_nat n in
-    let told v := match v with
-      | Number x => int 0 :: q x | Truth b => [int 1; int (if b then 1 else 0)] | Vector x y => int 2 :: q x ++ q y
-      | Instance n => [int 3; int n] end in
-    let all := flat_map (fun xv => int (fst xv) :: told (snd xv)) in
-    let problem e := match e with
-      | Not_defined _ => 0 | No_self => 1 | No_attribute => 2 | Type_error => 3 | Division_by_zero => 4 | No_scalars => 5 | Bad_parameters => 6
-      | No_vector => 7 | Ill_formed (Resolution.SpecifiedTwice _ _ _) => 8 | Ill_formed (Resolution.MissingProperty _ _) => 9
-      | Ill_formed (Resolution.CyclicDependencies _) => 10 | Ill_formed _ => 11 | Bad_property _ => 12 | Ego_is_no_object => 13
-      | No_boolean _ => 14 | Bad_probability _ => 15 | Bad_scale => 16 | Not_mutable => 17 | No_ego => 18 | Beyond_the_core => 19 end in
-    let ended e w := match e with
-      | Accepted s => (int 0 :: int 0 :: w) :: all (its_params s) :: match its_ego s with Some v => told v | None => [] end :: map all (its_content s)
-      | Rejected (Condition line) => [int 1 :: int line :: w]
-      | Rejected (Collision _ _) => [int 2 :: int 0 :: w]
-      | Rejected (Visibility _) => [int 3 :: int 0 :: w]
-      | Failed e => [int 4 :: int (problem e) :: w] end in
-    match upright_runs at_the_end {STEPS} program with
-    | Some found => map (fun r => ended (snd r) (q (weight (fst r)))) found
-    | None => [] end"""
-"""What Coq is asked about a program: how each of its runs ends, and its probability, as lists of numbers."""
-ERRORS = [
-    ("RunError", "E-Variable"), ("RunError", "E-Variable"), ("AttributeError", ""), ("TypeError", ""), ("ZeroDivisionError", ""),
-    ("RunError", "O-VectorOf"), ("RunError", "E-Distributions"), ("RunError", "P-At"), ("SpecifiedTwice", "R-SpecifiedTwice"),
-    ("MissingProperty", "R-MissingProperty"), ("CyclicDependencies", "R-Cyclic"), ("SpecifiedTwiceOptionally", "R-SpecifiedTwiceOptionally"),
-    ("RunError", "E-ObjectDefinition"), ("RunError", "S-Assignment"), ("RunError", "S-Require"), ("RunError", "S-SoftReq-Check"),
-    ("RunError", "S-Mutate"), ("RunError", "S-Mutate"), ("RunError", "T-Mutate"), ("beyond the core", ""),
-]  # fmt: skip
-"""The errors of the theory as those of the Python: the class (of the exception, if the program raised one) and the rule."""
-
-
 BEYOND = ERRORS[-1]
 """Of such programs the theory says nothing."""
 
 
 # What they do
-
-Key = tuple[Any, ...]
 
 
 @dataclass(frozen=True)
@@ -91,7 +56,7 @@ def by_the_theory(told: Term) -> Answer:
         weight = Fraction(above, below)
         if kind == 0:
             params, ego, *objects = scene
-            content = tuple(tuple(sorted((NAMES[p], v) for p, v in bindings(o) if p != 7)) for o in objects)
+            content = tuple(tuple(sorted((NAMES[p], v) for p, v in bindings(o))) for o in objects)
             scenes[tuple(sorted((f"a{x}", v) for x, v in bindings(params))), value(iter(ego)), content] += weight
         elif kind == 4:
             errors.add(ERRORS[detail])
@@ -101,21 +66,6 @@ def by_the_theory(told: Term) -> Answer:
     accepted = sum(scenes.values())
     law = {scene: p / accepted for scene, p in scenes.items()}
     return Answer(law, dict(rejected) if accepted else dict.fromkeys(rejected, Fraction(0)), frozenset(errors))
-
-
-def bindings(told: Sequence[int]) -> Iterator[tuple[int, Key]]:
-    """Variables, parameters or properties, by their numbers, with their values."""
-    rest = iter(told)
-    for name in rest:
-        yield name, value(rest)
-
-
-def value(rest: Iterator[int]) -> Key:
-    """The value that comes next: its kind, and its numbers."""
-    kind = next(rest)
-    if kind in (1, 3):
-        return kind, Fraction(next(rest))
-    return kind, *(Fraction(next(rest), next(rest)) for _ in range(2 if kind == 2 else 1))
 
 
 def by_the_machine(one: Program, readings: Mapping[str, str] | None = None) -> Answer:
@@ -154,7 +104,7 @@ def content_of(scene: Scene) -> Key:
     objects: list[Key] = []
     for o in scene.objects:
         all_ = {**o.properties, "position": o.position, "heading": o.heading, "width": o.width, "length": o.length}
-        objects.append(tuple(sorted((name, read(all_[name])) for p, name in NAMES.items() if p != 7 and name in all_)))
+        objects.append(tuple(sorted((name, read(all_[name])) for name in NAMES.values() if name in all_)))
     assert scene.ego is not None
     return tuple(sorted((name, read(v)) for name, v in scene.params.items())), (3, Fraction(scene.ego.id)), tuple(objects)
 
