@@ -13,6 +13,7 @@ from .conformance import conformance
 from .convert import convert
 from .diff import diff
 from .fuzz import fuzz
+from .map import show_map
 from .options import DebugOption
 from .readings import readings
 from .rules import rules
@@ -32,7 +33,11 @@ EXIT_CODES = {
 """What the exit codes of all commands mean."""
 
 app = typer.Typer(
-    name="scenic-ref", add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False,
+    name="scenic-ref",
+    add_completion=False,
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 """The command line as a Typer application."""
@@ -47,6 +52,7 @@ app.command("convert")(convert)
 app.command("diff")(diff)
 app.command("fuzz")(fuzz)
 app.command("conformance")(conformance)
+app.command("map")(show_map)
 app.command("bench")(bench)
 
 

@@ -14,12 +14,13 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-LAYERS = ["semantics", "interpreter", "formats", "simulators", "inference", "scenario", "testing", "conformance", "benchmarks", "cli"]
+LAYERS = ["semantics", "maps", "interpreter", "formats", "simulators", "inference", "scenario", "testing", "conformance", "benchmarks", "cli"]
 MAY_IMPORT = {
     "semantics": {"semantics"},
+    "maps": {"semantics", "maps"},
     "interpreter": {"semantics", "interpreter"},
-    "formats": {"semantics", "interpreter", "formats"},
-    "simulators": {"semantics", "interpreter", "formats", "simulators"},
+    "formats": {"semantics", "maps", "interpreter", "formats"},
+    "simulators": {"semantics", "maps", "interpreter", "formats", "simulators"},
     "inference": {"semantics", "interpreter", "formats", "simulators", "inference"},
     "scenario": {"semantics", "interpreter", "formats", "simulators", "inference", "scenario"},
     "conformance": {"semantics", "interpreter", "formats", "simulators", "inference", "scenario", "testing", "conformance", ""},
@@ -31,7 +32,7 @@ ROOMS = ["syntax", "space", "kernel", "readings", "python", "scenes", "dynamics"
 """Of `semantics`, the lowest first; "" are its tables: the step function, the catalogue of rules, programs."""
 TENSORS = ("arithmetic", "columns", "draws", "evaluator", "kit", "margins", "polygons")
 ONLY_IN = {
-    "matplotlib": {"formats/chains.py", "formats/comparisons.py", "formats/pictures.py", "formats/movies.py", "benchmarks/bars.py"},
+    "matplotlib": {"formats/chains.py", "formats/comparisons.py", "formats/pictures.py", "formats/map_pictures.py", "formats/movies.py", "benchmarks/bars.py"},
     "PIL": {"formats/movies.py"}, "pyarrow": {"formats/tables.py"},
     "distributed": {"inference/batch/jobs/blocks.py"}, "hypothesis": {"conformance/programs/strategies.py"},
     "pymunk": {"simulators/physics.py"}, "arviz": {"formats/chains.py"}, "pyro": {"inference/with_pyro.py"},

@@ -1,0 +1,75 @@
+"""`scenic-ref map`: what is in a road map."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, cast
+
+import typer
+
+from .options import DebugOption
+
+if TYPE_CHECKING:
+    from ..maps.network import Network
+
+NAMES = {"left": "left turns", "right": "right turns", "u_turn": "U-turns", "merge": "from lane to lane outside intersections"}
+"""Of kinds of maneuvers, where they are not those of the JSON."""
+
+
+def show_map(
+    file: Annotated[str, typer.Argument(metavar="FILE", help="The map: an OpenDRIVE file (.xodr).")],
+    as_json: Annotated[bool, typer.Option("--json", help="As JSON.")] = False,
+    plot: Annotated[str | None, typer.Option("--plot", metavar="PICTURE", help="Draw the map: a .png, .pdf or .svg file.")] = None,
+    check: Annotated[bool, typer.Option("--check", help="Look for gaps at joints, roads that overlap, and lanes that cannot be reached.")] = False,
+    debug: DebugOption = False,
+) -> None:
+    """Say what is in a road map: roads, lanes, intersections, and the maneuvers through them.
+
+    Roads are counted outside intersections; lanes are counted everywhere. Lengths are in metres.
+
+    Exit codes: 0, 1 if --check finds something, 2 wrong usage or a broken map.
+    """
+    from .files import PICTURES, check_file, check_place, write
+
+    check_file("--plot", plot, "pictures", PICTURES)
+    if plot is not None:
+        check_place(plot, {"the map": file})
+    from ..maps import read_map
+    from ..maps.summary import faults, summary
+
+    network = read_map(file)
+    found = list(faults(network)) if check else []
+    told = summary(network)
+    if as_json:
+        print(json.dumps({**told, **({"faults": found} if check else {})}, ensure_ascii=False, indent=2))
+    else:
+        print("\n".join(lines(told)))
+        if check:
+            print("\n".join(f"fault: {fault}" for fault in found) or "no faults were found")
+    if plot is not None:
+        write(plot, drawn(network, plot))
+    if found:
+        raise typer.Exit(1)
+
+
+def lines(told: dict[str, object]) -> list[str]:
+    """A summary to read."""
+    maneuvers = cast("dict[str, int]", told["maneuvers"])
+    west, south, east, north = cast("list[float]", told["bounds"])
+    return [
+        f"roads          {told['roads']}, with {told['lanes']} lanes (connecting ones included) in {told['lane_sections']} sections",
+        f"intersections  {told['intersections']}, of which {told['four_way']} join four roads",
+        f"maneuvers      {', '.join(f'{count} {NAMES.get(name, name)}' for name, count in maneuvers.items())}",
+        f"areas          {told['drivable_area_m2']:,.0f} m² to drive on, {told['sidewalk_area_m2']:,.0f} m² of sidewalks",
+        f"signals        {told['signals']}",
+        f"bounds         {west:.1f} to {east:.1f} m East, {south:.1f} to {north:.1f} m North",
+        *(f"note: {warning}" for warning in cast("list[str]", told["warnings"])),
+    ]
+
+
+def drawn(network: Network, path: str) -> bytes:
+    """The picture of a map."""
+    from ..formats.map_pictures import map_picture
+
+    return map_picture(network, format=Path(path).suffix[1:].lower())

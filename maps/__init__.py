@@ -1,0 +1,9 @@
+"""Road maps: OpenDRIVE files, and the network of roads, lanes and intersections that they describe."""
+
+from __future__ import annotations
+
+from .network import Network
+from .opendrive import MapError
+from .reading import read_map
+
+__all__ = ["MapError", "Network", "read_map"]

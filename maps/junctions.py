@@ -1,0 +1,119 @@
+"""What leads to what: lanes, roads, and the maneuvers of intersections."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import shapely
+from shapely.geometry import Polygon
+
+from .assembly import Assembly, Place, Section, lane_name
+from .network import Intersection, Lane, Maneuver, Road, complete, maneuver_type
+from .opendrive import ConnectionRecord, Contact, JunctionRecord, Link
+from .shapes import areas
+
+JOINT = 0.01
+"""Metres that two lanes may be apart where one leads to the other."""
+ENDS: tuple[Contact, Contact] = ("end", "start")
+
+
+def link_lanes(net: Assembly) -> None:
+    """Where a lane leads into another without an intersection: successors, and the maneuver straight on."""
+    for chain in net.chains.values():
+        last, lane = chain[-1], chain[-1].lane
+        for place in net.next_places(last):
+            following = net.sections[place].lane
+            if lane is None or following is None or following is lane:
+                continue
+            joint(net, last, net.sections[place])
+            lead(net, lane, following)
+            net.maneuvers.setdefault(lane, []).append(Maneuver(type=maneuver_type(lane, following, None), startLane=lane, endLane=following))
+
+
+def lead(net: Assembly, lane: Lane, following: Lane) -> None:
+    """One lane leads to another: the first one that it leads to is its successor."""
+    for one, other in ((lane, following), (lane.group, following.group), (lane.sections[-1], following.sections[0])):
+        if one._successor is None:
+            complete(one, _successor=other)
+        if other._predecessor is None:
+            complete(other, _predecessor=one)
+
+
+def joint(net: Assembly, one: Section, other: Section) -> None:
+    """Notice where lanes that are linked do not meet."""
+    gap = float(np.hypot(*(one.center[-1] - other.center[0])))
+    if gap > JOINT:
+        told = f"{lane_name(one.place)} to {lane_name(other.place)} ({gap:.2f} m)"
+        net.notes.add(f"joints of lanes that are further apart than {JOINT * 100:g} cm", told)
+
+
+def intersection(net: Assembly, junction: JunctionRecord) -> Intersection | None:
+    """An intersection with its maneuvers; None if no way leads through it."""
+    found = dict[tuple[Place, Place, Place], tuple[Section, Section, Section]]()
+    for connection in junction.connections:
+        for one, over, other in ways(net, junction, connection):
+            found[(one.place, over.place, other.place)] = (one, over, other)
+    inside = [r for r in net.roads.values() if net.file.roads[str(r.id)].junction == junction.id]
+    if not found or not inside:
+        return None
+    filled = [Polygon(p.exterior) for p in shapely.get_parts(shapely.union_all([r.polygon for r in inside]).buffer(1e-3, join_style="mitre"))]
+    made = net.add(Intersection, f"intersection{junction.id}", id=junction.id, name=junction.name, polygon=areas(shapely.union_all(filled)))
+    center = made.polygon.centroid
+    maneuvers: list[Maneuver] = []
+    around: dict[Road, float] = {}
+    for one, over, other in found.values():
+        assert one.lane is not None and over.lane is not None and other.lane is not None
+        for road, point in ((one.lane.road, one.center[-1]), (other.lane.road, other.center[0])):
+            around.setdefault(road, math.atan2(point[1] - center.y, point[0] - center.x))
+        maneuvers.append(Maneuver(
+            type=maneuver_type(one.lane, other.lane, over.lane), startLane=one.lane, endLane=other.lane, connectingLane=over.lane, intersection=made
+        ))  # fmt: skip
+    for maneuver in sorted(maneuvers, key=lambda m: m.type.value):  # so that the way straight on is the successor
+        lead(net, maneuver.startLane, maneuver.connectingLane or maneuver.endLane)
+    for maneuver in maneuvers:
+        net.maneuvers.setdefault(maneuver.startLane, []).append(maneuver)
+    complete(
+        made, maneuvers=tuple(maneuvers), roads=tuple(sorted(around, key=lambda road: around[road])),
+        incomingLanes=tuple(dict.fromkeys(m.startLane for m in maneuvers)), outgoingLanes=tuple(dict.fromkeys(m.endLane for m in maneuvers)),
+    )  # fmt: skip
+    return made
+
+
+def ways(net: Assembly, junction: JunctionRecord, connection: ConnectionRecord) -> Iterator[tuple[Section, Section, Section]]:
+    """The ways of a connection: from a lane, over a connecting one, to a lane."""
+    incoming, connecting = net.file.roads.get(connection.incoming), net.file.roads.get(connection.connecting)
+    if incoming is None or connecting is None:
+        net.notes.add("connections of roads that there are not", f"junction {junction.id}")
+        return
+    for start, over in connection.lanes:
+        way = net.sections.get((connecting.id, connecting.section_at(connection.contact), over))
+        if way is None or way.forward is not (connection.contact == "start") or way.place not in net.chains:
+            continue  # it leads towards the incoming road, or is no lane for cars
+        ends: list[Contact] = [end for end in ENDS if leads_into(incoming.link_at(end), junction.id, connecting.id)]
+        at_ends = [net.sections.get((incoming.id, incoming.section_at(end), start)) for end in ends]
+        lanes = [s for s, end in zip(at_ends, ends, strict=True) if s is not None and s.lane is not None and s.forward is (end == "end")]
+        others = [s for s in map(net.sections.__getitem__, net.next_places(net.chains[way.place][-1])) if s.lane is not None]
+        if not lanes or not others:
+            net.notes.add("lanes of junctions that lead nowhere", f"junction {junction.id}, {lane_name(way.place)}")
+            continue
+        begin = way.center[0]
+        nearest = min(lanes, key=lambda s: float(np.hypot(*(s.center[-1] - begin))))
+        joint(net, nearest, way)
+        yield from ((nearest, way, other) for other in others)
+
+
+def link_roads(net: Assembly, intersections: Sequence[Intersection]) -> None:
+    """What roads lead to: other roads, or intersections."""
+    of_junction = {i.id: i for i in intersections}
+    for road in net.roads.values():
+        record = net.file.roads[str(road.id)]
+        for name, link in (("_successor", record.successor), ("_predecessor", record.predecessor)):
+            if link is not None:
+                complete(road, **{name: of_junction.get(link.id) if link.kind == "junction" else net.roads.get(link.id)})
+
+
+def leads_into(link: Link | None, junction: str, connecting: str) -> bool:
+    """Whether a road ends in a junction, or at a connecting road of it."""
+    return link is not None and link.id == (junction if link.kind == "junction" else connecting)

@@ -1,0 +1,72 @@
+"""From an OpenDRIVE file to the network."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from . import opendrive
+from .assembly import Assembly
+from .furniture import crossings, signals
+from .junctions import intersection, link_lanes, link_roads
+from .lanes import make_road, make_sections
+from .network import BikeLane, Intersection, Lane, Network, PedestrianCrossing, Shoulder, Sidewalk, Signal, complete
+from .opendrive import OpenDrive
+from .shapes import section_shapes
+from .xml import MapError
+
+TOLERANCE = 0.05
+"""Metres by which a point may miss an element."""
+
+
+def read_map(path: Path | str) -> Network:
+    """The network of an OpenDRIVE file. Raises `MapError` for what is none or is broken."""
+    try:
+        data = Path(path).read_bytes()
+    except OSError as error:
+        raise MapError(f"the map {path} cannot be read: {error.strerror or error}") from None
+    try:
+        return network_of(opendrive.read(data))
+    except MapError as problem:
+        raise MapError(f"{path} is no usable OpenDRIVE map: {problem.message}") from None
+
+
+def network_of(file: OpenDrive) -> Network:
+    """The network that a file describes. Raises `MapError` if there is no lane to drive on."""
+    net = Assembly(file)
+    for road in file.roads.values():
+        net.shapes[road.id] = list(section_shapes(road, net.notes))
+        make_sections(net, road)
+    for road in file.roads.values():
+        make_road(net, road)
+    link_lanes(net)
+    intersections = [found for one in file.junctions.values() if (found := intersection(net, one)) is not None]
+    link_roads(net, intersections)
+    lights = signals(net, intersections)
+    crossings(net, intersections)
+    for lane in net.of(Lane):
+        complete(lane, maneuvers=tuple(net.maneuvers.get(lane, ())))
+    return finished(net, intersections, lights)
+
+
+def finished(net: Assembly, intersections: Sequence[Intersection], signals: Sequence[Signal]) -> Network:
+    """The network, which every element then knows."""
+    records = net.file.roads
+    ordinary = [road for id, road in net.roads.items() if records[id].junction is None]
+    connecting = [road for id, road in net.roads.items() if records[id].junction is not None]
+    roads = (*ordinary, *connecting)
+    lanes = [lane for road in roads for lane in road.lanes]
+    if not lanes:
+        raise MapError("it has no lanes on which to drive")
+    made = Network(
+        elements=net.elements, roads=tuple(ordinary), connectingRoads=tuple(connecting), allRoads=roads, intersections=tuple(intersections),
+        laneGroups=tuple(group for road in roads for group in road.laneGroups), lanes=tuple(lanes), crossings=net.of(PedestrianCrossing),
+        sidewalks=net.of(Sidewalk), shoulders=net.of(Shoulder), bikeLanes=net.of(BikeLane), signals=tuple(signals),
+        roadSections=tuple(section for road in ordinary for section in road.sections),
+        laneSections=tuple(section for lane in lanes for section in lane.sections),
+        driveOnLeft=sum(record.left_hand for record in records.values()) * 2 > len(records), tolerance=TOLERANCE,
+        warnings=tuple(net.notes.lines()),
+    )  # fmt: skip
+    for element in net.elements.values():
+        complete(element, network=made)
+    return made

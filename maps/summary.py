@@ -1,0 +1,97 @@
+"""What is in a map, and what is wrong with it."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+
+import numpy as np
+import shapely
+
+from ..semantics.space.regions import PolylineRegion
+from .network import Intersection, Lane, LinearElement, ManeuverType, Network, Road
+
+JOINT, TURNED = 0.01, math.radians(1)
+"""Metres, and radians, by which lanes may differ where one leads to the other."""
+OVERLAP = 0.5
+"""Square metres that two roads outside intersections may share."""
+
+
+def summary(network: Network) -> dict[str, object]:
+    """What is in a map, as `scenic-ref map --json` prints it; lengths in metres.
+
+    `roads` are those outside intersections, `lanes` are all, with those that lead through intersections; `maneuvers` counts the ways through
+    intersections by their type, and as `merge` the ways from lane to lane outside them.
+    """
+    kinds = Counter(m.type for i in network.intersections for m in i.maneuvers)
+    merges = sum(m.connectingLane is None for road in network.roads for lane in road.lanes for m in lane.maneuvers)
+    west, south, east, north = shapely.total_bounds([element.polygon for element in network.elements.values()])
+    names = {"straight": ManeuverType.STRAIGHT, "left": ManeuverType.LEFT_TURN, "right": ManeuverType.RIGHT_TURN, "u_turn": ManeuverType.U_TURN}
+    return {
+        "roads": len(network.roads), "lanes": len(network.lanes), "lane_sections": len(network.laneSections),
+        "intersections": len(network.intersections), "four_way": sum(i.is4Way for i in network.intersections),
+        "maneuvers": {**{name: kinds[kind] for name, kind in names.items()}, "merge": merges},
+        "drivable_area_m2": round(network.drivableRegion.measure() or 0.0, 3), "sidewalk_area_m2": round(network.sidewalkRegion.measure() or 0.0, 3),
+        "signals": len(network.signals), "bounds": [round(float(b), 3) for b in (west, south, east, north)], "warnings": list(network.warnings),
+    }  # fmt: skip
+
+
+def faults(network: Network) -> Iterator[str]:
+    """What is wrong: joints that do not meet, roads that overlap, lanes that cannot be reached or left."""
+    yield from network.warnings
+    for lane in network.lanes:
+        yield from bad_joints(lane)
+    yield from overlaps(network.roads)
+    for lane in network.lanes:
+        yield from unreachable(lane, network)
+
+
+def bad_joints(lane: Lane) -> Iterator[str]:
+    """Where a lane does not go on as it ends: away from where the next one begins, or in another direction."""
+    following = [m.connectingLane or m.endLane for m in lane.maneuvers]
+    for one, other in [*((lane, f) for f in dict.fromkeys(following)), *pairwise(lane.sections)]:
+        gap, turn = joint(one, other)
+        if gap > JOINT:
+            yield f"gap of {gap:.3f} m from {one.uid} to {other.uid}"
+        elif turn > TURNED:
+            yield f"bend of {math.degrees(turn):.1f} degrees from {one.uid} to {other.uid}"
+
+
+def joint(one: LinearElement, other: LinearElement) -> tuple[float, float]:
+    """Metres from the end of a lane to the beginning of another, and by how much their directions differ there."""
+    (before, end), (begin, after) = points(one.centerline)[-2:], points(other.centerline)[:2]
+    out, on = end - before, after - begin
+    turn = math.remainder(math.atan2(out[1], out[0]) - math.atan2(on[1], on[0]), math.tau)
+    chords = bend(one, end - before) + bend(other, after - begin)  # the points are on the curves, so that chords turn less than these
+    return float(np.hypot(*(begin - end))), max(0.0, abs(turn) - chords)
+
+
+def bend(element: LinearElement, chord: np.ndarray) -> float:
+    """By how much the direction of a curve may differ from the line between two of its points."""
+    return math.radians(2) if len(points(element.centerline)) > 2 else 0.0
+
+
+def points(line: PolylineRegion) -> np.ndarray:
+    """The points of a centerline."""
+    return np.array([tuple(v) for v in line.lines[0]])
+
+
+def overlaps(roads: Sequence[Road]) -> Iterator[str]:
+    """Roads outside intersections that share an area (bridges do, in the plane)."""
+    polygons = [road.polygon for road in roads]
+    for i, j in zip(*shapely.STRtree(polygons).query(polygons, predicate="intersects"), strict=True):
+        if i < j and (shared := shapely.intersection(polygons[i], polygons[j]).area) > OVERLAP:
+            yield f"{roads[i].uid} and {roads[j].uid} overlap in {shared:.1f} m²"
+
+
+def unreachable(lane: Lane, network: Network) -> Iterator[str]:
+    """That no lane leads to a lane, or from it, though its road goes on there."""
+    forward = lane.sections[0].isForward
+    before, after = (lane.road._predecessor, lane.road._successor) if forward else (lane.road._successor, lane.road._predecessor)
+    whole = len(lane.sections) == len(lane.road.sections) or isinstance(before, Intersection)
+    if before is not None and whole and lane._predecessor is None:
+        yield f"no lane leads to {lane.uid}"
+    if after is not None and not lane.maneuvers and lane._successor is None:
+        yield f"{lane.uid} leads nowhere"
