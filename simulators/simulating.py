@@ -93,9 +93,11 @@ def simulated(
     raise AssertionError("the policy ends at the time limit")
 
 
-def file_of(state: State) -> str:
-    """The file of the program, or of the scenario that it begins with."""
-    return state.scene[0].span.file if state.scene or state.initial is None else state.initial.definition.span.file
+def file_of(state: State) -> str | None:
+    """The file of the program, or of the scenario that it begins with; None if there is neither an object nor a scenario."""
+    if state.scene:
+        return state.scene[0].span.file
+    return None if state.initial is None else state.initial.definition.span.file
 
 
 TOLD = {
@@ -105,12 +107,13 @@ TOLD = {
 """Rules that are events of a time step."""
 
 
-def listening(told: list[str], witness: Witness | None, file: str) -> Witness:
-    """A witness that notes what happens in a time step, and passes it on to another; `file` is that of the program."""
+def listening(told: list[str], witness: Witness | None, file: str | None) -> Witness:
+    """A witness that notes what happens in a time step, and passes it on to another; `file` is that of the program, None if there is no other."""
 
     def look(outcome: Outcome, drawn: object) -> None:
         if type(outcome) is Next and outcome.rule in TOLD:
-            place = line_of(outcome.node.span, file) if outcome.node is not None else ""
+            span = None if outcome.node is None else outcome.node.span
+            place = "" if span is None else line_of(span, span.file if file is None else file)
             told.append(TOLD[outcome.rule] + (f" ({place})" if place else ""))
         if witness is not None:
             witness(outcome, drawn)

@@ -54,6 +54,12 @@ def test_when_a_requirement_failed_is_known():
         scenic_ref.loads("ego = Object at (0, 0)\nrequire always False").simulate("still", 5)
 
 
+def test_a_program_without_objects_is_simulated():
+    text = "monitor Watch:\n    wait\n    terminate\n"
+    simulation = scenic_ref.loads(text, readings={"no-ego": "allowed"}).simulate(Still(), 3).simulation
+    assert [moment.events for moment in simulation.moments] == [(), ("terminate (line 3)",)]
+
+
 def test_the_format():
     text = "behavior B():\n    take 1, 'x'\n    terminate\nego = Object at (0, 1), with behavior B"
     run = scenic_ref.loads(text).simulate("still", 5, 3)
