@@ -28,7 +28,7 @@ LEGEND = (("lanes", ROAD), ("intersections", JUNCTION), ("sidewalks", WALK), ("s
 def map_picture(network: Network, *, format: str = "png") -> bytes:
     """The map in a format of `pictures`. Raises `UsageError` for another one."""
     check_format(format)
-    west, south, east, north = shapely.total_bounds([element.polygon for element in network.elements.values()])
+    west, south, east, north = shapely.total_bounds([element.polygon for element in network.by_uid.values()])
     margin = 0.03 * max(east - west, north - south)
     window = (west - margin, south - margin, east + margin, north + margin)
     width, height = window[2] - window[0], window[3] - window[1]

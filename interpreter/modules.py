@@ -28,8 +28,8 @@ from .parser import parse
 
 Found = Program | Mapping[str, object] | Exception | None
 Library = dict[str, Program | Mapping[str, object] | Exception]
-World = Callable[[], str | Mapping[str, object]]
-"""A shipped module: gives the text of a Scenic module, or the namespace of a Python one."""
+World = Callable[[], str | Mapping[str, object] | Exception]
+"""A shipped module: gives the text of a Scenic module, the namespace of a Python one, or why it cannot be had."""
 
 
 def _members(module: object) -> Mapping[str, object]:
@@ -184,7 +184,7 @@ def is_package(key: str, directory: Path | None) -> bool:
     return not key.strip(".") or (path.is_dir() and not leads_away(path, folder_of(key, directory)) and any(path.glob("*.scenic")))
 
 
-def shipped(name: str, worlds: Mapping[str, World]) -> Program | Mapping[str, object]:
+def shipped(name: str, worlds: Mapping[str, World]) -> Program | Mapping[str, object] | Exception:
     """The module that comes with the project, or that every Python has and that is harmless."""
     found = worlds[name]() if name in worlds else HARMLESS[name]
     return parse(found, f"<{name}>") if isinstance(found, str) else found

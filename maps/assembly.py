@@ -13,7 +13,7 @@ from ..semantics.space.regions import PolylineRegion
 from ..semantics.space.vectors import Vector
 from .network import Lane, LaneSection, LinearElement, Maneuver, NetworkElement, Road
 from .opendrive import Notes, OpenDrive
-from .shapes import LaneShape, Points, SectionShape, areas, joined, simplified
+from .shapes import LaneShape, Points, SectionShape, areas, joined, simplified, strips
 
 SHORTEST = 1e-3
 """Metres that a line is long at least."""
@@ -103,8 +103,9 @@ class Assembly:
         """An element along its edges."""
         middle = (left + right) / 2 if center is None else center
         ahead = middle[-1] - middle[0]
+        parts = strips(left, right) if center is None else []
         lines = {name: directed(p, ahead) for name, p in (("leftEdge", left), ("rightEdge", right), ("centerline", middle))}
-        return self.add(kind, uid, polygon=areas(polygon), **lines, **more)
+        return self.add(kind, uid, polygon=areas(polygon), strips=parts, **lines, **more)
 
 
 def directed(points: Points, ahead: Points) -> PolylineRegion:

@@ -175,7 +175,7 @@ def road_sections(net: Assembly, record: RoadRecord, road: Road) -> Iterator[Roa
         edges = road_edges_at(net, shape, sorted(here))
         section = net.linear(
             RoadSection, f"{road.uid}_section{i}", **edges, polygon=united(here.values()), id=record.id, road=road,
-            lanes=tuple(lanes.values()), lanesByOpenDriveID=lanes, forwardLanes=tuple(e for e in lanes.values() if e.isForward),
+            lanes=tuple(lanes.values()), by_id=lanes, forwardLanes=tuple(e for e in lanes.values() if e.isForward),
             backwardLanes=tuple(e for e in lanes.values() if not e.isForward),
         )  # fmt: skip
         if before is not None:

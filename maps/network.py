@@ -10,25 +10,25 @@ import enum
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
-from typing import Any, TypeVar
+from inspect import get_annotations
+from typing import Any, ClassVar, TypeVar
 
 import shapely
 from shapely.geometry import LineString, MultiPolygon, Point, Polygon
 
-from ..semantics.space.fields import VectorField
+from ..semantics.space.absence import NotThere
+from ..semantics.space.fields import Cell, PolygonalVectorField, VectorField
 from ..semantics.space.numeric import lifted
 from ..semantics.space.regions import PolygonalRegion, PolylineRegion, Region, nowhere
 from ..semantics.space.vectors import Vector
-from .shapes import united
+from .shapes import areas, united
 
 TURN = math.radians(20)
 """The change of direction from which on a maneuver is a turn."""
 
 T = TypeVar("T")
-
-
-class NotThere(Exception):
-    """What was asked for does not exist, so that the run is rejected."""
+HIDDEN = frozenset({"polygon", "by_id", "by_uid", "first", "_tree", "strips", "gaps", "scenic_names"})
+"""What is no matter of programs."""
 
 
 class VehicleType(enum.Enum):
@@ -47,8 +47,20 @@ class ManeuverType(enum.Enum):
     U_TURN = enum.auto()
 
 
+for _kind in (VehicleType, ManeuverType):
+    _kind.scenic_names = frozenset()  # type: ignore[attr-defined]  # values of programs, with the attributes of any enumeration
+
+
 class Fixed:
-    """An object whose attributes are given once."""
+    """An object whose attributes are given once; programs may ask for those that its class tells of, as annotations, properties and methods."""
+
+    scenic_names: ClassVar[frozenset[str]] = frozenset()
+
+    def __init_subclass__(cls) -> None:
+        """What programs may ask for."""
+        members = (name for name, value in vars(cls).items() if callable(value) or isinstance(value, property | cached_property))
+        told = {*get_annotations(cls), *members} - HIDDEN
+        cls.scenic_names = frozenset(name for name in told if not name.startswith("__"))
 
     def __init__(self, **attributes: Any) -> None:
         vars(self).update(attributes)
@@ -111,6 +123,8 @@ class LinearElement(NetworkElement):
     centerline: PolylineRegion
     leftEdge: PolylineRegion
     rightEdge: PolylineRegion
+    strips: Sequence[tuple[Polygon, float]] = ()
+    """It, cut across, with the heading of each part."""
     _successor: NetworkElement | None = None
     _predecessor: NetworkElement | None = None
 
@@ -259,7 +273,12 @@ class RoadSection(LinearElement):
     lanes: tuple[LaneSection, ...]
     forwardLanes: tuple[LaneSection, ...]
     backwardLanes: tuple[LaneSection, ...]
-    lanesByOpenDriveID: Mapping[int, LaneSection]
+    by_id: Mapping[int, LaneSection]
+
+    @property
+    def lanesByOpenDriveID(self) -> dict[int, LaneSection]:
+        """The lanes by their numbers in the file."""
+        return dict(self.by_id)
 
     @lifted(float)
     def heading_at(self, v: Vector) -> float:
@@ -374,6 +393,12 @@ class Intersection(NetworkElement):
         lanes = [m.connectingLane for m in self.maneuvers if m.connectingLane is not None]
         return min(lanes, key=lambda lane: lane.distance_to(v)).heading_at(v)
 
+    def gaps(self) -> Polygon | MultiPolygon | None:
+        """What of it is on no connecting lane."""
+        lanes = shapely.union_all([m.connectingLane.polygon for m in self.maneuvers if m.connectingLane is not None])
+        left = areas(shapely.difference(self.polygon, lanes))
+        return None if left.is_empty else left
+
     def maneuversAt(self, point: object) -> tuple[Maneuver, ...]:
         """The maneuvers whose connecting lanes have a point; of the nearest one, if none has it."""
         v = vector(point)
@@ -454,7 +479,7 @@ def maneuver_type(start: Lane, end: Lane, connecting: Lane | None) -> ManeuverTy
 class Network(Fixed):
     """All of a map."""
 
-    elements: Mapping[str, NetworkElement]
+    by_uid: Mapping[str, NetworkElement]
     roads: tuple[Road, ...]
     """Those outside intersections."""
     connectingRoads: tuple[Road, ...]
@@ -479,6 +504,11 @@ class Network(Fixed):
 
     def __repr__(self) -> str:
         return f"<Network of {len(self.roads)} roads and {len(self.intersections)} intersections>"
+
+    @property
+    def elements(self) -> dict[str, NetworkElement]:
+        """All elements by their `uid`."""
+        return dict(self.by_uid)
 
     @cached_property
     def roadRegion(self) -> Region:
@@ -528,17 +558,17 @@ class Network(Fixed):
 
     @cached_property
     def roadDirection(self) -> VectorField:
-        """The direction of traffic: of the intersection, road or shoulder at a point; 0 away from them."""
-        return VectorField("roadDirection", self._direction_at)
-
-    @lifted(float)
-    def _direction_at(self, v: Vector) -> float:
-        found = self.first((*self.intersections, *self.roads, *self.shoulders), v, False)
-        return 0.0 if found is None else found.heading_at(v)
+        """The direction of traffic in an intersection (of the first connecting lane there), else on a road or shoulder; 0 away from them."""
+        within = [lane for i in self.intersections for lane in dict.fromkeys(m.connectingLane for m in i.maneuvers) if lane is not None]
+        others = [lane for lane in self.lanes if lane not in set(within)]
+        cells: list[Cell] = [cell for lane in within for cell in lane.strips]
+        cells += [(gap, i.heading_at) for i in self.intersections for gap in (i.gaps(),) if gap is not None]
+        cells += [cell for element in (*others, *self.shoulders) for cell in element.strips]
+        return PolygonalVectorField("roadDirection", cells, defaultHeading=0.0)
 
     @cached_property
     def _tree(self) -> tuple[shapely.STRtree, tuple[NetworkElement, ...]]:
-        found = tuple(self.elements.values())
+        found = tuple(self.by_uid.values())
         return shapely.STRtree([element.polygon for element in found]), found
 
     def first(self, among: Sequence[T], point: object, reject: bool | str = False) -> T | None:

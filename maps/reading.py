@@ -59,7 +59,7 @@ def finished(net: Assembly, intersections: Sequence[Intersection], signals: Sequ
     if not lanes:
         raise MapError("it has no lanes on which to drive")
     made = Network(
-        elements=net.elements, roads=tuple(ordinary), connectingRoads=tuple(connecting), allRoads=roads, intersections=tuple(intersections),
+        by_uid=net.elements, roads=tuple(ordinary), connectingRoads=tuple(connecting), allRoads=roads, intersections=tuple(intersections),
         laneGroups=tuple(group for road in roads for group in road.laneGroups), lanes=tuple(lanes), crossings=net.of(PedestrianCrossing),
         sidewalks=net.of(Sidewalk), shoulders=net.of(Shoulder), bikeLanes=net.of(BikeLane), signals=tuple(signals),
         roadSections=tuple(section for road in ordinary for section in road.sections),

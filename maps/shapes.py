@@ -123,6 +123,15 @@ def between(left: Points, right: Points) -> Polygon | MultiPolygon:
     return areas(shapely.union_all([q if q.is_valid else q.convex_hull for q in quads or [polygon.buffer(0)]]))
 
 
+def strips(left: Points, right: Points) -> list[tuple[Polygon, float]]:
+    """The area between two edges cut across at their points, each part with its heading: that of the middle line there."""
+    ahead = np.diff((left + right) / 2, axis=0)
+    corners = np.stack([left[:-1], left[1:], right[1:], right[:-1]], axis=1)
+    parts = [part if part.is_valid else part.convex_hull for part in map(Polygon, corners)]
+    headings = np.arctan2(-ahead[:, 0], ahead[:, 1])
+    return [(part, float(heading)) for part, heading in zip(parts, headings, strict=True) if isinstance(part, Polygon) and part.area > 1e-9]
+
+
 def areas(shape: shapely.Geometry) -> Polygon | MultiPolygon:
     """What of a shape has an area."""
     if isinstance(shape, (Polygon, MultiPolygon)):

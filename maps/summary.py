@@ -27,7 +27,7 @@ def summary(network: Network) -> dict[str, object]:
     """
     kinds = Counter(m.type for i in network.intersections for m in i.maneuvers)
     merges = sum(m.connectingLane is None for road in network.roads for lane in road.lanes for m in lane.maneuvers)
-    west, south, east, north = shapely.total_bounds([element.polygon for element in network.elements.values()])
+    west, south, east, north = shapely.total_bounds([element.polygon for element in network.by_uid.values()])
     names = {"straight": ManeuverType.STRAIGHT, "left": ManeuverType.LEFT_TURN, "right": ManeuverType.RIGHT_TURN, "u_turn": ManeuverType.U_TURN}
     return {
         "roads": len(network.roads), "lanes": len(network.lanes), "lane_sections": len(network.laneSections),

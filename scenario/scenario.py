@@ -45,7 +45,7 @@ from ..simulators.actions import ACTIONS
 from ..simulators.protocol import Simulator
 from ..simulators.replays import replay_once
 from ..simulators.simulating import Failed
-from ..simulators.worlds import WORLDS
+from ..simulators.worlds import WORLDS, driving
 from .checking import check_whole
 from .conditioning import conditioned
 from .constants import constants_of, facts_of
@@ -93,8 +93,9 @@ class Scenario(Portable):
     @cached_property
     def settings(self) -> Settings:
         """What stays the same during the runs of this scenario."""
+        worlds = {**WORLDS, **driving.modules(self.program, self.params, self.directory)}
         library = library_of(
-            self.program, worlds=WORLDS, model=self.model, trust=self.trust, directory=self.directory,
+            self.program, worlds=worlds, model=self.model, trust=self.trust, directory=self.directory,
             dialect=self.program.dialect if self.program.dialect != "paper" else None,
         )
         world = None if self.model is None else module_named(self.model, library)

@@ -8,6 +8,7 @@ from importlib.resources import files
 
 from ...semantics.kernel.values import Native
 from ...semantics.python.builtins import BUILTINS
+from . import driving
 from .city import city
 from .gta import data
 
@@ -25,13 +26,6 @@ def gta_map() -> Mapping[str, object]:
         "MODELS": data.MODELS, "COLOR_WEIGHTS": data.COLOR_WEIGHTS, "WEATHER_WEIGHTS": data.WEATHER_WEIGHTS,
         "road": town.road_region(), "curb": town.curb_region(), "roadDirection": town.road_direction(),
     }
-
-
-def driving_actions() -> Mapping[str, object]:
-    """The actions of the paper's examples."""
-    from ..actions import ACTIONS
-
-    return ACTIONS
 
 
 OF_RELEASES = {**BUILTINS, "distributionFunction": Native("distributionFunction", lambda function: function)}
@@ -58,7 +52,7 @@ def simulators_of(name: str) -> Callable[[], str]:
 WORLDS: Mapping[str, Callable[[], str | Mapping[str, object]]] = {
     "scenic.simulators.gta.model": lambda: _text("gta/model.scenic"),
     "scenic.simulators.gta.map": gta_map,
-    "scenic.domains.driving.actions": driving_actions,
+    **driving.FIXED,
     "street": lambda: _text("street.scenic"),
     "gtaLib": lambda: "from scenic.simulators.gta.model import *\n",
     "scenic.simulators.newtonian.model": lambda: "",  # it has no classes or regions of its own

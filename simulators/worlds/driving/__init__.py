@@ -1,0 +1,89 @@
+"""The driving library: the map of a program, and the modules under the released library's names."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import cache, lru_cache
+from importlib.resources import files
+from pathlib import Path
+
+from ....maps import network as roads
+from ....maps.network import Network
+from ....maps.reading import read_map
+from ....semantics.kernel.errors import ImportRefused, ScenicError
+from ....semantics.syntax import Program
+from ....semantics.syntax.python_expressions import Call, Constant, Name
+from ....semantics.syntax.statements import Param
+from ...actions import ACTIONS
+
+MAP = "scenic.domains.driving.map"
+"""The module that gives `network`, the map of the program."""
+ROADS = (
+    "Network", "NetworkElement", "LinearElement", "Road", "LaneGroup", "Lane", "RoadSection", "LaneSection", "Sidewalk", "PedestrianCrossing",
+    "Shoulder", "Intersection", "Signal", "Maneuver", "ManeuverType", "VehicleType",
+)  # fmt: skip
+"""What the module `roads` gives."""
+
+
+@cache
+def text(name: str) -> str:
+    """A module in Scenic."""
+    return (files(__spec__.name if __spec__ else "scenic_ref.simulators.worlds.driving") / f"{name}.scenic").read_text(encoding="utf-8")
+
+
+@lru_cache(maxsize=4)
+def network_in(path: str, changed: int, size: int) -> Network:
+    """The network of a file as it was changed at that time."""
+    return read_map(path)
+
+
+def map_module(path: Path) -> Mapping[str, object] | Exception:
+    """The namespace of `MAP` for a file, or why it cannot be had."""
+    if path.suffix.lower() != ".xodr":
+        return ImportRefused(f"the map of a program is an OpenDRIVE file (.xodr), not {path.name}")
+    try:
+        now = path.stat()
+        return {"network": network_in(str(path), now.st_mtime_ns, now.st_size)}
+    except OSError as error:
+        return ImportRefused(f"the map {path} cannot be read: {error.strerror or error}")
+    except ScenicError as problem:
+        return ImportRefused(problem.message)
+
+
+def map_of(program: Program, params: Mapping[str, object], directory: Path | None) -> Path | Exception | None:
+    """The file that the global parameter `map` names, before the program runs; None if nothing does, and the default map is meant."""
+    given = params.get("map")
+    if given is not None:
+        return Path(given) if isinstance(given, str) else ImportRefused(f"the parameter map must be the path of a file, not {given!r}")
+    for statement in reversed(program.statements):
+        for one in statement.assignments if isinstance(statement, Param) else ():
+            if one.name != "map":
+                continue
+            match one.value:
+                case Constant(value=str() as path):
+                    return Path(path)
+                case Call(function=Name(name="localPath"), arguments=(Constant(value=str() as path),), keywords=()):
+                    return (directory or Path()) / path
+                case _:
+                    return ImportRefused("the parameter map must be a text, or localPath(a text): the map is read before the program runs")
+    return None
+
+
+def modules(program: Program, params: Mapping[str, object], directory: Path | None) -> Mapping[str, Callable[[], object]]:
+    """The modules that depend on the map of a program."""
+
+    def found() -> object:
+        path = map_of(program, params, directory)
+        if path is None:
+            return ImportRefused("the program names no map: write `param map = localPath('...')` before the model")
+        return path if isinstance(path, Exception) else map_module(path)
+
+    return {MAP: found}
+
+
+FIXED: Mapping[str, Callable[[], str | Mapping[str, object]]] = {
+    "scenic.domains.driving.actions": lambda: ACTIONS,
+    "scenic.domains.driving.roads": lambda: {name: getattr(roads, name) for name in ROADS},
+    "scenic.domains.driving.model": lambda: text("model"),
+}
+"""The modules that do not depend on a map."""
