@@ -112,7 +112,8 @@ def directed(points: Points, ahead: Points) -> PolylineRegion:
     """A directed line through points; an edge around which a lane turns is a short line in its direction."""
     found = simplified(joined(points))
     if np.hypot(*np.diff(found, axis=0).T).sum() < SHORTEST:
-        found = np.array([found[0], found[0] + ahead * (2 * SHORTEST / max(float(np.hypot(*ahead)), SHORTEST))])
+        length = float(np.hypot(*ahead))
+        found = np.array([found[0], found[0] + 2 * SHORTEST * (ahead / length if length > SHORTEST else np.array([1.0, 0.0]))])
     return PolylineRegion(points=[Vector(float(x), float(y)) for x, y in found])
 
 

@@ -100,11 +100,10 @@ def sampled(pieces: Sequence[Piece], width: float) -> Numbers:
             fine = np.linspace(0.0, piece.length, min(2000, max(33, int(piece.length) * 4)))
             _, _, direction = points(piece, fine)
             turns = np.abs(np.diff(np.unwrap(direction)))
-            turned = float(turns.sum())
             sharpest = float((turns / np.diff(fine)).max())
             outer = 1 + width * sharpest
             chord = math.sqrt(8 * CHORD / (sharpest * outer)) if sharpest > 1e-9 else piece.length
-            count = max(1, math.ceil(turned / TURN), math.ceil(piece.length / max(chord, 1e-3)))
+            count = max(1, math.ceil(piece.length * sharpest / TURN), math.ceil(piece.length / max(chord, 1e-3)))
         found.append(piece.s + np.linspace(0.0, piece.length, min(count, MOST_POINTS) + 1))
     return np.concatenate(found)
 

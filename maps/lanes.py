@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from .assembly import Assembly, Place, Section, directed
+from .assembly import SHORTEST, Assembly, Place, Section, directed, lane_name
 from .network import BikeLane, Lane, LaneGroup, LaneSection, LinearElement, Road, RoadSection, Shoulder, Sidewalk, complete, region
 from .opendrive import RoadRecord
 from .shapes import Points, SectionShape, between
@@ -27,8 +27,10 @@ def make_sections(net: Assembly, road: RoadRecord) -> None:
             forward = (id < 0) is not road.left_hand
             inner, outer = (lane.inner, lane.outer) if forward else (lane.inner[::-1], lane.outer[::-1])
             left, right = (outer, inner) if road.left_hand else (inner, outer)
-            if lane.width.max() > NARROWEST:
-                place = (road.id, i, id)
+            place = (road.id, i, id)
+            if float(np.hypot(*np.diff((left + right) / 2, axis=0).T).sum()) < SHORTEST:
+                net.notes.add("lanes without length, which are left out", lane_name(place))
+            elif lane.width.max() > NARROWEST:
                 net.sections[place] = Section(place, lane, forward, left, right, between(left, right))
 
 

@@ -290,9 +290,7 @@ def piece(element: Element) -> Piece:
     shape = next((c for c in element.children if c.name in SHAPES), None)
     if shape is None:
         raise MapError(f"line {element.line}: <geometry> must be one of {', '.join(SHAPES)}")
-    parameters = tuple(shape.number(name) for name in SHAPES[shape.name])
-    if any(abs(p) > FURTHEST for p in parameters):
-        raise MapError(f"line {shape.line}: a parameter of <{shape.name}> is out of range")
+    parameters = tuple(bounded(shape, name) for name in SHAPES[shape.name])
     if shape.name == "paramPoly3" and shape.text("pRange", "normalized") == "arcLength":
         parameters = (*parameters, 1.0)
     return Piece(s, x, y, math.remainder(heading, math.tau), length, shape.name, parameters)
@@ -305,9 +303,17 @@ SHAPES: Mapping[str, tuple[str, ...]] = {
 """The kinds of pieces of a reference line, with their parameters."""
 
 
+def bounded(element: Element, name: str) -> float:
+    """A number of a map. Raises `MapError` where nothing can be so large."""
+    found = element.number(name)
+    if abs(found) > FURTHEST:
+        raise MapError(f"line {element.line}: {name} of <{element.name}> is out of range")
+    return found
+
+
 def profile(elements: Iterator[Element], place: str, start: float) -> Profile:
     """A piecewise cubic function; `place` is the attribute that says where each piece begins, counted from `start`."""
-    pieces = [Cubic(start + e.number(place), *(e.number(name) for name in "abcd")) for e in elements]
+    pieces = [Cubic(start + bounded(e, place), *(bounded(e, name) for name in "abcd")) for e in elements]
     return Profile(tuple(sorted(pieces, key=lambda piece: piece.start)))
 
 

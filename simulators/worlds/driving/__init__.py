@@ -8,6 +8,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from ....maps import network as roads
+from ....maps import paths
 from ....maps.network import Network
 from ....maps.reading import read_map
 from ....semantics.kernel.errors import ImportRefused, ScenicError
@@ -84,6 +85,8 @@ def modules(program: Program, params: Mapping[str, object], directory: Path | No
 FIXED: Mapping[str, Callable[[], str | Mapping[str, object]]] = {
     "scenic.domains.driving.actions": lambda: ACTIONS,
     "scenic.domains.driving.roads": lambda: {name: getattr(roads, name) for name in ROADS},
+    "scenic.domains.driving.paths": lambda: {"Path": paths.Path},
+    "scenic.domains.driving.behaviors": lambda: text("behaviors"),
     "scenic.domains.driving.model": lambda: text("model"),
 }
 """The modules that do not depend on a map."""

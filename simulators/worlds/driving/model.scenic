@@ -1,8 +1,11 @@
 # The driving library: a road network, and the classes of what is on it (the released library's names; docs/worlds.md).
 
+import math
 from scenic.domains.driving.map import network
+from scenic.domains.driving.paths import Path
 from scenic.domains.driving.roads import *
 from scenic.domains.driving.actions import *
+from scenic.domains.driving.behaviors import *
 
 road = network.drivableRegion
 curb = network.curbRegion
@@ -85,6 +88,38 @@ class DrivingObject:
     @property
     def _element(self):
         return network.elementAt(self.position)
+
+    # The gap to the next object ahead on the way along the lane; infinite if there is none.
+    def distanceToNextObstacle(self):
+        lane = self._lane
+        gap = math.inf
+        if lane is None:
+            return gap
+        ways = [lane] + [m.connectingLane if m.connectingLane is not None else m.endLane for m in lane.maneuvers]
+        for way in ways:
+            path = Path([lane]) if way is lane else Path([lane, way])
+            here = path.along(self.position)
+            for other in simulation().objects:
+                there = path.along(other.position)
+                if other is not self and there > here and (distance from other to path.point(there)) < 2:
+                    gap = min(gap, there - here - (self.length + other.length) / 2)
+        return max(0, gap)
+
+    # The least time in which another object is met, if both go on as they do; infinite if none is.
+    def timeToCollision(self):
+        least = math.inf
+        for other in simulation().objects:
+            if other is self:
+                continue
+            apart = other.position - self.position
+            toward = self.velocity - other.velocity
+            closing = apart.dot(toward)
+            if closing <= 0:
+                continue
+            time = closing / toward.dot(toward)
+            if (apart - toward * time).norm() < (self.width + other.width) / 2 + 0.5:
+                least = min(least, max(0, apart.norm() - (self.length + other.length) / 2) / toward.norm())
+        return least
 
 class Vehicle(DrivingObject):
     regionContainedIn: roadOrShoulder

@@ -1,0 +1,121 @@
+# Behaviors of the driving library: the released library's, and those that the paper names. Speeds in m/s, distances in metres.
+
+from scenic.domains.driving.map import network
+from scenic.domains.driving.roads import *
+from scenic.domains.driving.actions import *
+from scenic.domains.driving.paths import Path
+
+roadOrShoulder = network.drivableRegion.union(network.shoulderRegion)
+
+# The actions that keep a vehicle on a path, `place` metres along it, at a speed; it slows down before bends.
+def following(car, path, place, speed):
+    error = min(speed, path.speed_limit(place)) - car.speed
+    steer = path.steering(car.position, car.heading, car.speed, car.length, place)
+    return (SetThrottleAction(max(0, min(1, error / 2))), SetBrakeAction(max(0, min(1, -error / 3))), SetSteerAction(steer))
+
+# How lanes go on: straight, if they can.
+def onward(lane):
+    straight = [m for m in lane.maneuvers if m.type is ManeuverType.STRAIGHT]
+    return straight if straight else lane.maneuvers
+
+behavior StopBehavior():
+    while True:
+        take SetThrottleAction(0), SetBrakeAction(1)
+
+behavior ConstantThrottleBehavior(x):
+    take SetThrottleAction(x), SetReverseAction(False), SetHandBrakeAction(False)
+
+behavior AccelerateForwardBehavior():
+    take SetReverseAction(False), SetHandBrakeAction(False), SetThrottleAction(0.5)
+
+# To the end of a trajectory (lanes, lines or points, in order), slower in bends: at most at `turn_speed`, if it is given.
+behavior FollowTrajectoryBehavior(target_speed=10, trajectory=None, turn_speed=None):
+    assert trajectory is not None, 'FollowTrajectoryBehavior needs a trajectory'
+    path = Path(trajectory)
+    place = path.along(self.position)
+    while place < path.length - 1:
+        bend = turn_speed is not None and path.speed_limit(place) < target_speed
+        take following(self, path, place, turn_speed if bend else target_speed)
+        place = path.along(self.position, place)
+
+behavior TurnBehavior(trajectory, target_speed=6):
+    do FollowTrajectoryBehavior(target_speed, trajectory)
+
+# Along a lane, straight on where it goes on (else by some maneuver), until the road ends; then the vehicle stops.
+behavior FollowLaneBehavior(target_speed=10, laneToFollow=None, is_oppositeTraffic=False):
+    invariant: self in roadOrShoulder
+    lane = self.lane if laneToFollow is None else laneToFollow
+    while not is_oppositeTraffic and len(lane.maneuvers) > 0:
+        maneuver = Uniform(*onward(lane))
+        parts = [lane, maneuver.endLane] if maneuver.connectingLane is None else [lane, maneuver.connectingLane, maneuver.endLane]
+        path = Path(parts)
+        end = path.length - maneuver.endLane.centerline.length
+        place = path.along(self.position)
+        while place < end:
+            take following(self, path, place, target_speed)
+            place = path.along(self.position, place)
+        lane = maneuver.endLane
+    path = Path([lane], is_oppositeTraffic)
+    place = path.along(self.position)
+    while place < path.length - 5:
+        take following(self, path, place, target_speed)
+        place = path.along(self.position, place)
+    do StopBehavior()
+
+# Into a section of a lane, which need not be beside the own one, and a little further.
+behavior LaneChangeBehavior(laneSectionToSwitch, is_oppositeTraffic=False, target_speed=10):
+    lane = Path([laneSectionToSwitch.lane], is_oppositeTraffic)
+    begin = lane.along(self.position) + max(10, 1.5 * self.speed)
+    path = Path([self.position, lane.point(begin), lane.point(begin + 20)])
+    place = 0
+    while place < path.length - 18:
+        take following(self, path, place, target_speed)
+        place = path.along(self.position, place)
+
+behavior DriveAvoidingCollisions(target_speed=25, avoidance_threshold=10):
+    try:
+        do FollowLaneBehavior(target_speed)
+    interrupt when self.distanceToNextObstacle() <= avoidance_threshold:
+        take SetThrottleAction(0), SetBrakeAction(1)
+
+behavior FollowLaneAvoidingCollisions():
+    do DriveAvoidingCollisions(10, 8)
+
+behavior WalkForwardBehavior(speed=0.5):
+    while True:
+        take SetWalkingDirectionAction(self.heading), SetWalkingSpeedAction(speed)
+
+# A pedestrian who begins to walk when another object comes near.
+behavior CrossingBehavior(reference_actor, min_speed=1, threshold=10, final_speed=None):
+    while (distance from self to reference_actor) > threshold:
+        take SetWalkingSpeedAction(0)
+    do WalkForwardBehavior(min_speed if final_speed is None else final_speed)
+
+# Past what is ahead: over to the next lane for passing (of the other direction, if there is no other), and back.
+behavior PassingBehavior(target_speed=12):
+    own = self.laneSection
+    other = own._fasterLane if own._fasterLane is not None else own._laneToLeft
+    if other is None:
+        do FollowLaneBehavior(5) for 1 seconds
+    else:
+        opposite = other.isForward is not own.isForward
+        do LaneChangeBehavior(other, opposite, target_speed)
+        do FollowLaneBehavior(target_speed, other.lane, opposite) for 2 seconds
+        do LaneChangeBehavior(own, False, target_speed)
+
+behavior CollisionAvoidance():
+    do StopBehavior() until self.timeToCollision() > 5 or self.speed < 0.1
+    take SetThrottleAction(0), SetBrakeAction(1)
+
+behavior GetBackOntoRoad():
+    nearest = min(network.lanes, key=lambda lane: lane.distance_to(self.position))
+    path = Path([nearest])
+    while not (self in roadOrShoulder):
+        take following(self, path, path.along(self.position), 3)
+
+behavior TurnLeftBehavior():
+    lane = self.lane
+    left = [m for m in lane.maneuvers if m.type is ManeuverType.LEFT_TURN]
+    require len(left) > 0
+    maneuver = Uniform(*left)
+    do TurnBehavior([lane, maneuver.connectingLane, maneuver.endLane]) until self in maneuver.endLane
