@@ -21,13 +21,13 @@ from ..semantics.space.fields import Cell, PolygonalVectorField, VectorField
 from ..semantics.space.numeric import lifted
 from ..semantics.space.regions import PolygonalRegion, PolylineRegion, Region, nowhere
 from ..semantics.space.vectors import Vector
-from .shapes import areas, united
+from .shapes import united
 
 TURN = math.radians(20)
 """The change of direction from which on a maneuver is a turn."""
 
 T = TypeVar("T")
-HIDDEN = frozenset({"polygon", "by_id", "by_uid", "first", "_tree", "strips", "gaps", "scenic_names"})
+HIDDEN = frozenset({"polygon", "by_id", "by_uid", "first", "_tree", "strips", "gaps", "nearest", "scenic_names"})
 """What is no matter of programs."""
 
 
@@ -389,15 +389,21 @@ class Intersection(NetworkElement):
 
     @lifted(float)
     def heading_at(self, v: Vector) -> float:
-        """That of the nearest connecting lane, the first of several."""
-        lanes = [m.connectingLane for m in self.maneuvers if m.connectingLane is not None]
-        return min(lanes, key=lambda lane: lane.distance_to(v)).heading_at(v)
+        """That of the nearest connecting lane, the first of several; where there is none, in triangles of their middle's heading."""
+        return self.network.roadDirection.at(v) if self.contains_point(v) else self.nearest(v).heading_at(v)
 
-    def gaps(self) -> Polygon | MultiPolygon | None:
-        """What of it is on no connecting lane."""
+    def nearest(self, v: Vector) -> Lane:
+        """The nearest connecting lane, the first of several."""
+        lanes = [m.connectingLane for m in self.maneuvers if m.connectingLane is not None]
+        return min(lanes, key=lambda lane: lane.distance_to(v))
+
+    def gaps(self) -> list[Cell]:
+        """What of it is on no connecting lane, in triangles with the direction of the nearest one at the middle of each."""
         lanes = shapely.union_all([m.connectingLane.polygon for m in self.maneuvers if m.connectingLane is not None])
-        left = areas(shapely.difference(self.polygon, lanes))
-        return None if left.is_empty else left
+        left = shapely.difference(self.polygon, lanes)
+        triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(left)) if not left.is_empty else ()
+        middles = ((part, Vector(part.centroid.x, part.centroid.y)) for part in triangles if part.area > 1e-6)
+        return [(part, self.nearest(middle).heading_at(middle)) for part, middle in middles]
 
     def maneuversAt(self, point: object) -> tuple[Maneuver, ...]:
         """The maneuvers whose connecting lanes have a point; of the nearest one, if none has it."""
@@ -546,6 +552,11 @@ class Network(Fixed):
         return region((*self.lanes, *self.roads, *self.intersections), "drivableRegion", self.roadDirection)
 
     @cached_property
+    def roadOrShoulder(self) -> Region:
+        """All that is drivable, and shoulders, oriented along traffic."""
+        return region((*self.lanes, *self.roads, *self.intersections, *self.shoulders), "roadOrShoulder", self.roadDirection)
+
+    @cached_property
     def walkableRegion(self) -> Region:
         """Sidewalks and crosswalks."""
         return region((*self.sidewalks, *self.crossings), "walkableRegion")
@@ -562,7 +573,7 @@ class Network(Fixed):
         within = [lane for i in self.intersections for lane in dict.fromkeys(m.connectingLane for m in i.maneuvers) if lane is not None]
         others = [lane for lane in self.lanes if lane not in set(within)]
         cells: list[Cell] = [cell for lane in within for cell in lane.strips]
-        cells += [(gap, i.heading_at) for i in self.intersections for gap in (i.gaps(),) if gap is not None]
+        cells += [cell for i in self.intersections for cell in i.gaps()]
         cells += [cell for element in (*others, *self.shoulders) for cell in element.strips]
         return PolygonalVectorField("roadDirection", cells, defaultHeading=0.0)
 

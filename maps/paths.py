@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterable
 
 import numpy as np
-import shapely
 from shapely.geometry import LineString, Point
 from shapely.ops import substring
 
@@ -57,10 +56,9 @@ class Path(Fixed):
         """How many metres along the path the point nearest to a position is; near the `last` such place, if that is given."""
         v = vector(position)
         if last is None:
-            return float(shapely.line_locate_point(self.line, Point(v.x, v.y)))
+            return float(self.line.project(Point(v.x, v.y)))
         low, high = max(0.0, last - BEHIND), min(self.length, last + AHEAD)
-        part = substring(self.line, low, high)
-        return low + float(shapely.line_locate_point(part, Point(v.x, v.y)))
+        return low + float(substring(self.line, low, high).project(Point(v.x, v.y)))
 
     def point(self, place: float) -> Vector:
         """The point that many metres along the path; behind its end it goes on straight."""

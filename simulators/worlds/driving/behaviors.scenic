@@ -5,7 +5,7 @@ from scenic.domains.driving.roads import *
 from scenic.domains.driving.actions import *
 from scenic.domains.driving.paths import Path
 
-roadOrShoulder = network.drivableRegion.union(network.shoulderRegion)
+roadOrShoulder = network.roadOrShoulder
 
 # The actions that keep a vehicle on a path, `place` metres along it, at a speed; it slows down before bends.
 def following(car, path, place, speed):
