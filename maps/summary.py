@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 
 from ..semantics.space.regions import PolylineRegion
-from .network import Intersection, Lane, LinearElement, ManeuverType, Network, Road
+from .network import Lane, LinearElement, ManeuverType, Network, Road
 
 JOINT, TURNED = 0.01, math.radians(1)
 """Metres, and radians, by which lanes may differ where one leads to the other."""
@@ -45,7 +45,7 @@ def faults(network: Network) -> Iterator[str]:
         yield from bad_joints(lane)
     yield from overlaps(network.roads)
     for lane in network.lanes:
-        yield from unreachable(lane, network)
+        yield from unreachable(lane)
 
 
 def bad_joints(lane: Lane) -> Iterator[str]:
@@ -86,12 +86,13 @@ def overlaps(roads: Sequence[Road]) -> Iterator[str]:
             yield f"{roads[i].uid} and {roads[j].uid} overlap in {shared:.1f} m²"
 
 
-def unreachable(lane: Lane, network: Network) -> Iterator[str]:
-    """That no lane leads to a lane, or from it, though its road goes on there."""
-    forward = lane.sections[0].isForward
-    before, after = (lane.road._predecessor, lane.road._successor) if forward else (lane.road._successor, lane.road._predecessor)
-    whole = len(lane.sections) == len(lane.road.sections) or isinstance(before, Intersection)
-    if before is not None and whole and lane._predecessor is None:
+def unreachable(lane: Lane) -> Iterator[str]:
+    """That no lane leads to a lane, or from it, though its road goes on there; a lane may begin, or end, along its road."""
+    road, ends = lane.road, (lane.road.sections[0], lane.road.sections[-1])
+    (first, before), (last, after) = (ends[0], road._predecessor), (ends[1], road._successor)
+    if not lane.sections[0].isForward:
+        (first, before), (last, after) = (last, after), (first, before)
+    if before is not None and lane.sections[0] in first.lanes and lane._predecessor is None:
         yield f"no lane leads to {lane.uid}"
-    if after is not None and not lane.maneuvers and lane._successor is None:
+    if after is not None and lane.sections[-1] in last.lanes and not lane.maneuvers and lane._successor is None:
         yield f"{lane.uid} leads nowhere"
