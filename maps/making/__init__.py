@@ -1,0 +1,147 @@
+"""A writer of road maps: OpenDRIVE files of a few kinds, from parameters.
+
+    made("crossing", lanes=2, sidewalks=True)
+
+Metres, x to the East and y to the North. Every junction has one road for each way from a lane to a lane, and lanes meet exactly.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from . import kinds
+from .roads import Road
+from .streets import Style
+from .writing import written
+
+__all__ = ["KINDS", "Kind", "Parameter", "made"]
+
+Value = bool | int | float
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter: its default, whose type it has, the least and the largest value of a number, and what it is."""
+
+    default: Value
+    about: str
+    least: float = -math.inf
+    most: float = math.inf
+
+    def checked(self, name: str, value: object) -> Value:
+        """The value. Raises `ValueError` if it is none of this parameter."""
+        if isinstance(self.default, bool):
+            if not isinstance(value, bool):
+                raise ValueError(f"{name} must be True or False, not {value!r}")
+            return value
+        wanted = "a whole number" if isinstance(self.default, int) else "a number"
+        if isinstance(value, bool) or not isinstance(value, int if isinstance(self.default, int) else (int, float)):
+            raise ValueError(f"{name} must be {wanted}, not {value!r}")
+        if not (math.isfinite(value) and self.least <= value <= self.most):
+            raise ValueError(f"{name} must be {wanted} from {self.least:g} to {self.most:g}, not {value!r}")
+        return type(self.default)(value)
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of map: what it is, its parameters, and the function that lays out its roads."""
+
+    description: str
+    parameters: Mapping[str, Parameter]
+    roads: Callable[..., list[Road]]
+
+
+def leg(default: float) -> Parameter:
+    """The length of legs."""
+    return Parameter(default, "metres from the middle of a junction to the end of a leg", 10, 10_000)
+
+
+LANES = {
+    "lanes": Parameter(1, "lanes for each direction", 1, 4),
+    "lane_width": Parameter(3.5, "metres", 2, 6),
+}
+LEFT_HAND = {"left_hand": Parameter(False, "whether traffic keeps to the left")}
+STREETS = {
+    **LANES,
+    "radius": Parameter(6.0, "metres, of the curbs at corners", 0.5, 200),
+    "sidewalks": Parameter(True, "whether there are sidewalks"),
+    "shoulders": Parameter(False, "whether there are shoulders"),
+    "bike_lanes": Parameter(False, "whether there are bike lanes"),
+    "signals": Parameter(False, "whether there are traffic lights before junctions"),
+    "crosswalks": Parameter(False, "whether there are crosswalks before junctions"),
+    **LEFT_HAND,
+}
+BLOCKS = {
+    "rows": Parameter(3, "junctions from South to North", 1, 50),
+    "columns": Parameter(3, "junctions from West to East", 1, 50),
+    "block": Parameter(80.0, "metres between the middles of junctions", 10, 10_000),
+    "leg": leg(60.0),
+}
+LEGS = {"legs": Parameter(4, "legs", 3, 4), "leg": leg(80.0)}
+
+KINDS: Mapping[str, Kind] = MappingProxyType(
+    {
+        "grid": Kind(
+            "straight streets that cross at right angles",
+            {**BLOCKS, "one_way": Parameter(False, "whether streets are one-way, each in the other direction than those beside it"), **STREETS},
+            kinds.grid,
+        ),
+        "crossing": Kind("one junction of four streets, or of three at equal angles", {**LEGS, **STREETS}, kinds.crossing),
+        "t": Kind("one junction of a street from West to East and one from the South", {"leg": leg(80.0), **STREETS}, kinds.t),
+        "roundabout": Kind(
+            "a ring of one-way roads, with a junction for each leg",
+            {**LEGS, "island": Parameter(15.0, "metres, the radius of the island in its middle", 3, 500), **STREETS},
+            kinds.roundabout,
+        ),
+        "highway": Kind(
+            "two carriageways, with an on-ramp and an off-ramp",
+            {
+                **LANES,
+                "lanes": Parameter(2, "lanes for each direction", 1, 4),
+                "radius": Parameter(50.0, "metres, of the ramps", 15, 1000),
+                "leg": Parameter(150.0, "metres of the highway before and after the ramps, and of the straight part of these", 10, 10_000),
+                "ramp_lane": Parameter(100.0, "metres of the lanes before and after a ramp, without their tapers", 10, 10_000),
+                "taper": Parameter(50.0, "metres in which these lanes end and begin", 10, 10_000),
+                "shoulders": Parameter(True, "whether there are shoulders"),
+                **LEFT_HAND,
+            },
+            kinds.highway,
+        ),
+        "suburb": Kind(
+            "winding streets, some of them dead ends, with junctions of three and of four",
+            {
+                **BLOCKS,
+                "rows": Parameter(3, "places for junctions from South to North", 2, 20),
+                "columns": Parameter(3, "places for junctions from West to East", 2, 20),
+                "block": Parameter(100.0, "metres between these places, about", 10, 10_000),
+                "seed": Parameter(0, "of the random choices", 0, 2**63),
+                **STREETS,
+            },
+            kinds.suburb,
+        ),
+    }
+)
+"""The kinds of maps by their names."""  # fmt: skip
+
+
+def made(kind: str, **parameters: Value) -> str:
+    """The text of an OpenDRIVE 1.6 file: the same for the same parameters. Those that are not given have their defaults (`KINDS`).
+
+    Raises `ValueError` for another kind or parameter, a value out of range, and values that do not fit together.
+    """
+    if kind not in KINDS:
+        raise ValueError(f"there is no kind of map {kind!r}: there are {', '.join(KINDS)}")
+    known = KINDS[kind].parameters
+    for name in parameters:
+        if name not in known:
+            raise ValueError(f"maps of the kind {kind} have no parameter {name!r}: they have {', '.join(known)}")
+    values = {name: parameter.checked(name, parameters.get(name, parameter.default)) for name, parameter in known.items()}
+    left_hand = bool(values.pop("left_hand"))
+    common = [field.name for field in dataclasses.fields(Style)]
+    if all(name in values for name in common):
+        values = {"style": Style(**{name: values.pop(name) for name in common}), **values}  # type: ignore[arg-type]
+    return written(KINDS[kind].roads(**values), kind, left_hand)

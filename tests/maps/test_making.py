@@ -1,0 +1,428 @@
+"""Maps that are made: their text is read here by itself, and linked lanes meet, in place, direction and width."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import xml.etree.ElementTree as ET
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import pytest
+from scenic_ref.maps.making import KINDS, made
+from scipy.integrate import quad
+from scipy.special import fresnel
+
+METRES, RADIANS = 1e-3, 1e-3
+DRIVEN = {"driving", "entry", "exit", "onRamp", "offRamp"}
+ALL = {"sidewalks": True, "shoulders": True, "bike_lanes": True, "signals": True, "crosswalks": True}
+BARE = dict.fromkeys(ALL, False)
+
+Pose = tuple[float, float, float]
+
+
+def after_spiral(length: float, first: float, last: float) -> Pose:
+    """Where a spiral ends that begins at the origin to the East, by Fresnel's integrals: the angle is (rate s² + 2 first s) / 2."""
+    rate = (last - first) / length
+    begin, scale = first / abs(rate), math.sqrt(math.pi / abs(rate))
+    sign = math.copysign(1, rate)
+    (s1, c1), (s0, c0) = fresnel((sign * begin + length) / scale), fresnel(sign * begin / scale)
+    back = -first * first / (2 * rate)
+    x, y = scale * (c1 - c0), sign * scale * (s1 - s0)
+    turned = first * length + rate * length * length / 2
+    return x * math.cos(back) - y * math.sin(back), x * math.sin(back) + y * math.cos(back), turned
+
+
+def after(geometry: ET.Element) -> Pose:
+    """Where a piece of a reference line ends, in its own coordinates."""
+    [shape], length = geometry, float(geometry.get("length", ""))
+    value = {name: float(text) for name, text in shape.attrib.items() if name != "pRange"}
+    match shape.tag:
+        case "line":
+            return length, 0.0, 0.0
+        case "arc":
+            k = value["curvature"]
+            return math.sin(k * length) / k, (1 - math.cos(k * length)) / k, k * length
+        case "spiral":
+            return after_spiral(length, value["curvStart"], value["curvEnd"])
+        case "paramPoly3":
+            assert shape.get("pRange") == "normalized"
+            slope = [(value[f"b{c}"], 2 * value[f"c{c}"], 3 * value[f"d{c}"]) for c in "UV"]
+            along = quad(lambda p: math.hypot(*(b + p * (c + p * d) for b, c, d in slope)), 0, 1)[0]
+            assert 0 <= along - length < 2e-6
+            u, v = (sum(value[f"{name}{c}"] for name in "abcd") for c in "UV")
+            return u, v, math.atan2(sum(slope[1]), sum(slope[0]))
+    raise AssertionError(shape.tag)
+
+
+def placed(geometry: ET.Element, local: Pose) -> Pose:
+    x, y, heading = (float(geometry.get(name, "")) for name in ("x", "y", "hdg"))
+    u, v, turned = local
+    return x + u * math.cos(heading) - v * math.sin(heading), y + u * math.sin(heading) + v * math.cos(heading), heading + turned
+
+
+@dataclass
+class Lane:
+    """A lane of a section at its beginning and its end: offsets of the inner and the outer edge, to the left."""
+
+    type: str
+    links: dict[str, int]
+    edges: tuple[tuple[float, float], tuple[float, float]]
+
+
+class Map:
+    """A file, read."""
+
+    def __init__(self, text: str) -> None:
+        self.root = ET.fromstring(text)
+        self.roads = {int(road.get("id", "")): road for road in self.root.iter("road")}
+        self.junctions = {int(junction.get("id", "")): junction for junction in self.root.iter("junction")}
+        [self.rule] = {road.get("rule") for road in self.roads.values()}
+        self.ends = {id: self.checked_line(road) for id, road in self.roads.items()}
+        self.sections = {id: list(self.lanes(road)) for id, road in self.roads.items()}
+
+    def checked_line(self, road: ET.Element) -> tuple[Pose, Pose]:
+        """The ends of the reference line, whose pieces follow each other."""
+        pieces = list(road.iter("geometry"))
+        total = 0.0
+        for piece in pieces:
+            assert float(piece.get("s", "")) == pytest.approx(total, abs=1e-9)
+            assert float(piece.get("length", "")) > 1e-7
+            total += float(piece.get("length", ""))
+        assert float(road.get("length", "")) == pytest.approx(total, abs=1e-9)
+        for one, other in itertools.pairwise(pieces):
+            assert gap(placed(one, after(one)), placed(other, (0.0, 0.0, 0.0))) < METRES
+        return placed(pieces[0], (0.0, 0.0, 0.0)), placed(pieces[-1], after(pieces[-1]))
+
+    def lanes(self, road: ET.Element) -> Iterator[dict[int, Lane]]:
+        sections = list(road.iter("laneSection"))
+        starts = [float(section.get("s", "")) for section in sections] + [float(road.get("length", ""))]
+        assert starts == sorted(starts)
+        for section, start, end in zip(sections, starts, starts[1:], strict=False):
+            found: dict[int, Lane] = {}
+            for side, sign in (("left", 1), ("right", -1)):
+                lanes = {int(lane.get("id", "")): lane for lane in section.iterfind(f"{side}/lane")}
+                assert sorted(sign * id for id in lanes) == list(range(1, len(lanes) + 1))
+                offset = [0.0, 0.0]
+                for id in sorted(lanes, key=abs):
+                    [width] = lanes[id].iterfind("width")
+                    a, b, c, d = (float(width.get(name, "")) for name in "abcd")
+                    widths = [a + x * (b + x * (c + x * d)) for x in (0.0, end - start)]
+                    assert min(widths) > -1e-9
+                    outer = [o + sign * w for o, w in zip(offset, widths, strict=True)]
+                    links = {link.tag: int(link.get("id", "")) for link in lanes[id].iterfind("link/*")}
+                    found[id] = Lane(lanes[id].get("type", ""), links, ((offset[0], outer[0]), (offset[1], outer[1])))
+                    offset = outer
+            yield found
+
+    def along(self, id: int) -> bool:
+        """Whether traffic on a lane goes along the reference line."""
+        return (id < 0) == (self.rule == "RHT")
+
+    def edges(self, road: int, contact: str, id: int) -> list[Pose]:
+        """Inner edge, middle and outer edge of a lane at an end of a road; directions are those of traffic."""
+        last = contact == "end"
+        x, y, heading = self.ends[road][last]
+        inner, outer = self.sections[road][-1 if last else 0][id].edges[last]
+        direction = heading if self.along(id) else heading + math.pi
+        return [(x - t * math.sin(heading), y + t * math.cos(heading), direction) for t in (inner, (inner + outer) / 2, outer)]
+
+    def joints(self) -> Iterator[tuple[tuple[int, str, int], tuple[int, str, int]]]:
+        """Ends of lanes that are linked: road, end, lane."""
+        for id, road in self.roads.items():
+            for tag, contact in (("predecessor", "start"), ("successor", "end")):
+                other = road.find(f"link/{tag}")
+                for lane, found in self.sections[id][0 if contact == "start" else -1].items():
+                    if other is not None and other.get("elementType") == "road" and tag in found.links:
+                        yield (id, contact, lane), (int(other.get("elementId", "")), other.get("contactPoint", ""), found.links[tag])
+                    else:
+                        assert tag not in found.links
+
+    def lane(self, road: int, contact: str, id: int) -> Lane:
+        return self.sections[road][-1 if contact == "end" else 0][id]
+
+    def mouths(self) -> Iterator[tuple[int, int, str]]:
+        """Junction, road, end: where roads that are in no junction meet one."""
+        for id, road in self.roads.items():
+            for tag, contact in (("predecessor", "start"), ("successor", "end")):
+                link = road.find(f"link/{tag}")
+                if link is not None and link.get("elementType") == "junction":
+                    yield int(link.get("elementId", "")), id, contact
+
+    def turned(self, road: int) -> float:
+        """Radians by which a road turns, to the left."""
+        return sum(after(piece)[2] for piece in self.roads[road].iter("geometry"))
+
+
+def ends_of(read: Map, road: int) -> tuple[tuple[int, str], tuple[int, str]]:
+    """What the beginning and the end of a road of a junction meet."""
+    links = [read.roads[road].find(f"link/{tag}") for tag in ("predecessor", "successor")]
+    one, other = ((int(link.get("elementId", "")), link.get("contactPoint", "")) for link in links if link is not None)
+    return one, other
+
+
+def gap(one: Pose, other: Pose) -> float:
+    """Metres between two points whose directions are the same."""
+    assert abs(math.remainder(one[2] - other[2], math.tau)) < RADIANS
+    return math.dist(one[:2], other[:2])
+
+
+def largest_gap(read: Map) -> float:
+    """The largest distance between edges or middles of linked lanes; directions are equal, and traffic goes on in them.
+
+    Sidewalks, shoulders and medians have no direction.
+    """
+    gaps = [0.0]
+    for one, other in read.joints():
+        types = {read.lane(*end).type for end in (one, other)}
+        assert len(types) == 1 or types <= DRIVEN
+        if not types & {"sidewalk", "shoulder", "median"}:
+            assert ((one[1] == "end") == read.along(one[2])) != ((other[1] == "end") == read.along(other[2]))
+            gaps += [gap(*pair) for pair in zip(read.edges(*one), read.edges(*other), strict=True)]
+        else:
+            gaps += [min(math.dist(a[:2], b[:2]) for b in read.edges(*other)) for a in read.edges(*one)]
+    return max(gaps)
+
+
+CASES = [
+    *[(kind, {}) for kind in KINDS],
+    *[(kind, {"left_hand": True}) for kind in KINDS],
+    *[(kind, ALL) for kind in KINDS if kind != "highway"],
+    *[(kind, {**ALL, "lanes": 2, "left_hand": True}) for kind in KINDS if kind != "highway"],
+    *[(kind, {**BARE, "radius": 1.0}) for kind in KINDS if kind != "highway"],
+    *[("crossing", {"lanes": lanes, "legs": legs, "lane_width": 3.1}) for lanes in (2, 3, 4) for legs in (3, 4)],
+    *[("t", {"lanes": lanes, "shoulders": True}) for lanes in (2, 3, 4)],
+    *[("grid", {"rows": 2, "columns": 2, "one_way": True, "lanes": lanes, **more}) for lanes in (1, 2, 3) for more in (ALL, BARE)],
+    ("grid", {"rows": 3, "columns": 2, "one_way": True, "left_hand": True, **ALL}),
+    *[("roundabout", {"lanes": lanes, "legs": legs, "island": 30.0, **more}) for lanes in (1, 2, 3) for legs in (3, 4) for more in (ALL, BARE)],
+    *[
+        ("highway", {"lanes": lanes, "shoulders": shoulders, "left_hand": left})
+        for lanes in (1, 3, 4)
+        for shoulders in (True, False)
+        for left in (True, False)
+    ],
+    *[("suburb", {"seed": seed, **more}) for seed in range(1, 7) for more in ({}, {**ALL, "left_hand": True})],
+    ("suburb", {"seed": 9, "rows": 5, "columns": 4, "lanes": 2, "block": 130.0}),
+]
+EACH = pytest.mark.parametrize("kind, parameters", CASES, ids=str)
+
+
+@EACH
+def test_linked_lanes_meet_within_a_millimetre(kind: str, parameters: dict[str, float]):
+    read = Map(made(kind, **parameters))
+    assert list(read.joints())
+    assert largest_gap(read) < METRES
+
+
+@pytest.mark.parametrize("attribute, by", [("x", 2 * METRES), ("y", 2 * METRES), ("hdg", 2 * RADIANS)])
+def test_what_does_not_meet_is_found(attribute: str, by: float):
+    read = Map(made("crossing"))
+    geometry = read.roads[501].find("planView/geometry")
+    assert geometry is not None
+    geometry.set(attribute, str(float(geometry.get(attribute, "")) + by))
+    moved = Map(ET.tostring(read.root, encoding="unicode"))
+    if attribute == "hdg":
+        with pytest.raises(AssertionError):
+            largest_gap(moved)
+    else:
+        assert largest_gap(moved) > METRES
+
+
+@EACH
+def test_junctions_connect_what_their_roads_do(kind: str, parameters: dict[str, float]):
+    read = Map(made(kind, **parameters))
+    mouths = set(read.mouths())
+    inside = {int(road.get("id", "")): int(road.get("junction", "")) for road in read.roads.values() if road.get("junction") != "-1"}
+    connected = []
+    for id, junction in read.junctions.items():
+        for connection in junction.iter("connection"):
+            incoming, road = int(connection.get("incomingRoad", "")), int(connection.get("connectingRoad", ""))
+            one, other = ends_of(read, road)
+            assert (inside[road], connection.get("contactPoint"), incoming) == (id, "start", one[0])
+            assert {(id, *one), (id, *other)} <= mouths
+            links = {int(link.get("to", "")): int(link.get("from", "")) for link in connection.iter("laneLink")}
+            assert links == {lane: found.links["predecessor"] for lane, found in read.sections[road][0].items() if read.along(lane)}
+            connected.append(road)
+    assert sorted(connected) == sorted(inside)
+
+
+@EACH
+def test_every_lane_goes_on_and_comes_from_somewhere_at_junctions(kind: str, parameters: dict[str, float]):
+    """So do sidewalks, round corners, once each."""
+    read = Map(made(kind, **parameters))
+    met = Counter(end for joint in read.joints() for end in joint[1:])
+    for _, road, contact in read.mouths():
+        for id, lane in read.sections[road][-1 if contact == "end" else 0].items():
+            if lane.type in DRIVEN:
+                assert met[road, contact, id] > 0
+            elif lane.type == "sidewalk":
+                assert met[road, contact, id] == 1
+
+
+@EACH
+def test_ways_through_junctions_neither_loop_nor_turn_round(kind: str, parameters: dict[str, float]):
+    read = Map(made(kind, **parameters))
+    for id, road in read.roads.items():
+        if road.get("junction") != "-1":
+            one, other = ends_of(read, id)
+            assert one[0] != other[0]
+            assert sum(abs(after(piece)[2]) for piece in road.iter("geometry")) < math.radians(125)
+
+
+@EACH
+def test_signals_are_for_every_lane_that_comes_to_a_junction(kind: str, parameters: dict[str, float]):
+    read = Map(made(kind, **parameters))
+    valid = set()
+    for id, road in read.roads.items():
+        for signal in road.iter("signal"):
+            assert signal.get("type") == "1000001"
+            [validity] = signal
+            contact = "end" if signal.get("orientation") == "+" else "start"
+            valid |= {(id, contact, lane) for lane in range(int(validity.get("fromLane", "")), int(validity.get("toLane", "")) + 1)}
+            assert abs(float(signal.get("s", "")) - (float(road.get("length", "")) if contact == "end" else 0)) < 5
+    legs = {(road, contact) for _, road, contact in read.mouths() if kind != "roundabout" or {1, -1} <= read.sections[road][0].keys()}
+    incoming = {(road, contact, id) for road, contact in legs for id, lane in read.sections[road][0].items()
+                if lane.type in DRIVEN and read.along(id) == (contact == "end")}  # fmt: skip
+    assert valid == (incoming if parameters.get("signals") else set())
+    signalled = {(road, contact) for road, contact, _ in valid}
+    for id, road in read.roads.items():
+        drives = road.get("junction") != "-1" and any(lane.type in DRIVEN for lane in read.sections[id][0].values())
+        assert len(list(road.iter("signalReference"))) == (drives and ends_of(read, id)[0] in signalled)
+
+
+@EACH
+def test_crosswalks_go_from_curb_to_curb_before_junctions(kind: str, parameters: dict[str, float]):
+    read = Map(made(kind, **parameters))
+    found = Counter()
+    for id, road in read.roads.items():
+        for crosswalk in road.iter("object"):
+            corners = [(float(corner.get("u", "")), float(corner.get("v", ""))) for corner in crosswalk.iter("cornerLocal")]
+            across, s, length = sorted({v for _, v in corners}), float(crosswalk.get("s", "")), float(road.get("length", ""))
+            edges = [edge for lane in read.sections[id][0].values() if lane.type != "sidewalk" for edge in lane.edges[0]]
+            assert across == pytest.approx([min(edges), max(edges)])
+            assert all(0 < s + u < length for u, _ in corners)
+            found[id, "start" if s < length / 2 else "end"] += 1
+    ring = {road for road in read.roads if kind == "roundabout" and not {1, -1} <= read.sections[road][0].keys()}
+    expected = {(road, contact): 1 for _, road, contact in read.mouths() if road not in ring}
+    assert found == (expected if parameters.get("crosswalks") else {})
+
+
+@EACH
+def test_bounds_hold_the_map(kind: str, parameters: dict[str, float]):
+    read = Map(made(kind, **parameters))
+    header = read.root.find("header")
+    assert header is not None
+    north, south, east, west = (float(header.get(side, "")) for side in ("north", "south", "east", "west"))
+    for id in read.roads:
+        for contact in ("start", "end"):
+            for lane in read.sections[id][-1 if contact == "end" else 0]:
+                assert all(west <= x <= east and south <= y <= north for x, y, _ in read.edges(id, contact, lane))
+
+
+@pytest.mark.parametrize("kind, parameters, roads, junctions, left, straight, right", [
+    ("crossing", {}, 4, 1, 4, 4, 4),
+    ("crossing", {"left_hand": True}, 4, 1, 4, 4, 4),
+    ("crossing", {"lanes": 3}, 4, 1, 4, 12, 4),
+    ("crossing", {"legs": 3}, 3, 1, 3, 0, 3),
+    ("crossing", {"legs": 3, "lanes": 4}, 3, 1, 6, 0, 6),
+    ("t", {}, 3, 1, 2, 2, 2),
+    ("t", {"lanes": 2}, 3, 1, 2, 4, 2),
+    ("t", {"lanes": 3}, 3, 1, 4, 6, 4),
+    ("grid", {}, 24, 9, 36, 36, 36),
+    ("grid", {"rows": 2, "columns": 1}, 7, 2, 8, 8, 8),
+    ("grid", {"one_way": True, "lanes": 2, "sidewalks": False}, 24, 9, 9, 36, 9),
+    ("grid", {"one_way": True}, 24, 9, 9, 18 + 18, 9),  # two corners of each crossing have a road for the sidewalk alone
+    ("roundabout", {}, 8, 4, 4, 0, 8),
+    ("roundabout", {"legs": 3, "lanes": 2, "island": 30.0}, 6, 3, 6, 0, 12),
+    ("highway", {}, 5, 2, 0, 10, 0),
+    ("highway", {"lanes": 4}, 5, 2, 0, 18, 0),
+])  # fmt: skip
+def test_numbers_of_roads_and_turns(
+    kind: str, parameters: dict[str, float], roads: int, junctions: int, left: int, straight: int, right: int
+):  # fmt: skip
+    read = Map(made(kind, **parameters))
+    inside = [id for id, road in read.roads.items() if road.get("junction") != "-1"]
+    ways = [0 if not any(lane.type == "driving" for lane in read.sections[id][0].values()) else read.turned(id) for id in inside]
+    turns = Counter("left" if turn > math.radians(20) else "right" if turn < -math.radians(20) else "straight" for turn in ways)
+    assert (len(read.roads) - len(inside), len(read.junctions)) == (roads, junctions)
+    assert (turns["left"], turns["straight"], turns["right"]) == (left, straight, right)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_suburbs_have_dead_ends_and_junctions_of_three_and_four_and_bends(seed: int):
+    read = Map(made("suburb", seed=seed))
+    legs = Counter(Counter(junction for junction, _, _ in read.mouths()).values())
+    assert legs.keys() == {3, 4}
+    own = [road for road in read.roads.values() if road.get("junction") == "-1"]
+    assert any(road.find("link/successor") is None for road in own)
+    assert {"line", "arc", "spiral"} <= {shape.tag for road in own for shape in road.iterfind("planView/geometry/*")}
+
+
+def test_lanes_of_ramps_end_and_begin_without_a_width():
+    read = Map(made("highway", lanes=2))
+    sections = read.sections[2]
+    assert [[lane.type for id, lane in section.items() if id < -3] for section in sections] == [
+        ["entry", "shoulder"], ["entry", "shoulder"], ["shoulder"], ["exit", "shoulder"], ["exit", "shoulder"]
+    ]  # fmt: skip
+    widths = [abs(a - b) for a, b in sections[1][-4].edges + sections[3][-4].edges]
+    assert widths == pytest.approx([3.5, 0, 0, 3.5])
+    assert [sections[i][-4].links for i in (0, 1, 3, 4)] == [{"successor": -4}, {"predecessor": -4}, {"successor": -4}, {"predecessor": -4}]
+    for one, other in itertools.pairwise(sections):
+        for id, lane in one.items():
+            if "successor" in lane.links:
+                following = other[lane.links["successor"]]
+                assert following.links["predecessor"] == id
+                assert following.type == lane.type
+                assert following.edges[0] == pytest.approx(lane.edges[1])
+
+
+def test_traffic_on_the_left_is_the_mirror_image():
+    right, left = Map(made("suburb", shoulders=True)), Map(made("suburb", shoulders=True, left_hand=True))
+    assert (right.rule, left.rule) == ("RHT", "LHT")
+    for id in right.roads:
+        for lane in right.sections[id][0]:
+            for (x, y, heading), (u, v, turned) in zip(right.edges(id, "start", lane), left.edges(id, "start", -lane), strict=True):
+                assert (x, y) == pytest.approx((-u, v))
+                assert math.remainder(math.pi - heading - turned, math.tau) == pytest.approx(0)
+
+
+@EACH
+def test_equal_parameters_give_equal_bytes(kind: str, parameters: dict[str, float]):
+    assert made(kind, **parameters) == made(kind, **parameters)
+
+
+def test_seeds_give_different_suburbs():
+    assert len({made("suburb", seed=seed) for seed in range(10)}) == 10
+
+
+@pytest.mark.parametrize("kind, parameters, message", [
+    ("town", {}, "no kind of map 'town': there are grid, crossing"),
+    ("crossing", {"lane": 2}, "no parameter 'lane': they have legs"),
+    ("highway", {"sidewalks": True}, "no parameter 'sidewalks'"),
+    ("crossing", {"lanes": 0}, "lanes must be a whole number from 1 to 4, not 0"),
+    ("crossing", {"lanes": 5}, "lanes must be a whole number from 1 to 4, not 5"),
+    ("crossing", {"lanes": 2.0}, "lanes must be a whole number, not 2.0"),
+    ("crossing", {"lanes": True}, "lanes must be a whole number, not True"),
+    ("crossing", {"legs": 5}, "legs must be a whole number from 3 to 4"),
+    ("crossing", {"sidewalks": 1}, "sidewalks must be True or False, not 1"),
+    ("crossing", {"lane_width": "3"}, "lane_width must be a number, not '3'"),
+    ("crossing", {"lane_width": math.nan}, "lane_width must be a number from 2 to 6, not nan"),
+    ("crossing", {"radius": math.inf}, "radius must be a number from 0.5 to 200, not inf"),
+    ("crossing", {"radius": 2.0}, "radius must be at least 2.5 m with sidewalks"),
+    ("crossing", {"radius": 100.0}, r"at least 113\.5 m from the middle of a junction .* not 80\.0"),
+    ("grid", {"block": 20.0}, "must be at least"),
+    ("grid", {"leg": 12.0}, "must be at least"),
+    ("roundabout", {"leg": 30.0}, "leg must be at least"),
+    ("roundabout", {"island": 5.0, "lanes": 3}, "do not fit around an island of 5 m"),
+    ("suburb", {"rows": 1}, "rows must be a whole number from 2"),
+    ("suburb", {"seed": -1}, "seed must be a whole number from 0"),
+    ("suburb", {"lanes": 4, "shoulders": True}, "too broad for the bends|must be at least"),
+])  # fmt: skip
+def test_wrong_parameters_are_refused_with_what_is_allowed(kind: str, parameters: dict[str, object], message: str):
+    with pytest.raises(ValueError, match=message):
+        made(kind, **parameters)  # type: ignore[arg-type]
+
+
+def test_whole_numbers_are_lengths_too():
+    assert made("crossing", leg=80) == made("crossing", leg=80.0)
