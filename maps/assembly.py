@@ -11,7 +11,8 @@ import shapely
 
 from ..semantics.space.regions import PolylineRegion
 from ..semantics.space.vectors import Vector
-from .network import Lane, LaneSection, LinearElement, Maneuver, NetworkElement, Road
+from .elements import Lane, LaneSection, LinearElement, NetworkElement, Road
+from .intersections import Maneuver
 from .opendrive import Notes, OpenDrive
 from .shapes import LaneShape, Points, SectionShape, areas, joined, simplified, strips
 
@@ -25,7 +26,7 @@ Place = tuple[str, int, int]
 
 
 @dataclass
-class Section:
+class TravelledLane:
     """A lane of a section on its way into the network: its edges in the direction of traffic."""
 
     place: Place
@@ -49,8 +50,8 @@ class Assembly:
 
     file: OpenDrive
     shapes: dict[str, list[SectionShape]] = field(default_factory=dict[str, "list[SectionShape]"])
-    sections: dict[Place, Section] = field(default_factory=dict[Place, Section])
-    chains: dict[Place, list[Section]] = field(default_factory=dict["Place", "list[Section]"])
+    sections: dict[Place, TravelledLane] = field(default_factory=dict[Place, TravelledLane])
+    chains: dict[Place, list[TravelledLane]] = field(default_factory=dict["Place", "list[TravelledLane]"])
     """The lanes: their sections in order, by the first."""
     roads: dict[str, Road] = field(default_factory=dict[str, Road])
     elements: dict[str, NetworkElement] = field(default_factory=dict[str, NetworkElement])
@@ -72,11 +73,11 @@ class Assembly:
         self.elements[uid] = made = kind(uid=uid, **attributes)
         return made
 
-    def at(self, road: str, i: int) -> dict[int, Section]:
+    def at(self, road: str, i: int) -> dict[int, TravelledLane]:
         """The lanes of a section of a road, by their numbers."""
         return {id: found for id in self.shapes[road][i].lanes if (found := self.sections.get((road, i, id))) is not None}
 
-    def next_places(self, section: Section) -> Iterator[Place]:
+    def next_places(self, section: TravelledLane) -> Iterator[Place]:
         """The lanes of sections that a lane leads to, where no junction comes between."""
         road, i, _ = section.place
         record = section.shape.record
@@ -93,7 +94,7 @@ class Assembly:
             found = (p for p in found if p in self.sections and self.sections[p].forward is (contact == "start"))
         yield from (p for p in found if p in self.sections and self.same_way(section, p))
 
-    def same_way(self, section: Section, place: Place) -> bool:
+    def same_way(self, section: TravelledLane, place: Place) -> bool:
         """Whether a lane of the same road has the same direction (of another road it is known already)."""
         return place[0] != section.place[0] or self.sections[place].forward is section.forward or len(self.shapes[place[0]]) == 1
 

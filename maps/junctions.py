@@ -9,9 +9,10 @@ import numpy as np
 import shapely
 from shapely.geometry import Polygon
 
-from .assembly import Assembly, Place, Section, lane_name
-from .network import Intersection, Lane, Maneuver, Road, complete, maneuver_type
-from .opendrive import ConnectionRecord, Contact, JunctionRecord, Link
+from .assembly import Assembly, Place, TravelledLane, lane_name
+from .elements import Lane, Road, complete
+from .intersections import Intersection, Maneuver, maneuver_type
+from .opendrive import ConnectionRecord, Contact, JunctionRecord, RoadLink
 from .shapes import areas
 
 JOINT = 0.01
@@ -41,7 +42,7 @@ def lead(net: Assembly, lane: Lane, following: Lane) -> None:
             complete(other, _predecessor=one)
 
 
-def joint(net: Assembly, one: Section, other: Section) -> None:
+def joint(net: Assembly, one: TravelledLane, other: TravelledLane) -> None:
     """Notice where lanes that are linked do not meet."""
     gap = float(np.hypot(*(one.center[-1] - other.center[0])))
     if gap > JOINT:
@@ -51,7 +52,7 @@ def joint(net: Assembly, one: Section, other: Section) -> None:
 
 def intersection(net: Assembly, junction: JunctionRecord) -> Intersection | None:
     """An intersection with its maneuvers; None if no way leads through it."""
-    found = dict[tuple[Place, Place, Place], tuple[Section, Section, Section]]()
+    found = dict[tuple[Place, Place, Place], tuple[TravelledLane, TravelledLane, TravelledLane]]()
     for connection in junction.connections:
         for one, over, other in ways(net, junction, connection):
             found[(one.place, over.place, other.place)] = (one, over, other)
@@ -81,7 +82,7 @@ def intersection(net: Assembly, junction: JunctionRecord) -> Intersection | None
     return made
 
 
-def ways(net: Assembly, junction: JunctionRecord, connection: ConnectionRecord) -> Iterator[tuple[Section, Section, Section]]:
+def ways(net: Assembly, junction: JunctionRecord, connection: ConnectionRecord) -> Iterator[tuple[TravelledLane, TravelledLane, TravelledLane]]:
     """The ways of a connection: from a lane, over a connecting one, to a lane."""
     incoming, connecting = net.file.roads.get(connection.incoming), net.file.roads.get(connection.connecting)
     if incoming is None or connecting is None:
@@ -114,6 +115,6 @@ def link_roads(net: Assembly, intersections: Sequence[Intersection]) -> None:
                 complete(road, **{name: of_junction.get(link.id) if link.kind == "junction" else net.roads.get(link.id)})
 
 
-def leads_into(link: Link | None, junction: str, connecting: str) -> bool:
+def leads_into(link: RoadLink | None, junction: str, connecting: str) -> bool:
     """Whether a road ends in a junction, or at a connecting road of it."""
     return link is not None and link.id == (junction if link.kind == "junction" else connecting)

@@ -9,8 +9,8 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from .assembly import SHORTEST, Assembly, Place, Section, directed, lane_name
-from .network import BikeLane, Lane, LaneGroup, LaneSection, LinearElement, Road, RoadSection, Shoulder, Sidewalk, complete, region
+from .assembly import SHORTEST, Assembly, Place, TravelledLane, directed, lane_name
+from .elements import BikeLane, Lane, LaneGroup, LaneSection, LinearElement, Road, RoadSection, Shoulder, Sidewalk, complete, region
 from .opendrive import RoadRecord
 from .shapes import Points, SectionShape, between
 
@@ -31,10 +31,10 @@ def make_sections(net: Assembly, road: RoadRecord) -> None:
             if float(np.hypot(*np.diff((left + right) / 2, axis=0).T).sum()) < SHORTEST:
                 net.notes.add("lanes without length, which are left out", lane_name(place))
             elif lane.width.max() > NARROWEST:
-                net.sections[place] = Section(place, lane, forward, left, right, between(left, right))
+                net.sections[place] = TravelledLane(place, lane, forward, left, right, between(left, right))
 
 
-def traffic_lanes(net: Assembly, road: str) -> list[Section]:
+def traffic_lanes(net: Assembly, road: str) -> list[TravelledLane]:
     """The lanes of a road on which cars drive, in the order of travel for each direction."""
     found = [s for i in range(len(net.shapes[road])) for s in net.at(road, i).values() if s.shape.record.type in DRIVABLE]
     return sorted(found, key=lambda s: (not s.forward, s.place[1] if s.forward else -s.place[1], abs(s.place[2])))
@@ -72,7 +72,7 @@ def make_road(net: Assembly, record: RoadRecord) -> None:
     net.roads[record.id] = road
 
 
-def road_edges(net: Assembly, record: RoadRecord, drivable: Sequence[Section]) -> dict[str, Points]:
+def road_edges(net: Assembly, record: RoadRecord, drivable: Sequence[TravelledLane]) -> dict[str, Points]:
     """The edges of a road in its own direction: of its outermost lanes on which cars drive."""
     lefts, rights, middles = list[Points](), list[Points](), list[Points]()
     for i, shape in enumerate(net.shapes[record.id]):
@@ -84,12 +84,12 @@ def road_edges(net: Assembly, record: RoadRecord, drivable: Sequence[Section]) -
     return {"left": np.concatenate(lefts), "right": np.concatenate(rights), "center": np.concatenate(middles)}
 
 
-def united(sections: Iterable[Section]) -> shapely.Geometry:
+def united(sections: Iterable[TravelledLane]) -> shapely.Geometry:
     """All of some lanes."""
     return shapely.union_all([section.polygon for section in sections])
 
 
-def chained(net: Assembly, sections: Sequence[Section]) -> Iterator[list[Section]]:
+def chained(net: Assembly, sections: Sequence[TravelledLane]) -> Iterator[list[TravelledLane]]:
     """The lanes of a road: each goes on into one lane of the next section, if that has not gone on from another."""
     taken: set[Place] = set()
     for first in sections:
@@ -109,7 +109,7 @@ def chained(net: Assembly, sections: Sequence[Section]) -> Iterator[list[Section
 
 
 def group(
-    net: Assembly, record: RoadRecord, road: Road, chains: Sequence[list[Section]], forward: bool, beside: Sequence[LinearElement]
+    net: Assembly, record: RoadRecord, road: Road, chains: Sequence[list[TravelledLane]], forward: bool, beside: Sequence[LinearElement]
 ) -> LaneGroup:
     """The lanes of one direction."""
     uid = f"{road.uid}_{'forward' if forward else 'backward'}"
@@ -133,7 +133,7 @@ def group(
     return group
 
 
-def outermost(net: Assembly, record: RoadRecord, section: Section) -> Section:
+def outermost(net: Assembly, record: RoadRecord, section: TravelledLane) -> TravelledLane:
     """The lane at the curb beside the outermost lane of traffic: a shoulder or bike lane, if one is there."""
     road, i, id = section.place
     step = int(math.copysign(1, id))
@@ -143,7 +143,7 @@ def outermost(net: Assembly, record: RoadRecord, section: Section) -> Section:
     return found
 
 
-def lane(net: Assembly, record: RoadRecord, road: Road, group: LaneGroup, chain: Sequence[Section], uid: str) -> Lane:
+def lane(net: Assembly, record: RoadRecord, road: Road, group: LaneGroup, chain: Sequence[TravelledLane], uid: str) -> Lane:
     """A lane with its sections."""
     limits = [s.shape.record.speed for s in chain if s.shape.record.speed is not None]
     made = net.linear(

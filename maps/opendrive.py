@@ -68,7 +68,7 @@ class Piece:
 
 
 @dataclass(frozen=True, slots=True)
-class Link:
+class RoadLink:
     """What a road, or a lane, leads to."""
 
     kind: Literal["road", "junction"]
@@ -133,8 +133,8 @@ class RoadRecord:
     length: float
     junction: str | None
     left_hand: bool
-    predecessor: Link | None
-    successor: Link | None
+    predecessor: RoadLink | None
+    successor: RoadLink | None
     pieces: tuple[Piece, ...]
     offsets: Profile
     sections: tuple[SectionRecord, ...]
@@ -144,7 +144,7 @@ class RoadRecord:
     crosswalks: tuple[CrosswalkRecord, ...]
     speed: float | None
 
-    def link_at(self, contact: Contact) -> Link | None:
+    def link_at(self, contact: Contact) -> RoadLink | None:
         """What it leads to at one of its ends."""
         return self.predecessor if contact == "start" else self.successor
 
@@ -261,17 +261,17 @@ def road(element: Element, notes: Notes) -> RoadRecord:
     )  # fmt: skip
 
 
-def link(element: Element, name: str) -> Link | None:
+def link(element: Element, name: str) -> RoadLink | None:
     """The predecessor or successor of a road."""
     found = element.first("link", name)
     if found is None:
         return None
     kind = found.text("elementType", "road")
     if kind == "junction":
-        return Link("junction", found.text("elementId"))
+        return RoadLink("junction", found.text("elementId"))
     if kind != "road":
         raise MapError(f"line {found.line}: elementType of <{name}> must be road or junction, not {kind[:40]!r}")
-    return Link("road", found.text("elementId"), contact(found))
+    return RoadLink("road", found.text("elementId"), contact(found))
 
 
 def contact(element: Element) -> Contact:

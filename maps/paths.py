@@ -11,7 +11,7 @@ from shapely.ops import substring
 
 from ..semantics.space.regions import PolylineRegion
 from ..semantics.space.vectors import Vector
-from .network import Fixed, LinearElement, vector
+from .elements import Fixed, LinearElement, vector
 from .opendrive import Numbers
 from .shapes import Points
 
@@ -27,7 +27,7 @@ SECONDS = 0.7
 """How far a driver looks ahead, in seconds."""
 
 
-class Path(Fixed):
+class Trajectory(Fixed):
     """A line along elements, lines or points, from the first to the last. Raises `ValueError` for what has no length."""
 
     length: float
@@ -50,7 +50,7 @@ class Path(Fixed):
         )  # fmt: skip
 
     def __repr__(self) -> str:
-        return f"<Path of {self.length:.1f} m>"
+        return f"<Trajectory of {self.length:.1f} m>"
 
     def along(self, position: object, last: float | None = None) -> float:
         """How many metres along the path the point nearest to a position is; near the `last` such place, if that is given."""
@@ -89,7 +89,7 @@ class Path(Fixed):
         return float(np.sqrt((SIDEWAYS / np.maximum(np.abs(turned) / WINDOW, 1e-9) + 2 * SLOWING * ahead).min()))
 
 
-Path.scenic_names = frozenset({"length", "along", "point", "steering", "speed_limit"})
+Trajectory.scenic_names = frozenset({"length", "along", "point", "steering", "speed_limit"})
 
 
 def points_of(part: object) -> Iterable[Vector]:

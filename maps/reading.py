@@ -7,10 +7,12 @@ from pathlib import Path
 
 from . import opendrive
 from .assembly import Assembly
+from .elements import BikeLane, Lane, PedestrianCrossing, Shoulder, Sidewalk, complete
 from .furniture import crossings, signals
+from .intersections import Intersection, Signal
 from .junctions import intersection, link_lanes, link_roads
 from .lanes import make_road, make_sections
-from .network import BikeLane, Intersection, Lane, Network, PedestrianCrossing, Shoulder, Sidewalk, Signal, complete
+from .network import Network
 from .opendrive import OpenDrive
 from .shapes import section_shapes
 from .xml import MapError

@@ -11,7 +11,9 @@ import numpy as np
 import shapely
 
 from ..semantics.space.regions import PolylineRegion
-from .network import Lane, LinearElement, ManeuverType, Network, Road
+from .elements import Lane, LinearElement, Road
+from .intersections import ManeuverType
+from .network import Network
 
 JOINT, TURNED = 0.01, math.radians(1)
 """Metres, and radians, by which lanes may differ where one leads to the other."""

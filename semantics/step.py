@@ -35,7 +35,7 @@ from .python import (
 )
 from .python.texts import in_this_run, too_many_digits, without_addresses
 from .scenes import comparisons, object_definitions, operations, statements, termination
-from .space.absence import NotThere
+from .space.absence import Absent
 from .space.distributions import BadParameters
 from .space.fields import BadField, OutsideField
 from .space.regions import BadRegion, EmptyRegion, UnboundedRegion
@@ -278,7 +278,7 @@ def stopped(problem: Exception, config: Config) -> Outcome:
             return Fault(RunError(str(problem), place(config), rule="E-Call-Host"))
         case EmptyRegion():
             return Stuck("E-Call-Host", Requirement("region", place(config), str(problem)))
-        case NotThere():
+        case Absent():
             return Stuck("E-Call-Host", Requirement("element", place(config), str(problem)))
         case RecursionError():
             return Fault(too_deep(place(config)))

@@ -14,17 +14,17 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from . import kinds
-from .roads import Road
+from .roads import PlannedRoad
 from .streets import Style
 from .writing import written
 
-__all__ = ["KINDS", "Kind", "Parameter", "made"]
+__all__ = ["KINDS", "MapKind", "MapParameter", "made"]
 
 Value = bool | int | float
 
 
 @dataclass(frozen=True)
-class Parameter:
+class MapParameter:
     """A parameter: its default, whose type it has, the least and the largest value of a number, and what it is."""
 
     default: Value
@@ -47,78 +47,78 @@ class Parameter:
 
 
 @dataclass(frozen=True)
-class Kind:
+class MapKind:
     """A kind of map: what it is, its parameters, and the function that lays out its roads."""
 
     description: str
-    parameters: Mapping[str, Parameter]
-    roads: Callable[..., list[Road]]
+    parameters: Mapping[str, MapParameter]
+    roads: Callable[..., list[PlannedRoad]]
 
 
-def leg(default: float) -> Parameter:
+def leg(default: float) -> MapParameter:
     """The length of legs."""
-    return Parameter(default, "metres from the middle of a junction to the end of a leg", 10, 10_000)
+    return MapParameter(default, "metres from the middle of a junction to the end of a leg", 10, 10_000)
 
 
 LANES = {
-    "lanes": Parameter(1, "lanes for each direction", 1, 4),
-    "lane_width": Parameter(3.5, "metres", 2, 6),
+    "lanes": MapParameter(1, "lanes for each direction", 1, 4),
+    "lane_width": MapParameter(3.5, "metres", 2, 6),
 }
-LEFT_HAND = {"left_hand": Parameter(False, "whether traffic keeps to the left")}
+LEFT_HAND = {"left_hand": MapParameter(False, "whether traffic keeps to the left")}
 STREETS = {
     **LANES,
-    "radius": Parameter(6.0, "metres, of the curbs at corners", 0.5, 200),
-    "sidewalks": Parameter(True, "whether there are sidewalks"),
-    "shoulders": Parameter(False, "whether there are shoulders"),
-    "bike_lanes": Parameter(False, "whether there are bike lanes"),
-    "signals": Parameter(False, "whether there are traffic lights before junctions"),
-    "crosswalks": Parameter(False, "whether there are crosswalks before junctions"),
+    "radius": MapParameter(6.0, "metres, of the curbs at corners", 0.5, 200),
+    "sidewalks": MapParameter(True, "whether there are sidewalks"),
+    "shoulders": MapParameter(False, "whether there are shoulders"),
+    "bike_lanes": MapParameter(False, "whether there are bike lanes"),
+    "signals": MapParameter(False, "whether there are traffic lights before junctions"),
+    "crosswalks": MapParameter(False, "whether there are crosswalks before junctions"),
     **LEFT_HAND,
 }
 BLOCKS = {
-    "rows": Parameter(3, "junctions from South to North", 1, 50),
-    "columns": Parameter(3, "junctions from West to East", 1, 50),
-    "block": Parameter(80.0, "metres between the middles of junctions", 10, 10_000),
+    "rows": MapParameter(3, "junctions from South to North", 1, 50),
+    "columns": MapParameter(3, "junctions from West to East", 1, 50),
+    "block": MapParameter(80.0, "metres between the middles of junctions", 10, 10_000),
     "leg": leg(60.0),
 }
-LEGS = {"legs": Parameter(4, "legs", 3, 4), "leg": leg(80.0)}
+LEGS = {"legs": MapParameter(4, "legs", 3, 4), "leg": leg(80.0)}
 
-KINDS: Mapping[str, Kind] = MappingProxyType(
+KINDS: Mapping[str, MapKind] = MappingProxyType(
     {
-        "grid": Kind(
+        "grid": MapKind(
             "straight streets that cross at right angles",
-            {**BLOCKS, "one_way": Parameter(False, "whether streets are one-way, each in the other direction than those beside it"), **STREETS},
+            {**BLOCKS, "one_way": MapParameter(False, "whether streets are one-way, each in the other direction than those beside it"), **STREETS},
             kinds.grid,
         ),
-        "crossing": Kind("one junction of four streets, or of three at equal angles", {**LEGS, **STREETS}, kinds.crossing),
-        "t": Kind("one junction of a street from West to East and one from the South", {"leg": leg(80.0), **STREETS}, kinds.t),
-        "roundabout": Kind(
+        "crossing": MapKind("one junction of four streets, or of three at equal angles", {**LEGS, **STREETS}, kinds.crossing),
+        "t": MapKind("one junction of a street from West to East and one from the South", {"leg": leg(80.0), **STREETS}, kinds.t),
+        "roundabout": MapKind(
             "a ring of one-way roads, with a junction for each leg",
-            {**LEGS, "island": Parameter(15.0, "metres, the radius of the island in its middle", 3, 500), **STREETS},
+            {**LEGS, "island": MapParameter(15.0, "metres, the radius of the island in its middle", 3, 500), **STREETS},
             kinds.roundabout,
         ),
-        "highway": Kind(
+        "highway": MapKind(
             "two carriageways, with an on-ramp and an off-ramp",
             {
                 **LANES,
-                "lanes": Parameter(2, "lanes for each direction", 1, 4),
-                "radius": Parameter(50.0, "metres, of the ramps", 15, 1000),
-                "leg": Parameter(150.0, "metres of the highway before and after the ramps, and of the straight part of these", 10, 10_000),
-                "ramp_lane": Parameter(100.0, "metres of the lanes before and after a ramp, without their tapers", 10, 10_000),
-                "taper": Parameter(50.0, "metres in which these lanes end and begin", 10, 10_000),
-                "shoulders": Parameter(True, "whether there are shoulders"),
+                "lanes": MapParameter(2, "lanes for each direction", 1, 4),
+                "radius": MapParameter(50.0, "metres, of the ramps", 15, 1000),
+                "leg": MapParameter(150.0, "metres of the highway before and after the ramps, and of the straight part of these", 10, 10_000),
+                "ramp_lane": MapParameter(100.0, "metres of the lanes before and after a ramp, without their tapers", 10, 10_000),
+                "taper": MapParameter(50.0, "metres in which these lanes end and begin", 10, 10_000),
+                "shoulders": MapParameter(True, "whether there are shoulders"),
                 **LEFT_HAND,
             },
             kinds.highway,
         ),
-        "suburb": Kind(
+        "suburb": MapKind(
             "winding streets, some of them dead ends, with junctions of three and of four",
             {
                 **BLOCKS,
-                "rows": Parameter(3, "places for junctions from South to North", 2, 20),
-                "columns": Parameter(3, "places for junctions from West to East", 2, 20),
-                "block": Parameter(100.0, "metres between these places, about", 10, 10_000),
-                "seed": Parameter(0, "of the random choices", 0, 2**63),
+                "rows": MapParameter(3, "places for junctions from South to North", 2, 20),
+                "columns": MapParameter(3, "places for junctions from West to East", 2, 20),
+                "block": MapParameter(100.0, "metres between these places, about", 10, 10_000),
+                "seed": MapParameter(0, "of the random choices", 0, 2**63),
                 **STREETS,
             },
             kinds.suburb,

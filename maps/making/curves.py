@@ -27,45 +27,45 @@ def turn(angle: float) -> float:
 
 
 @dataclass(frozen=True)
-class Pose:
+class Placement:
     """A point and a heading."""
 
     point: complex
     heading: float
 
-    def moved(self, ahead: float, right: float = 0.0) -> Pose:
+    def moved(self, ahead: float, right: float = 0.0) -> Placement:
         """The pose this many metres ahead and to the right, with the same heading."""
-        return Pose(self.point + complex(ahead, -right) * cmath.exp(1j * self.heading), self.heading)
+        return Placement(self.point + complex(ahead, -right) * cmath.exp(1j * self.heading), self.heading)
 
-    def reversed(self) -> Pose:
+    def reversed(self) -> Placement:
         """The same point, the other way."""
-        return Pose(self.point, self.heading + math.pi)
+        return Placement(self.point, self.heading + math.pi)
 
 
 @dataclass(frozen=True)
 class Bend:
     """A line, an arc or a spiral: its curvature, in 1/m and positive to the left, changes linearly from `first` to `last`."""
 
-    start: Pose
+    start: Placement
     length: float
     first: float = 0.0
     last: float = 0.0
 
-    def at(self, share: float) -> Pose:
+    def at(self, share: float) -> Placement:
         """The pose after this share of the length."""
         length, change = share * self.length, (self.last - self.first) / self.length
         along = length * (1 + SAMPLES) / 2
         headings = self.start.heading + along * (self.first + along * change / 2)
         moved = complex(np.sum(WEIGHTS * np.exp(1j * headings))) * length / 2
-        return Pose(self.start.point + moved, self.start.heading + length * (self.first + length * change / 2))
+        return Placement(self.start.point + moved, self.start.heading + length * (self.first + length * change / 2))
 
 
 @dataclass(frozen=True)
-class Cubic:
+class CubicCurve:
     """The cubic curve from a pose to another; p³ · a + p² · b + p · c, for p from 0 to 1, in the coordinates of `start`."""
 
-    start: Pose
-    end: Pose
+    start: Placement
+    end: Placement
 
     @cached_property
     def coefficients(self) -> tuple[complex, complex, complex]:
@@ -81,21 +81,21 @@ class Cubic:
         p = (1 + SAMPLES) / 2
         return math.floor(float(np.sum(WEIGHTS * np.abs(c + p * (2 * b + p * 3 * a)))) / 2 * 1e6) / 1e6
 
-    def at(self, share: float) -> Pose:
+    def at(self, share: float) -> Placement:
         """The pose at p = `share`."""
         c, b, a = self.coefficients
         local, ahead = share * (c + share * (b + share * a)), c + share * (2 * b + share * 3 * a)
-        return Pose(self.start.point + local * cmath.exp(1j * self.start.heading), self.start.heading + cmath.phase(ahead))
+        return Placement(self.start.point + local * cmath.exp(1j * self.start.heading), self.start.heading + cmath.phase(ahead))
 
 
-Piece = Bend | Cubic
+Piece = Bend | CubicCurve
 Line = tuple[Piece, ...]
 """A reference line."""
 Shape = tuple[float, float, float]
 """Length and curvatures of a bend."""
 
 
-def bends(start: Pose, shapes: Iterable[Shape]) -> Line:
+def bends(start: Placement, shapes: Iterable[Shape]) -> Line:
     """The reference line from `start` with these lengths and curvatures."""
     line: list[Piece] = []
     for length, first, last in shapes:
@@ -104,21 +104,21 @@ def bends(start: Pose, shapes: Iterable[Shape]) -> Line:
     return tuple(line)
 
 
-def bends_to(end: Pose, shapes: Iterable[Shape]) -> Line:
+def bends_to(end: Placement, shapes: Iterable[Shape]) -> Line:
     """The reference line that ends at `end`."""
     shapes = tuple(shapes)
     back = bends(end.reversed(), [(length, -last, -first) for length, first, last in reversed(shapes)])
     return bends(back[-1].at(1).reversed(), shapes)
 
 
-def turned(start: Pose, end: Pose) -> Line:
+def turned(start: Placement, end: Placement) -> Line:
     """The way through a junction: straight, or a gentle cubic curve, or an arc with a line before or after it."""
     there = (end.point - start.point) * cmath.exp(-1j * start.heading)
     angle = turn(end.heading - start.heading)
     if abs(angle) < 1e-9 and abs(there.imag) < 1e-9:
         return (Bend(start, there.real),)
     if abs(angle) < GENTLE:
-        return (Cubic(start, end),)
+        return (CubicCurve(start, end),)
     after = there.imag / math.sin(angle)
     before = there.real - after * math.cos(angle)
     tangent = min(before, after)
@@ -128,7 +128,7 @@ def turned(start: Pose, end: Pose) -> Line:
     return bends(start, [(before - tangent, 0.0, 0.0), (abs(angle) * radius, curvature, curvature), (after - tangent, 0.0, 0.0)])
 
 
-def street(start: Pose, end: Pose) -> Line:
+def street(start: Placement, end: Placement) -> Line:
     """The way of a street: straight, or with two bends, each of them a spiral, an arc and a spiral."""
     third = abs(end.point - start.point) / 3
     one, other = start.moved(third).point, end.moved(-third).point
@@ -150,7 +150,7 @@ def bend(angle: float, tangent: float) -> list[Shape]:
         return [(2 * tangent, 0.0, 0.0)]
     share, sign = abs(angle) / 2, math.copysign(1.0, angle)
     unit = [(share, 0.0, sign), (share, sign, sign), (share, sign, 0.0)]
-    chord = abs(bends(Pose(0j, 0.0), unit)[-1].at(1).point)
+    chord = abs(bends(Placement(0j, 0.0), unit)[-1].at(1).point)
     radius = tangent * 2 * math.cos(angle / 2) / chord
     return [(length * radius, first / radius, last / radius) for length, first, last in unit]
 

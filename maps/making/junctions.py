@@ -10,14 +10,14 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from .curves import Line, turn, turned
-from .roads import Lane, Mouth, Neighbour, Road, Section, Side, Signal, breadth, driven, to_curb
+from .roads import Mouth, Neighbour, PlannedLane, PlannedRoad, PlannedSection, PlannedSignal, Side, breadth, driven, to_curb
 
 STRAIGHT = math.radians(45)
 """What turns by less goes straight on."""
 
 
 @dataclass(frozen=True)
-class Maneuver:
+class PlannedManeuver:
     """A way through a junction: from an incoming lane of one of its mouths to an outgoing lane of another, each by its index."""
 
     start: int
@@ -40,7 +40,7 @@ def setbacks(mouths: Sequence[Mouth], radius: float) -> list[float]:
     return least
 
 
-def turns(mouths: Sequence[Mouth]) -> Iterator[Maneuver]:
+def turns(mouths: Sequence[Mouth]) -> Iterator[PlannedManeuver]:
     """All lanes go straight on, the leftmost one turns left, the rightmost one right.
 
     Where the road that is left or the one that is entered has none opposite to it, the inner half of the lanes turns left, the outer half right.
@@ -54,24 +54,24 @@ def turns(mouths: Sequence[Mouth]) -> Iterator[Maneuver]:
             opposite = any(i == one for one, _ in straight) and any(j == other for _, other in straight)
             number = 1 if opposite else (len(lanes) + 1) // 2
             lanes, to = (lanes[:number], to[:number]) if angle > 0 else (lanes[-number:], to[-number:])
-        yield from (Maneuver(i, lane, j, index) for lane, index in zip(lanes, to, strict=True))
+        yield from (PlannedManeuver(i, lane, j, index) for lane, index in zip(lanes, to, strict=True))
 
 
-def junction(id: int, mouths: Sequence[Mouth], maneuvers: Iterable[Maneuver]) -> list[Road]:
+def junction(id: int, mouths: Sequence[Mouth], maneuvers: Iterable[PlannedManeuver]) -> list[PlannedRoad]:
     """The roads of a junction: one for each maneuver, and one for each corner with a sidewalk along which none of these goes."""
-    roads: list[Road] = []
+    roads: list[PlannedRoad] = []
 
-    def add(start: Mouth, end: Mouth, line: Line, left: Side, right: Side, references: tuple[Signal, ...] = ()) -> None:
+    def add(start: Mouth, end: Mouth, line: Line, left: Side, right: Side, references: tuple[PlannedSignal, ...] = ()) -> None:
         ends = Neighbour(start.road, start.contact), Neighbour(end.road, end.contact)
-        roads.append(Road(100 * id + len(roads), line, (Section(0.0, left, right),), *ends, junction=id, references=references))
+        roads.append(PlannedRoad(100 * id + len(roads), line, (PlannedSection(0.0, left, right),), *ends, junction=id, references=references))
 
     corners = {(i, (i + 1) % len(mouths)) for i in range(len(mouths))}
     for way in maneuvers:
         start, end = mouths[way.start], mouths[way.end]
         corner, left, right = beside(mouths, way)
         corners.discard(corner)
-        driving = Lane("driving", start.incoming[way.lane].width, start.incoming_id(way.lane), end.outgoing_id(way.to))
-        references = (Signal(start.signal, 0.0, 0.0, "+", (-1, -1)),) if start.signal is not None else ()
+        driving = PlannedLane("driving", start.incoming[way.lane].width, start.incoming_id(way.lane), end.outgoing_id(way.to))
+        references = (PlannedSignal(start.signal, 0.0, 0.0, "+", (-1, -1)),) if start.signal is not None else ()
         add(start, end, between(start, way.lane, end, way.to), left, (driving, *right), references)
     for one, other in sorted(corners):
         start, end = mouths[one], mouths[other]
@@ -86,7 +86,7 @@ def between(start: Mouth, lane: int, end: Mouth, to: int) -> Line:
     return turned(start.pose.reversed().moved(0.0, breadth(start.incoming[:lane])), end.pose.moved(0.0, breadth(end.outgoing[:to])))
 
 
-def beside(mouths: Sequence[Mouth], way: Maneuver) -> tuple[tuple[int, int] | None, Side, Side]:
+def beside(mouths: Sequence[Mouth], way: PlannedManeuver) -> tuple[tuple[int, int] | None, Side, Side]:
     """The corner along which a maneuver goes, if any, and the lanes to its left and to its right that its road has too.
 
     These are all lanes along the corner; else a bike lane to the right, and what separates the directions of a road to the left.
@@ -107,21 +107,21 @@ def beside(mouths: Sequence[Mouth], way: Maneuver) -> tuple[tuple[int, int] | No
     return corner, left, right
 
 
-def incoming(mouth: Mouth) -> list[tuple[Lane, int]]:
+def incoming(mouth: Mouth) -> list[tuple[PlannedLane, int]]:
     """The incoming lanes with their ids."""
     return [(lane, mouth.incoming_id(index)) for index, lane in enumerate(mouth.incoming)]
 
 
-def outgoing(mouth: Mouth) -> list[tuple[Lane, int]]:
+def outgoing(mouth: Mouth) -> list[tuple[PlannedLane, int]]:
     """The outgoing lanes with their ids."""
     return [(lane, mouth.outgoing_id(index)) for index, lane in enumerate(mouth.outgoing)]
 
 
-def common(before: Iterable[tuple[Lane, int]], after: Iterable[tuple[Lane, int]]) -> Side:
+def common(before: Iterable[tuple[PlannedLane, int]], after: Iterable[tuple[PlannedLane, int]]) -> Side:
     """Lanes that join those before to those after, up to the first that differ in type."""
-    lanes: list[Lane] = []
+    lanes: list[PlannedLane] = []
     for (one, id), (other, next_id) in zip(before, after, strict=False):
         if one.type != other.type:
             break
-        lanes.append(Lane(one.type, one.width, id, next_id))
+        lanes.append(PlannedLane(one.type, one.width, id, next_id))
     return tuple(lanes)

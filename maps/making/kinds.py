@@ -6,9 +6,9 @@ import cmath
 import math
 import random
 
-from .curves import Bend, Pose, bends, bends_to
-from .junctions import Maneuver, junction
-from .roads import Lane, Neighbour, Road, Section, Side, breadth, mouth, to_curb
+from .curves import Bend, Placement, bends, bends_to
+from .junctions import PlannedManeuver, junction
+from .roads import Neighbour, PlannedLane, PlannedRoad, PlannedSection, Side, breadth, mouth, to_curb
 from .streets import SHORTEST_STREET, Street, Style, network
 
 EAST, NORTH, WEST, SOUTH = (quarter * math.pi / 2 for quarter in range(4))
@@ -19,23 +19,23 @@ MERGING = 60.0
 RAMP_TURN = math.radians(60)
 
 
-def star(style: Style, headings: list[float], leg: float) -> list[Road]:
+def star(style: Style, headings: list[float], leg: float) -> list[PlannedRoad]:
     """Streets from one junction."""
     points = [0j, *(cmath.rect(leg, heading) for heading in headings)]
     return network(points, [Street(0, heading, end, heading + math.pi) for end, heading in enumerate(headings, 1)], style)
 
 
-def crossing(style: Style, legs: int, leg: float) -> list[Road]:
+def crossing(style: Style, legs: int, leg: float) -> list[PlannedRoad]:
     """One junction of streets with equal angles between them."""
     return star(style, [index * math.tau / legs for index in range(legs)], leg)
 
 
-def t(style: Style, leg: float) -> list[Road]:
+def t(style: Style, leg: float) -> list[PlannedRoad]:
     """One junction of a street from West to East and one from the South."""
     return star(style, [EAST, WEST, SOUTH], leg)
 
 
-def grid(style: Style, rows: int, columns: int, block: float, leg: float, one_way: bool) -> list[Road]:
+def grid(style: Style, rows: int, columns: int, block: float, leg: float, one_way: bool) -> list[PlannedRoad]:
     """Straight streets that cross `block` metres apart and end `leg` metres after the outermost crossings; the origin is in their middle."""
 
     def coordinates(number: int) -> list[float]:
@@ -55,7 +55,7 @@ def grid(style: Style, rows: int, columns: int, block: float, leg: float, one_wa
     return network(points, streets + [street(here, here + wide, NORTH, column % 2 == 0) for here, column in northward], style)
 
 
-def roundabout(style: Style, legs: int, leg: float, island: float) -> list[Road]:
+def roundabout(style: Style, legs: int, leg: float, island: float) -> list[PlannedRoad]:
     """A ring of one-way roads around an island of this radius, with a junction for each leg. Raises `ValueError` if it does not fit."""
     section = style.section()
     reach = island + to_curb(section.right) + style.radius  # from the middle to those of the corners
@@ -68,48 +68,50 @@ def roundabout(style: Style, legs: int, leg: float, island: float) -> list[Road]
         raise ValueError(f"with these lanes and this turning radius, leg must be at least {back + SHORTEST_STREET:.1f} m, not {leg:g}")
     headings = [index * math.tau / legs for index in range(legs)]
     junctions = [Neighbour(2 * legs + 1 + index) for index in range(legs)]
-    roads: list[Road] = []
+    roads: list[PlannedRoad] = []
     for index, heading in enumerate(headings):
-        line = (Bend(Pose(cmath.rect(back, heading), heading), leg - back),)
-        roads.append(style.furnished(Road(1 + index, line, (section,), junctions[index]), ["start"]))
+        line = (Bend(Placement(cmath.rect(back, heading), heading), leg - back),)
+        roads.append(style.furnished(PlannedRoad(1 + index, line, (section,), junctions[index]), ["start"]))
     for index, heading in enumerate(headings):
-        line = (Bend(Pose(cmath.rect(island, heading + half), heading + half + NORTH), arc, 1 / island, 1 / island),)
-        roads.append(Road(legs + 1 + index, line, (Section(0.0, (), section.right),), junctions[index], junctions[(index + 1) % legs]))
-    maneuvers = [Maneuver(start, lane, end, lane) for lane in range(style.lanes) for start, end in ((0, 2), (0, 1), (1, 2))]
+        line = (Bend(Placement(cmath.rect(island, heading + half), heading + half + NORTH), arc, 1 / island, 1 / island),)
+        roads.append(PlannedRoad(legs + 1 + index, line, (PlannedSection(0.0, (), section.right),), junctions[index], junctions[(index + 1) % legs]))
+    maneuvers = [PlannedManeuver(start, lane, end, lane) for lane in range(style.lanes) for start, end in ((0, 2), (0, 1), (1, 2))]
     for index, other in enumerate(junctions):
         mouths = [mouth(roads[legs + (index - 1) % legs], "end"), mouth(roads[index], "start"), mouth(roads[legs + index], "start")]
         roads += junction(other.id, mouths, maneuvers)
     return roads
 
 
-def highway(lanes: int, lane_width: float, radius: float, leg: float, ramp_lane: float, taper: float, shoulders: bool) -> list[Road]:
+def highway(lanes: int, lane_width: float, radius: float, leg: float, ramp_lane: float, taper: float, shoulders: bool) -> list[PlannedRoad]:
     """A highway from West to East, with an on-ramp, whose lane ends after a while, and an off-ramp, before which a lane begins."""
-    inner: Side = (Lane("median", (MEDIAN,)), *(Lane("driving", (lane_width,)),) * lanes)
-    shoulder = (Lane("shoulder", (HARD_SHOULDER,)),) * shoulders
+    inner: Side = (PlannedLane("median", (MEDIAN,)), *(PlannedLane("driving", (lane_width,)),) * lanes)
+    shoulder = (PlannedLane("shoulder", (HARD_SHOULDER,)),) * shoulders
     closing = lane_width, 0.0, -3 * lane_width / taper**2, 2 * lane_width / taper**3
     opening = 0.0, 0.0, -closing[2], -closing[3]
-    beside: list[Side] = [(Lane("entry", (lane_width,)),), (Lane("entry", closing),), (), (Lane("exit", opening),), (Lane("exit", (lane_width,)),)]
+    types = (("entry", (lane_width,)), ("entry", closing), None, ("exit", opening), ("exit", (lane_width,)))
+    beside: list[Side] = [() if found is None else (PlannedLane(*found),) for found in types]
     starts = [0.0, ramp_lane, ramp_lane + taper, 2 * ramp_lane + taper, 2 * ramp_lane + 2 * taper]
-    sections = linked([Section(start, inner + shoulder, inner + lane + shoulder) for start, lane in zip(starts, beside, strict=True)])
-    plain = (Section(0.0, inner + shoulder, inner + shoulder),)
+    sections = linked([PlannedSection(start, inner + shoulder, inner + lane + shoulder) for start, lane in zip(starts, beside, strict=True)])
+    plain = (PlannedSection(0.0, inner + shoulder, inner + shoulder),)
     aside, length = breadth(shoulder) + GORE, starts[-1] + ramp_lane
     angle, edge, away = 2 * math.atan(aside / MERGING), breadth(inner) + aside, 2 * MERGING + length
     turning, k = (RAMP_TURN - 0.4) * radius, -1 / radius
     straight, curve = (leg, 0.0, 0.0), [(0.4 * radius, 0.0, k), (turning, k, k), (0.4 * radius, k, 0.0)]
-    on_line, off_line = bends_to(Pose(complex(0, -edge), angle), [straight, *curve]), bends(Pose(complex(away, -edge), -angle), [*curve, straight])
+    on_line = bends_to(Placement(complex(0, -edge), angle), [straight, *curve])
+    off_line = bends(Placement(complex(away, -edge), -angle), [*curve, straight])
     merge, fork = Neighbour(6), Neighbour(7)
-    west = Road(1, bends(Pose(-leg + 0j, EAST), [straight]), plain, None, merge, type="motorway")
-    middle = Road(2, bends(Pose(MERGING + 0j, EAST), [(length, 0.0, 0.0)]), sections, merge, fork, type="motorway")
-    east = Road(3, bends(Pose(away + 0j, EAST), [straight]), plain, fork, type="motorway")
-    on = Road(4, on_line, (Section(0.0, (), (Lane("onRamp", (lane_width,)), *shoulder)),), None, merge, type="motorway")
-    off = Road(5, off_line, (Section(0.0, (), (Lane("offRamp", (lane_width,)), *shoulder)),), fork, type="motorway")
-    through = [Maneuver(start, lane, end, lane) for lane in range(1, lanes + 1) for start, end in ((0, 1), (1, 0))]
-    merging = junction(6, [mouth(middle, "start"), mouth(west, "end"), mouth(on, "end")], [*through, Maneuver(2, 0, 0, lanes + 1)])
-    forking = junction(7, [mouth(east, "start"), mouth(middle, "end"), mouth(off, "start")], [*through, Maneuver(1, lanes + 1, 2, 0)])
+    west = PlannedRoad(1, bends(Placement(-leg + 0j, EAST), [straight]), plain, None, merge, type="motorway")
+    middle = PlannedRoad(2, bends(Placement(MERGING + 0j, EAST), [(length, 0.0, 0.0)]), sections, merge, fork, type="motorway")
+    east = PlannedRoad(3, bends(Placement(away + 0j, EAST), [straight]), plain, fork, type="motorway")
+    on = PlannedRoad(4, on_line, (PlannedSection(0.0, (), (PlannedLane("onRamp", (lane_width,)), *shoulder)),), None, merge, type="motorway")
+    off = PlannedRoad(5, off_line, (PlannedSection(0.0, (), (PlannedLane("offRamp", (lane_width,)), *shoulder)),), fork, type="motorway")
+    through = [PlannedManeuver(start, lane, end, lane) for lane in range(1, lanes + 1) for start, end in ((0, 1), (1, 0))]
+    merging = junction(6, [mouth(middle, "start"), mouth(west, "end"), mouth(on, "end")], [*through, PlannedManeuver(2, 0, 0, lanes + 1)])
+    forking = junction(7, [mouth(east, "start"), mouth(middle, "end"), mouth(off, "start")], [*through, PlannedManeuver(1, lanes + 1, 2, 0)])
     return [west, middle, east, on, off, *merging, *forking]
 
 
-def linked(sections: list[Section]) -> tuple[Section, ...]:
+def linked(sections: list[PlannedSection]) -> tuple[PlannedSection, ...]:
     """The sections of a road, with lanes linked that have the same type and the same place among those of this type."""
 
     def names(side: Side) -> list[tuple[str, int]]:
@@ -117,14 +119,14 @@ def linked(sections: list[Section]) -> tuple[Section, ...]:
 
     def joined(before: Side, side: Side, after: Side, sign: int) -> Side:
         ids = [{name: sign * id for id, name in enumerate(names(other), 1)} for other in (before, after)]
-        return tuple(Lane(lane.type, lane.width, ids[0].get(name), ids[1].get(name)) for lane, name in zip(side, names(side), strict=True))
+        return tuple(PlannedLane(lane.type, lane.width, ids[0].get(name), ids[1].get(name)) for lane, name in zip(side, names(side), strict=True))
 
-    nothing = Section(0.0, (), ())
+    nothing = PlannedSection(0.0, (), ())
     triples = zip([nothing, *sections], sections, [*sections[1:], nothing], strict=False)
-    return tuple(Section(s.start, joined(a.left, s.left, b.left, 1), joined(a.right, s.right, b.right, -1)) for a, s, b in triples)
+    return tuple(PlannedSection(s.start, joined(a.left, s.left, b.left, 1), joined(a.right, s.right, b.right, -1)) for a, s, b in triples)
 
 
-def suburb(style: Style, rows: int, columns: int, block: float, leg: float, seed: int) -> list[Road]:
+def suburb(style: Style, rows: int, columns: int, block: float, leg: float, seed: int) -> list[PlannedRoad]:
     """Winding streets: a grid whose points are moved and turned, without some of its streets, and with dead ends."""
     chance = random.Random(seed)
     streets, ends = drawn(chance, rows, columns)

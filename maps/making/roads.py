@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from .curves import Line, Pose
+from .curves import Line, Placement
 
 Contact = Literal["start", "end"]
 DRIVEN = frozenset({"driving", "entry", "exit", "onRamp", "offRamp"})
@@ -14,7 +14,7 @@ DRIVEN = frozenset({"driving", "entry", "exit", "onRamp", "offRamp"})
 
 
 @dataclass(frozen=True)
-class Lane:
+class PlannedLane:
     """A lane: the coefficients of its width, in metres, by the distance along it; the ids of the lanes before and after it, along the road."""
 
     type: str
@@ -23,12 +23,12 @@ class Lane:
     after: int | None = None
 
 
-Side = tuple[Lane, ...]
+Side = tuple[PlannedLane, ...]
 """The lanes on one side of a reference line, from it outwards."""
 
 
 @dataclass(frozen=True)
-class Section:
+class PlannedSection:
     """The lanes from `start` on, in metres."""
 
     start: float
@@ -37,7 +37,7 @@ class Section:
 
 
 @dataclass(frozen=True)
-class Signal:
+class PlannedSignal:
     """A traffic light, or on the roads of a junction a reference to one; valid for the lanes from the lowest id to the highest."""
 
     id: int
@@ -48,7 +48,7 @@ class Signal:
 
 
 @dataclass(frozen=True)
-class Crosswalk:
+class PlannedCrosswalk:
     """A crosswalk: the distance along the road of its middle, and how far it goes to the left and to the right."""
 
     s: float
@@ -65,19 +65,19 @@ class Neighbour:
 
 
 @dataclass(frozen=True)
-class Road:
+class PlannedRoad:
     """A road. Those of a junction begin where an incoming road meets it."""
 
     id: int
     line: Line
-    sections: tuple[Section, ...]
+    sections: tuple[PlannedSection, ...]
     predecessor: Neighbour | None = None
     successor: Neighbour | None = None
     junction: int | None = None
     type: Literal["town", "motorway"] = "town"
-    signals: tuple[Signal, ...] = ()
-    references: tuple[Signal, ...] = ()
-    crosswalks: tuple[Crosswalk, ...] = ()
+    signals: tuple[PlannedSignal, ...] = ()
+    references: tuple[PlannedSignal, ...] = ()
+    crosswalks: tuple[PlannedCrosswalk, ...] = ()
 
     @property
     def length(self) -> float:
@@ -91,8 +91,8 @@ class Mouth:
 
     road: int
     contact: Contact
-    pose: Pose
-    section: Section
+    pose: Placement
+    section: PlannedSection
     signal: int | None = None
 
     @property
@@ -114,7 +114,7 @@ class Mouth:
         return -self.incoming_id(index)
 
 
-def mouth(road: Road, contact: Contact) -> Mouth:
+def mouth(road: PlannedRoad, contact: Contact) -> Mouth:
     """One of the two ends of a road."""
     at_end = contact == "end"
     pose = road.line[-1].at(1).reversed() if at_end else road.line[0].start
@@ -122,7 +122,7 @@ def mouth(road: Road, contact: Contact) -> Mouth:
     return Mouth(road.id, contact, pose, road.sections[-1 if at_end else 0], signal)
 
 
-def breadth(side: Sequence[Lane]) -> float:
+def breadth(side: Sequence[PlannedLane]) -> float:
     """The width of lanes together, in metres, where their section begins."""
     return sum(lane.width[0] for lane in side)
 

@@ -8,9 +8,23 @@ from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from .curves import Line, Pose, sharpest, street
+from .curves import Line, Placement, sharpest, street
 from .junctions import junction, setbacks, turns
-from .roads import Contact, Crosswalk, Lane, Mouth, Neighbour, Road, Section, Side, Signal, breadth, driven, mouth, to_curb
+from .roads import (
+    Contact,
+    Mouth,
+    Neighbour,
+    PlannedCrosswalk,
+    PlannedLane,
+    PlannedRoad,
+    PlannedSection,
+    PlannedSignal,
+    Side,
+    breadth,
+    driven,
+    mouth,
+    to_curb,
+)
 from .writing import DEPTH
 
 BIKE_LANE, SHOULDER, SIDEWALK = 1.8, 1.5, 2.0
@@ -39,17 +53,17 @@ class Style:
             least = f"{SIDEWALK + 0.5:g} m with sidewalks, which lie inside the curbs of corners"
             raise ValueError(f"radius must be at least {least}, not {self.radius:g}")
 
-    def section(self, one_way: bool = False) -> Section:
+    def section(self, one_way: bool = False) -> PlannedSection:
         """The lanes of a street; those of a one-way street are to the right of its reference line, with a sidewalk on either side."""
-        driving = (Lane("driving", (self.lane_width,)),) * self.lanes
-        beside = (Lane("shoulder", (SHOULDER,)),) * self.shoulders + (Lane("sidewalk", (SIDEWALK,)),) * self.sidewalks
-        right = driving + (Lane("biking", (BIKE_LANE,)),) * self.bike_lanes + beside
-        return Section(0.0, beside if one_way else right, right)
+        driving = (PlannedLane("driving", (self.lane_width,)),) * self.lanes
+        beside = (PlannedLane("shoulder", (SHOULDER,)),) * self.shoulders + (PlannedLane("sidewalk", (SIDEWALK,)),) * self.sidewalks
+        right = driving + (PlannedLane("biking", (BIKE_LANE,)),) * self.bike_lanes + beside
+        return PlannedSection(0.0, beside if one_way else right, right)
 
-    def furnished(self, road: Road, contacts: Sequence[Contact]) -> Road:
+    def furnished(self, road: PlannedRoad, contacts: Sequence[Contact]) -> PlannedRoad:
         """The road with traffic lights and crosswalks before junctions at these of its ends."""
-        signals: list[Signal] = []
-        crosswalks: list[Crosswalk] = []
+        signals: list[PlannedSignal] = []
+        crosswalks: list[PlannedCrosswalk] = []
         section = road.sections[0]
         for contact in contacts:
             at_end = contact == "end"
@@ -58,9 +72,9 @@ class Style:
             lanes = [sign * (1 + index) for index in driven(incoming)]
             if self.signals and lanes:
                 s, t = road.length - stop if at_end else stop, sign * (to_curb(incoming) + 0.5)
-                signals.append(Signal(2 * road.id + at_end, s, t, "+" if at_end else "-", (min(lanes), max(lanes))))
+                signals.append(PlannedSignal(2 * road.id + at_end, s, t, "+" if at_end else "-", (min(lanes), max(lanes))))
             if self.crosswalks:
-                crosswalks.append(Crosswalk(road.length - middle if at_end else middle, to_curb(section.left), to_curb(section.right)))
+                crosswalks.append(PlannedCrosswalk(road.length - middle if at_end else middle, to_curb(section.left), to_curb(section.right)))
         return replace(road, signals=tuple(signals), crosswalks=tuple(crosswalks))
 
 
@@ -75,14 +89,14 @@ class Street:
     one_way: bool = False
 
 
-def network(points: Sequence[complex], streets: Sequence[Street], style: Style) -> list[Road]:
+def network(points: Sequence[complex], streets: Sequence[Street], style: Style) -> list[PlannedRoad]:
     """Streets that meet at a junction where three or more have an end, and go over into each other where two have."""
     meeting: dict[int, list[Mouth]] = defaultdict(list)
     for id, way in enumerate(streets, 1):
-        meeting[way.start].append(Mouth(id, "start", Pose(points[way.start], way.start_heading % math.tau), style.section(way.one_way)))
-        meeting[way.end].append(Mouth(id, "end", Pose(points[way.end], way.end_heading % math.tau), style.section(way.one_way)))
+        meeting[way.start].append(Mouth(id, "start", Placement(points[way.start], way.start_heading % math.tau), style.section(way.one_way)))
+        meeting[way.end].append(Mouth(id, "end", Placement(points[way.end], way.end_heading % math.tau), style.section(way.one_way)))
     junctions: dict[int, list[Mouth]] = {}
-    poses: dict[tuple[int, Contact], Pose] = {}
+    poses: dict[tuple[int, Contact], Placement] = {}
     beyond: dict[tuple[int, Contact], Neighbour] = {}
     for ends in meeting.values():
         ends.sort(key=lambda end: end.pose.heading)
@@ -95,12 +109,12 @@ def network(points: Sequence[complex], streets: Sequence[Street], style: Style) 
                 beyond[end.road, end.contact] = Neighbour(other.road, other.contact)
         if len(ends) > 2:
             junctions[len(streets) + 1 + len(junctions)] = ends
-    roads: list[Road] = []
+    roads: list[PlannedRoad] = []
     for id, way in enumerate(streets, 1):
         section = style.section(way.one_way)
         line = way_between(poses[id, "start"], poses[id, "end"].reversed(), abs(points[way.end] - points[way.start]), section)
         before, after = beyond.get((id, "start")), beyond.get((id, "end"))
-        road = Road(id, line, (joined(section, before, after),), before, after)
+        road = PlannedRoad(id, line, (joined(section, before, after),), before, after)
         contacts: list[tuple[Contact, Neighbour | None]] = [("start", before), ("end", after)]
         roads.append(style.furnished(road, [contact for contact, other in contacts if other and not other.contact]))
     for id, ends in junctions.items():
@@ -109,7 +123,7 @@ def network(points: Sequence[complex], streets: Sequence[Street], style: Style) 
     return roads
 
 
-def way_between(start: Pose, end: Pose, distance: float, section: Section) -> Line:
+def way_between(start: Placement, end: Placement, distance: float, section: PlannedSection) -> Line:
     """The reference line of a street between points `distance` metres apart. Raises `ValueError` if its junctions or its bends leave no room."""
     ahead = ((end.point - start.point) / cmath.rect(1.0, start.heading)).real
     if ahead < SHORTEST_STREET:
@@ -121,7 +135,7 @@ def way_between(start: Pose, end: Pose, distance: float, section: Section) -> Li
     return line
 
 
-def joined(section: Section, before: Neighbour | None, after: Neighbour | None) -> Section:
+def joined(section: PlannedSection, before: Neighbour | None, after: Neighbour | None) -> PlannedSection:
     """The section with its lanes linked to those of the roads that it goes over into."""
 
     def linked(side: Side, sign: int) -> Side:
@@ -130,4 +144,4 @@ def joined(section: Section, before: Neighbour | None, after: Neighbour | None) 
 
         return tuple(replace(lane, before=other(before, "end", index), after=other(after, "start", index)) for index, lane in enumerate(side))
 
-    return Section(section.start, linked(section.left, 1), linked(section.right, -1))
+    return PlannedSection(section.start, linked(section.left, 1), linked(section.right, -1))

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from itertools import groupby
 
 from .curves import Bend, Piece, turn
-from .roads import DRIVEN, Crosswalk, Neighbour, Road, Section, Side, Signal, breadth, driven
+from .roads import DRIVEN, Neighbour, PlannedCrosswalk, PlannedRoad, PlannedSection, PlannedSignal, Side, breadth, driven
 
 DEPTH = 3.0
 """Metres that a crosswalk measures along the road."""
@@ -29,10 +29,10 @@ def child(parent: ET.Element, tag: str, **attributes: Value) -> ET.Element:
     return ET.SubElement(parent, tag, {name: text(value) for name, value in attributes.items()})
 
 
-def written(roads: Sequence[Road], name: str, left_hand: bool) -> str:
+def written(roads: Sequence[PlannedRoad], name: str, left_hand: bool) -> str:
     """The text of a file. Roads of one junction follow each other."""
     root = ET.Element("OpenDRIVE")
-    writer = Writer(root, -1 if left_hand else 1)
+    writer = MapWriter(root, -1 if left_hand else 1)
     writer.header(roads, name)
     for road in roads:
         writer.road(road)
@@ -43,13 +43,13 @@ def written(roads: Sequence[Road], name: str, left_hand: bool) -> str:
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
 
 
-class Writer:
+class MapWriter:
     """Adds elements to the root; `hand` is 1 for traffic on the right, -1 for traffic on the left."""
 
     def __init__(self, root: ET.Element, hand: int) -> None:
         self.root, self.hand = root, hand
 
-    def header(self, roads: Sequence[Road], name: str) -> None:
+    def header(self, roads: Sequence[PlannedRoad], name: str) -> None:
         """The header, with a rectangle around all lanes."""
         reach = max(breadth(side) for road in roads for section in road.sections for side in (section.left, section.right))
         points = [piece.at(step / 16).point for road in roads for piece in road.line for step in range(17)]
@@ -57,7 +57,7 @@ class Writer:
         sides = {"north": max(y) + reach, "south": min(y) - reach, "east": max(x) + reach, "west": min(x) - reach}
         child(self.root, "header", revMajor=1, revMinor=6, name=name, version="1", **sides)
 
-    def road(self, road: Road) -> None:
+    def road(self, road: PlannedRoad) -> None:
         """A road."""
         rule, inside = "RHT" if self.hand == 1 else "LHT", -1 if road.junction is None else road.junction
         element = child(self.root, "road", name=f"road {road.id}", length=road.length, id=road.id, junction=inside, rule=rule)
@@ -104,7 +104,7 @@ class Writer:
             )
             child(geometry, "paramPoly3", **along, **aside, pRange="normalized")
 
-    def section(self, lanes: ET.Element, section: Section, marked: bool) -> None:
+    def section(self, lanes: ET.Element, section: PlannedSection, marked: bool) -> None:
         """A section of lanes, with marks between them unless the road is part of a junction."""
         element = child(lanes, "laneSection", s=section.start)
         left, right = (section.left, section.right)[:: self.hand]
@@ -135,7 +135,7 @@ class Writer:
             kind = "broken" if any(other.type in DRIVEN for other in side[abs(id) :][:1]) else "solid"
             child(element, "roadMark", sOffset=0.0, type=kind, color="white", width=0.12)
 
-    def crosswalk(self, objects: ET.Element, id: int, crosswalk: Crosswalk) -> None:
+    def crosswalk(self, objects: ET.Element, id: int, crosswalk: PlannedCrosswalk) -> None:
         """A crosswalk, across the road from curb to curb."""
         ends = {"name": f"crosswalk {id}", "type": "crosswalk", "orientation": "none", "hdg": 0.0}
         element = child(objects, "object", id=id, s=crosswalk.s, t=0.0, zOffset=0.0, **ends)
@@ -144,13 +144,13 @@ class Writer:
         for index, (u, v) in enumerate([(-0.5, -right), (0.5, -right), (0.5, left), (-0.5, left)]):
             child(outline, "cornerLocal", id=index, u=u * DEPTH, v=v, z=0.0, height=0.0)
 
-    def signal(self, signals: ET.Element, tag: str, signal: Signal, **more: Value) -> None:
+    def signal(self, signals: ET.Element, tag: str, signal: PlannedSignal, **more: Value) -> None:
         """A signal or a reference to one."""
         element = child(signals, tag, id=signal.id, s=signal.s, t=self.hand * signal.t, orientation=signal.orientation, **more)
         first, last = sorted(self.hand * id for id in signal.lanes)
         child(element, "validity", fromLane=first, toLane=last)
 
-    def junction(self, id: int, roads: Sequence[Road]) -> None:
+    def junction(self, id: int, roads: Sequence[PlannedRoad]) -> None:
         """A junction with these roads; lanes of theirs to the left of the reference line lead nowhere new, and are linked by the roads alone."""
         element = child(self.root, "junction", id=id, name=f"junction {id}")
         for index, road in enumerate(roads):

@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
-from ..space.absence import NotThere
+from ..space.absence import Absent
 from .allowed import is_value
 from .budget import PLAIN, STEP, Budget
 from .config import PASS, Abrupt, Config, State, Value
@@ -165,7 +165,7 @@ def host(door: Door, state: State, operation: Callable[..., object], *arguments:
             operation(*plain_arguments, **plain_keywords) if door.lift is None or origin is None
             else door.lift(operation, plain_arguments, plain_keywords)
         )
-    except (ScenicError, DoorStuck, HostException, NotThere):
+    except (ScenicError, DoorStuck, HostException, Absent):
         raise
     except RecursionError:
         raise too_deep() from None
@@ -207,7 +207,7 @@ def raw(door: Door, state: State, operation: Callable[..., object], *arguments: 
     try:
         result = operation(*arguments, **keywords)
         met = door.origin
-    except (ScenicError, DoorStuck, HostException, NotThere):
+    except (ScenicError, DoorStuck, HostException, Absent):
         raise
     except RecursionError:
         raise too_deep() from None

@@ -3,5 +3,5 @@
 from __future__ import annotations
 
 
-class NotThere(Exception):
+class Absent(Exception):
     """There is no such thing: the run is stuck, as where a requirement is violated; the message says what there is not."""

@@ -43,7 +43,7 @@ Cell = tuple[Polygon, float]
 
 
 @dataclass(frozen=True, eq=False)
-class Road:
+class CityRoad:
     """A road: its cells, its outline, and its curbs (right edges, in the direction of traffic) before junctions cut them."""
 
     cells: tuple[Cell, ...]
@@ -95,7 +95,7 @@ def city() -> City:
     return City(cells, closed, tuple(_cut_curbs(roads)))
 
 
-def _roads() -> Iterator[Road]:
+def _roads() -> Iterator[CityRoad]:
     for line in NORTH_SOUTH_AVENUES:
         yield _two_way(_north_south(line), lanes=3)
     for line in EAST_WEST_AVENUES:
@@ -141,23 +141,23 @@ def _crossing(
     return float(x), float(y)
 
 
-def _two_way(center: np.ndarray, lanes: int) -> Road:
+def _two_way(center: np.ndarray, lanes: int) -> CityRoad:
     half = lanes * LANE + SHOULDER
     right, left = _beside(center, half), _beside(center, -half)
     with_line = _quads(center, right)
     against = _quads(center[::-1], left[::-1])
     curbs = (LineString(_beside(center, half - CURB_INSET)), LineString(_beside(center, CURB_INSET - half)[::-1]))
-    return Road((*with_line, *against), _outline(left, right), curbs)
+    return CityRoad((*with_line, *against), _outline(left, right), curbs)
 
 
-def _ramp(x: float, y: float) -> Road:
+def _ramp(x: float, y: float) -> CityRoad:
     """A one-way ramp from the right northbound lane to the right eastbound lane of the avenues that cross at (x, y)."""
     offset, half = 2.2 * LANE, LANE / 2 + SHOULDER
     middle = np.array([x + offset + RAMP_RADIUS, y - offset - RAMP_RADIUS])
     angles = np.linspace(math.pi, math.pi / 2, 13)
     center = middle + RAMP_RADIUS * np.stack([np.cos(angles), np.sin(angles)], axis=1)
     left, right = _beside(center, -half), _beside(center, half)
-    return Road(_quads(left, right), _outline(left, right), (LineString(_beside(center, half - CURB_INSET)),))
+    return CityRoad(_quads(left, right), _outline(left, right), (LineString(_beside(center, half - CURB_INSET)),))
 
 
 def _beside(center: np.ndarray, distance: float) -> np.ndarray:
@@ -180,7 +180,7 @@ def _outline(left: np.ndarray, right: np.ndarray) -> Polygon:
     return Polygon(np.concatenate([left, right[::-1]]))
 
 
-def _cut_curbs(roads: tuple[Road, ...]) -> Iterator[LineString]:
+def _cut_curbs(roads: tuple[CityRoad, ...]) -> Iterator[LineString]:
     """The curbs without the parts on other roads: curbs are interrupted at junctions."""
     outlines = [road.outline for road in roads]
     tree = shapely.STRtree(outlines)

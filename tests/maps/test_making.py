@@ -19,10 +19,10 @@ DRIVEN = {"driving", "entry", "exit", "onRamp", "offRamp"}
 ALL = {"sidewalks": True, "shoulders": True, "bike_lanes": True, "signals": True, "crosswalks": True}
 BARE = dict.fromkeys(ALL, False)
 
-Pose = tuple[float, float, float]
+Placement = tuple[float, float, float]
 
 
-def after_spiral(length: float, first: float, last: float) -> Pose:
+def after_spiral(length: float, first: float, last: float) -> Placement:
     """Where a spiral ends that begins at the origin to the East, by Fresnel's integrals: the angle is (rate s² + 2 first s) / 2."""
     rate = (last - first) / length
     begin, scale = first / abs(rate), math.sqrt(math.pi / abs(rate))
@@ -34,7 +34,7 @@ def after_spiral(length: float, first: float, last: float) -> Pose:
     return x * math.cos(back) - y * math.sin(back), x * math.sin(back) + y * math.cos(back), turned
 
 
-def after(geometry: ET.Element) -> Pose:
+def after(geometry: ET.Element) -> Placement:
     """Where a piece of a reference line ends, in its own coordinates."""
     [shape], length = geometry, float(geometry.get("length", ""))
     value = {name: float(text) for name, text in shape.attrib.items() if name != "pRange"}
@@ -56,14 +56,14 @@ def after(geometry: ET.Element) -> Pose:
     raise AssertionError(shape.tag)
 
 
-def placed(geometry: ET.Element, local: Pose) -> Pose:
+def placed(geometry: ET.Element, local: Placement) -> Placement:
     x, y, heading = (float(geometry.get(name, "")) for name in ("x", "y", "hdg"))
     u, v, turned = local
     return x + u * math.cos(heading) - v * math.sin(heading), y + u * math.sin(heading) + v * math.cos(heading), heading + turned
 
 
 @dataclass
-class Lane:
+class PlannedLane:
     """A lane of a section at its beginning and its end: offsets of the inner and the outer edge, to the left."""
 
     type: str
@@ -82,7 +82,7 @@ class Map:
         self.ends = {id: self.checked_line(road) for id, road in self.roads.items()}
         self.sections = {id: list(self.lanes(road)) for id, road in self.roads.items()}
 
-    def checked_line(self, road: ET.Element) -> tuple[Pose, Pose]:
+    def checked_line(self, road: ET.Element) -> tuple[Placement, Placement]:
         """The ends of the reference line, whose pieces follow each other."""
         pieces = list(road.iter("geometry"))
         total = 0.0
@@ -95,12 +95,12 @@ class Map:
             assert gap(placed(one, after(one)), placed(other, (0.0, 0.0, 0.0))) < METRES
         return placed(pieces[0], (0.0, 0.0, 0.0)), placed(pieces[-1], after(pieces[-1]))
 
-    def lanes(self, road: ET.Element) -> Iterator[dict[int, Lane]]:
+    def lanes(self, road: ET.Element) -> Iterator[dict[int, PlannedLane]]:
         sections = list(road.iter("laneSection"))
         starts = [float(section.get("s", "")) for section in sections] + [float(road.get("length", ""))]
         assert starts == sorted(starts)
         for section, start, end in zip(sections, starts, starts[1:], strict=False):
-            found: dict[int, Lane] = {}
+            found: dict[int, PlannedLane] = {}
             for side, sign in (("left", 1), ("right", -1)):
                 lanes = {int(lane.get("id", "")): lane for lane in section.iterfind(f"{side}/lane")}
                 assert sorted(sign * id for id in lanes) == list(range(1, len(lanes) + 1))
@@ -112,7 +112,7 @@ class Map:
                     assert min(widths) > -1e-9
                     outer = [o + sign * w for o, w in zip(offset, widths, strict=True)]
                     links = {link.tag: int(link.get("id", "")) for link in lanes[id].iterfind("link/*")}
-                    found[id] = Lane(lanes[id].get("type", ""), links, ((offset[0], outer[0]), (offset[1], outer[1])))
+                    found[id] = PlannedLane(lanes[id].get("type", ""), links, ((offset[0], outer[0]), (offset[1], outer[1])))
                     offset = outer
             yield found
 
@@ -120,7 +120,7 @@ class Map:
         """Whether traffic on a lane goes along the reference line."""
         return (id < 0) == (self.rule == "RHT")
 
-    def edges(self, road: int, contact: str, id: int) -> list[Pose]:
+    def edges(self, road: int, contact: str, id: int) -> list[Placement]:
         """Inner edge, middle and outer edge of a lane at an end of a road; directions are those of traffic."""
         last = contact == "end"
         x, y, heading = self.ends[road][last]
@@ -139,7 +139,7 @@ class Map:
                     else:
                         assert tag not in found.links
 
-    def lane(self, road: int, contact: str, id: int) -> Lane:
+    def lane(self, road: int, contact: str, id: int) -> PlannedLane:
         return self.sections[road][-1 if contact == "end" else 0][id]
 
     def mouths(self) -> Iterator[tuple[int, int, str]]:
@@ -162,7 +162,7 @@ def ends_of(read: Map, road: int) -> tuple[tuple[int, str], tuple[int, str]]:
     return one, other
 
 
-def gap(one: Pose, other: Pose) -> float:
+def gap(one: Placement, other: Placement) -> float:
     """Metres between two points whose directions are the same."""
     assert abs(math.remainder(one[2] - other[2], math.tau)) < RADIANS
     return math.dist(one[:2], other[:2])

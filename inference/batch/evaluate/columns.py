@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ....semantics.space.absence import NotThere
+from ....semantics.space.absence import Absent
 from ....semantics.space.fields import OutsideField
 from ....semantics.space.numeric import Elementary
 from ....semantics.space.regions import EmptyRegion
@@ -194,7 +194,7 @@ def rows_of(
     for row in range(count) if rows is None else rows:
         try:
             result[row] = function(lambda child, row=row: _item(columns[child.number][row]), row)
-        except (OutsideField, EmptyRegion, NotThere):
+        except (OutsideField, EmptyRegion, Absent):
             rejected[row], result[row] = True, node.example
         except (NotLifted, Exception):  # whatever it is, the interpreter will say it where it belongs
             left[row], result[row] = True, node.example

@@ -12,7 +12,7 @@ from ....semantics.kernel.errors import ScenicError
 from ....semantics.kernel.host import DoorStuck, HostException
 from ....semantics.kernel.outcome import Requirement
 from ....semantics.kernel.values import Bound, Native
-from ....semantics.space.absence import NotThere
+from ....semantics.space.absence import Absent
 from ....semantics.space.fields import OutsideField, PolygonalVectorField, VectorField
 from ....semantics.space.numeric import Elementary, is_macro, position_in
 from ....semantics.space.regions import EmptyRegion
@@ -261,7 +261,7 @@ class Recorder:
         example_of = lambda node: node.example  # noqa: E731
         try:
             example = function(*in_row(arguments, example_of), **in_row(dict(keywords), example_of))  # type: ignore[misc]
-        except (OutsideField, EmptyRegion, NotThere) as stuck:
+        except (OutsideField, EmptyRegion, Absent) as stuck:
             raise Retry(str(stuck)) from None
         except (ScenicError, HostException, DoorStuck, Exception) as problem:
             raise NotLifted(f"{name_of(function)}: {problem}") from None

@@ -7,10 +7,10 @@ from functools import cache, lru_cache
 from importlib.resources import files
 from pathlib import Path
 
-from ....maps import network as roads
-from ....maps import paths
+from ....maps import elements, intersections, network, opendrive, paths
+from ....maps.making import made
 from ....maps.network import Network
-from ....maps.reading import read_map
+from ....maps.reading import network_of, read_map
 from ....semantics.kernel.errors import ImportRefused, ScenicError
 from ....semantics.syntax import Program
 from ....semantics.syntax.python_expressions import Call, Constant, Name
@@ -24,6 +24,12 @@ ROADS = (
     "Shoulder", "Intersection", "Signal", "Maneuver", "ManeuverType", "VehicleType",
 )  # fmt: skip
 """What the module `roads` gives."""
+PARTS = (elements, intersections, network)
+"""Where it has them from."""
+
+
+DEFAULT = {"block": 120.0, "leg": 80.0, "sidewalks": True, "shoulders": True, "signals": True, "crosswalks": True}
+"""The parameters of the default map."""
 
 
 @cache
@@ -36,6 +42,12 @@ def text(name: str) -> str:
 def network_in(path: str, changed: int, size: int) -> Network:
     """The network of a file as it was changed at that time."""
     return read_map(path)
+
+
+@cache
+def default_network() -> Network:
+    """The map of programs that name none: nine crossings with traffic lights and crosswalks."""
+    return network_of(opendrive.read(made("grid", **DEFAULT).encode()))
 
 
 def map_module(path: Path) -> Mapping[str, object] | Exception:
@@ -76,7 +88,7 @@ def modules(program: Program, params: Mapping[str, object], directory: Path | No
     def found() -> object:
         path = map_of(program, params, directory)
         if path is None:
-            return ImportRefused("the program names no map: write `param map = localPath('...')` before the model")
+            return {"network": default_network()}
         return path if isinstance(path, Exception) else map_module(path)
 
     return {MAP: found}
@@ -84,8 +96,8 @@ def modules(program: Program, params: Mapping[str, object], directory: Path | No
 
 FIXED: Mapping[str, Callable[[], str | Mapping[str, object]]] = {
     "scenic.domains.driving.actions": lambda: ACTIONS,
-    "scenic.domains.driving.roads": lambda: {name: getattr(roads, name) for name in ROADS},
-    "scenic.domains.driving.paths": lambda: {"Path": paths.Path},
+    "scenic.domains.driving.roads": lambda: {name: found for module in PARTS for name, found in vars(module).items() if name in ROADS},
+    "scenic.domains.driving.paths": lambda: {"Trajectory": paths.Trajectory},
     "scenic.domains.driving.behaviors": lambda: text("behaviors"),
     "scenic.domains.driving.model": lambda: text("model"),
 }

@@ -3,7 +3,7 @@
 from scenic.domains.driving.map import network
 from scenic.domains.driving.roads import *
 from scenic.domains.driving.actions import *
-from scenic.domains.driving.paths import Path
+from scenic.domains.driving.paths import Trajectory
 
 roadOrShoulder = network.roadOrShoulder
 
@@ -31,7 +31,7 @@ behavior AccelerateForwardBehavior():
 # To the end of a trajectory (lanes, lines or points, in order), slower in bends: at most at `turn_speed`, if it is given.
 behavior FollowTrajectoryBehavior(target_speed=10, trajectory=None, turn_speed=None):
     assert trajectory is not None, 'FollowTrajectoryBehavior needs a trajectory'
-    path = Path(trajectory)
+    path = Trajectory(trajectory)
     place = path.along(self.position)
     while place < path.length - 1:
         bend = turn_speed is not None and path.speed_limit(place) < target_speed
@@ -48,14 +48,14 @@ behavior FollowLaneBehavior(target_speed=10, laneToFollow=None, is_oppositeTraff
     while not is_oppositeTraffic and len(lane.maneuvers) > 0:
         maneuver = Uniform(*onward(lane))
         parts = [lane, maneuver.endLane] if maneuver.connectingLane is None else [lane, maneuver.connectingLane, maneuver.endLane]
-        path = Path(parts)
+        path = Trajectory(parts)
         end = path.length - maneuver.endLane.centerline.length
         place = path.along(self.position)
         while place < end:
             take following(self, path, place, target_speed)
             place = path.along(self.position, place)
         lane = maneuver.endLane
-    path = Path([lane], is_oppositeTraffic)
+    path = Trajectory([lane], is_oppositeTraffic)
     place = path.along(self.position)
     while place < path.length - 5:
         take following(self, path, place, target_speed)
@@ -64,9 +64,9 @@ behavior FollowLaneBehavior(target_speed=10, laneToFollow=None, is_oppositeTraff
 
 # Into a section of a lane, which need not be beside the own one, and a little further.
 behavior LaneChangeBehavior(laneSectionToSwitch, is_oppositeTraffic=False, target_speed=10):
-    lane = Path([laneSectionToSwitch.lane], is_oppositeTraffic)
+    lane = Trajectory([laneSectionToSwitch.lane], is_oppositeTraffic)
     begin = lane.along(self.position) + max(10, 1.5 * self.speed)
-    path = Path([self.position, lane.point(begin), lane.point(begin + 20)])
+    path = Trajectory([self.position, lane.point(begin), lane.point(begin + 20)])
     place = 0
     while place < path.length - 18:
         take following(self, path, place, target_speed)
@@ -109,7 +109,7 @@ behavior CollisionAvoidance():
 
 behavior GetBackOntoRoad():
     nearest = min(network.lanes, key=lambda lane: lane.distance_to(self.position))
-    path = Path([nearest])
+    path = Trajectory([nearest])
     while not (self in roadOrShoulder):
         take following(self, path, path.along(self.position), 3)
 

@@ -2,7 +2,7 @@
 
 import math
 from scenic.domains.driving.map import network
-from scenic.domains.driving.paths import Path
+from scenic.domains.driving.paths import Trajectory
 from scenic.domains.driving.roads import *
 from scenic.domains.driving.actions import *
 from scenic.domains.driving.behaviors import *
@@ -97,7 +97,7 @@ class DrivingObject:
             return gap
         ways = [lane] + [m.connectingLane if m.connectingLane is not None else m.endLane for m in lane.maneuvers]
         for way in ways:
-            path = Path([lane]) if way is lane else Path([lane, way])
+            path = Trajectory([lane]) if way is lane else Trajectory([lane, way])
             here = path.along(self.position)
             for other in simulation().objects:
                 there = path.along(other.position)

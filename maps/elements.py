@@ -1,0 +1,366 @@
+"""The network of a map: roads, lanes, intersections and what belongs to them, as plain immutable objects (names of the released library).
+
+Positions are metres, headings radians anticlockwise from North, speeds m/s. Each area is a region. An attribute that begins with an underscore
+is None where there is no such thing; the one without it rejects the run. Methods with a point take a vector, a pair or an object.
+"""
+
+from __future__ import annotations
+
+import enum
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property
+from inspect import get_annotations
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+
+from shapely.geometry import MultiPolygon, Point, Polygon
+
+from ..semantics.space.absence import Absent
+from ..semantics.space.fields import VectorField
+from ..semantics.space.numeric import lifted
+from ..semantics.space.regions import PolygonalRegion, PolylineRegion, Region, nowhere
+from ..semantics.space.vectors import Vector
+from .shapes import united
+
+if TYPE_CHECKING:
+    from .intersections import Intersection, Maneuver, Signal
+    from .network import Network
+
+T = TypeVar("T")
+HIDDEN = frozenset({"polygon", "by_id", "by_uid", "first", "_tree", "strips", "gaps", "nearest", "scenic_names"})
+"""What is no matter of programs."""
+
+
+class VehicleType(enum.Enum):
+    """Who may be on an element."""
+
+    CAR = 1
+    BICYCLE = 2
+
+
+VehicleType.scenic_names = frozenset()  # type: ignore[attr-defined]  # its members are values of programs, with the attributes of any enumeration
+
+
+class Fixed:
+    """An object whose attributes are given once; programs may ask for those that its class tells of, as annotations, properties and methods."""
+
+    scenic_names: ClassVar[frozenset[str]] = frozenset()
+
+    def __init_subclass__(cls) -> None:
+        """What programs may ask for."""
+        members = (name for name, value in vars(cls).items() if callable(value) or isinstance(value, property | cached_property))
+        told = {*get_annotations(cls), *members} - HIDDEN
+        cls.scenic_names = frozenset(name for name in told if not name.startswith("__"))
+
+    def __init__(self, **attributes: Any) -> None:
+        vars(self).update(attributes)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"{type(self).__name__} is immutable")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"{type(self).__name__} is immutable")
+
+
+def complete(element: Fixed, **attributes: object) -> None:
+    """Give an object, while the network is made, what did not exist when it was."""
+    vars(element).update(attributes)
+
+
+def there(found: T | None, what: str) -> T:
+    """What was found. Raises `Absent`."""
+    if found is None:
+        raise Absent(what)
+    return found
+
+
+class NetworkElement(Fixed, PolygonalRegion):
+    """A part of a network with an area, which is its region, oriented along traffic."""
+
+    uid: str
+    """Unique within the network."""
+    id: str | None
+    """Its id in the file."""
+    network: Network
+    polygon: Polygon | MultiPolygon
+    vehicleTypes: frozenset[VehicleType] = frozenset([VehicleType.CAR])
+    speedLimit: float | None = None
+    tags: frozenset[str] = frozenset()
+
+    def __init__(self, *, name: str = "", **attributes: Any) -> None:
+        super().__init__(name=name or attributes["uid"], **attributes)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.uid}>"
+
+    @cached_property
+    def orientation(self) -> VectorField:  # type: ignore[override]
+        """The direction of traffic."""
+        return VectorField(f"direction of {self.uid}", self.heading_at)
+
+    def heading_at(self, v: Vector) -> float:
+        """The direction of traffic at a point."""
+        raise NotImplementedError
+
+    def nominalDirectionsAt(self, point: object) -> tuple[float, ...]:
+        """The directions of traffic at a point."""
+        return (self.heading_at(vector(point)),)
+
+
+class LinearElement(NetworkElement):
+    """An element that runs along a centerline, from its beginning to its end in the direction of traffic."""
+
+    centerline: PolylineRegion
+    leftEdge: PolylineRegion
+    rightEdge: PolylineRegion
+    strips: Sequence[tuple[Polygon, float]] = ()
+    """It, cut across, with the heading of each part."""
+    _successor: NetworkElement | None = None
+    _predecessor: NetworkElement | None = None
+
+    @property
+    def successor(self) -> NetworkElement:
+        """What comes after it; rejects if there is nothing."""
+        return there(self._successor, f"{self.uid} has no successor")
+
+    @property
+    def predecessor(self) -> NetworkElement:
+        """What comes before it; rejects if there is nothing."""
+        return there(self._predecessor, f"{self.uid} has no predecessor")
+
+    @lifted(float)
+    def heading_at(self, v: Vector) -> float:
+        """Along the nearest part of the centerline."""
+        return self.centerline.heading_at(v)
+
+    def flowFrom(self, point: object, distance: float, steps: int | None = None, stepSize: float = 5) -> Vector:
+        """The point that is reached along the direction of traffic: forward Euler in so many steps, or in steps of at most `stepSize`."""
+        v = vector(point)
+        count = steps or max(1, math.ceil(abs(distance) / stepSize))
+        for _ in range(count):
+            heading = self.heading_at(v)
+            v = v + Vector(-math.sin(heading), math.cos(heading)) * (distance / count)
+        return v
+
+
+class Road(LinearElement):
+    """A road; its own direction is that in which the file draws it."""
+
+    lanes: tuple[Lane, ...]
+    forwardLanes: LaneGroup | None
+    backwardLanes: LaneGroup | None
+    laneGroups: tuple[LaneGroup, ...]
+    sections: tuple[RoadSection, ...]
+    signals: tuple[Signal, ...]
+    crossings: tuple[PedestrianCrossing, ...] = ()
+    sidewalks: tuple[Sidewalk, ...]
+    sidewalkRegion: Region
+
+    @property
+    def is1Way(self) -> bool:
+        """Whether all its lanes have one direction."""
+        return self.forwardLanes is None or self.backwardLanes is None
+
+    @lifted(float)
+    def heading_at(self, v: Vector) -> float:
+        """That of the lane group there, else along the centerline."""
+        group = self.laneGroupAt(v)
+        return (group or self.centerline).heading_at(v)
+
+    def sectionAt(self, point: object, reject: bool | str = False) -> RoadSection | None:
+        """The section at a point."""
+        return self.network.first(self.sections, point, reject)
+
+    def laneSectionAt(self, point: object, reject: bool | str = False) -> LaneSection | None:
+        """The section of a lane at a point."""
+        lane = self.laneAt(point, reject)
+        return None if lane is None else lane.sectionAt(point, reject)
+
+    def laneAt(self, point: object, reject: bool | str = False) -> Lane | None:
+        """The lane at a point."""
+        return self.network.first(self.lanes, point, reject)
+
+    def laneGroupAt(self, point: object, reject: bool | str = False) -> LaneGroup | None:
+        """The lanes of one direction at a point."""
+        return self.network.first(self.laneGroups, point, reject)
+
+    def crossingAt(self, point: object, reject: bool | str = False) -> PedestrianCrossing | None:
+        """The crosswalk at a point."""
+        return self.network.first(self.crossings, point, reject)
+
+    def shiftLanes(self, point: object, offset: int) -> Vector | None:
+        """The point as far along another lane, so many to the right of the point's (to the left if negative); None if there is none."""
+        v = vector(point)
+        section = self.laneSectionAt(v)
+        other = None if section is None else section.shiftedBy(offset)
+        if section is None or other is None:
+            return None
+        along = section.centerline.polyline.project(Point(v.x, v.y), normalized=True)
+        same = other.isForward == section.isForward
+        return other.centerline.pointAlongBy(along if same else 1 - along, normalized=True)
+
+
+class LaneGroup(LinearElement):
+    """The lanes of a road with one direction: `lanes[0]` is nearest to the curb."""
+
+    road: Road
+    lanes: tuple[Lane, ...]
+    curb: PolylineRegion
+    """The edge of the road on their side: that of the shoulder, if there is one; directed along traffic."""
+    _sidewalk: Sidewalk | None = None
+    _bikeLane: LaneSection | None = None
+    _shoulder: Shoulder | None = None
+    _opposite: LaneGroup | None = None
+
+    @property
+    def sidewalk(self) -> Sidewalk:
+        """The sidewalk on their side; rejects if there is none."""
+        return there(self._sidewalk, f"{self.uid} has no sidewalk")
+
+    @property
+    def bikeLane(self) -> BikeLane:
+        """The bike lane on their side; rejects if there is none."""
+        return there(self._bikeLane, f"{self.uid} has no bike lane")  # type: ignore[arg-type]
+
+    @property
+    def shoulder(self) -> Shoulder:
+        """The shoulder on their side; rejects if there is none."""
+        return there(self._shoulder, f"{self.uid} has no shoulder")
+
+    @property
+    def opposite(self) -> LaneGroup:
+        """The lanes of the other direction; rejects on one-way roads."""
+        return there(self._opposite, f"{self.uid} has no opposite lanes")
+
+    @lifted(float)
+    def heading_at(self, v: Vector) -> float:
+        """That of the lane there, else along the centerline."""
+        return (self.laneAt(v) or self.centerline).heading_at(v)
+
+    def laneAt(self, point: object, reject: bool | str = False) -> Lane | None:
+        """The lane at a point."""
+        return self.network.first(self.lanes, point, reject)
+
+
+class Lane(LinearElement):
+    """A lane of a road, from where it begins to where it ends."""
+
+    group: LaneGroup
+    road: Road
+    sections: tuple[LaneSection, ...]
+    adjacentLanes: tuple[Lane, ...] = ()
+    maneuvers: tuple[Maneuver, ...] = ()
+
+    def sectionAt(self, point: object, reject: bool | str = False) -> LaneSection | None:
+        """The section at a point."""
+        return self.network.first(self.sections, point, reject)
+
+
+class RoadSection(LinearElement):
+    """A part of a road in which its lanes stay the same; `lanes[0]` is the rightmost."""
+
+    road: Road
+    lanes: tuple[LaneSection, ...]
+    forwardLanes: tuple[LaneSection, ...]
+    backwardLanes: tuple[LaneSection, ...]
+    by_id: Mapping[int, LaneSection]
+
+    @property
+    def lanesByOpenDriveID(self) -> dict[int, LaneSection]:
+        """The lanes by their numbers in the file."""
+        return dict(self.by_id)
+
+    @lifted(float)
+    def heading_at(self, v: Vector) -> float:
+        """That of the lane there, else along the centerline."""
+        return (self.laneAt(v) or self.centerline).heading_at(v)
+
+    def laneAt(self, point: object, reject: bool | str = False) -> LaneSection | None:
+        """The lane at a point."""
+        return self.network.first(self.lanes, point, reject)
+
+
+class LaneSection(LinearElement):
+    """The part of a lane in a section of its road."""
+
+    lane: Lane
+    group: LaneGroup
+    road: Road
+    openDriveID: int
+    isForward: bool
+    """Whether traffic has the road's own direction."""
+    adjacentLanes: tuple[LaneSection, ...] = ()
+    _laneToLeft: LaneSection | None = None
+    _laneToRight: LaneSection | None = None
+    _fasterLane: LaneSection | None = None
+    _slowerLane: LaneSection | None = None
+
+    @property
+    def laneToLeft(self) -> LaneSection:
+        """The lane to the left, whatever its direction; rejects if there is none."""
+        return there(self._laneToLeft, f"{self.uid} has no lane to its left")
+
+    @property
+    def laneToRight(self) -> LaneSection:
+        """The lane to the right, whatever its direction; rejects if there is none."""
+        return there(self._laneToRight, f"{self.uid} has no lane to its right")
+
+    @property
+    def fasterLane(self) -> LaneSection:
+        """The next lane with this direction away from the curb; rejects if there is none."""
+        return there(self._fasterLane, f"{self.uid} has no faster lane")
+
+    @property
+    def slowerLane(self) -> LaneSection:
+        """The next lane with this direction towards the curb; rejects if there is none."""
+        return there(self._slowerLane, f"{self.uid} has no slower lane")
+
+    def shiftedBy(self, offset: int) -> LaneSection | None:
+        """The lane so many to the left, or to the right if negative; None if there is none."""
+        found: LaneSection | None = self
+        for _ in range(abs(offset)):
+            found = None if found is None else found._laneToLeft if offset > 0 else found._laneToRight
+        return found
+
+
+class Sidewalk(LinearElement):
+    """A sidewalk along a road."""
+
+    road: Road
+    crossings: tuple[PedestrianCrossing, ...] = ()
+
+
+class BikeLane(LinearElement):
+    """A bike lane along a road."""
+
+    road: Road
+    vehicleTypes = frozenset([VehicleType.BICYCLE])
+
+
+class Shoulder(LinearElement):
+    """A shoulder along a road, with parking lanes."""
+
+    road: Road
+
+
+class PedestrianCrossing(LinearElement):
+    """A crosswalk; its centerline runs from one side of the road to the other."""
+
+    parent: Road | Intersection
+    startSidewalk: Sidewalk | None = None
+    endSidewalk: Sidewalk | None = None
+
+
+def region(elements: Iterable[NetworkElement], name: str, orientation: VectorField | None = None) -> Region:
+    """The union of elements; the empty region if there are none."""
+    polygons = [element.polygon for element in elements]
+    return PolygonalRegion(polygon=united(polygons), orientation=orientation, name=name) if polygons else nowhere
+
+
+def vector(point: object) -> Vector:
+    """A vector, a pair of numbers, or the position of an object."""
+    if isinstance(point, Vector):
+        return point
+    position = getattr(point, "position", point)
+    x, y = position  # type: ignore[misc]
+    return Vector(float(x), float(y))

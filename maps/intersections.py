@@ -1,0 +1,150 @@
+"""Intersections of a road network, their signals, and the maneuvers through them (names of the released library)."""
+
+from __future__ import annotations
+
+import enum
+import math
+from functools import cached_property
+
+import shapely
+
+from ..semantics.space.fields import Cell
+from ..semantics.space.numeric import lifted
+from ..semantics.space.vectors import Vector
+from .elements import Fixed, Lane, NetworkElement, PedestrianCrossing, Road, vector
+
+TURN = math.radians(20)
+"""The change of direction from which on a maneuver is a turn."""
+
+
+class ManeuverType(enum.Enum):
+    """Kinds of maneuvers."""
+
+    STRAIGHT = enum.auto()
+    LEFT_TURN = enum.auto()
+    RIGHT_TURN = enum.auto()
+    U_TURN = enum.auto()
+
+
+ManeuverType.scenic_names = frozenset()  # type: ignore[attr-defined]  # its members are values of programs, with the attributes of any enumeration
+
+
+class Intersection(NetworkElement):
+    """An intersection."""
+
+    roads: tuple[Road, ...]
+    """Anticlockwise around it."""
+    incomingLanes: tuple[Lane, ...]
+    outgoingLanes: tuple[Lane, ...]
+    maneuvers: tuple[Maneuver, ...]
+    signals: tuple[Signal, ...] = ()
+    crossings: tuple[PedestrianCrossing, ...] = ()
+
+    @property
+    def is3Way(self) -> bool:
+        """Whether three roads meet."""
+        return len(self.roads) == 3
+
+    @property
+    def is4Way(self) -> bool:
+        """Whether four roads meet."""
+        return len(self.roads) == 4
+
+    @property
+    def isSignalized(self) -> bool:
+        """Whether there are signals."""
+        return len(self.signals) > 0
+
+    @lifted(float)
+    def heading_at(self, v: Vector) -> float:
+        """That of the nearest connecting lane, the first of several; where there is none, in triangles of their middle's heading."""
+        return self.network.roadDirection.at(v) if self.contains_point(v) else self.nearest(v).heading_at(v)
+
+    def nearest(self, v: Vector) -> Lane:
+        """The nearest connecting lane, the first of several."""
+        lanes = [m.connectingLane for m in self.maneuvers if m.connectingLane is not None]
+        return min(lanes, key=lambda lane: lane.distance_to(v))
+
+    def gaps(self) -> list[Cell]:
+        """What of it is on no connecting lane, in triangles with the direction of the nearest one at the middle of each."""
+        lanes = shapely.union_all([m.connectingLane.polygon for m in self.maneuvers if m.connectingLane is not None])
+        left = shapely.difference(self.polygon, lanes)
+        triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(left)) if not left.is_empty else ()
+        middles = ((part, Vector(part.centroid.x, part.centroid.y)) for part in triangles if part.area > 1e-6)
+        return [(part, self.nearest(middle).heading_at(middle)) for part, middle in middles]
+
+    def maneuversAt(self, point: object) -> tuple[Maneuver, ...]:
+        """The maneuvers whose connecting lanes have a point; of the nearest one, if none has it."""
+        v = vector(point)
+        distances = [m.connectingLane.distance_to(v) if m.connectingLane else math.inf for m in self.maneuvers]
+        nearest = max(min(distances, default=0.0), self.network.tolerance)
+        return tuple(m for m, d in zip(self.maneuvers, distances, strict=True) if d <= nearest)
+
+    def nominalDirectionsAt(self, point: object) -> tuple[float, ...]:
+        """The directions of the maneuvers at a point."""
+        v = vector(point)
+        return tuple(m.connectingLane.heading_at(v) for m in self.maneuversAt(v) if m.connectingLane)
+
+
+class Signal(Fixed):
+    """A traffic light or sign."""
+
+    uid: str
+    openDriveID: str
+    country: str
+    type: str
+    position: Vector
+    roads: tuple[Road, ...]
+
+    @property
+    def isTrafficLight(self) -> bool:
+        """Whether it is a traffic light for vehicles (OpenDRIVE: 1000001 and its kin)."""
+        return self.type in TRAFFIC_LIGHTS
+
+    def __repr__(self) -> str:
+        return f"<Signal {self.uid}>"
+
+
+TRAFFIC_LIGHTS = frozenset({"1000001", "1000008", "1000009", "1000010", "1000011", "1000012", "1000020"})
+
+
+class Maneuver(Fixed):
+    """A way on from the end of a lane: over a connecting lane through an intersection, or straight into the next lane."""
+
+    type: ManeuverType
+    startLane: Lane
+    endLane: Lane
+    connectingLane: Lane | None = None
+    intersection: Intersection | None = None
+
+    def __repr__(self) -> str:
+        return f"<Maneuver {self.type.name} from {self.startLane.uid} to {self.endLane.uid}>"
+
+    @cached_property
+    def conflictingManeuvers(self) -> tuple[Maneuver, ...]:
+        """The maneuvers of the intersection from other lanes whose connecting lanes' centerlines meet this one's."""
+        if self.connectingLane is None or self.intersection is None:
+            return ()
+        line = self.connectingLane.centerline.polyline
+        others = (m for m in self.intersection.maneuvers if m.startLane is not self.startLane and m.connectingLane is not None)
+        return tuple(m for m in others if m.connectingLane is not None and m.connectingLane.centerline.polyline.intersects(line))
+
+    @cached_property
+    def reverseManeuvers(self) -> tuple[Maneuver, ...]:
+        """The maneuvers of the intersection from the road at its end to the road at its start."""
+        if self.intersection is None:
+            return ()
+        start, end = self.startLane.road, self.endLane.road
+        return tuple(m for m in self.intersection.maneuvers if m.startLane.road is end and m.endLane.road is start)
+
+
+def maneuver_type(start: Lane, end: Lane, connecting: Lane | None) -> ManeuverType:
+    """By where it leads, and by how much the connecting lane turns between its ends."""
+    if connecting is None:
+        return ManeuverType.STRAIGHT
+    if end.road is start.road:
+        return ManeuverType.U_TURN
+    [points] = connecting.centerline.lines
+    first, last = points[1] - points[0], points[-1] - points[-2]
+    turned = math.atan2(first.x * last.y - first.y * last.x, first.x * last.x + first.y * last.y)
+    return ManeuverType.STRAIGHT if abs(turned) < TURN else ManeuverType.LEFT_TURN if turned > 0 else ManeuverType.RIGHT_TURN
