@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
+from ..semantics.kernel.errors import UsageError
 from .options import DebugOption
 
 if TYPE_CHECKING:
@@ -18,13 +19,20 @@ NAMES = {"left": "left turns", "right": "right turns", "u_turn": "U-turns", "mer
 
 
 def show_map(
-    file: Annotated[str, typer.Argument(metavar="FILE", help="The map: an OpenDRIVE file (.xodr).")],
+    file: Annotated[
+        str | None, typer.Argument(metavar="FILE", help="The map: an OpenDRIVE file (.xodr); with --make, where to write it, or -.")
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="As JSON.")] = False,
     plot: Annotated[str | None, typer.Option("--plot", metavar="PICTURE", help="Draw the map: a .png, .pdf or .svg file.")] = None,
     check: Annotated[bool, typer.Option("--check", help="Look for gaps at joints, roads that overlap, and lanes that cannot be reached.")] = False,
+    make: Annotated[
+        str | None,
+        typer.Option("--make", metavar="KIND", help="Make a grid, crossing, t, roundabout, highway or suburb; without FILE, list the parameters."),
+    ] = None,
+    param: Annotated[list[str] | None, typer.Option("-p", "--param", metavar="NAME=VALUE", help="A parameter of --make.")] = None,
     debug: DebugOption = False,
 ) -> None:
-    """Say what is in a road map: roads, lanes, intersections, and the maneuvers through them.
+    """Say what is in a road map: roads, lanes, intersections, and the maneuvers through them; or make one.
 
     Roads are counted outside intersections; lanes are counted everywhere. Lengths are in metres.
 
@@ -33,8 +41,21 @@ def show_map(
     from .files import PICTURES, check_file, check_place, write
 
     check_file("--plot", plot, "pictures", PICTURES)
-    if plot is not None:
+    if plot is not None and file is not None:
         check_place(plot, {"the map": file})
+    if file is None:
+        print("\n".join(explained(make)))
+        return
+    if make is not None:
+        if file != "-":
+            check_place(file, {})
+        text = text_of(make, param or [])
+        if file == "-":
+            print(text, end="")
+            return
+        write(file, text)
+    elif param:
+        raise UsageError("-p gives parameters of --make")
     from ..maps import read_map
     from ..maps.summary import faults, summary
 
@@ -51,6 +72,31 @@ def show_map(
         write(plot, drawn(network, plot))
     if found:
         raise typer.Exit(1)
+
+
+def explained(kind: str | None) -> list[str]:
+    """The parameters of a kind of map. Raises `UsageError` if there is none."""
+    from ..maps.making import KINDS
+    from .columns import columns
+
+    if kind is None:
+        raise UsageError("which map? Name a file, or make one with --make")
+    if kind not in KINDS:
+        raise UsageError(f"there is no kind of map {kind!r}: there are {', '.join(KINDS)}")
+    rows = [(name, str(parameter.default), parameter.about) for name, parameter in KINDS[kind].parameters.items()]
+    return [f"{kind}: {KINDS[kind].description}", *columns(("parameter", "default", "meaning"), rows)]
+
+
+def text_of(kind: str, given: list[str]) -> str:
+    """The map of a kind with these parameters. Raises `UsageError`."""
+    from ..maps.making import KINDS, made
+    from .options import literal, pairs
+
+    values = {name: literal(value) for name, value in pairs(given, "--param", "NAME=VALUE")}
+    try:
+        return made(kind, **values)  # type: ignore[arg-type]  # it checks them
+    except ValueError as problem:
+        raise UsageError(str(problem), hint=f"`scenic-ref map --make {kind}` lists the parameters" if kind in KINDS else "") from None
 
 
 def lines(told: dict[str, object]) -> list[str]:

@@ -318,8 +318,11 @@ class LaneSection(LinearElement):
     def shiftedBy(self, offset: int) -> LaneSection | None:
         """The lane so many to the left, or to the right if negative; None if there is none."""
         found: LaneSection | None = self
+        away = offset
         for _ in range(abs(offset)):
-            found = None if found is None else found._laneToLeft if offset > 0 else found._laneToRight
+            following = None if found is None else found._laneToLeft if away > 0 else found._laneToRight
+            away = -away if found is not None and following is not None and following.isForward is not found.isForward else away
+            found = following
         return found
 
 
