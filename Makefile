@@ -87,8 +87,10 @@ docs: $(VENV)/.docs
 
 ## The theorems of proofs/, checked by Coq 8.16 (Debian: apt-get install coq)
 proofs:
-	@command -v coqc > /dev/null || { echo "make proofs needs Coq 8.16, which is not installed (Debian: apt-get install coq)" >&2; exit 1; }
+	@for tool in coqc coq_makefile; do command -v $$tool > /dev/null || { echo "make proofs needs Coq 8.16, and there is no $$tool (Debian: apt-get install coq)" >&2; exit 1; }; done
+	@found=$$(coqc --print-version | cut -d ' ' -f 1); case "$$found" in 8.16.*) ;; *) echo "make proofs needs Coq 8.16, and this is Coq $$found" >&2; exit 1;; esac
 	cd proofs && coq_makefile -f _CoqProject -o CoqMakefile && $(MAKE) --no-print-directory -f CoqMakefile -j2
+	@echo "Coq accepts the theories. That they leave nothing unproved and assume nothing new is for tests to say: make test TESTS=tests/proofs"
 
 ## Scenes per second of each gallery program, by every backend; make bench AGAINST=scenic==3.1.1=/path/to/bin/python measures a released one as well
 bench: $(VENV)/.test

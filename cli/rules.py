@@ -60,10 +60,12 @@ def record(rule: Rule) -> dict[str, object]:
 
 
 def explained(rule: Rule) -> list[str]:
-    """A rule with the docstring of its function, and what is proved of it."""
+    """A rule with the docstring of its function, and the theorems about it."""
     from ..semantics.theorems import theorems_of
 
+    theorems = theorems_of(rule.id)
     return [
         f"{rule.id}: {rule.name}", "", *(inspect.getdoc(rule.function) or "").splitlines(), "",
-        f"place   {rule.place}", f"code    {rule.code}", *(f"proved  {theorem}" for theorem in theorems_of(rule.id)),
+        f"place     {rule.place}", f"code      {rule.code}",
+        *(["theorems  of the theories in proofs/; tests tie these to the code"] if theorems else []), *(f"          {name}" for name in theorems),
     ]

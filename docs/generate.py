@@ -8,6 +8,7 @@ import tomllib
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from textwrap import dedent
 from typing import cast
 
 import typer
@@ -31,6 +32,8 @@ WIDTH = 100
 """The longest line, but for tables and code."""
 MARK, JOIN = re.compile(r"\s+(?=([-+*>#]+|\d+[.)])(\s|$))"), "\0"
 """The space before what would be a mark of Markdown at the beginning of a line, and what stands for it while lines are broken."""
+THEOREM = re.compile(r"(?:\(\*\* (?!\*)(?P<comment>(?:(?!\*\)).)*)\*\)\s*)?^\s*Theorem (?P<name>\w+)", re.DOTALL | re.MULTILINE)
+"""A theorem of Coq, with the comment right before it."""
 MOST_NAMED, LONGEST_EXAMPLE = 3, 40
 
 
@@ -75,23 +78,32 @@ def rules_page() -> str:
 
 
 def proofs_page() -> str:
-    """Every theorem of proofs/ with the rules that it is about."""
+    """Every theorem of proofs/: its statement, where it stands, and the rules that it is about."""
     about = (
-        "The theorems of `proofs/`, checked by Coq: theory by theory, each named by what it says. `proofs/README.md` tells from which assumptions "
-        "they are proved, and how the theories are tied to the program that runs; `scenic-ref rules R-Cyclic` names the theorems about a rule."
+        "The theorems of `proofs/`, checked by Coq, theory by theory. Each has a sentence for a name; what it says is the statement below it, as Coq "
+        "prints it, with all premises. They are proved of the theories: `proofs/README.md` tells from which assumptions, in what the theories "
+        "differ from the program, and how tests tie the two. `scenic-ref rules R-Cyclic` names the theorems about a rule."
     )
+    blocks = (block.partition("\n") for block in (PROOFS / "statements.txt").read_text().split("\n\n"))
+    statements = {name: dedent(statement).rstrip() for name, _, statement in blocks}
     lines = ["# Theorems", "", paragraph(about)]
-    rules_of: dict[tuple[str, str], list[str]] = {}
-    for rule, theories in THEOREMS.items():
-        for theory, names in theories.items():
-            for name in names:
-                rules_of.setdefault((theory, name), []).append(rule)
     for theory in (line for line in (PROOFS / "_CoqProject").read_text().splitlines() if line.endswith(".v")):
-        lines += ["", f"## {theory}", "", "| theorem | rules |", "| --- | --- |"]
-        for name in re.findall(r"^\s*Theorem\s+(\w+)", (PROOFS / theory).read_text(), re.MULTILINE):
-            about_rules = ", ".join(f"`{rule}`" for rule in rules_of.get((theory, name), ()))
-            lines.append(f"| {name.replace('_', ' ')} | {about_rules} |")
+        lines += ["", f"## {theory}"]
+        for theorem in THEOREM.finditer((PROOFS / theory).read_text()):
+            lines += theorem_lines(theory, theorem, statements)
     return "\n".join(lines) + "\n"
+
+
+def theorem_lines(theory: str, theorem: re.Match[str], statements: Mapping[str, str]) -> Iterator[str]:
+    """One theorem, with the comment before it."""
+    name, comment = theorem["name"], theorem["comment"]
+    rules = ", ".join(f"`{rule}`" for rule, theories in THEOREMS.items() if name in theories.get(theory, ()))
+    line = theorem.string.count("\n", 0, theorem.start("name")) + 1
+    yield from ("", f"### `{name}`", "")
+    yield paragraph(f"`proofs/{theory}`, line {line}" + (f"; about {rules}" if rules else "") + ".")
+    if comment:
+        yield from ("", paragraph(re.sub(r"\[(\w+)\]", r"`\1`", " ".join(comment.split()))))
+    yield from ("", "```coq", statements[f"{theory.removesuffix('.v').replace('/', '.')}.{name}"], "```")
 
 
 def readings_page() -> str:

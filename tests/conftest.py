@@ -101,7 +101,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: p
     for problem in config.stash[PROBLEMS]:
         terminalreporter.write_line(f"FAILED {problem}", red=True)
     if any("no Coq" in str(report.longrepr) for report in terminalreporter.stats.get("skipped", ())):
-        terminalreporter.write_line("the ties of the proofs to the program were skipped: they need Coq 8.16 (Debian: apt-get install coq)")
+        terminalreporter.write_line("no proof was checked and no tie to the program run: they need Coq 8.16 (Debian: apt-get install coq)")
     if config.getoption("--seconds"):
         seconds = config.stash[SECONDS]
         for folder, taken in sorted(seconds.items()):

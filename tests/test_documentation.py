@@ -28,7 +28,7 @@ from typer.core import TyperCommand
 
 ROOT = Path(__file__).parent.parent
 WIDEST, LONG_WORD = 100, 80
-TEXTS = [ROOT / name for name in ("README.md", "CONTRIBUTING.md", "tests/README.md", "examples/paper/dynamic/README.md")]
+TEXTS = [ROOT / name for name in ("README.md", "CONTRIBUTING.md", "proofs/README.md", "tests/README.md", "examples/paper/dynamic/README.md")]
 FOLDERS = sorted(path.name for path in ROOT.iterdir() if path.is_dir() and not path.name.startswith((".", "site", "build", "demo")))
 TEXTS += sorted((ROOT / "docs").glob("*.md"))
 

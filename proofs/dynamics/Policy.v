@@ -3,7 +3,16 @@
 
     What the coroutines of a time step do is given: this is about what the policy makes of it. There is one scenario that runs, the top-level
     one; a `require eventually` counts from the first time step on (reading `eventually-window`), and all behaviors run in a time step, even
-    where one of them has terminated the scenario (reading `behaviors-after-terminate`). *)
+    where one of them has terminated the scenario (reading `behaviors-after-terminate`).
+
+    - [the_verdict_is_that_of_the_first_step_that_decides]: the seven steps in their order, exactly;
+      [a_simulation_is_discarded_in_the_first_step_that_fails_if_none_before_ends_it],
+      [a_simulation_terminates_in_step_4_whatever_the_behaviors_do],
+      [a_simulation_terminates_in_step_6_exactly_if_a_behavior_ends_it_where_nothing_failed_or_ended_it_before],
+      [actions_are_returned_exactly_if_nothing_fails_and_nothing_ends_the_simulation] spell it out, verdict by verdict;
+    - what follows for whole simulations: [a_terminated_simulation_has_satisfied_every_require_always_at_every_time_step],
+      [a_simulation_that_terminates_has_satisfied_every_require_eventually_since_it_began],
+      [a_simulation_that_is_thrown_away_failed_a_requirement]. *)
 From Coq Require Import List Bool Arith Lia.
 Import ListNotations.
 
@@ -163,6 +172,148 @@ Theorem a_behavior_that_fails_discards_the_simulation_though_another_terminates_
   In Fails (map fst (behaviors now)) -> policy before now = Discarded 5.
 Proof. intros C O A M B. apply run_all_none in B. unfold policy, check_flag. now rewrite C, A, M, O, B. Qed.
 
+(** * The order of the steps *)
+
+(** The flag as it is at step 4, where no behavior has run yet. *)
+Definition flag_is_set (now : time_step action) : Prop :=
+  compose now = Terminates \/ is_over now = true \/ In Terminates (monitors now).
+
+(** Every `require eventually` condition was satisfied at some time step, the present one included. *)
+Definition all_satisfied (before : list bool) (now : time_step action) : Prop :=
+  Forall (fun holds => holds = true) (seen before (eventually now)).
+
+(** Whether step `k` ends the simulation, if all `require eventually` conditions were satisfied, and what it discards the simulation for: steps
+    4 and 6 for such a condition that was not, the others for a requirement that fails. *)
+Definition ends (now : time_step action) (k : nat) : Prop :=
+  match k with 4 => flag_is_set now | 6 => In Terminates (map fst (behaviors now)) | _ => False end.
+Definition discards (before : list bool) (now : time_step action) (k : nat) : Prop :=
+  match k with
+  | 1 => compose now = Fails
+  | 2 => ~ Forall (fun holds => holds = true) (always now)
+  | 3 => In Fails (monitors now)
+  | 5 => In Fails (map fst (behaviors now))
+  | _ => ends now k /\ ~ all_satisfied before now
+  end.
+
+(** No step before `k` decides. *)
+Definition reaches (before : list bool) (now : time_step action) (k : nat) : Prop :=
+  forall j, j < k -> ~ discards before now j /\ ~ ends now j.
+
+(** The verdict of the first step that decides. *)
+Definition first_decision (before : list bool) (now : time_step action) (found : verdict action) : Prop :=
+  match found with
+  | Discarded k => discards before now k /\ reaches before now k
+  | Terminated k => ends now k /\ all_satisfied before now /\ reaches before now k
+  | Acts actions => actions = map snd (behaviors now) /\ reaches before now 7
+  end.
+
+Ltac up_to J := intros [|[|[|[|[|[|[|j]]]]]]] J; try lia; simpl.
+
+Lemma the_policy_finds_the_first_decision before now : first_decision before now (policy before now).
+Proof.
+  assert (forall k, (k = 4 \/ k = 6) /\ ends now k -> reaches before now k ->
+    first_decision before now (if all (seen before (eventually now)) then Terminated k else Discarded k)) as final.
+  { intros k [K E] R. destruct (all _) eqn:A; [apply all_forall in A; exact (conj E (conj A R))|].
+    rewrite <- not_true_iff_false, all_forall in A. fold (all_satisfied before now) in A. split; [|exact R].
+    destruct K as [-> | ->]; exact (conj E A). }
+  unfold policy, check_flag.
+  destruct (run_all [compose now]) as [c|] eqn:C.
+  2: { apply run_all_none in C as [C|[]]. split; [exact C|]. up_to J; intuition. }
+  apply run_all_some in C as [NC C]. assert (compose now <> Fails) as NC' by (intro E; apply NC; now left).
+  assert (c = true <-> compose now = Terminates) as C' by (rewrite C; simpl; tauto). clear C NC.
+  destruct (all (always now)) eqn:A.
+  2: { rewrite <- not_true_iff_false, all_forall in A. split; [exact A|]. up_to J; intuition. }
+  apply all_forall in A.
+  destruct (run_all (monitors now)) as [m|] eqn:M.
+  2: { apply run_all_none in M. split; [exact M|]. up_to J; intuition. }
+  apply run_all_some in M as [NM M].
+  assert (c || is_over now || m = true <-> flag_is_set now) as F
+    by (unfold flag_is_set; rewrite !orb_true_iff, C', M; tauto).
+  destruct (c || is_over now || m).
+  { assert (flag_is_set now) by now apply F. apply final; [auto|]. up_to J; intuition. }
+  assert (~ flag_is_set now) as NF by (rewrite <- F; discriminate). clear F.
+  destruct (run_all (map fst (behaviors now))) as [b|] eqn:B.
+  2: { apply run_all_none in B. split; [exact B|]. up_to J; intuition. }
+  apply run_all_some in B as [NB B].
+  destruct b.
+  { assert (In Terminates (map fst (behaviors now))) by now apply B. apply final; [auto|]. up_to J; intuition. }
+  split; [reflexivity|]. assert (~ In Terminates (map fst (behaviors now))) by (rewrite <- B; discriminate). up_to J; intuition.
+Qed.
+
+Lemma the_first_decision_is_one before now one another :
+  first_decision before now one -> first_decision before now another -> one = another.
+Proof.
+  assert (forall j k, ends now j \/ discards before now j -> reaches before now k -> k <= j) as First.
+  { intros j k D R. destruct (le_lt_dec k j) as [L|L]; [exact L|]. destruct (R j L); tauto. }
+  assert (forall k, ends now k \/ discards before now k -> k < 7) as Seven.
+  { intros k. do 7 (destruct k; [lia|]). simpl. tauto. }
+  assert (forall k, ends now k -> discards before now k -> ~ all_satisfied before now) as Both.
+  { intros k. do 7 (destruct k; [simpl; tauto|]). simpl. tauto. }
+  intros X Y; destruct one as [j|j|a], another as [k|k|a']; simpl in X, Y.
+  - destruct X as [X RX], Y as [Y RY]. f_equal. apply Nat.le_antisymm; eapply First; eauto.
+  - destruct X as [X RX], Y as (Y & S & RY). assert (j = k) as -> by (apply Nat.le_antisymm; eapply First; eauto). now destruct (Both k Y X).
+  - destruct X as [X _], Y as [_ R]. pose proof (Seven j (or_intror X)). pose proof (First j 7 (or_intror X) R). lia.
+  - destruct X as (X & S & RX), Y as [Y RY]. assert (j = k) as -> by (apply Nat.le_antisymm; eapply First; eauto). now destruct (Both k X Y).
+  - destruct X as (X & _ & RX), Y as (Y & _ & RY). f_equal. apply Nat.le_antisymm; eapply First; eauto.
+  - destruct X as [X _], Y as [_ R]. pose proof (Seven j (or_introl X)). pose proof (First j 7 (or_introl X) R). lia.
+  - destruct Y as [Y _], X as [_ R]. pose proof (Seven k (or_intror Y)). pose proof (First k 7 (or_intror Y) R). lia.
+  - destruct Y as [Y _], X as [_ R]. pose proof (Seven k (or_introl Y)). pose proof (First k 7 (or_introl Y) R). lia.
+  - destruct X as [-> _], Y as [-> _]. reflexivity.
+Qed.
+
+Theorem the_verdict_is_that_of_the_first_step_that_decides before now found :
+  policy before now = found <-> first_decision before now found.
+Proof.
+  pose proof (the_policy_finds_the_first_decision before now) as P. split; [now intros <-|].
+  now apply the_first_decision_is_one.
+Qed.
+
+Theorem a_simulation_is_discarded_in_the_first_step_that_fails_if_none_before_ends_it before now k :
+  policy before now = Discarded k <-> discards before now k /\ forall j, j < k -> ~ discards before now j /\ ~ ends now j.
+Proof. apply the_verdict_is_that_of_the_first_step_that_decides. Qed.
+
+Lemma reaches_step_4 before now :
+  reaches before now 4 <-> compose now <> Fails /\ Forall (fun holds => holds = true) (always now) /\ ~ In Fails (monitors now).
+Proof.
+  split; [intro R|intros (C & A & M); up_to J; tauto].
+  destruct (R 1) as [C _], (R 2) as [A _], (R 3) as [M _]; try lia; simpl in C, A, M. repeat split; auto.
+  rewrite <- all_forall in *. destruct (all (always now)); [reflexivity|now destruct A].
+Qed.
+
+Lemma reaches_step_6 before now : reaches before now 6 <-> nothing_failed now /\ ~ flag_is_set now.
+Proof.
+  unfold nothing_failed. split.
+  - intro R. assert (reaches before now 4) as Q by (intros j J; apply R; lia). apply reaches_step_4 in Q.
+    destruct (R 4) as [_ F], (R 5) as [B _]; try lia. simpl in F, B. tauto.
+  - intros [(C & A & M & B) F]. up_to J; tauto.
+Qed.
+
+Lemma reaches_step_7 before now :
+  reaches before now 7 <-> nothing_failed now /\ ~ flag_is_set now /\ ~ In Terminates (map fst (behaviors now)).
+Proof.
+  split.
+  - intro R. assert (reaches before now 6) as Q by (intros j J; apply R; lia). apply reaches_step_6 in Q.
+    destruct (R 6) as [_ T]; [lia|]. simpl in T. tauto.
+  - intros (N & F & T) j J. destruct (Nat.eq_dec j 6) as [->|D]; [simpl; tauto|].
+    apply (proj2 (reaches_step_6 before now)); [tauto|lia].
+Qed.
+
+Theorem a_simulation_terminates_in_step_4_whatever_the_behaviors_do before now :
+  policy before now = Terminated 4 <->
+  compose now <> Fails /\ Forall (fun holds => holds = true) (always now) /\ ~ In Fails (monitors now) /\
+  flag_is_set now /\ all_satisfied before now.
+Proof. rewrite the_verdict_is_that_of_the_first_step_that_decides. simpl. rewrite reaches_step_4. tauto. Qed.
+
+Theorem a_simulation_terminates_in_step_6_exactly_if_a_behavior_ends_it_where_nothing_failed_or_ended_it_before before now :
+  policy before now = Terminated 6 <->
+  nothing_failed now /\ ~ flag_is_set now /\ In Terminates (map fst (behaviors now)) /\ all_satisfied before now.
+Proof. rewrite the_verdict_is_that_of_the_first_step_that_decides. simpl. rewrite reaches_step_6. tauto. Qed.
+
+Theorem actions_are_returned_exactly_if_nothing_fails_and_nothing_ends_the_simulation before now actions :
+  policy before now = Acts actions <->
+  nothing_failed now /\ ~ flag_is_set now /\ ~ In Terminates (map fst (behaviors now)) /\ actions = map snd (behaviors now).
+Proof. rewrite the_verdict_is_that_of_the_first_step_that_decides. simpl. rewrite reaches_step_7. tauto. Qed.
+
 (** * Simulations that terminate *)
 
 Definition kept_its_requirements (now : time_step action) : Prop :=
@@ -216,6 +367,19 @@ Proof.
     destruct (IH _ _ _ _ _ k ltac:(now rewrite L) R ltac:(now rewrite L)) as [W|W].
     + apply nth_seen in W as [W|W]; [now left|right]. simpl; now constructor.
     + right. change (firstn (S (length (acts :: later))) (now :: rest)) with (now :: firstn (S (length later)) rest). now apply Exists_cons_tl.
+Qed.
+
+Lemma nothing_was_satisfied_before_the_beginning k n : nth k (repeat false n) false = false.
+Proof. revert k; induction n as [|n IH]; intros [|k]; simpl; auto. Qed.
+
+Theorem a_simulation_that_terminates_has_satisfied_every_require_eventually_since_it_began history n actions t step k :
+  Forall (fun now => length (eventually now) = n) history ->
+  simulation 0 (repeat false n) history = (actions, Over t step) -> k < n ->
+  held k (firstn (S (length actions)) history).
+Proof.
+  intros N H K. rewrite <- (repeat_length false n) in N, K.
+  destruct (a_terminated_simulation_has_satisfied_every_require_eventually_at_some_time_step _ _ _ _ _ _ _ N H K) as [B|B]; [|exact B].
+  rewrite nothing_was_satisfied_before_the_beginning in B. discriminate.
 Qed.
 
 Lemma nth_seen_false k : forall before now, length before = length now -> nth k (seen before now) false = false ->

@@ -1,7 +1,7 @@
 (** Pruning leaves the distribution of a scenario as it is where what is removed has probability zero under the requirements:
     `inference/pruning/applicability.py`. The paper's Section "Domain-Specific Sampling Techniques". Where that does not hold, it may change the
-    distribution: two examples. That the algorithms remove no position of an accepted run is in `Pruning`, for regions of the plane; here a
-    position is one of finitely many values. *)
+    distribution: two examples. That the algorithms keep the positions that meet their geometric premises is in `Pruning`, for regions of the
+    plane; here a position is one of finitely many values. *)
 From Coq Require Import List QArith Bool Lqa.
 From ScenicRef Require Import kernel.Distribution.
 Import ListNotations.

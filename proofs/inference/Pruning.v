@@ -1,6 +1,7 @@
-(** The pruning algorithms lose no position that an accepted run has: `inference/pruning/algorithms.py`. The paper's Section "Domain-Specific
-    Sampling Techniques" and Appendix "Sampling Algorithms". What follows for the conditional distribution is in `PrunedDistribution`. Of that file,
-    `prune_by_offset` and reachability `within` a container, which are not the paper's, are not treated.
+(** The pruning algorithms keep every position that meets their geometric premises: `inference/pruning/algorithms.py`. The paper's Section
+    "Domain-Specific Sampling Techniques" and Appendix "Sampling Algorithms". What follows for the conditional distribution is in
+    `PrunedDistribution`. Two of that file are not treated: `prune_by_offset`, which is not the paper's, and reachability `within` a container that
+    the whole path must lie in, which is the paper's tighter bound ("Pruning Based on Reachability").
 
     A region is the set of its points. Angles are real numbers here, of which no turn is taken away. *)
 From Coq Require Import Reals Lra Psatz List.

@@ -6,11 +6,12 @@
     ([a_scene_found_within_n_attempts_has_the_desired_distribution]), and so do
 
     - factorised rejection, where a component that is independent of the others is drawn again
-      by itself until what is required of it alone holds (batch/evaluate/components.py);
+      by itself until what is required of it alone holds (inference/batch/evaluate/components.py);
     - weighted runs, in expectation (inference/importance.py weighs runs by the survival of their
       coins, which is [weighing_by_survival_gives_the_law_under_run] of SoftRequirements);
     - moves that are as likely back as forth, taken where the requirements allow it
-      (inference/mcmc.py, the moves redraw and exchange of sites/moves.py), in that they leave the distribution as it is;
+      (inference/mcmc.py, the moves redraw and exchange of inference/sites/moves.py), in that they leave the
+      distribution as it is;
 
     but it will not do to draw only the object that collides again, nor a component that
     depends on another.
@@ -271,7 +272,7 @@ Theorem repairing_one_object_leaves_the_other_as_it_was
 Proof.
   intros H. unfold repaired. rewrite expect_bind. apply expect_ext. intros a.
   rewrite expect_bind, (expect_ext _ _ (fun _ => f a)) by (intros b; now rewrite expect_ret).
-  rewrite expect_constant. unfold desired. rewrite mass_normalised; [ring|]. now rewrite mass_given.
+  rewrite expect_constant. unfold desired. rewrite what_has_mass_has_mass_1_when_normalised; [ring|]. now rewrite mass_given.
 Qed.
 
 (** ... so that this is wrong: x = Uniform(0, 1), y = Uniform(1, 2, 3), require x != y. Of the
@@ -532,7 +533,7 @@ Proof.
 Qed.
 End Chains.
 
-(** *** The moves of sites/moves.py *)
+(** *** The moves of inference/sites/moves.py *)
 
 (** redraw: one coordinate anew from its prior, the others ([e]) as they are. *)
 Definition redraw {A B} (d : dist A) (ab : A * B) : dist (A * B) :=

@@ -210,7 +210,7 @@ Proof.
   apply expect_ext. intros a. apply I.
 Qed.
 
-Theorem mass_of_bind A B (d : dist A) (k : A -> dist B) :
+Lemma mass_of_bind A B (d : dist A) (k : A -> dist B) :
   mass (bind d k) == expect (fun a => mass (k a)) d.
 Proof. apply expect_bind. Qed.
 
@@ -317,14 +317,14 @@ Proof. apply expect_normalised. Qed.
 #[export] Instance normalised_respects A : Proper (same ==> same) (@normalised A).
 Proof. intros d e H f. now rewrite !expect_normalised, (H f), H. Qed.
 
-Theorem mass_normalised A (d : dist A) : ~ mass d == 0 -> mass (normalised d) == 1.
+Theorem what_has_mass_has_mass_1_when_normalised A (d : dist A) : ~ mass d == 0 -> mass (normalised d) == 1.
 Proof. intros H. unfold normalised. rewrite mass_scale. now field. Qed.
 
 (** Where no run is accepted nothing is left: in Q, 1/0 is 0. *)
-Theorem mass_normalised_empty A (d : dist A) : mass d == 0 -> mass (normalised d) == 0.
+Theorem what_has_no_mass_has_none_when_normalised A (d : dist A) : mass d == 0 -> mass (normalised d) == 0.
 Proof. intros H. unfold normalised. rewrite mass_scale, H. reflexivity. Qed.
 
-Theorem normalised_of_normal A (d : dist A) : mass d == 1 -> normalised d ≈ d.
+Theorem what_has_mass_1_stays_the_same_when_normalised A (d : dist A) : mass d == 1 -> normalised d ≈ d.
 Proof. intros H f. rewrite expect_normalised, H. field. Qed.
 
 Theorem normalised_forgets_a_factor A c (d : dist A) :

@@ -24,9 +24,9 @@
 
     Parameters of the machine are what the core cannot compute with rational numbers: the noise of Step 1, a finite distribution for each
     standard deviation, which stands for Normal(0, s); when two bounding boxes intersect; what an object can see; and 5 degrees, the default
-    of headingStdDev. The workspace is the whole plane. A product of two vectors, and what else Python may
-    say of `*` and `/` where one operand is no number, is [Beyond_the_core]. *)
-From Coq Require Import QArith List Bool Arith Lia Qabs Lqa Wf_nat FinFun.
+    of headingStdDev. The workspace is the whole plane, so that Step 2 has no premise boundingBox(O) ⊆ workspace. A product of two vectors, and
+    what else Python may say of `*` and `/` where one operand is no number, is [Beyond_the_core]. *)
+From Coq Require Import QArith List Bool Arith Lia Qabs Lqa Wf_nat FinFun Permutation.
 From ScenicRef Require scenes.Resolution.
 From ScenicRef Require Import kernel.Distribution.
 Import ListNotations.
@@ -854,7 +854,7 @@ Qed.
 
 Lemma normalised_is_distribution A (d : dist A) : Forall (fun aw => 0 < snd aw)%Q d -> d <> [] -> is_distribution (normalised d).
 Proof.
-  intros F N. pose proof (positive_mass _ d F N) as M. split; [|apply mass_normalised; lra].
+  intros F N. pose proof (positive_mass _ d F N) as M. split; [|apply what_has_mass_has_mass_1_when_normalised; lra].
   unfold normalised, scale. apply Forall_map. eapply Forall_impl; [|exact F]. intros [a w] W. cbn in *.
   apply Qinv_lt_0_compat in M. nra.
 Qed.
@@ -1296,7 +1296,7 @@ Proof.
   unfold scenes. rewrite expect_bind. apply expect_ext. intros []; [apply expect_ret|apply expect_stuck|apply expect_stuck].
 Qed.
 
-Theorem the_law_of_scenes_is_that_of_done_runs_divided_by_their_mass rs E :
+Lemma law_of_a_list rs E :
   (pr E (law rs)
    == pr (fun e => match e with Accepted found => E found | _ => false end) (weighted rs) / pr is_accepted (weighted rs))%Q.
 Proof.
@@ -1305,17 +1305,54 @@ Proof.
   - apply Qinv_comp, expect_ext. now intros [].
 Qed.
 
-Theorem a_stuck_run_contributes_nothing rs : law (filter (fun r => negb (is_rejected (snd r))) rs) ≈ law rs.
+Lemma law_of_a_part (kept : ending -> bool) rs :
+  (forall found, kept (Accepted found) = true) -> law (filter (fun r => kept (snd r)) rs) ≈ law rs.
 Proof.
-  unfold law. apply normalised_respects. intros f. rewrite !expect_scenes.
+  intros K. unfold law. apply normalised_respects. intros f. rewrite !expect_scenes.
   induction rs as [|[answers e] rs IH]; [reflexivity|]. cbn [filter snd]. unfold weighted in *.
-  destruct e; cbn [is_rejected negb map fst snd]; rewrite !expect_cons, <- IH; [reflexivity| |reflexivity]. ring.
+  destruct e; [rewrite K|destruct (kept _)..]; cbn [map fst snd]; rewrite ?expect_cons, <- IH; try reflexivity; rewrite ?expect_cons; ring.
 Qed.
+
+Lemma expect_permuted A f (d d' : dist A) : Permutation d d' -> (expect f d == expect f d')%Q.
+Proof.
+  intros P. induction P as [|[a w] d d' P IH|[a w] [b v] d|d d' d'' P IH P' IH']; [reflexivity| | |now rewrite IH].
+  - now rewrite !expect_cons, IH.
+  - rewrite !expect_cons. ring.
+Qed.
+
+(** Some of the runs of a configuration, each once: those of which `kept` is true of how they end. *)
+Definition those_runs (kept : ending -> bool) (c : config) (some : list (list answered * ending)) : Prop :=
+  NoDup some /\ forall answers e, In (answers, e) some <-> run c answers e /\ kept e = true.
+
+Lemma law_of_those_runs kept n c rs some : (forall found, kept (Accepted found) = true) ->
+  runs n c = Some rs -> those_runs kept c some -> law some ≈ law rs.
+Proof.
+  intros K H [N I]. rewrite <- (law_of_a_part kept rs K).
+  assert (Permutation some (filter (fun r => kept (snd r)) rs)) as P.
+  { apply NoDup_Permutation; [exact N|apply NoDup_filter, (NoDup_map_inv fst), (no_run_is_found_twice n c rs H)|].
+    intros [answers e]. rewrite I, filter_In, (the_runs_found_are_the_runs n c rs H). reflexivity. }
+  unfold law. apply normalised_respects. intros f. rewrite !expect_scenes. apply expect_permuted. now apply Permutation_map.
+Qed.
+
+Theorem the_law_of_scenes_is_that_of_done_runs_divided_by_their_mass n c rs accepted E :
+  runs n c = Some rs -> those_runs is_accepted c accepted ->
+  (pr E (law rs)
+   == pr (fun e => match e with Accepted found => E found | _ => false end) (weighted accepted) / mass (weighted accepted))%Q.
+Proof.
+  intros H A. assert (law accepted ≈ law rs) as L by (eapply law_of_those_runs; eauto; reflexivity).
+  unfold pr at 1. rewrite <- (L _). fold (pr E (law accepted)). rewrite law_of_a_list. unfold Qdiv. apply Qmult_comp; [reflexivity|].
+  apply Qinv_comp, expect_ext_in. intros e w I. apply in_map_iff in I as ([answers e'] & [= -> _] & I).
+  apply A in I as [_ I]. cbn in I |- *. now rewrite I.
+Qed.
+
+Theorem a_stuck_run_contributes_nothing n c rs others :
+  runs n c = Some rs -> those_runs (fun e => negb (is_rejected e)) c others -> law others ≈ law rs.
+Proof. intros H O. eapply law_of_those_runs; eauto. reflexivity. Qed.
 
 Theorem the_law_has_mass_1_if_some_run_is_done n c rs answers found :
   runs n c = Some rs -> run c answers (Accepted found) -> (mass (law rs) == 1)%Q.
 Proof.
-  intros H R. apply mass_normalised. unfold mass. rewrite expect_scenes.
+  intros H R. apply what_has_mass_has_mass_1_when_normalised. unfold mass. rewrite expect_scenes.
   assert (Forall (fun aw => 0 <= snd aw)%Q (weighted rs)) as N.
   { apply Forall_map, Forall_forall. intros [a e] I. cbn. apply Qlt_le_weak.
     eapply every_run_has_a_positive_probability, the_runs_found_are_the_runs; eauto. }
@@ -1383,7 +1420,7 @@ Definition sees_upright_box (o1 o2 : bindings) : bool :=
 
 Definition no_noise (s : Q) : dist Q := ret 0%Q.
 
-Theorem no_noise_is_a_distribution s : (0 < s)%Q -> is_distribution (no_noise s).
+Theorem the_law_without_noise_is_a_distribution s : (0 < s)%Q -> is_distribution (no_noise s).
 Proof. intros _. split; [repeat constructor|reflexivity]. Qed.
 
 Definition begin (program : list statement) : config := Execute program (State [] [] [] None []).

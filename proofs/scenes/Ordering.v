@@ -1,9 +1,12 @@
 (** Topological order, as [_topological_order] of [semantics/scenes/resolution.py] finds it: round after round, everything
-    that has all its predecessors already placed.
+    that has all its predecessors already placed. It is "specifiers S in G in topological order" of phase 5 of the paper's Algorithm 1
+    (resolveSpecifiers), with the "G is cyclic" of phase 4.
 
     - [the_order_found_is_topological]         what is found is a topological order of what was given;
     - [no_order_is_found_only_if_there_is_a_cycle], [what_has_a_topological_order_has_no_cycle]
-                                               it is found exactly if the graph is acyclic. *)
+                                               it is found exactly if the graph is acyclic;
+    - [what_is_left_depends_on_what_is_left_and_nothing_else_hangs_on_a_cycle]
+                                               what is left where none is found. *)
 From Coq Require Import List Arith Lia Permutation Bool Relations Wellfounded.
 Import ListNotations.
 
@@ -127,6 +130,42 @@ Section Ordering.
         specialize (C z Hzw y Hy). rewrite in_app_iff in C. rewrite P, in_app_iff in C.
         rewrite !in_app_iff. tauto.
       + split; auto. split; auto. intros y Hy. rewrite P, in_app_iff. right. now apply I.
+  Qed.
+
+  (** What is left out of an order hangs on no cycle: whatever has been placed is accessible, and so is what is ready then. *)
+  Lemma what_is_not_stuck_is_accessible rounds (precedes : vertex -> vertex -> Prop) : forall placed waiting stuck,
+    (forall x y, In x (placed ++ waiting) -> precedes y x -> In y (predecessors x)) ->
+    (forall x, In x placed -> Acc precedes x) ->
+    in_rounds rounds placed waiting = inr stuck ->
+    forall x, In x waiting -> ~ In x stuck -> Acc precedes x.
+  Proof.
+    induction rounds as [|k IH]; intros placed [|a w] stuck E A H x Hx N; cbn [in_rounds] in H; try discriminate;
+      try (inversion H; subst; contradiction).
+    destruct (partition (ready placed) (a :: w)) as [now later] eqn:Q.
+    destruct (partition_says _ _ _ _ Q) as (P & R & _).
+    destruct now as [|b now]; [inversion H; subst; contradiction|].
+    destruct (in_rounds k (placed ++ b :: now) later) as [o|found] eqn:K; [discriminate|]. inversion H; subst found.
+    assert (forall y, In y (b :: now) -> Acc precedes y) as Now.
+    { intros y Hy. constructor. intros z Hz. apply A. apply (proj1 (ready_says placed y) (R y Hy)).
+      apply E; auto. apply in_or_app. right. rewrite P. apply in_or_app. now left. }
+    rewrite P in Hx. apply in_app_or in Hx as [Hx|Hx]; [now apply Now|].
+    apply (IH (placed ++ b :: now) later stuck); auto.
+    - intros u v Hu. apply E. rewrite P. rewrite <- app_assoc in Hu. exact Hu.
+    - intros y Hy. apply in_app_or in Hy as [Hy|Hy]; auto.
+  Qed.
+
+  Theorem what_is_left_depends_on_what_is_left_and_nothing_else_hangs_on_a_cycle vertices stuck (precedes : vertex -> vertex -> Prop) :
+    (forall x, In x vertices -> incl (predecessors x) vertices) ->
+    (forall x y, In x vertices -> (precedes y x <-> In y (predecessors x))) ->
+    topological_order vertices = inr stuck ->
+    stuck <> [] /\ incl stuck vertices /\ (forall x, In x stuck -> exists y, In y stuck /\ precedes y x) /\
+    forall x, In x vertices -> ~ In x stuck -> Acc precedes x.
+  Proof.
+    intros C E H. pose proof (in_rounds_stuck (length vertices) [] vertices stuck (le_n _) C H) as (NE & I & S).
+    split; [exact NE|]. split; [exact I|]. split.
+    - intros x Hx. destruct (S x Hx) as (y & Hy & P). exists y. split; [exact Hy|]. apply E; auto.
+    - apply (what_is_not_stuck_is_accessible (length vertices) precedes [] vertices stuck); auto; [|easy].
+      intros x y Hx. now apply E.
   Qed.
 
   (** In a finite set in which everything has a predecessor, there is a cycle. *)

@@ -1,4 +1,4 @@
-(** Algorithm 1, resolveSpecifiers: which specifier determines each property of an object, and in which order the specifiers
+(** The paper's Algorithm 1, resolveSpecifiers: which specifier determines each property of an object, and in which order the specifiers
     are evaluated. The definitions mirror [semantics/scenes/resolution.py] phase by phase, down to the order of its results; [resolve]
     is the whole of it.
 
@@ -6,8 +6,12 @@
 
     - [resolution_succeeds_exactly_when_no_property_is_specified_twice_and_dependencies_are_present_and_acyclic],
       [the_error_is_that_of_the_first_phase_that_finds_one],
+      [the_property_specified_twice_is_the_first_that_is_and_its_specifiers_are_named_in_the_order_of_the_source],
+      [the_property_specified_twice_optionally_is_the_first_that_is_and_all_its_specifiers_are_named],
+      [the_missing_property_is_one_that_nothing_determines_and_what_depends_on_it_is_named],
+      [what_waits_depends_on_what_waits_and_nothing_else_hangs_on_a_cycle],
       [the_graph_of_properties_is_acyclic_exactly_when_that_of_specifiers_is];
-    - [each_property_is_determined_exactly_once], [precedence_is_non_optional_then_optional_then_default],
+    - [each_property_is_determined_exactly_once], [each_property_is_determined_by_its_non_optional_specifier_else_its_optional_one_else_its_default],
       [the_object_has_the_properties_that_are_specified_or_have_a_default], [the_default_is_that_of_the_most_derived_class];
     - [every_dependency_is_determined_before_its_dependents];
     - [any_two_topological_orders_build_the_same_object], [each_value_is_computed_from_the_values_that_the_finished_object_has];
@@ -566,6 +570,106 @@ Section Algorithm.
       try (intros (? & ? & ? & [=])); try (intros (? & ? & [=])); try (intros (? & [=])); intros _; eauto.
   Qed.
 
+  (** * What an error is about *)
+
+  Lemma gather_fails_of specified : forall d p x y, NoDup (map fst d) -> gather d specified = Failed (SpecifiedTwice p x y) ->
+    exists before between after,
+      d ++ specified = before ++ (p, x) :: between ++ (p, y) :: after /\ NoDup (map fst (before ++ (p, x) :: between)).
+  Proof.
+    induction specified as [|[q z] rest IH]; intros d p x y N; simpl; [discriminate|].
+    destruct (lookup q d) as [first|] eqn:L.
+    - intros [= -> -> ->]. apply lookup_in in L; auto. apply in_split in L as (before & between & ->).
+      exists before, between, rest. rewrite <- app_assoc. now split.
+    - intros G. destruct (IH _ _ _ _ (keys_grow _ _ _ L N) G) as (before & between & after & E & M).
+      exists before, between, after. rewrite <- app_assoc in E. now split.
+  Qed.
+
+  Lemma filter_optional_fails_of names : forall d p xs, filter_optional d names = Failed (SpecifiedTwiceOptionally p xs) ->
+    exists before after, names = before ++ p :: after /\ lookup p d = None /\ xs = optional_specs p /\ length xs <> 1 /\
+      forall q, In q before -> lookup q d <> None \/ length (optional_specs q) = 1.
+  Proof.
+    induction names as [|q names IH]; intros d p xs; cbn [filter_optional]; [discriminate|].
+    destruct (lookup q d) as [first|] eqn:L.
+    - intros F. destruct (IH d p xs F) as (before & after & -> & Lp & X & NL & B). exists (q :: before), after.
+      repeat split; auto. intros r [<-|I]; auto. left. congruence.
+    - destruct (optional_specs q) as [|x [|y l]] eqn:O.
+      + intros [= <- <-]. exists [], names. rewrite O. repeat split; auto; easy.
+      + intros F. destruct (IH _ p xs F) as (before & after & -> & Lp & X & NL & B). rewrite lookup_app in Lp.
+        exists (q :: before), after. repeat split; auto.
+        * destruct (lookup p d); [discriminate|reflexivity].
+        * intros r [<-|I]; [right; now rewrite O|]. destruct (B r I) as [Lr|One]; auto. rewrite lookup_app in Lr.
+          destruct (lookup r d); [now left|]. simpl in Lr. destruct (Nat.eqb_spec r q) as [->|]; [|congruence]. right. now rewrite O.
+      + intros [= <- <-]. exists [], names. rewrite O. repeat split; auto; easy.
+  Qed.
+
+  (** The phase that an error comes from. *)
+  Lemma where_the_error_comes_from e : resolve = Failed e ->
+    match e with
+    | SpecifiedTwice _ _ _ => gather [] non_optionally = Failed e
+    | SpecifiedTwiceOptionally _ _ => filter_optional non_optionally (map fst optionally) = Failed e
+    | MissingProperty p x => exists d, spec_for_property = Resolved d /\ first_missing d = Some (p, x)
+    | CyclicDependencies waiting => exists d, spec_for_property = Resolved d /\ first_missing d = None /\
+        topological_order _ same (edges_to d) (used d) = inr waiting
+    end.
+  Proof.
+    pose proof spec_for_property_says as S. unfold resolve. destruct spec_for_property as [d|e'] eqn:E; cbn [bind].
+    - destruct (first_missing d) as [[p x]|] eqn:M; [intros [= <-]; eauto|].
+      destruct (topological_order _ same (edges_to d) (used d)) eqn:T; [discriminate|]. intros [= <-]. eauto.
+    - intros [= ->]. unfold spec_for_property in E. pose proof (gather_says non_optionally [] (NoDup_nil _)) as G.
+      destruct (gather [] non_optionally) as [d|[]]; cbn [bind] in E; try contradiction; [|now injection E as <-].
+      destruct G as [-> N]. cbn [app] in *. pose proof (filter_optional_says (map fst optionally) _ N) as F.
+      destruct (filter_optional non_optionally (map fst optionally)) as [d|[]]; cbn [bind] in E; try contradiction; [discriminate|].
+      now injection E as <-.
+  Qed.
+
+  (** All that comes before the second of the two is specified once, and so it is the first property that is specified again. *)
+  Theorem the_property_specified_twice_is_the_first_that_is_and_its_specifiers_are_named_in_the_order_of_the_source p x y :
+    resolve = Failed (SpecifiedTwice p x y) ->
+    exists before between after,
+      non_optionally = before ++ (p, x) :: between ++ (p, y) :: after /\ NoDup (map fst (before ++ (p, x) :: between)).
+  Proof. intros E. apply where_the_error_comes_from in E. now apply (gather_fails_of non_optionally []); [constructor|]. Qed.
+
+  Theorem the_property_specified_twice_optionally_is_the_first_that_is_and_all_its_specifiers_are_named p xs :
+    resolve = Failed (SpecifiedTwiceOptionally p xs) ->
+    xs = optional_specs p /\ 2 <= length xs /\ ~ In p (flat_map specifies specifiers) /\
+    exists before after, flat_map optional specifiers = before ++ p :: after /\
+      forall q, In q before -> In q (flat_map specifies specifiers) \/ count_occ Nat.eq_dec (flat_map optional specifiers) q = 1.
+  Proof.
+    intros E. apply where_the_error_comes_from, filter_optional_fails_of in E as (before & after & E & L & -> & NL & B).
+    assert (map fst non_optionally = flat_map specifies specifiers) as Names by apply names_of.
+    assert (map fst optionally = flat_map optional specifiers) as Optional by apply names_of.
+    rewrite Optional in E. rewrite lookup_none, Names in L. split; [reflexivity|]. split; [|split; [exact L|]].
+    - rewrite number_of_optional_specs in *. assert (In p (flat_map optional specifiers)) as I by (rewrite E; apply in_elt).
+      apply (count_occ_In Nat.eq_dec) in I. lia.
+    - exists before, after. split; [exact E|]. intros q I. destruct (B q I) as [Lq|One].
+      + left. destruct (in_dec Nat.eq_dec q (flat_map specifies specifiers)) as [S|S]; [exact S|].
+        destruct Lq. apply lookup_none. now rewrite Names.
+      + right. now rewrite <- number_of_optional_specs.
+  Qed.
+
+  Theorem the_missing_property_is_one_that_nothing_determines_and_what_depends_on_it_is_named d x :
+    resolve = Failed (MissingProperty d x) ->
+    In d (dependencies x) /\ (exists p, determines x p) /\ ~ exists y, determines y d.
+  Proof.
+    intros E. apply where_the_error_comes_from in E as (found & E & F).
+    pose proof spec_for_property_says as S. rewrite E in S. destruct S as (_ & _ & N & Says).
+    apply find_some in F as [I L]. apply in_flat_map in I as (y & Iy & I). apply in_map_iff in I as (r & [= -> ->] & I).
+    split; [exact I|]. split; [now apply (in_used found)|]. intros (y & D). apply Says in D. simpl in L. now rewrite D in L.
+  Qed.
+
+  Theorem what_waits_depends_on_what_waits_and_nothing_else_hangs_on_a_cycle waiting :
+    resolve = Failed (CyclicDependencies waiting) ->
+    waiting <> [] /\ (forall x, In x waiting -> exists y, In y waiting /\ precedes y x) /\
+    forall x p, determines x p -> ~ In x waiting -> Acc precedes x.
+  Proof.
+    intros E. apply where_the_error_comes_from in E as (d & E & _ & T).
+    pose proof spec_for_property_says as S. rewrite E in S. destruct S as (_ & _ & N & Says).
+    apply what_is_left_depends_on_what_is_left_and_nothing_else_hangs_on_a_cycle with (precedes := precedes) in T as (NE & _ & D & A).
+    - split; [exact NE|]. split; [exact D|]. intros x p Dx. apply A, (in_used d N Says). eauto.
+    - intros x _ y Hy. apply (in_edges_to d Says) in Hy as (q & _ & D). apply (in_used d N Says). eauto.
+    - intros x y Hx. rewrite (in_edges_to d Says). apply (in_used d N Says) in Hx. unfold precedes. tauto.
+  Qed.
+
   (** The text that explains Algorithm 1 has another graph, "with vertices P and edges to p from each of the dependencies of s_p". *)
   Definition property_precedes (q p : property) : Prop := exists x, determines x p /\ In q (dependencies x) /\ exists y, determines y q.
 
@@ -591,7 +695,7 @@ Section Algorithm.
 
   (** * Which specifier determines a property *)
 
-  Theorem precedence_is_non_optional_then_optional_then_default order : resolve = Resolved order ->
+  Theorem each_property_is_determined_by_its_non_optional_specifier_else_its_optional_one_else_its_default order : resolve = Resolved order ->
     forall x p, (exists ps, In (x, ps) order /\ In p ps) <-> determines x p.
   Proof.
     intros E x p. pose proof resolve_says as R. rewrite E in R. destruct R as (_ & _ & _ & _ & A). split.
@@ -626,7 +730,7 @@ Section Algorithm.
     NoDup (flat_map snd order) /\ NoDup (map fst order) /\
     forall p, In p (flat_map snd order) -> exists! x, exists ps, In (x, ps) order /\ In p ps.
   Proof.
-    intros E. pose proof (precedence_is_non_optional_then_optional_then_default order E) as Pre.
+    intros E. pose proof (each_property_is_determined_by_its_non_optional_specifier_else_its_optional_one_else_its_default order E) as Pre.
     pose proof resolve_says as R. rewrite E in R. destruct R as (Once & Opt & _ & _ & A).
     split; [now apply an_admissible_order_determines_once|]. split; [exact (each_once _ A)|].
     intros p I. apply in_flat_map in I as ([x ps] & Ix & Ip). exists x. split; eauto.
@@ -637,7 +741,7 @@ Section Algorithm.
     forall p, In p (flat_map snd order) <->
               In p (flat_map specifies specifiers) \/ In p (flat_map optional specifiers) \/ most_derived c p <> None.
   Proof.
-    intros E p. pose proof (precedence_is_non_optional_then_optional_then_default order E) as Pre.
+    intros E p. pose proof (each_property_is_determined_by_its_non_optional_specifier_else_its_optional_one_else_its_default order E) as Pre.
     assert (In p (flat_map snd order) <-> exists x, determines x p) as ->.
     { rewrite in_flat_map. split.
       - intros ([x ps] & I & Ip). exists x. apply Pre. eauto.
@@ -820,8 +924,8 @@ Proof.
   pose proof (resolve_says c s) as R. pose proof (resolve_says c s') as R'.
   destruct (resolve c s) as [order|[]] eqn:E, (resolve c s') as [order'|[]] eqn:E'; simpl; try tauto.
   split.
-  - intros x p. rewrite (precedence_is_non_optional_then_optional_then_default c s order E).
-    rewrite (precedence_is_non_optional_then_optional_then_default c s' order' E').
+  - intros x p. rewrite (each_property_is_determined_by_its_non_optional_specifier_else_its_optional_one_else_its_default c s order E).
+    rewrite (each_property_is_determined_by_its_non_optional_specifier_else_its_optional_one_else_its_default c s' order' E').
     split; apply determines_permuted; auto. now symmetry.
   - intros value evaluate. destruct R as (Once & Opt & _ & _ & A), R' as (_ & _ & _ & _ & A').
     apply (admissible_orders_agree value evaluate c s); auto.

@@ -56,7 +56,7 @@ Definition meets (demanded : list (A -> bool)) (a : A) : bool :=
   forallb (fun B => B a) demanded.
 
 (** The rejection loop of one scene. Where no run is accepted there is no scene, and nothing
-    is left ([mass_normalised_empty]). *)
+    is left ([what_has_no_mass_has_none_when_normalised]). *)
 Definition loop prior demanded : dist A := normalised (given (meets demanded) prior).
 
 (** `enumeration.summed`: each result of the coins has a rejection loop, and a normalisation,
@@ -194,7 +194,7 @@ Proof.
 Qed.
 
 (** The part of the runs that is accepted, of those that meet the hard requirements. *)
-Theorem acceptance_under_run prior p B (q := probability B prior) :
+Theorem the_part_of_the_runs_that_is_accepted_under_run_is_1_minus_p_plus_p_q prior p B (q := probability B prior) :
   0 < mass prior -> mass (attempt prior [(p, B)]) / mass prior == 1 - p + p * q.
 Proof.
   intros M. rewrite mass_of_attempt, pr_is_a_part by trivial. subst q. field. lra.
@@ -344,13 +344,13 @@ Qed.
 Lemma under_scene_without_loss prior rs :
   nonnegative prior -> 0 < pr (meets_all rs) prior -> under_scene prior rs ≈ per_scene prior rs.
 Proof.
-  intros N H. apply normalised_of_normal.
+  intros N H. apply what_has_mass_1_stays_the_same_when_normalised.
   now apply each_result_of_the_coins_gives_scenes_if_all_can_be_met.
 Qed.
 
 (** The general law, of any requirement among several that can all be met: it holds with
     probability p, and beyond that as often as it would by itself. *)
-Theorem probability_under_scene_of_each_of_several_requirements prior rs p B rs' :
+Theorem each_of_several_requirements_holds_under_scene_with_p_and_beyond_that_as_often_as_without_it prior rs p B rs' :
   nonnegative prior -> 0 < pr (meets_all (rs ++ (p, B) :: rs')) prior ->
   pr B (under_scene prior (rs ++ (p, B) :: rs'))
   == p + (1 - p) * pr B (under_scene prior (rs ++ rs')).
@@ -403,7 +403,7 @@ Theorem each_requirement_holds_with_at_least_its_probability_under_scene prior r
   0 < pr (meets_all (rs ++ (p, B) :: rs')) prior ->
   p <= pr B (under_scene prior (rs ++ (p, B) :: rs')).
 Proof.
-  intros N F H. rewrite probability_under_scene_of_each_of_several_requirements by trivial.
+  intros N F H. rewrite each_of_several_requirements_holds_under_scene_with_p_and_beyond_that_as_often_as_without_it by trivial.
   apply Forall_app in F as [F F']. inversion_clear F' as [|? ? P F'']. cbn in P.
   enough (0 <= pr B (under_scene prior (rs ++ rs')) <= 1) by nra.
   apply pr_under_scene_is_between_0_and_1; [trivial|now apply Forall_app|].
@@ -424,7 +424,7 @@ Theorem probability_under_scene_is_p_plus_1_minus_p_times_q prior p B (q := prob
   nonnegative prior -> 0 < mass prior -> 0 < q ->
   pr B (under_scene prior [(p, B)]) == p + (1 - p) * q.
 Proof.
-  intros N M H. rewrite (probability_under_scene_of_each_of_several_requirements prior [] p B []).
+  intros N M H. rewrite (each_of_several_requirements_holds_under_scene_with_p_and_beyond_that_as_often_as_without_it prior [] p B []).
   - cbn [app]. now rewrite pr_without_requirements.
   - trivial.
   - assert (0 < pr B prior) as L by (rewrite pr_is_a_part by trivial; fold q; nra).
@@ -505,8 +505,9 @@ Proof.
   left. unfold probability. rewrite M. unfold Qdiv. now rewrite Qmult_1_r.
 Qed.
 
-(** No probability but 0 and 1 is safe under `run`, and the shortfall has no bound. *)
-Theorem under_run_each_demand_can_be_missed_by_any_margin p e :
+(** No probability but 0 and 1 is safe under `run`: however high the demand, there is a condition that can hold and that holds as rarely as one
+    likes (its prior q is small enough). The shortfall is then as near to p as one likes; it is never more. *)
+Theorem under_run_each_demand_can_be_met_with_any_small_probability p e :
   0 < p < 1 -> 0 < e ->
   exists q, 0 < q <= 1 /\ pr (fun b => b) (under_run (coin q) [(p, fun b => b)]) < e.
 Proof.

@@ -7,6 +7,7 @@ import json
 import pytest
 from scenic_ref.semantics.readings import READINGS
 from scenic_ref.semantics.rules import CATALOGUE
+from scenic_ref.semantics.theorems import theorems_of
 
 
 def test_rules_lists_the_whole_catalogue(ask):
@@ -23,6 +24,13 @@ def test_a_single_rule_is_shown_with_its_statement(ask):
     out = ask("rules", "s-softreq-check").out
     assert "⟨require[p] B, σ, π, O⟩ →^p ⟨require B, σ, π, O⟩" in out
     assert 'Figure "Semantics of statements"' in out
+
+
+def test_theorems_are_said_to_be_of_the_theories(ask):
+    lines = ask("rules", "D-Policy-4").out.splitlines()
+    told = lines.index("theorems  of the theories in proofs/; tests tie these to the code")
+    assert [line.split() for line in lines[told + 1 :]] == [name.split() for name in theorems_of("D-Policy-4")]
+    assert "theorems" not in ask("rules", "P-In").out
 
 
 def test_rules_in_json_hold_the_same(ask):
