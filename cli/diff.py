@@ -168,6 +168,8 @@ def program_of(source: Source, other: External) -> AskedProgram | str:
         return "it has an error of syntax, so that it cannot be put into another dialect; --dialect says in which one it is written"
     folder = Path(source.file).parent
     library = library_of(program, worlds=WORLDS, model=None, trust=source.trust, directory=folder, dialect=source.dialect)
+    if "scenic.domains.driving.map" in library or "scenic.domains.driving.model" in library:
+        return "it uses the driving library, whose map is not sent to other implementations"
     ours = sorted(name for name in library if name in WORLDS and not name.startswith(("scenic.core.", "scenic.domains.")))
     if ours:
         return f"it imports {', '.join(ours)}, and this reference has a world of its own of that name"

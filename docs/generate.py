@@ -20,6 +20,8 @@ from scenic_ref.conformance.pictured import OURS, pictured_scenes
 from scenic_ref.conformance.reports import shows
 from scenic_ref.conformance.vector import ConformanceVector
 from scenic_ref.formats.comparisons import side_by_side
+from scenic_ref.formats.map_pictures import map_picture
+from scenic_ref.maps import made_map
 from scenic_ref.semantics.kernel import allowed
 from scenic_ref.semantics.readings import PROFILES, READINGS, Reading, always_decided
 from scenic_ref.semantics.rules import CATALOGUE
@@ -311,6 +313,7 @@ def picture_name(name: str, number: int) -> str:
 
 def pictures() -> Iterator[tuple[str, bytes]]:
     """The pictures of the pages, by their places."""
+    yield "roads/suburb.svg", map_picture(made_map("suburb", signals=True, crosswalks=True), format="svg")
     for campaign in shipped_findings():
         for number, found in enumerate(campaign.findings, 1):
             if found.here or found.there:

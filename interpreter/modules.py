@@ -140,8 +140,8 @@ def absent(name: str, worlds: Mapping[str, World]) -> ModuleNotFoundError:
 
 def why_outside(name: str) -> str:
     """Why a module of the released implementations is not here."""
-    if any(word in name for word in ("driving", "carla", "lgsvl", "metadrive")):
-        return "it needs the roads of a map, which this reference does not have"
+    if any(word in name for word in ("carla", "lgsvl", "metadrive")):
+        return "it is about a simulator that this reference does not know; on roads without one, write `model scenic.domains.driving.model`"
     return "it is about a simulator that this reference does not know" if name.startswith("scenic.simulators.") else "it is a part of theirs alone"
 
 

@@ -4,6 +4,6 @@ from __future__ import annotations
 
 from .network import Network
 from .opendrive import MapError
-from .reading import read_map
+from .reading import made_map, read_map
 
-__all__ = ["MapError", "Network", "read_map"]
+__all__ = ["MapError", "Network", "made_map", "read_map"]

@@ -70,7 +70,7 @@ class Assembly:
         """One more element, with a name of its own."""
         while uid in self.elements:
             uid += "'"
-        self.elements[uid] = made = kind(uid=uid, **attributes)
+        self.elements[uid] = made = kind.of(**{"uid": uid, "name": uid, **attributes})
         return made
 
     def at(self, road: str, i: int) -> dict[int, TravelledLane]:

@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from inspect import get_annotations
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
 from shapely.geometry import MultiPolygon, Point, Polygon
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from .network import Network
 
 T = TypeVar("T")
-HIDDEN = frozenset({"polygon", "by_id", "by_uid", "first", "_tree", "strips", "gaps", "nearest", "scenic_names"})
+HIDDEN = frozenset({"polygon", "by_id", "by_uid", "first", "_tree", "strips", "gaps", "nearest", "of", "scenic_names"})
 """What is no matter of programs."""
 
 
@@ -52,8 +52,15 @@ class Fixed:
         told = {*get_annotations(cls), *members} - HIDDEN
         cls.scenic_names = frozenset(name for name in told if not name.startswith("__"))
 
-    def __init__(self, **attributes: Any) -> None:
-        vars(self).update(attributes)
+    def __init__(self, *arguments: object, **attributes: object) -> None:
+        raise TypeError(f"a {type(self).__name__} is made by reading a map")
+
+    @classmethod
+    def of(cls, **attributes: Any) -> Self:
+        """One with these attributes."""
+        made = cls.__new__(cls)
+        vars(made).update(attributes)
+        return made
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"{type(self).__name__} is immutable")
@@ -86,9 +93,6 @@ class NetworkElement(Fixed, PolygonalRegion):
     vehicleTypes: frozenset[VehicleType] = frozenset([VehicleType.CAR])
     speedLimit: float | None = None
     tags: frozenset[str] = frozenset()
-
-    def __init__(self, *, name: str = "", **attributes: Any) -> None:
-        super().__init__(name=name or attributes["uid"], **attributes)
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.uid}>"

@@ -32,7 +32,7 @@ def signals(net: Assembly, intersections: Sequence[Intersection]) -> list[Signal
         for one in record.signals:
             [x], [y], [direction] = along(record.pieces, np.array([min(max(one.s, 0.0), record.length)]))
             where = Vector(float(x - math.sin(direction) * one.t), float(y + math.cos(direction) * one.t))
-            found = Signal(uid=f"signal{one.id}_{record.id}", openDriveID=one.id, country=one.country, type=one.type, position=where, roads=())
+            found = Signal.of(uid=f"signal{one.id}_{record.id}", openDriveID=one.id, country=one.country, type=one.type, position=where, roads=())
             made.setdefault(one.id, found)
             of_road.setdefault(record.id, []).append(made[one.id])
             ends = (("+", record.successor), ("-", record.predecessor))

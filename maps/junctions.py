@@ -30,7 +30,7 @@ def link_lanes(net: Assembly) -> None:
                 continue
             joint(net, last, net.sections[place])
             lead(net, lane, following)
-            net.maneuvers.setdefault(lane, []).append(Maneuver(type=maneuver_type(lane, following, None), startLane=lane, endLane=following))
+            net.maneuvers.setdefault(lane, []).append(Maneuver.of(type=maneuver_type(lane, following, None), startLane=lane, endLane=following))
 
 
 def lead(net: Assembly, lane: Lane, following: Lane) -> None:
@@ -60,7 +60,8 @@ def intersection(net: Assembly, junction: JunctionRecord) -> Intersection | None
     if not found or not inside:
         return None
     filled = [Polygon(p.exterior) for p in shapely.get_parts(shapely.union_all([r.polygon for r in inside]).buffer(1e-3, join_style="mitre"))]
-    made = net.add(Intersection, f"intersection{junction.id}", id=junction.id, name=junction.name, polygon=areas(shapely.union_all(filled)))
+    uid = f"intersection{junction.id}"
+    made = net.add(Intersection, uid, id=junction.id, name=junction.name or uid, polygon=areas(shapely.union_all(filled)))
     center = made.polygon.centroid
     maneuvers: list[Maneuver] = []
     around: dict[Road, float] = {}
@@ -68,7 +69,7 @@ def intersection(net: Assembly, junction: JunctionRecord) -> Intersection | None
         assert one.lane is not None and over.lane is not None and other.lane is not None
         for road, point in ((one.lane.road, one.center[-1]), (other.lane.road, other.center[0])):
             around.setdefault(road, math.atan2(point[1] - center.y, point[0] - center.x))
-        maneuvers.append(Maneuver(
+        maneuvers.append(Maneuver.of(
             type=maneuver_type(one.lane, other.lane, over.lane), startLane=one.lane, endLane=other.lane, connectingLane=over.lane, intersection=made
         ))  # fmt: skip
     for maneuver in sorted(maneuvers, key=lambda m: m.type.value):  # so that the way straight on is the successor

@@ -48,7 +48,7 @@ def make_road(net: Assembly, record: RoadRecord) -> None:
     if not drivable:
         return
     about = {"id": record.id, "speedLimit": record.speed}
-    road = net.linear(Road, uid, **road_edges(net, record, drivable), polygon=united(drivable), name=record.name, **about)
+    road = net.linear(Road, uid, **road_edges(net, record, drivable), polygon=united(drivable), name=record.name or uid, **about)
     chains = list(chained(net, drivable))
     groups = {
         forward: group(net, record, road, [c for c in chains if c[0].forward is forward], forward, sides[forward])

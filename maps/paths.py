@@ -44,7 +44,7 @@ class Trajectory(Fixed):
         points = points[::-1] if reverse else points
         lengths = np.hypot(*np.diff(points, axis=0).T)
         ahead = np.diff(points, axis=0)
-        super().__init__(
+        vars(self).update(
             points=points, line=LineString(points), length=float(lengths.sum()), middles=np.cumsum(lengths) - lengths / 2,
             directions=np.unwrap(np.arctan2(ahead[:, 1], ahead[:, 0])),
         )  # fmt: skip

@@ -12,6 +12,7 @@ from .furniture import crossings, signals
 from .intersections import Intersection, Signal
 from .junctions import intersection, link_lanes, link_roads
 from .lanes import make_road, make_sections
+from .making import made
 from .network import Network
 from .opendrive import OpenDrive
 from .shapes import section_shapes
@@ -31,6 +32,11 @@ def read_map(path: Path | str) -> Network:
         return network_of(opendrive.read(data))
     except MapError as problem:
         raise MapError(f"{path} is no usable OpenDRIVE map: {problem.message}") from None
+
+
+def made_map(kind: str, **parameters: bool | float) -> Network:
+    """The network of a map that `making.made` makes. Raises `ValueError` as it does."""
+    return network_of(opendrive.read(made(kind, **parameters).encode()))
 
 
 def network_of(file: OpenDrive) -> Network:
@@ -60,7 +66,7 @@ def finished(net: Assembly, intersections: Sequence[Intersection], signals: Sequ
     lanes = [lane for road in roads for lane in road.lanes]
     if not lanes:
         raise MapError("it has no lanes on which to drive")
-    made = Network(
+    made = Network.of(
         by_uid=net.elements, roads=tuple(ordinary), connectingRoads=tuple(connecting), allRoads=roads, intersections=tuple(intersections),
         laneGroups=tuple(group for road in roads for group in road.laneGroups), lanes=tuple(lanes), crossings=net.of(PedestrianCrossing),
         sidewalks=net.of(Sidewalk), shoulders=net.of(Shoulder), bikeLanes=net.of(BikeLane), signals=tuple(signals),

@@ -6,9 +6,7 @@ import math
 from functools import cache
 
 import pytest
-from scenic_ref.maps import Network, opendrive
-from scenic_ref.maps.making import made
-from scenic_ref.maps.reading import network_of
+from scenic_ref.maps import Network, made_map
 from scenic_ref.maps.summary import faults, summary
 from scenic_ref.semantics.space.absence import Absent
 from scenic_ref.semantics.space.vectors import Vector
@@ -16,7 +14,7 @@ from scenic_ref.semantics.space.vectors import Vector
 
 @cache
 def network(kind: str, *parameters: tuple[str, object]) -> Network:
-    return network_of(opendrive.read(made(kind, **dict(parameters)).encode()))  # type: ignore[arg-type]
+    return made_map(kind, **dict(parameters))  # type: ignore[arg-type]
 
 
 FULL = (("lanes", 2), ("shoulders", True), ("bike_lanes", True), ("signals", True), ("crosswalks", True))

@@ -7,10 +7,9 @@ from functools import cache, lru_cache
 from importlib.resources import files
 from pathlib import Path
 
-from ....maps import elements, intersections, network, opendrive, paths
-from ....maps.making import made
+from ....maps import elements, intersections, network, paths
 from ....maps.network import Network
-from ....maps.reading import network_of, read_map
+from ....maps.reading import made_map, read_map
 from ....semantics.kernel.errors import ImportRefused, ScenicError
 from ....semantics.syntax import Program
 from ....semantics.syntax.python_expressions import Call, Constant, Name
@@ -47,7 +46,7 @@ def network_in(path: str, changed: int, size: int) -> Network:
 @cache
 def default_network() -> Network:
     """The map of programs that name none: nine crossings with traffic lights and crosswalks."""
-    return network_of(opendrive.read(made("grid", **DEFAULT).encode()))
+    return made_map("grid", **DEFAULT)
 
 
 def map_module(path: Path) -> Mapping[str, object] | Exception:
