@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable
 
 import numpy as np
+import shapely
 from shapely.geometry import LineString, Point
 from shapely.ops import substring
 
@@ -23,6 +24,8 @@ SHORTEST = 4.0
 """Metres that a driver looks ahead at least."""
 LOOKED_AT, WINDOW = 60.0, 3.0
 """Metres ahead in which a driver looks for bends, and over which the direction changes there."""
+STEP = 1.0
+"""Metres between two points of a path at most, so that a bend is where it is."""
 SECONDS = 0.7
 """How far a driver looks ahead, in seconds."""
 
@@ -42,6 +45,7 @@ class Trajectory(Fixed):
         if len(points) < 2:
             raise ValueError("a path needs at least two different points")
         points = points[::-1] if reverse else points
+        points = shapely.get_coordinates(LineString(points).segmentize(STEP))
         lengths = np.hypot(*np.diff(points, axis=0).T)
         ahead = np.diff(points, axis=0)
         vars(self).update(

@@ -1,0 +1,206 @@
+"""The driving library: programs on maps, by every backend and in both simulators; what its behaviors do."""
+
+from __future__ import annotations
+
+import re
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+import scenic_ref
+from scenic_ref.errors import AttemptsExhausted, ProgramError, UncaughtException
+from scenic_ref.formats.recordings import Simulated
+from scenic_ref.maps import Network, read_map
+from scenic_ref.maps.making import made
+from scenic_ref.maps.paths import Trajectory
+from scenic_ref.semantics.space.vectors import Vector
+from scenic_ref.simulators import by_name
+from scenic_ref.simulators.worlds.driving import default_network
+
+MODEL = "model scenic.domains.driving.model\n"
+STEPS = 150
+DOCS = Path(__file__).parents[2] / "docs" / "roads.md"
+
+PROGRAMS = {
+    "two cars": "ego = Car on road\nother = Car ahead of ego by Range(5, 10)\n",
+    "a maneuver and what conflicts with it": (
+        "inter = Uniform(*filter(lambda i: i.is4Way, network.intersections))\n"
+        "lane = Uniform(*inter.incomingLanes)\n"
+        "turn = Uniform(*filter(lambda m: m.type is ManeuverType.LEFT_TURN, lane.maneuvers))\n"
+        "other = Uniform(*turn.conflictingManeuvers)\n"
+        "ego = Car on lane.centerline\nCar on other.startLane.centerline\nparam kind = other.type.name\n"
+    ),
+    "sections of lanes": (
+        "s = Uniform(*network.laneSections)\nrequire s._laneToLeft is not None\nrequire s.laneToLeft.isForward != s.isForward\n"
+        "ego = Car on s\nparam free = s._fasterLane is None, number = s.openDriveID\n"
+    ),
+    "curbs and sidewalks": (
+        "r = Uniform(*filter(lambda r: len(r.lanes) == 2, network.roads))\nego = Car on r\n"
+        "spot = OrientedPoint on visible ego.laneGroup.curb\nparked = Car left of spot by 0.25\nPedestrian on visible r.sidewalkRegion\n"
+        "require ego.road is r\nrequire (distance from ego to intersection) < 60\n"
+    ),
+}
+
+
+def scenario(text: str, **more: object) -> scenic_ref.Scenario:
+    return scenic_ref.loads(MODEL + text, **more)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_scenes_are_the_same_by_the_interpreter_and_by_the_batch_backend(name: str) -> None:
+    program = scenario(PROGRAMS[name])
+    one_by_one, many = (list(program.sample_many(8, 1, backend=backend)) for backend in ("interpreter", "batch"))
+    assert [s.to_json() for s in one_by_one] == [s.to_json() for s in many]
+    network = default_network()
+    for scene in many:
+        for o in scene.objects:
+            region = network.roadOrShoulder if o.class_name == "Car" else network.walkableRegion
+            assert region.contains_box(o.position, o.heading, o.width, o.length)
+
+
+def test_the_program_of_the_documentation_runs(tmp_path: Path) -> None:
+    [text] = re.findall(r"```\n(param map.*?)```", DOCS.read_text(), re.DOTALL)
+    (tmp_path / "town.xodr").write_text(made("crossing", signals=True))
+    program = scenic_ref.loads(text, directory=tmp_path)
+    assert program.sample().params["map"].endswith("town.xodr")  # type: ignore[union-attr]
+    assert isinstance(simulated(program), Simulated)
+
+
+def simulated(program: scenic_ref.Scenario, simulator: str = "kinematic", steps: int = STEPS, seed: int = 0) -> Simulated:
+    return program.simulate(by_name(simulator, 0.1), steps, seed).simulation
+
+
+def track(simulation: Simulated, number: int = 0) -> list[tuple[Vector, float]]:
+    """Where an object is, and how fast, at each time step."""
+    poses = [moment.objects[number] for moment in simulation.moments]
+    return [(pose["position"], pose["speed"]) for pose in poses]  # type: ignore[misc]
+
+
+def off_lanes(network: Network, places: list[Vector]) -> float:
+    """The largest distance to the nearest centerline of a lane."""
+    return max(min(lane.centerline.distance_to(place) for lane in network.lanes) for place in places)
+
+
+@pytest.mark.parametrize("simulator", ["kinematic", "pymunk"])
+@pytest.mark.parametrize("seed", range(3))
+def test_lanes_are_followed_at_a_sensible_speed(simulator: str, seed: int) -> None:
+    program = scenario("lane = Uniform(*network.lanes)\nego = Car on lane.centerline, with behavior FollowLaneBehavior(8)\n")
+    found = track(simulated(program, simulator, 250, seed))
+    assert off_lanes(default_network(), [place for place, _ in found]) < 0.8
+    assert 7 < max(speed for _, speed in found) < 9
+    assert sum(abs(complex(*(after - before))) for (before, _), (after, _) in pairwise(found)) > 40
+
+
+TURNS = {"LEFT_TURN": "left", "RIGHT_TURN": "right", "STRAIGHT": "straight on"}
+
+
+@pytest.mark.parametrize("kind", TURNS)
+def test_a_trajectory_through_an_intersection_is_followed_to_its_end(kind: str) -> None:
+    text = (
+        f"turn = Uniform(*filter(lambda m: m.type is ManeuverType.{kind}, network.intersections[4].maneuvers))\n"
+        "start = turn.startLane.centerline[-1]\n"
+        "ego = Car following roadDirection from start for -15,\n"
+        "      with behavior FollowTrajectoryBehavior(8, [turn.startLane, turn.connectingLane, turn.endLane])\n"
+        "param there = turn.endLane.uid\n"
+    )
+    run = scenario(text).simulate(by_name("kinematic", 0.1), STEPS, 3).simulation
+    network = default_network()
+    end = network.elements[run.scene.params["there"]]  # type: ignore[index]
+    places = [place for place, _ in track(run)]
+    assert off_lanes(network, places) < 0.8
+    assert any(end.contains_point(place) for place in places)
+    slowest = min(speed for place, speed in track(run) if network.intersectionAt(place) is not None)
+    assert slowest > 6 if kind == "STRAIGHT" else slowest < 6.5  # bends are taken slowly
+
+
+LANES = "grid", {"lanes": 2, "block": 250.0, "rows": 1, "columns": 2}
+
+
+def on_two_lanes(text: str, tmp_path: Path) -> scenic_ref.Scenario:
+    (tmp_path / "lanes.xodr").write_text(made(LANES[0], **LANES[1]))  # type: ignore[arg-type]
+    return scenic_ref.loads("param map = localPath('lanes.xodr')\n" + MODEL + text, directory=tmp_path)
+
+
+SECTION = "lane = filter(lambda s: s._fasterLane is not None and s.centerline.length > 150, network.laneSections)[0]\n"
+
+
+def test_lanes_are_changed(tmp_path: Path) -> None:
+    text = (
+        f"{SECTION}behavior Change():\n    do LaneChangeBehavior(lane.fasterLane)\n    do FollowLaneBehavior()\n"
+        "ego = Car at lane.centerline.pointAlongBy(20), with speed 10, with behavior Change\nparam lane = lane.uid\n"
+    )
+    program = on_two_lanes(text, tmp_path)
+    run = simulated(program, steps=60)
+    network = read_map(tmp_path / "lanes.xodr")
+    before = network.elements[run.scene.params["lane"]]
+    last, _ = track(run)[-1]
+    assert before.fasterLane.contains_point(last) and before.fasterLane.centerline.distance_to(last) < 0.6
+
+
+def test_what_stands_in_the_way_is_passed(tmp_path: Path) -> None:
+    text = (
+        f"{SECTION}"
+        "behavior Drive():\n"
+        "    passed = False\n"
+        "    try:\n        do FollowLaneBehavior(8)\n"
+        "    interrupt when self.distanceToNextObstacle() < 20 and not passed:\n"
+        "        do PassingBehavior()\n        passed = True\n"
+        "ego = Car at lane.centerline.pointAlongBy(20), with speed 8, with behavior Drive\n"
+        "slow = Car at lane.centerline.pointAlongBy(60)\n"
+        "require always not ego.intersects(slow)\n"
+        "require eventually (distance from ego to lane.centerline.pointAlongBy(100)) < 2\n"
+    )
+    assert simulated(on_two_lanes(text, tmp_path), steps=120).result == "time limit"
+
+
+def test_drivers_brake_before_what_is_ahead() -> None:
+    text = (
+        "lane = filter(lambda l: l.centerline.length > 55, network.lanes)[0]\n"
+        "ego = Car at lane.centerline.pointAlongBy(8), with behavior DriveAvoidingCollisions(10, 12)\n"
+        "Car at lane.centerline.pointAlongBy(45)\n"
+        "require always (distance from ego to lane.centerline.pointAlongBy(45)) > 4.6\n"
+    )
+    found = track(simulated(scenario(text)))
+    assert max(speed for _, speed in found) > 6 and abs(found[-1][1]) < 0.5
+
+
+def test_elements_that_are_not_there_reject_the_run() -> None:
+    with pytest.raises(AttemptsExhausted) as told:
+        scenario("ego = Car on road, with regionContainedIn None\nparam c = ego.laneGroup.bikeLane.uid\n").sample(max_attempts=20)
+    assert "has no bike lane" in str(told.value.stuck)
+    assert scenario("ego = Car on road\nparam c = ego.laneGroup._bikeLane is None\n").sample().params["c"] is True
+
+
+WRONG_MAPS = {
+    "no OpenDRIVE file": ("param map = localPath('map.net')\n", r"the map of a program is an OpenDRIVE file \(\.xodr\), not map\.net"),
+    "not there": ("param map = localPath('none.xodr')\n", "none.xodr cannot be read: No such file or directory"),
+    "broken": ("param map = localPath('broken.xodr')\n", "broken.xodr is no usable OpenDRIVE map: line 1: it is no XML"),
+    "random": ("param map = Uniform('a.xodr', 'b.xodr')\n", r"the parameter map must be a text, or localPath\(a text\)"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG_MAPS)
+def test_a_wrong_map_is_an_error_at_the_model(name: str, tmp_path: Path) -> None:
+    (tmp_path / "broken.xodr").write_text("<")
+    text, message = WRONG_MAPS[name]
+    with pytest.raises(ProgramError, match=message) as told:
+        scenic_ref.loads(f"{text}{MODEL}ego = Car\n", directory=tmp_path).sample()
+    assert told.value.span.line >= 1
+
+
+@pytest.mark.parametrize("attack", ["network.lanes[0].road = None", "x = Lane(uid='a')", "x = network.by_uid", "x = network.lanes[0].polygon.wkt"])
+def test_programs_cannot_change_or_forge_the_network(attack: str) -> None:
+    with pytest.raises((ProgramError, UncaughtException)):
+        scenario(f"ego = Car on road\n{attack}\n").sample()
+
+
+def test_a_trajectory() -> None:
+    path = Trajectory([(0, 0), (0, 10), [(10, 10)]])
+    assert path.length == 20 and path.along((3, 4)) == 4 and path.along((9, 12), 14.0) == 19
+    assert tuple(path.point(15)) == (5, 10) and tuple(path.point(25)) == (15, 10)
+    assert path.steering((0, 0), 0.0, 1.0, 4.5, 0.0) == 0
+    assert path.steering((1, 0), 0.0, 1.0, 4.5, 0.0) < 0 < path.steering((-1, 0), 0.0, 1.0, 4.5, 0.0)  # back onto the path
+    assert path.speed_limit(0) < path.speed_limit(15)
+    assert tuple(Trajectory([(0, 0), (0, 10)], reverse=True).point(0)) == (0, 10)
+    with pytest.raises(ValueError, match="at least two different points"):
+        Trajectory([(1, 1), (1, 1)])
