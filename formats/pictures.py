@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
-from shapely.geometry.base import BaseGeometry
 
+from ..maps.network import MapWorkspace
 from ..semantics.kernel.errors import UsageError
 from ..semantics.space.geometry import corners, direction
 from ..semantics.space.regions import Region, everywhere
+from .maps import Window, draw_map, polygons_in
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,7 +35,6 @@ ALONE = 6.5  # inches of a picture of one scene
 ARC_STEP = math.radians(2)
 CIRCLE_SIDES = 256
 
-Window = tuple[float, float, float, float]  # west, south, east, north
 
 
 def picture(scenes: Iterable[Scene], *, format: str = "png", roads: Region | None = None) -> bytes:
@@ -161,10 +161,13 @@ def window_of(scene: Scene) -> Window:
 
 
 def draw_land(axes: Axes, region: object, window: Window) -> None:
-    """The part of a region inside the window; nothing if there is no region, or if it is the whole plane."""
+    """The part of a region, or of the map, inside the window; nothing if there is no region, or if it is the whole plane."""
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path as Outline
 
+    if isinstance(region, MapWorkspace):
+        draw_map(axes, region.network, window)
+        return
     if not isinstance(region, Region) or region is everywhere or getattr(region, "region", None) is everywhere:
         return
     box = shapely.box(*window)
@@ -173,11 +176,6 @@ def draw_land(axes: Axes, region: object, window: Window) -> None:
         rings = [polygon.exterior, *polygon.interiors]
         outline = Outline.make_compound_path(*(Outline(np.asarray(ring.coords)[:, :2], closed=True) for ring in rings))
         axes.add_patch(PathPatch(outline, facecolor=LAND, edgecolor=EDGE, linewidth=0.8, zorder=0))
-
-
-def polygons_in(shape: BaseGeometry) -> list[shapely.Polygon]:
-    """The polygons that a shape consists of."""
-    return [part for part in shapely.get_parts(shape) if isinstance(part, shapely.Polygon) and not part.is_empty]
 
 
 def draw_view(axes: Axes, ego: SceneObject, window: Window) -> None:

@@ -10,7 +10,7 @@ from shapely.geometry import LineString, Point
 
 from ..semantics.space.absence import Absent
 from ..semantics.space.fields import Cell, PolygonalVectorField, VectorField
-from ..semantics.space.regions import PolylineRegion, Region, nowhere
+from ..semantics.space.regions import PolylineRegion, Region, Workspace, everywhere, nowhere
 from .elements import (
     BikeLane,
     Fixed,
@@ -28,6 +28,17 @@ from .elements import (
     vector,
 )
 from .intersections import Intersection, Signal
+
+
+class MapWorkspace(Workspace):
+    """The workspace of programs on a map: the whole plane, for pictures with the map."""
+
+    def __init__(self, network: Network) -> None:
+        super().__init__(everywhere)
+        self.network = network
+
+    def __reduce__(self) -> str:
+        raise TypeError("the workspace of a map is not pickled")
 
 
 class Network(Fixed):
@@ -63,6 +74,11 @@ class Network(Fixed):
     def elements(self) -> dict[str, NetworkElement]:
         """All elements by their `uid`."""
         return dict(self.by_uid)
+
+    @cached_property
+    def workspace(self) -> MapWorkspace:
+        """The whole plane, with the map below pictures."""
+        return MapWorkspace(self)
 
     @cached_property
     def roadRegion(self) -> Region:

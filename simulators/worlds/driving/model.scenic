@@ -14,7 +14,7 @@ shoulder = network.shoulderRegion
 roadOrShoulder = network.roadOrShoulder
 intersection = network.intersectionRegion
 roadDirection = network.roadDirection
-workspace = Workspace(everywhere)
+workspace = network.workspace
 
 # What an object is on: each has a form with an underscore, which is None where the other rejects the run.
 class DrivingObject:
