@@ -204,3 +204,24 @@ def test_a_trajectory() -> None:
     assert tuple(Trajectory([(0, 0), (0, 10)], reverse=True).point(0)) == (0, 10)
     with pytest.raises(ValueError, match="at least two different points"):
         Trajectory([(1, 1), (1, 1)])
+
+
+def test_what_is_near() -> None:
+    """A car ahead in the same lane, one behind, which is not seen, and a pedestrian: by the names of the released library."""
+    text = (
+        "behavior Look():\n"
+        "    take (SetThrottleAction(1 if withinDistanceToAnyCars(self, 9) else 0), SetBrakeAction(1 if withinDistanceToAnyObjs(self, 9) else 0),\n"
+        "          SetSteerAction(1 if withinDistanceToObjsInLane(self, 13) else 0), SetReverseAction(withinDistanceToAnyPedestrians(self, 12)))\n"
+        "lane = filter(lambda l: l.centerline.length > 55, network.lanes)[0]\n"
+        "ego = Car at lane.centerline.pointAlongBy(20), with behavior Look\n"
+        "Car at lane.centerline.pointAlongBy({ahead})\nCar at lane.centerline.pointAlongBy(12)\n"
+        "Pedestrian at lane.centerline.pointAlongBy({walker}), with regionContainedIn None\n"
+    )
+    for ahead, walker, told in ((32, 40, (1, 0, 1, False)), (28, 33, (1, 1, 1, True)), (34, 8, (1, 0, 0, False))):
+        run = simulated(scenario(text.format(ahead=ahead, walker=walker)), steps=1)
+        taken = run.moments[0].actions[0]
+        assert tuple(next(iter(vars_of(action))) for action in taken) == told
+
+
+def vars_of(action: object) -> list[object]:
+    return [getattr(action, name) for name in ("throttle", "brake", "steer", "reverse") if hasattr(action, name)]

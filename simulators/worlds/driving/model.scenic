@@ -147,3 +147,33 @@ class Pedestrian(DrivingObject):
     heading: Range(0, 360) deg
     width: 0.75
     length: 0.75
+
+class Bicycle(Vehicle):
+    width: 1
+    length: 2
+
+class Truck(Vehicle):
+    width: 2.5
+    length: 7
+
+# Whether a vehicle, another object or a pedestrian is near; of objects and pedestrians only those count that the car sees.
+def withinDistanceToAnyCars(car, thresholdDistance):
+    return any([(distance from car to o) < thresholdDistance for o in simulation().objects if o is not car and isinstance(o, Vehicle)])
+
+def withinDistanceToAnyObjs(vehicle, thresholdDistance):
+    seen = [distance from vehicle to o for o in simulation().objects if o is not vehicle and (vehicle can see o)]
+    return any([0.1 <= d < thresholdDistance for d in seen])
+
+def withinDistanceToAnyPedestrians(vehicle, thresholdDistance):
+    front = (front of vehicle).position
+    return any([(distance from front to o) < thresholdDistance for o in simulation().objects if isinstance(o, Pedestrian) and (vehicle can see o)])
+
+# The same, of what is in the same lane, or in the same intersection.
+def withinDistanceToObjsInLane(vehicle, thresholdDistance):
+    inter = network.intersectionAt(vehicle.position)
+    for o in simulation().objects:
+        if o is vehicle or not (vehicle can see o) or not (0.1 <= (distance from vehicle to o) < thresholdDistance):
+            continue
+        if inter is network.intersectionAt(o.position) if inter is not None else network.laneAt(vehicle.position) is network.laneAt(o.position):
+            return True
+    return False
