@@ -88,7 +88,7 @@ class BatchForesight:
 
     def runs(self) -> int:
         """Those of the block that this process draws."""
-        batch = batch_of(self.drawing) if self.here and "_lifted" in vars(self.drawing.scenario) else None
+        batch = self.drawing.scenario.batch if self.here and "_lifted" in vars(self.drawing.scenario) else None
         if batch is None or batch.drawing is None:
             return 0
         return batch.drawing.runs + (batch.compiled.runs if batch.compiled is not None else 0)

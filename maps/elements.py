@@ -19,7 +19,7 @@ from ..semantics.space.absence import Absent
 from ..semantics.space.fields import VectorField
 from ..semantics.space.numeric import lifted
 from ..semantics.space.regions import PolygonalRegion, PolylineRegion, Region, nowhere
-from ..semantics.space.vectors import Vector
+from ..semantics.space.vectors import TakesPoints, Vector
 from .shapes import united
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ class VehicleType(enum.Enum):
 VehicleType.scenic_names = frozenset()  # type: ignore[attr-defined]  # its members are values of programs, with the attributes of any enumeration
 
 
-class Fixed:
+class Fixed(TakesPoints):
     """An object whose attributes are given once; programs may ask for those that its class tells of, as annotations, properties and methods."""
 
     scenic_names: ClassVar[frozenset[str]] = frozenset()

@@ -27,7 +27,7 @@ from ..space.distributions import BadParameters
 from ..space.fields import BadField, VectorField
 from ..space.numeric import number
 from ..space.regions import BadRegion, Region
-from ..space.vectors import Vector
+from ..space.vectors import TakesPoints, Vector
 from ..syntax import python_expressions as p
 from ..syntax.dynamics import ScenarioDefinition
 from ..syntax.nodes import Node
@@ -227,7 +227,7 @@ def is_geometric(function: object) -> bool:
     """Whether this constructs a region or field, or is a method of one: it takes vectors, and Points count as such."""
     if isinstance(function, type):
         return issubclass(function, (Region, VectorField))
-    return isinstance(getattr(function, "__self__", None), (Region, VectorField, Vector))
+    return isinstance(getattr(function, "__self__", None), (Region, VectorField, Vector, TakesPoints))
 
 
 def as_positions(argument: object, state: State) -> object:

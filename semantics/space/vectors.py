@@ -58,3 +58,7 @@ class Vector:
 
     def __repr__(self) -> str:
         return f"({self.x}, {self.y})"
+
+
+class TakesPoints:
+    """A value of a library whose methods take vectors, so that points and objects are given to them as their positions."""

@@ -225,3 +225,19 @@ def test_what_is_near() -> None:
 
 def vars_of(action: object) -> list[object]:
     return [getattr(action, name) for name in ("throttle", "brake", "steer", "reverse") if hasattr(action, name)]
+
+
+def test_objects_are_points_to_the_network_and_subclasses_drive() -> None:
+    """An object is interpreted as a vector where one is expected (the paper, Section "Data Types")."""
+    text = (
+        "class Scooter(Car):\n    width: 0.8\n    length: 1.8\nclass Child(Pedestrian):\n    width: 0.4\n"
+        "lane = Uniform(*network.lanes)\nego = Scooter on lane.centerline, with behavior FollowLaneBehavior(5)\n"
+        "Child on sidewalk, with behavior WalkForwardBehavior\n"
+        "param a = network.laneAt(ego) is ego.lane, b = lane.sectionAt(ego) is not None, c = network.nominalDirectionsAt(ego)[0]\n"
+    )
+    program = scenario(text)
+    one_by_one, many = (list(program.sample_many(12, 1, backend=backend)) for backend in ("interpreter", "batch"))
+    assert [s.to_json() for s in one_by_one] == [s.to_json() for s in many]
+    assert all(scene.params["a"] and scene.params["b"] for scene in many)
+    run = simulated(program, steps=40)
+    assert track(run)[-1][1] > 4 and abs(track(run, 1)[-1][1] - 0.5) < 1e-6

@@ -122,6 +122,7 @@ class DrivingObject:
         return least
 
 class Vehicle(DrivingObject):
+    drives: True
     regionContainedIn: roadOrShoulder
     position: Point on road
     heading: (roadDirection at self.position) + self.roadDeviation
@@ -142,6 +143,7 @@ class NPCCar(Car):
     pass
 
 class Pedestrian(DrivingObject):
+    walks: True
     regionContainedIn: network.walkableRegion
     position: Point on network.walkableRegion
     heading: Range(0, 360) deg
