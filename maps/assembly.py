@@ -13,7 +13,8 @@ from ..semantics.space.regions import PolylineRegion
 from ..semantics.space.vectors import Vector
 from .elements import Lane, LaneSection, LinearElement, NetworkElement, Road
 from .intersections import Maneuver
-from .opendrive import Notes, OpenDrive
+from .notes import Notes
+from .opendrive import OpenDrive
 from .shapes import LaneShape, Points, SectionShape, areas, joined, simplified, strips
 
 SHORTEST = 1e-3

@@ -36,6 +36,7 @@ class VehicleType(enum.Enum):
 
     CAR = 1
     BICYCLE = 2
+    PEDESTRIAN = 3
 
 
 VehicleType.scenic_names = frozenset()  # type: ignore[attr-defined]  # its members are values of programs, with the attributes of any enumeration
@@ -116,6 +117,7 @@ class LinearElement(NetworkElement):
 
     centerline: PolylineRegion
     leftEdge: PolylineRegion
+    """Seen along the centerline, and directed along the traffic beside it: on roads with two directions against the right one."""
     rightEdge: PolylineRegion
     strips: Sequence[tuple[Polygon, float]] = ()
     """It, cut across, with the heading of each part."""
@@ -158,6 +160,7 @@ class Road(LinearElement):
     signals: tuple[Signal, ...]
     crossings: tuple[PedestrianCrossing, ...] = ()
     sidewalks: tuple[Sidewalk, ...]
+    """All of them, the one beside `forwardLanes` first."""
     sidewalkRegion: Region
 
     @property
@@ -193,7 +196,7 @@ class Road(LinearElement):
         return self.network.first(self.crossings, point, reject)
 
     def shiftLanes(self, point: object, offset: int) -> Vector | None:
-        """The point as far along another lane, so many to the right of the point's (to the left if negative); None if there is none."""
+        """The point as far along another lane, so many to the left of the point's (to the right if negative); None if there is none."""
         v = vector(point)
         section = self.laneSectionAt(v)
         other = None if section is None else section.shiftedBy(offset)

@@ -34,6 +34,8 @@ def signals(net: Assembly, intersections: Sequence[Intersection]) -> list[Signal
             where = Vector(float(x - math.sin(direction) * one.t), float(y + math.cos(direction) * one.t))
             found = Signal.of(uid=f"signal{one.id}_{record.id}", openDriveID=one.id, country=one.country, type=one.type, position=where, roads=())
             made.setdefault(one.id, found)
+            if not one.valid:
+                continue
             of_road.setdefault(record.id, []).append(made[one.id])
             ends = (("+", record.successor), ("-", record.predecessor))
             for link in (link for sign, link in ends if one.orientation in (sign, "none") and link is not None and link.kind == "junction"):

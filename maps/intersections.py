@@ -33,10 +33,11 @@ class Intersection(NetworkElement):
     """An intersection."""
 
     roads: tuple[Road, ...]
-    """Anticlockwise around it."""
+    """Anticlockwise around it, as are the lanes."""
     incomingLanes: tuple[Lane, ...]
     outgoingLanes: tuple[Lane, ...]
     maneuvers: tuple[Maneuver, ...]
+    """Those from one lane after each other, in the order of the file."""
     signals: tuple[Signal, ...] = ()
     crossings: tuple[PedestrianCrossing, ...] = ()
 
@@ -74,11 +75,12 @@ class Intersection(NetworkElement):
         return [(part, self.nearest(middle).heading_at(middle)) for part, middle in middles]
 
     def maneuversAt(self, point: object) -> tuple[Maneuver, ...]:
-        """The maneuvers whose connecting lanes have a point; of the nearest one, if none has it."""
+        """The maneuvers whose connecting lanes have a point; if none has it, those within `tolerance` of it, else of the nearest one."""
         v = vector(point)
         distances = [m.connectingLane.distance_to(v) if m.connectingLane else math.inf for m in self.maneuvers]
-        nearest = max(min(distances, default=0.0), self.network.tolerance)
-        return tuple(m for m, d in zip(self.maneuvers, distances, strict=True) if d <= nearest)
+        nearest = min(distances, default=0.0)
+        within = 0.0 if nearest == 0.0 else max(nearest, self.network.tolerance)
+        return tuple(m for m, d in zip(self.maneuvers, distances, strict=True) if d <= within)
 
     def nominalDirectionsAt(self, point: object) -> tuple[float, ...]:
         """The directions of the maneuvers at a point."""
@@ -122,12 +124,13 @@ class Maneuver(Fixed):
 
     @cached_property
     def conflictingManeuvers(self) -> tuple[Maneuver, ...]:
-        """The maneuvers of the intersection from other lanes whose connecting lanes' centerlines meet this one's."""
+        """The maneuvers of the intersection from other lanes whose connecting lanes' centerlines meet this one's: cross it, or end where it ends."""
         if self.connectingLane is None or self.intersection is None:
             return ()
         line = self.connectingLane.centerline.polyline
         others = (m for m in self.intersection.maneuvers if m.startLane is not self.startLane and m.connectingLane is not None)
-        return tuple(m for m in others if m.connectingLane is not None and m.connectingLane.centerline.polyline.intersects(line))
+        met = ((m, m.connectingLane.centerline.polyline) for m in others if m.connectingLane is not None)
+        return tuple(m for m, other in met if m.endLane is self.endLane or other.intersects(line))
 
     @cached_property
     def reverseManeuvers(self) -> tuple[Maneuver, ...]:

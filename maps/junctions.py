@@ -64,21 +64,23 @@ def intersection(net: Assembly, junction: JunctionRecord) -> Intersection | None
     made = net.add(Intersection, uid, id=junction.id, name=junction.name or uid, polygon=areas(shapely.union_all(filled)))
     center = made.polygon.centroid
     maneuvers: list[Maneuver] = []
-    around: dict[Road, float] = {}
+    around, incoming, outgoing = dict[Road, float](), dict[Lane, float](), dict[Lane, float]()
     for one, over, other in found.values():
         assert one.lane is not None and over.lane is not None and other.lane is not None
-        for road, point in ((one.lane.road, one.center[-1]), (other.lane.road, other.center[0])):
-            around.setdefault(road, math.atan2(point[1] - center.y, point[0] - center.x))
+        for lane, point, lanes in ((one.lane, one.center[-1], incoming), (other.lane, other.center[0], outgoing)):
+            lanes[lane] = math.atan2(point[1] - center.y, point[0] - center.x)
+            around.setdefault(lane.road, lanes[lane])
         maneuvers.append(Maneuver.of(
             type=maneuver_type(one.lane, other.lane, over.lane), startLane=one.lane, endLane=other.lane, connectingLane=over.lane, intersection=made
         ))  # fmt: skip
     for maneuver in sorted(maneuvers, key=lambda m: m.type.value):  # so that the way straight on is the successor
         lead(net, maneuver.startLane, maneuver.connectingLane or maneuver.endLane)
-    for maneuver in maneuvers:
-        net.maneuvers.setdefault(maneuver.startLane, []).append(maneuver)
+    from_lanes = {lane: [m for m in maneuvers if m.startLane is lane] for lane in incoming}
+    for lane, ways_on in from_lanes.items():
+        net.maneuvers.setdefault(lane, []).extend(ways_on)
     complete(
-        made, maneuvers=tuple(maneuvers), roads=tuple(sorted(around, key=lambda road: around[road])),
-        incomingLanes=tuple(dict.fromkeys(m.startLane for m in maneuvers)), outgoingLanes=tuple(dict.fromkeys(m.endLane for m in maneuvers)),
+        made, maneuvers=tuple(m for ways_on in from_lanes.values() for m in ways_on), roads=tuple(sorted(around, key=around.__getitem__)),
+        incomingLanes=tuple(sorted(incoming, key=incoming.__getitem__)), outgoingLanes=tuple(sorted(outgoing, key=outgoing.__getitem__)),
     )  # fmt: skip
     return made
 
@@ -113,7 +115,20 @@ def link_roads(net: Assembly, intersections: Sequence[Intersection]) -> None:
         record = net.file.roads[str(road.id)]
         for name, link in (("_successor", record.successor), ("_predecessor", record.predecessor)):
             if link is not None:
-                complete(road, **{name: of_junction.get(link.id) if link.kind == "junction" else net.roads.get(link.id)})
+                found = of_junction.get(link.id) if link.kind == "junction" else net.roads.get(link.id)
+                complete(road, **{name: found})
+                if isinstance(found, Intersection):
+                    meet(road, name == "_successor", found)
+
+
+def meet(road: Road, at_end: bool, intersection: Intersection) -> None:
+    """The section and the lane groups of a road lead to the intersection where it ends, or begins, and come from there."""
+    section, leading, coming = (-1, road.forwardLanes, road.backwardLanes) if at_end else (0, road.backwardLanes, road.forwardLanes)
+    complete(road.sections[section], **{"_successor" if at_end else "_predecessor": intersection})
+    if leading is not None:
+        complete(leading, _successor=intersection)
+    if coming is not None:
+        complete(coming, _predecessor=intersection)
 
 
 def leads_into(link: RoadLink | None, junction: str, connecting: str) -> bool:

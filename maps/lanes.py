@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -48,7 +48,8 @@ def make_road(net: Assembly, record: RoadRecord) -> None:
     if not drivable:
         return
     about = {"id": record.id, "speedLimit": record.speed}
-    road = net.linear(Road, uid, **road_edges(net, record, drivable), polygon=united(drivable), name=record.name or uid, **about)
+    edges = along_traffic(road_edges(net, record, drivable), record, {s.forward for s in drivable})
+    road = net.linear(Road, uid, **edges, polygon=united(drivable), name=record.name or uid, **about)
     chains = list(chained(net, drivable))
     groups = {
         forward: group(net, record, road, [c for c in chains if c[0].forward is forward], forward, sides[forward])
@@ -58,7 +59,7 @@ def make_road(net: Assembly, record: RoadRecord) -> None:
     if forward and backward:
         complete(forward, _opposite=backward)
         complete(backward, _opposite=forward)
-    walks = tuple(g._sidewalk for g in groups.values() if g._sidewalk is not None)
+    walks = tuple(element for side in sides.values() for element in side if isinstance(element, Sidewalk))
     complete(
         road, forwardLanes=forward, backwardLanes=backward, laneGroups=tuple(groups.values()), signals=(), crossings=(), sidewalks=walks,
         lanes=tuple(lane for g in groups.values() for lane in g.lanes), sidewalkRegion=region(walks, f"{uid} sidewalks"),
@@ -82,6 +83,13 @@ def road_edges(net: Assembly, record: RoadRecord, drivable: Sequence[TravelledLa
             lefts.append(shape.lanes[ids[-1]].outer if ids[-1] > 0 else shape.lanes[ids[-1]].inner)
             middles.append(shape.middle)
     return {"left": np.concatenate(lefts), "right": np.concatenate(rights), "center": np.concatenate(middles)}
+
+
+def along_traffic(edges: Mapping[str, Points], record: RoadRecord, ways: Collection[bool]) -> dict[str, Points]:
+    """The edges of a road, each in the direction of the traffic beside it: `ways` are those that there are, along the road or not."""
+    ahead, back = ("left", "right") if record.left_hand else ("right", "left")
+    against = {name for name, turned in ((ahead, True not in ways), (back, False in ways)) if turned}
+    return {name: edge[::-1] if name in against else edge for name, edge in edges.items()}
 
 
 def united(sections: Iterable[TravelledLane]) -> shapely.Geometry:
@@ -174,7 +182,7 @@ def road_sections(net: Assembly, record: RoadRecord, road: Road) -> Iterator[Roa
         lanes = {id: element for id in sorted(here) if (element := here[id].element) is not None}
         for id, element in lanes.items():
             complete(element, **neighbours(id, lanes, record.left_hand))
-        edges = road_edges_at(net, shape, sorted(here))
+        edges = along_traffic(road_edges_at(shape, sorted(here)), record, {s.forward for s in here.values()})
         section = net.linear(
             RoadSection, f"{road.uid}_section{i}", **edges, polygon=united(here.values()), id=record.id, road=road,
             lanes=tuple(lanes.values()), by_id=lanes, forwardLanes=tuple(e for e in lanes.values() if e.isForward),
@@ -187,7 +195,7 @@ def road_sections(net: Assembly, record: RoadRecord, road: Road) -> Iterator[Roa
         yield section
 
 
-def road_edges_at(net: Assembly, shape: SectionShape, ids: Sequence[int]) -> dict[str, Points]:
+def road_edges_at(shape: SectionShape, ids: Sequence[int]) -> dict[str, Points]:
     """The edges of a section of a road, in its own direction."""
     right, left = shape.lanes[ids[0]], shape.lanes[ids[-1]]
     return {

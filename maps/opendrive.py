@@ -6,14 +6,15 @@ All lengths are metres, angles radians; t is positive to the left of the referen
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .notes import Notes
 from .xml import Element, MapError, parse
 
 Numbers = NDArray[np.float64]
@@ -110,6 +111,8 @@ class SignalRecord:
     type: str
     country: str
     dynamic: bool
+    valid: bool
+    """Whether it is for a lane of this road: those that are for the lane 0 alone are for none, and stand here for other roads."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,25 +173,6 @@ class JunctionRecord:
     id: str
     name: str
     connections: tuple[ConnectionRecord, ...]
-
-
-@dataclass
-class Notes:
-    """What is strange in a map and does not keep it from being read: how often, and where first."""
-
-    found: dict[str, list[str]] = field(default_factory=dict[str, list[str]])
-
-    def add(self, what: str, where: str) -> None:
-        """One more."""
-        self.found.setdefault(what, []).append(where)
-
-    def lines(self) -> list[str]:
-        """A line each."""
-        return [f"{what}: {_listed(where)}" for what, where in self.found.items()]
-
-
-def _listed(where: Sequence[str]) -> str:
-    return ", ".join(where[:3]) + (f" and {len(where) - 3} more" if len(where) > 3 else "")
 
 
 @dataclass(frozen=True)
@@ -255,7 +239,7 @@ def road(element: Element, notes: Notes) -> RoadRecord:
         predecessor=link(element, "predecessor"), successor=link(element, "successor"), pieces=pieces, offsets=offsets,
         sections=tuple(sections(element, min(length, end), notes)),
         signals=tuple(signal(s) for s in element.all("signals", "signal")),
-        references=tuple(e.text("id") for e in element.all("signals", "signalReference")),
+        references=tuple(e.text("id") for e in element.all("signals", "signalReference") if valid(e)),
         crosswalks=tuple(c for o in element.all("objects", "object") if o.text("type", "") == "crosswalk" for c in crosswalk(o, notes)),
         speed=speed,
     )  # fmt: skip
@@ -367,8 +351,14 @@ def signal(element: Element) -> SignalRecord:
     """A signal."""
     return SignalRecord(
         element.text("id", ""), element.number("s"), element.number("t", 0.0), element.text("orientation", "none"), element.text("type", ""),
-        element.text("country", ""), element.text("dynamic", "no") == "yes",
+        element.text("country", ""), element.text("dynamic", "no") == "yes", valid(element),
     )  # fmt: skip
+
+
+def valid(element: Element) -> bool:
+    """Whether a signal, or a reference to one, is for a lane of its road: for all, if it does not tell for which."""
+    told = [(one.whole("fromLane"), one.whole("toLane")) for one in element.all("validity")]
+    return not told or any(lanes != (0, 0) for lanes in told)
 
 
 def crosswalk(element: Element, notes: Notes) -> Iterator[CrosswalkRecord]:

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from shapely.geometry import LineString, MultiPolygon, Polygon
 
 from . import curves
-from .opendrive import LaneRecord, Notes, Numbers, Profile, RoadRecord, SectionRecord
+from .notes import Notes
+from .opendrive import LaneRecord, Numbers, Profile, RoadRecord, SectionRecord
 
 Points = NDArray[np.float64]
 """Of shape (n, 2), in metres."""

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+import re
 from functools import cache
 
 import pytest
-from scenic_ref.maps import Network, made_map
+from scenic_ref.maps import Network, made_map, opendrive
+from scenic_ref.maps.making import made
+from scenic_ref.maps.reading import network_of
 from scenic_ref.maps.summary import faults, summary
 from scenic_ref.semantics.space.absence import Absent
 from scenic_ref.semantics.space.vectors import Vector
@@ -152,3 +156,83 @@ def test_shifting_lanes_keeps_the_place_along_the_road() -> None:
     across = lane.road.shiftLanes(here, 1)
     assert across is not None and tuple(across) == pytest.approx((-1.75, -60))
     assert lane.road.shiftLanes(here, -2) is None
+
+
+def test_edges_of_roads_are_directed_along_the_traffic_beside_them() -> None:
+    for left_hand in (False, True):
+        found = network("crossing", ("left_hand", left_hand))
+        for road in found.allRoads:
+            [begin, *_, end] = road.centerline.lines[0]
+            for part in (road, *road.sections):
+                for edge, ahead in ((part.rightEdge, not left_hand or road.is1Way), (part.leftEdge, left_hand or road.is1Way)):
+                    line = edge.lines[0]
+                    along = (line[-1].x - line[0].x) * (end.x - begin.x) + (line[-1].y - line[0].y) * (end.y - begin.y)
+                    assert (along > 0) is ahead
+
+
+def test_roads_have_all_their_sidewalks() -> None:
+    found = network("grid", ("one_way", True))
+    for road in found.roads:
+        assert road.is1Way and len(road.sidewalks) == 2
+        assert {walk.road for walk in road.sidewalks} == {road}
+        assert road.sidewalks[0] is (road.laneGroups[0].sidewalk if road.forwardLanes else road.sidewalks[0])
+
+
+def test_maneuvers_into_the_same_lane_conflict() -> None:
+    """Whatever the last bits of the points are where their middles end."""
+    for found in (network("crossing"), network("suburb"), network("roundabout")):
+        for intersection in found.intersections:
+            for one in intersection.maneuvers:
+                into = {m for m in intersection.maneuvers if m.endLane is one.endLane and m.startLane is not one.startLane}
+                assert into <= set(one.conflictingManeuvers)
+                assert all(one in other.conflictingManeuvers for other in one.conflictingManeuvers)
+
+
+def test_maneuvers_at_a_point_are_those_whose_lanes_have_it_if_any_has() -> None:
+    [intersection] = network("crossing").intersections
+    for maneuver in intersection.maneuvers:
+        lane = maneuver.connectingLane
+        assert lane is not None
+        for part in (0.13, 0.46, 0.83):
+            point = lane.centerline.pointAlongBy(part, normalized=True)
+            expected = [m for m in intersection.maneuvers if m.connectingLane is not None and m.connectingLane.contains_point(point)]
+            assert list(intersection.maneuversAt(point)) == expected
+            edge = lane.leftEdge.pointAlongBy(part, normalized=True)
+            assert intersection.maneuversAt(edge)
+    assert len({m.connectingLane for m in intersection.maneuversAt((100.0, 0.2))}) == 1  # the nearest one
+
+
+def test_lanes_and_roads_are_in_their_order_around_an_intersection() -> None:
+    [intersection] = network("crossing", ("lanes", 2)).intersections
+
+    def angles(points: list[Vector]) -> list[float]:
+        return [math.atan2(v.y, v.x) for v in points]
+
+    incoming = angles([lane.centerline.lines[0][-1] for lane in intersection.incomingLanes])
+    outgoing = angles([lane.centerline.lines[0][0] for lane in intersection.outgoingLanes])
+    assert len(incoming) == 8 and incoming == sorted(incoming)
+    assert len(outgoing) == 8 and outgoing == sorted(outgoing)
+    starts = [maneuver.startLane for maneuver in intersection.maneuvers]
+    assert [lane for lane, _ in itertools.groupby(starts)] == list(dict.fromkeys(starts))
+
+
+def test_sections_and_lane_groups_end_at_intersections() -> None:
+    for left_hand in (False, True):
+        found = network("grid", ("left_hand", left_hand))
+        for road in found.roads:
+            forward, backward = road.forwardLanes, road.backwardLanes
+            assert forward is not None and backward is not None
+            assert road._successor is road.sections[-1]._successor is forward._successor is backward._predecessor
+            assert road._predecessor is road.sections[0]._predecessor is forward._predecessor is backward._successor
+
+
+def test_signals_for_the_lane_0_alone_stand_at_a_road_and_are_not_for_it() -> None:
+    text = made("crossing", signals=True)
+    found = network_of(opendrive.read(text.encode()))
+    assert all(len(road.signals) == 1 for road in found.roads)
+    valid = re.compile(r'(<signal .*?<validity fromLane=")-?\d+(" toLane=")-?\d+', re.DOTALL)
+    changed = network_of(opendrive.read(valid.sub(r"\g<1>0\g<2>0", text).encode()))
+    assert len(changed.signals) == 4 and not any(road.signals for road in changed.roads)
+    [intersection] = changed.intersections
+    assert len(intersection.signals) == 4  # its own roads refer to them
+    assert {signal.roads[0].id in {r.id for r in changed.connectingRoads} for signal in changed.signals} == {True}
