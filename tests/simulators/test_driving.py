@@ -81,7 +81,7 @@ def off_lanes(network: Network, places: list[Vector]) -> float:
     return max(min(lane.centerline.distance_to(place) for lane in network.lanes) for place in places)
 
 
-@pytest.mark.parametrize("simulator", ["kinematic", "pymunk"])
+@pytest.mark.parametrize("simulator", ["kinematic", pytest.param("pymunk", marks=pytest.mark.extra("dynamics"))])
 @pytest.mark.parametrize("seed", range(3))
 def test_lanes_are_followed_at_a_sensible_speed(simulator: str, seed: int) -> None:
     program = scenario("lane = Uniform(*network.lanes)\nego = Car on lane.centerline, with behavior FollowLaneBehavior(8)\n")
