@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import enum
 import math
+from abc import abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from inspect import get_annotations
@@ -103,9 +104,9 @@ class NetworkElement(Fixed, PolygonalRegion):
         """The direction of traffic."""
         return VectorField(f"direction of {self.uid}", self.heading_at)
 
+    @abstractmethod
     def heading_at(self, v: Vector) -> float:
         """The direction of traffic at a point."""
-        raise NotImplementedError
 
     def nominalDirectionsAt(self, point: object) -> tuple[float, ...]:
         """The directions of traffic at a point."""
@@ -215,7 +216,7 @@ class LaneGroup(LinearElement):
     curb: PolylineRegion
     """The edge of the road on their side: that of the shoulder, if there is one; directed along traffic."""
     _sidewalk: Sidewalk | None = None
-    _bikeLane: LaneSection | None = None
+    _bikeLane: BikeLane | None = None
     _shoulder: Shoulder | None = None
     _opposite: LaneGroup | None = None
 
@@ -227,7 +228,7 @@ class LaneGroup(LinearElement):
     @property
     def bikeLane(self) -> BikeLane:
         """The bike lane on their side; rejects if there is none."""
-        return there(self._bikeLane, f"{self.uid} has no bike lane")  # type: ignore[arg-type]
+        return there(self._bikeLane, f"{self.uid} has no bike lane")
 
     @property
     def shoulder(self) -> Shoulder:

@@ -12,7 +12,8 @@ from pathlib import Path
 import pytest
 from scenic_ref.maps.making import made
 
-from .test_making import CASES, DRIVEN, Map, ends_of
+from .test_making import CASES
+from .walked import DRIVEN, Map, ends_of
 
 CACHE = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
 PYTHON = CACHE / "scenic-ref" / "scenic-3.1.1-python-3.11" / "bin" / "python"

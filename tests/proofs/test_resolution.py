@@ -235,4 +235,5 @@ WRONG = {
 @needs_coq
 @pytest.mark.parametrize("resolve", WRONG.values(), ids=WRONG.keys())
 def test_a_wrong_resolution_is_noticed(resolve: Resolve, answers: list[tuple[Asked, Term]]) -> None:
-    assert sum(not agrees(asked, told, resolve) for asked, told in answers) > COUNT / 50
+    rare = resolve is path_for_circle  # only an error that shows a circle with a way into it tells
+    assert sum(not agrees(asked, told, resolve) for asked, told in answers) > (COUNT / 50 if rare else COUNT / 25)
