@@ -188,9 +188,15 @@ def test_a_wrong_map_is_an_error_at_the_model(name: str, tmp_path: Path) -> None
     assert told.value.span.line >= 1
 
 
-@pytest.mark.parametrize("attack", ["network.lanes[0].road = None", "x = Lane(uid='a')", "x = network.by_uid", "x = network.lanes[0].polygon.wkt"])
+FORBIDDEN = {
+    "network.lanes[0].road = None": "road|immutable", "x = Lane(uid='a')": "a Lane is made by reading a map", "x = network.by_uid": "by_uid",
+    "x = network.lanes[0].polygon.wkt": "may not have a value of type Polygon",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("attack", FORBIDDEN)
 def test_programs_cannot_change_or_forge_the_network(attack: str) -> None:
-    with pytest.raises((ProgramError, UncaughtException)):
+    with pytest.raises((ProgramError, UncaughtException), match=FORBIDDEN[attack]):
         scenario(f"ego = Car on road\n{attack}\n").sample()
 
 
