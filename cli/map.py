@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
-from ..semantics.kernel.errors import UsageError
 from .options import DebugOption
 
 if TYPE_CHECKING:
@@ -38,6 +37,7 @@ def show_map(
 
     Exit codes: 0, 1 if --check finds something, 2 wrong usage or a broken map.
     """
+    from ..semantics.kernel.errors import UsageError
     from .files import PICTURES, check_file, check_place, write
 
     check_file("--plot", plot, "pictures", PICTURES)
@@ -77,6 +77,7 @@ def show_map(
 def explained(kind: str | None) -> list[str]:
     """The parameters of a kind of map. Raises `UsageError` if there is none."""
     from ..maps.making import KINDS
+    from ..semantics.kernel.errors import UsageError
     from .columns import columns
 
     if kind is None:
@@ -90,6 +91,7 @@ def explained(kind: str | None) -> list[str]:
 def text_of(kind: str, given: list[str]) -> str:
     """The map of a kind with these parameters. Raises `UsageError`."""
     from ..maps.making import KINDS, made
+    from ..semantics.kernel.errors import UsageError
     from .options import literal, pairs
 
     values = {name: literal(value) for name, value in pairs(given, "--param", "NAME=VALUE")}
