@@ -6,19 +6,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
-import numpy as np
 import shapely
 
-from ..semantics.space.regions import PolylineRegion
-from ..semantics.space.vectors import Vector
 from .elements import Lane, LaneSection, LinearElement, NetworkElement, Road
 from .intersections import Maneuver
 from .notes import Notes
 from .opendrive import OpenDrive
-from .shapes import LaneShape, Points, SectionShape, areas, joined, simplified, strips
-
-SHORTEST = 1e-3
-"""Metres that a line is long at least."""
+from .shapes import LaneShape, Points, SectionShape, areas
 
 E = TypeVar("E", bound=NetworkElement)
 L = TypeVar("L", bound=LinearElement)
@@ -104,19 +98,7 @@ class Assembly:
     ) -> L:
         """An element along its edges."""
         middle = (left + right) / 2 if center is None else center
-        ahead = middle[-1] - middle[0]
-        parts = strips(left, right) if center is None else []
-        lines = {name: directed(p, ahead) for name, p in (("leftEdge", left), ("rightEdge", right), ("centerline", middle))}
-        return self.add(kind, uid, polygon=areas(polygon), strips=parts, **lines, **more)
-
-
-def directed(points: Points, ahead: Points) -> PolylineRegion:
-    """A directed line through points; an edge around which a lane turns is a short line in its direction."""
-    found = simplified(joined(points))
-    if np.hypot(*np.diff(found, axis=0).T).sum() < SHORTEST:
-        length = float(np.hypot(*ahead))
-        found = np.array([found[0], found[0] + 2 * SHORTEST * (ahead / length if length > SHORTEST else np.array([1.0, 0.0]))])
-    return PolylineRegion(points=[Vector(float(x), float(y)) for x, y in found])
+        return self.add(kind, uid, polygon=areas(polygon), left=left, right=right, middle=middle, across=center is None, **more)
 
 
 def lane_name(place: Place) -> str:

@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
-from scipy.special import fresnel
 
 from .opendrive import Cubic, Numbers, Piece, Profile
 
@@ -45,6 +44,8 @@ def spiral(parameters: Sequence[float], length: float, t: Numbers) -> tuple[Numb
     scale = math.sqrt(math.pi / abs(rate))
     begin = first / rate  # distance from where the curvature is 0
     turned = begin * begin * rate / 2
+    from scipy.special import fresnel  # with which maps without spirals need not wait
+
     sines, cosines = fresnel((begin + t) / scale)
     sine, cosine = fresnel(begin / scale)
     x, y = scale * (cosines - cosine), math.copysign(scale, rate) * (sines - sine)

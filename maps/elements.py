@@ -11,8 +11,7 @@ import math
 from abc import abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
-from inspect import get_annotations
-from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from shapely.geometry import MultiPolygon, Point, Polygon
 
@@ -20,16 +19,15 @@ from ..semantics.space.absence import Absent
 from ..semantics.space.fields import VectorField
 from ..semantics.space.numeric import lifted
 from ..semantics.space.regions import PolygonalRegion, PolylineRegion, Region, nowhere
-from ..semantics.space.vectors import TakesPoints, Vector
-from .shapes import united
+from ..semantics.space.vectors import Vector
+from .fixed import Fixed
+from .shapes import Points, directed, strips, united
 
 if TYPE_CHECKING:
     from .intersections import Intersection, Maneuver, Signal
     from .network import Network
 
 T = TypeVar("T")
-HIDDEN = frozenset({"polygon", "by_id", "by_uid", "first", "_tree", "strips", "gaps", "nearest", "of", "scenic_names"})
-"""What is no matter of programs."""
 
 
 class VehicleType(enum.Enum):
@@ -41,39 +39,6 @@ class VehicleType(enum.Enum):
 
 
 VehicleType.scenic_names = frozenset()  # type: ignore[attr-defined]  # its members are values of programs, with the attributes of any enumeration
-
-
-class Fixed(TakesPoints):
-    """An object whose attributes are given once; programs may ask for those that its class tells of, as annotations, properties and methods."""
-
-    scenic_names: ClassVar[frozenset[str]] = frozenset()
-
-    def __init_subclass__(cls) -> None:
-        """What programs may ask for."""
-        members = (name for name, value in vars(cls).items() if callable(value) or isinstance(value, property | cached_property))
-        told = {*get_annotations(cls), *members} - HIDDEN
-        cls.scenic_names = frozenset(name for name in told if not name.startswith("__"))
-
-    def __init__(self, *arguments: object, **attributes: object) -> None:
-        raise TypeError(f"a {type(self).__name__} is made by reading a map")
-
-    @classmethod
-    def of(cls, **attributes: Any) -> Self:
-        """One with these attributes."""
-        made = cls.__new__(cls)
-        vars(made).update(attributes)
-        return made
-
-    def __setattr__(self, name: str, value: object) -> None:
-        raise AttributeError(f"{type(self).__name__} is immutable")
-
-    def __delattr__(self, name: str) -> None:
-        raise AttributeError(f"{type(self).__name__} is immutable")
-
-
-def complete(element: Fixed, **attributes: object) -> None:
-    """Give an object, while the network is made, what did not exist when it was."""
-    vars(element).update(attributes)
 
 
 def there(found: T | None, what: str) -> T:
@@ -116,14 +81,38 @@ class NetworkElement(Fixed, PolygonalRegion):
 class LinearElement(NetworkElement):
     """An element that runs along a centerline, from its beginning to its end in the direction of traffic."""
 
-    centerline: PolylineRegion
-    leftEdge: PolylineRegion
-    """Seen along the centerline, and directed along the traffic beside it: on roads with two directions against the right one."""
-    rightEdge: PolylineRegion
-    strips: Sequence[tuple[Polygon, float]] = ()
-    """It, cut across, with the heading of each part."""
+    left: Points
+    """The points of its left edge, those of its right one and those of its middle, each in the direction of the traffic there."""
+    right: Points
+    middle: Points
+    across: bool = True
+    """Whether both edges have a point where one has, in the same direction, so that it can be cut across."""
     _successor: NetworkElement | None = None
     _predecessor: NetworkElement | None = None
+
+    @cached_property
+    def centerline(self) -> PolylineRegion:
+        """Its middle, in its direction."""
+        return self.along(self.middle)
+
+    @cached_property
+    def leftEdge(self) -> PolylineRegion:
+        """Its left edge, seen along the centerline, and directed along the traffic beside it: on roads with two directions against the right one."""
+        return self.along(self.left)
+
+    @cached_property
+    def rightEdge(self) -> PolylineRegion:
+        """Its right edge."""
+        return self.along(self.right)
+
+    def along(self, line: Points) -> PolylineRegion:
+        """A line along the element; one around which it turns is short."""
+        return directed(line, self.middle[-1] - self.middle[0])
+
+    @property
+    def strips(self) -> Sequence[tuple[Polygon, float]]:
+        """It, cut across, with the heading of each part."""
+        return strips(self.left, self.right) if self.across else []
 
     @property
     def successor(self) -> NetworkElement:
@@ -213,12 +202,17 @@ class LaneGroup(LinearElement):
 
     road: Road
     lanes: tuple[Lane, ...]
-    curb: PolylineRegion
-    """The edge of the road on their side: that of the shoulder, if there is one; directed along traffic."""
+    outermost: Points
+    """The points of the edge of the road on their side: that of the shoulder, if there is one."""
     _sidewalk: Sidewalk | None = None
     _bikeLane: BikeLane | None = None
     _shoulder: Shoulder | None = None
     _opposite: LaneGroup | None = None
+
+    @cached_property
+    def curb(self) -> PolylineRegion:
+        """The edge of the road on their side: that of the shoulder, if there is one; directed along traffic."""
+        return self.along(self.outermost)
 
     @property
     def sidewalk(self) -> Sidewalk:

@@ -12,7 +12,8 @@ from shapely.geometry import Polygon
 from ..semantics.space.vectors import Vector
 from .assembly import Assembly
 from .curves import along
-from .elements import PedestrianCrossing, Sidewalk, complete
+from .elements import PedestrianCrossing, Sidewalk
+from .fixed import complete
 from .intersections import Intersection, Signal
 from .opendrive import CrosswalkRecord, RoadRecord
 from .shapes import Points

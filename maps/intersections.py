@@ -11,7 +11,8 @@ import shapely
 from ..semantics.space.fields import Cell
 from ..semantics.space.numeric import lifted
 from ..semantics.space.vectors import Vector
-from .elements import Fixed, Lane, NetworkElement, PedestrianCrossing, Road, vector
+from .elements import Lane, NetworkElement, PedestrianCrossing, Road, vector
+from .fixed import Fixed
 
 TURN = math.radians(20)
 """The change of direction from which on a maneuver is a turn."""

@@ -10,7 +10,8 @@ import shapely
 from shapely.geometry import Polygon
 
 from .assembly import Assembly, Place, TravelledLane, lane_name
-from .elements import Lane, Road, complete
+from .elements import Lane, Road
+from .fixed import complete
 from .intersections import Intersection, Maneuver, maneuver_type
 from .opendrive import ConnectionRecord, Contact, JunctionRecord, RoadLink
 from .shapes import areas

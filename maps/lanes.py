@@ -9,10 +9,11 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from .assembly import SHORTEST, Assembly, Place, TravelledLane, directed, lane_name
-from .elements import BikeLane, Lane, LaneGroup, LaneSection, LinearElement, Road, RoadSection, Shoulder, Sidewalk, complete, region
+from .assembly import Assembly, Place, TravelledLane, lane_name
+from .elements import BikeLane, Lane, LaneGroup, LaneSection, LinearElement, Road, RoadSection, Shoulder, Sidewalk, region
+from .fixed import complete
 from .opendrive import RoadRecord
-from .shapes import Points, SectionShape, between
+from .shapes import SHORTEST, Points, SectionShape, between
 
 DRIVABLE = frozenset({"driving", "entry", "exit", "onRamp", "offRamp", "connectingRamp", "slipLane", "bidirectional", "bus", "taxi", "HOV"})
 SHOULDER = frozenset({"shoulder", "parking", "stop", "border"})
@@ -134,7 +135,7 @@ def group(
     first = {kind: next((e for e in beside if type(e) is kind), None) for kind in (Sidewalk, Shoulder, BikeLane)}
     group = net.linear(
         LaneGroup, uid, left=np.concatenate(lefts), right=np.concatenate(rights), polygon=united(sections),
-        id=record.id, road=road, speedLimit=record.speed, curb=directed(np.concatenate(curbs), curbs[-1][-1] - curbs[0][0]),
+        id=record.id, road=road, speedLimit=record.speed, outermost=np.concatenate(curbs),
         _sidewalk=first[Sidewalk], _shoulder=first[Shoulder], _bikeLane=first[BikeLane],
     )  # fmt: skip
     complete(group, lanes=tuple(lane(net, record, road, group, chain, f"{uid}_lane{n}") for n, chain in enumerate(order)))

@@ -13,7 +13,6 @@ from ..semantics.space.fields import Cell, PolygonalVectorField, VectorField
 from ..semantics.space.regions import PolylineRegion, Region, Workspace, everywhere, nowhere
 from .elements import (
     BikeLane,
-    Fixed,
     Lane,
     LaneGroup,
     LaneSection,
@@ -27,6 +26,7 @@ from .elements import (
     region,
     vector,
 )
+from .fixed import Fixed
 from .intersections import Intersection, Signal
 
 

@@ -12,7 +12,8 @@ from shapely.ops import substring
 
 from ..semantics.space.regions import PolylineRegion
 from ..semantics.space.vectors import Vector
-from .elements import Fixed, LinearElement, vector
+from .elements import LinearElement, vector
+from .fixed import Fixed
 from .opendrive import Numbers
 from .shapes import Points
 

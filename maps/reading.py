@@ -7,7 +7,8 @@ from pathlib import Path
 
 from . import opendrive
 from .assembly import Assembly
-from .elements import BikeLane, Lane, PedestrianCrossing, Shoulder, Sidewalk, complete
+from .elements import BikeLane, Lane, PedestrianCrossing, Shoulder, Sidewalk
+from .fixed import complete
 from .furniture import crossings, signals
 from .intersections import Intersection, Signal
 from .junctions import intersection, link_lanes, link_roads

@@ -11,6 +11,8 @@ import shapely
 from numpy.typing import NDArray
 from shapely.geometry import LineString, MultiPolygon, Polygon
 
+from ..semantics.space.regions import PolylineRegion
+from ..semantics.space.vectors import Vector
 from . import curves
 from .notes import Notes
 from .opendrive import LaneRecord, Numbers, Profile, RoadRecord, SectionRecord
@@ -19,6 +21,8 @@ Points = NDArray[np.float64]
 """Of shape (n, 2), in metres."""
 LEAST = 1e-6
 """Metres between two sampled distances along a road; so far from its ends a section is looked at, where another may begin."""
+SHORTEST = 1e-3
+"""Metres that a line is long at least."""
 WIDEST = 1000.0
 """Metres that a lane may be wide."""
 
@@ -145,3 +149,12 @@ def united(polygons: Sequence[Polygon | MultiPolygon], gap: float = 0.005) -> Po
     whole = shapely.union_all(polygons)
     closed = whole.buffer(gap, join_style="mitre").buffer(-gap, join_style="mitre")
     return areas(closed if closed.is_valid and not closed.is_empty else whole)
+
+
+def directed(points: Points, ahead: Points) -> PolylineRegion:
+    """A directed line through points; an edge around which a lane turns is a short line in its direction."""
+    found = simplified(joined(points))
+    if np.hypot(*np.diff(found, axis=0).T).sum() < SHORTEST:
+        length = float(np.hypot(*ahead))
+        found = np.array([found[0], found[0] + 2 * SHORTEST * (ahead / length if length > SHORTEST else np.array([1.0, 0.0]))])
+    return PolylineRegion(points=[Vector(float(x), float(y)) for x, y in found])

@@ -1,0 +1,48 @@
+"""Objects that are made once, of which programs see what their classes tell."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from inspect import get_annotations
+from typing import Any, ClassVar, Self
+
+from ..semantics.space.vectors import TakesPoints
+
+HIDDEN = frozenset({
+    "polygon", "by_id", "by_uid", "first", "_tree", "strips", "gaps", "nearest", "of", "scenic_names", "left", "right", "middle", "outermost",
+    "across", "along",
+})  # fmt: skip
+"""What is no matter of programs."""
+
+
+class Fixed(TakesPoints):
+    """An object whose attributes are given once; programs may ask for those that its class tells of, as annotations, properties and methods."""
+
+    scenic_names: ClassVar[frozenset[str]] = frozenset()
+
+    def __init_subclass__(cls) -> None:
+        """What programs may ask for."""
+        members = (name for name, value in vars(cls).items() if callable(value) or isinstance(value, property | cached_property))
+        told = {*get_annotations(cls), *members} - HIDDEN
+        cls.scenic_names = frozenset(name for name in told if not name.startswith("__"))
+
+    def __init__(self, *arguments: object, **attributes: object) -> None:
+        raise TypeError(f"a {type(self).__name__} is made by reading a map")
+
+    @classmethod
+    def of(cls, **attributes: Any) -> Self:
+        """One with these attributes."""
+        made = cls.__new__(cls)
+        vars(made).update(attributes)
+        return made
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"{type(self).__name__} is immutable")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"{type(self).__name__} is immutable")
+
+
+def complete(element: Fixed, **attributes: object) -> None:
+    """Give an object, while the network is made, what did not exist when it was."""
+    vars(element).update(attributes)
