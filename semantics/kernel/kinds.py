@@ -16,7 +16,7 @@ from typing import NamedTuple
 from ..space.fields import VectorField
 from ..space.numeric import is_finite_number, number
 from ..space.regions import Region
-from ..space.symbols import Symbol
+from ..space.symbols import NotLifted, Symbol
 from ..space.vectors import Vector
 from ..syntax.nodes import Span
 from .budget import PLAIN
@@ -161,6 +161,16 @@ def is_pair(value: object) -> bool:
     if isinstance(inner, Symbol):
         return inner.always(is_pair)
     return type(inner) is tuple and len(inner) == 2 and all(is_scalar(plain(part)) for part in inner)  # pyright: ignore[reportUnknownArgumentType, reportUnknownVariableType]
+
+
+def is_a(value: object, kind: type) -> bool:
+    """Whether a value that is not wrapped is of a class; one that differs from run to run, in every run."""
+    if not isinstance(value, Symbol):
+        return isinstance(value, kind)
+    try:
+        return value.always(lambda one: is_a(one, kind))
+    except NotLifted:
+        return False
 
 
 def is_vector(value: object) -> bool:

@@ -16,7 +16,7 @@ from ..kernel.conditions import is_counted
 from ..kernel.config import Stack, State, value
 from ..kernel.errors import RunError
 from ..kernel.host import HostException, host, raw
-from ..kernel.kinds import Reader, has_kind, is_pair, kind_name, lacking, no_attribute
+from ..kernel.kinds import Reader, has_kind, is_a, is_pair, kind_name, lacking, no_attribute
 from ..kernel.outcome import Outcome
 from ..kernel.premises import premises, raw_axiom
 from ..kernel.queries import Clock, Closest, Parameters, attribute_of_clock
@@ -270,9 +270,9 @@ def subscript(node: p.Subscript, stack: Stack, state: State) -> Outcome:
 
 def conclude_subscript(node: p.Subscript, values: list[object], stack: Stack, state: State) -> Outcome:
     """If ⟨E⟩ → c and ⟨I⟩ → i then ⟨E[I]⟩ → c[i]: the element keeps its own randomness; a random index or container makes it random."""
-    if len(values) == 2 and isinstance(plain(values[0]), VectorField):
+    if len(values) == 2 and is_a(plain(values[0]), VectorField):
         return rewritten(node, lambda f, v: e.FieldAt(field=f, vector=v), (values[0], values[1]), stack, state)
-    if len(values) == 2 and isinstance(plain(values[0]), PolylineRegion):
+    if len(values) == 2 and is_a(plain(values[0]), PolylineRegion):
         points = p.Attribute(value=p.Constant(value=values[0]), name="points")
         return rewritten(node, lambda i: p.Subscript(value=points, index=i), (values[1],), stack, state)
     return value("E-Subscript", get_item(node, values, state), stack, state, node)

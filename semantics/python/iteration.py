@@ -18,6 +18,7 @@ from ..kernel.kinds import is_vector
 from ..kernel.sets import FrozenSet, Set
 from ..kernel.values import Origin, Random, plain, wrap
 from ..kernel.waiting import Waiting, needs_position
+from ..space.symbols import Spread, Symbol
 from ..space.vectors import Vector
 from ..syntax.nodes import Node
 
@@ -72,4 +73,5 @@ def elements_in_this_run(iterable: object, node: Node, state: State) -> tuple[li
     """The items of something iterated over where their number may be random, and the draw that it depends on, if it is."""
     if type(iterable) is not Random or known_elements(iterable, state):
         return elements(iterable, node, state), None
-    return [wrap(v, iterable.origin) for v in elements(iterable.value, node, state)], iterable.origin
+    found = [Spread(iterable.value)] if isinstance(iterable.value, Symbol) else elements(iterable.value, node, state)
+    return [wrap(v, iterable.origin) for v in found], iterable.origin

@@ -16,7 +16,7 @@ from ..kernel.classes import ORIENTED_POINT_CLASS, canonical
 from ..kernel.config import Config, Stack, State
 from ..kernel.errors import RunError
 from ..kernel.host import HostException
-from ..kernel.kinds import OBJECT, REGION, Reader, has_kind, is_object, is_oriented, kind_name
+from ..kernel.kinds import OBJECT, REGION, Reader, has_kind, is_a, is_object, is_oriented, kind_name
 from ..kernel.outcome import Next, Outcome
 from ..kernel.premises import premises
 from ..kernel.values import Bound, Constructor, Dynamic, Function, Instance, Method, Native, Special, plain
@@ -252,6 +252,14 @@ OF_REGIONS: Mapping[str, Rewrite] = {
     "distanceTo": lambda r, point: e.Distance(origin=point, target=r),
     "containsObject": lambda r, obj: within(obj, r),
 }
+SPATIAL: Mapping[type, tuple[Mapping[str, Rewrite], Mapping[str, Rewrite]]] = {
+    VectorField: ({}, OF_FIELDS),
+    regions.PolylineRegion: (OF_POLYLINES, OF_REGIONS),
+    regions.PolygonalRegion: (OF_POLYGONS, OF_REGIONS),
+    regions.RectangularRegion: (OF_RECTANGLES, OF_REGIONS),
+    regions.Region: ({}, OF_REGIONS),
+}
+"""The attributes and methods of what is in space, by the first class that a value is of."""
 
 
 CLASSES: Mapping[type, Mapping[str, Rewrite]] = {regions.Region: OF_REGION_CLASS, VectorField: OF_FIELD_CLASS}
@@ -293,18 +301,13 @@ def member(subject: object, name: str, state: State) -> tuple[Rewrite, bool] | N
             methods = OF_OBJECTS if is_object(inner) else OF_ORIENTED_POINTS if is_oriented(inner) else OF_POINTS
         case Vector():
             attributes, methods = {"coordinates": coordinates}, OF_VECTORS
-        case VectorField():
-            attributes, methods = {}, OF_FIELDS
-        case regions.PolylineRegion():
-            attributes, methods = OF_POLYLINES, OF_REGIONS
-        case regions.PolygonalRegion():
-            attributes, methods = OF_POLYGONS, OF_REGIONS
-        case regions.Region():
-            attributes, methods = OF_RECTANGLES if isinstance(inner, regions.RectangularRegion) else {}, OF_REGIONS
         case type() if inner in CLASSES:
             attributes, methods = CLASSES[inner], {}
         case _:
-            return None
+            kind = next((kind for kind in SPATIAL if is_a(inner, kind)), None)
+            if kind is None:
+                return None
+            attributes, methods = SPATIAL[kind]
     if name in attributes:
         return attributes[name], False
     if name == "distanceTo" and isinstance(inner, (Instance, Vector)) and state.reading("distance-method") == "box":

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from ..kernel.config import State
 from ..kernel.errors import RunError
-from ..kernel.kinds import Reader, View, kind_name
+from ..kernel.kinds import REGION, Reader, View, has_kind, kind_name
 from ..kernel.outcome import Requirement
 from ..kernel.values import Instance, plain
 from ..space import geometry
@@ -103,14 +103,14 @@ def workspace_of(state: State) -> Region:
     found = plain(state.workspace)
     if found is None:
         return everywhere
-    if isinstance(found, Region):
-        return found
+    if has_kind(found, REGION):
+        return found  # type: ignore[return-value]
     raise RunError(f"workspace must be a region, not {kind_name(found)}", NOWHERE, rule="T-Check", hint="write workspace = Workspace(region)")
 
 
 def contained_in(instance: Instance, reader: Reader) -> Region:
     """O(instance.regionContainedIn) (reading `region-contained`)."""
     found = reader.property(instance, "regionContainedIn")
-    if isinstance(found, Region):
-        return found
+    if has_kind(found, REGION):
+        return found  # type: ignore[return-value]
     raise RunError(f"regionContainedIn must be a region, not {kind_name(found)}", instance.span, rule="T-Check")

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 from ..kernel.classes import defaults_of
 from ..kernel.config import Abrupt, Config, Stack, State, Value, reduce, value
 from ..kernel.errors import RunError
-from ..kernel.kinds import OrientedPointAt, Reader, is_object, kind_name
+from ..kernel.kinds import REGION, OrientedPointAt, Reader, has_kind, is_object, kind_name
 from ..kernel.outcome import Change, Draw, Next, Outcome, Requirement, Stuck
 from ..kernel.positions import expression_of, specified, specifying, wait, waits
 from ..kernel.premises import NOT_AN_AXIOM, Premises, axiom, premises
@@ -287,7 +287,7 @@ def specify(form: sp.Form | None, arguments: tuple[object, ...], stack: Stack, s
         result = compute(form.function, operands, reader)
     except OutsideField as problem:
         return outside_field(form.rule, problem, {"position": Vector(0.0, 0.0), "heading": 0.0}, reader.origin, stack, state)
-    if isinstance(result, Region):
+    if has_kind(result, REGION):
         return draw_point(form, operands, result, stack, state)
     return assign(form.rule, properties_of(result, form, reader.origin), stack, state)
 

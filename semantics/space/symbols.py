@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any, NoReturn
 
 from .vectors import Vector
@@ -16,6 +17,13 @@ from .vectors import Vector
 
 class NotLifted(BaseException):
     """Something was done with a symbol that needs the value in one scene; the text says what."""
+
+
+@dataclass(frozen=True)
+class Spread:
+    """All items of a container of which there may be as many in one scene as in no other, in their place among the values of a distribution."""
+
+    container: Any
 
 
 class Symbol(ABC):

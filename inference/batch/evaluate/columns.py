@@ -14,7 +14,7 @@ from ....semantics.space.numeric import Elementary
 from ....semantics.space.regions import EmptyRegion
 from ....semantics.space.symbols import NotLifted
 from ..trace.graph import AsFloat, Graph, GraphNode, Lookup, Macro, Part, RowCall, RowDraw, Search, Site
-from ..trace.structures import in_row, symbols_in
+from ..trace.structures import row_maker, symbols_in
 from .clipped import Clipped, curve_tests, largest_radius
 from .numbers import Numbers
 from .plan import PlanStep, cone, roots_of
@@ -126,7 +126,7 @@ def column(node: GraphNode, columns: Columns, numbers: Numbers, failed: dict[int
             fast = has_columns(function)
             if fast is not None:
                 return fast(node, function, columns, failed, len(numbers))
-            return rows_of(node, lambda resolve, row: _called(function, resolve), columns, failed, len(numbers))
+            return rows_of(node, _calling(function), columns, failed, len(numbers))
         case RowDraw():
             found = is_clipped(function)
             if found is not None:
@@ -134,7 +134,7 @@ def column(node: GraphNode, columns: Columns, numbers: Numbers, failed: dict[int
             proposed = proposed_in(function.distribution)
             if proposed is not None:
                 return _proposed(node, function, proposed, columns, numbers, failed)
-            return rows_of(node, lambda resolve, row: _drawn(function, resolve, numbers, row), columns, failed, len(numbers))
+            return rows_of(node, _drawing(function, numbers), columns, failed, len(numbers))
         case _ if function is int:
             return operands[0].astype(np.int64)  # type: ignore[union-attr]
         case _ if function is np.where:
@@ -166,28 +166,37 @@ def _proposed(node: GraphNode, draw: RowDraw, found: Proposed, columns: Columns,
     points = proposed_points(found, columns, numbers, draw)
     rest = np.flatnonzero(np.isnan(points[:, 0]))
     if len(rest):
-        drawn = rows_of(node, lambda resolve, row: _drawn(draw, resolve, numbers, row), columns, failed, len(points), rest)
+        drawn = rows_of(node, _drawing(draw, numbers), columns, failed, len(points), rest)
         points[rest] = [(v.x, v.y) for v in drawn[rest]]
     return points
 
 
-def _called(call: RowCall, resolve: Callable[[GraphNode], object]) -> object:
-    call.budget.renew()
-    result = call.function(*in_row(call.structure, resolve), **in_row(call.keywords, resolve))  # type: ignore[misc]
-    result = float(result) if call.converts and type(result) is not bool else result  # type: ignore[arg-type]
-    if type(result) is not call.result or symbols_in(result):
-        raise NotLifted("another type than in the traced run")
-    return result
+InRow = Callable[[Callable[[GraphNode], object], int], object]
+"""What is done in a row, of which the first argument gives the values of nodes."""
 
 
-def _drawn(draw: RowDraw, resolve: Callable[[GraphNode], object], numbers: Numbers, row: int) -> object:
-    return in_row(draw.distribution, resolve).sample(numbers.stream(row, draw.address, draw.per_scene))  # type: ignore[attr-defined]
+def _calling(call: RowCall) -> InRow:
+    arguments, keywords = row_maker(call.structure), row_maker(call.keywords)
+
+    def in_row(resolve: Callable[[GraphNode], object], row: int) -> object:
+        call.budget.renew()
+        result = call.function(*arguments(resolve), **keywords(resolve))
+        result = float(result) if call.converts and type(result) is not bool else result  # type: ignore[arg-type]
+        if type(result) is not call.result or symbols_in(result):
+            raise NotLifted("another type than in the traced run")
+        return result
+
+    return in_row
+
+
+def _drawing(draw: RowDraw, numbers: Numbers) -> InRow:
+    distribution = row_maker(draw.distribution)
+    return lambda resolve, row: distribution(resolve).sample(numbers.stream(row, draw.address, draw.per_scene))
 
 
 def rows_of(
-    node: GraphNode, function: Callable[[Callable[[GraphNode], object], int], object], columns: Columns, failed: dict[int, FailedRows], count: int,
-    rows: Iterable[int] | None = None,
-) -> np.ndarray:  # fmt: skip
+    node: GraphNode, function: InRow, columns: Columns, failed: dict[int, FailedRows], count: int, rows: Iterable[int] | None = None
+) -> np.ndarray:
     """A column made by calling a Python function for one row after the other, or for some rows."""
     result: Any = np.empty(count, dtype={"float": float, "bool": bool}.get(node.kind, object))
     rejected, left = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)

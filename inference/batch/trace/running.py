@@ -14,8 +14,10 @@ from ....semantics.kernel.driving import drive_machine
 from ....semantics.kernel.errors import RandomBranch
 from ....semantics.kernel.outcome import Done, Draw, Fault, Next, Outcome, Requirement, Stuck
 from ....semantics.kernel.scopes import target_names
+from ....semantics.kernel.values import unwrap
 from ....semantics.kernel.versions import STORED
 from ....semantics.python.assignment import written
+from ....semantics.space.absence import Absent
 from ....semantics.space.distributions import Coin, Discrete, Distribution, Normal, PointIn, Range, TruncatedNormal, Uniform
 from ....semantics.space.regions import (
     CircularRegion,
@@ -29,7 +31,7 @@ from ....semantics.space.regions import (
     UnboundedRegion,
     Workspace,
 )
-from ....semantics.space.symbols import NotLifted
+from ....semantics.space.symbols import NotLifted, Spread
 from ....semantics.space.vectors import Vector
 from ....semantics.step import place, step
 from ....semantics.syntax import python_expressions as p
@@ -237,7 +239,12 @@ def numbers_of(draw: Draw, made: Recorder) -> Callable[[], Any]:
 def draw_symbol(draw: Draw, made: Recorder) -> object:
     """What a draw gives: the distribution's own map of numbers, on symbols; or row by row where it takes no fixed number of them."""
     try:
-        drawn = draw.distribution.sample(numbers_of(draw, made)) if is_mapped(draw.distribution) else draw_by_rows(draw, made)
+        if has_spread(draw.distribution):
+            drawn = made.call(one_of, (draw.distribution, numbers_of(draw, made)()), {})
+        elif is_mapped(draw.distribution):
+            drawn = draw.distribution.sample(numbers_of(draw, made))
+        else:
+            drawn = draw_by_rows(draw, made)
     except EmptyRegion as empty:
         raise Retry(str(empty)) from None
     except UnboundedRegion as unbounded:
@@ -245,6 +252,19 @@ def draw_symbol(draw: Draw, made: Recorder) -> object:
     if isinstance(draw.distribution, PointIn):
         made.graph.points[draw.address] = (draw.distribution.region, drawn)
     return drawn
+
+
+def has_spread(distribution: Distribution) -> bool:
+    """Whether it is among the items of a container of which there are not as many in every run."""
+    return isinstance(distribution, Uniform) and any(isinstance(unwrap(v)[0], Spread) for v in distribution.values)
+
+
+def one_of(distribution: Uniform, number: float) -> object:
+    """What a distribution over all items of some containers gives in one run. Raises `Absent` if there are none."""
+    values = [item for v in distribution.values for item in (v.container if isinstance(v, Spread) else (v,))]
+    if not values:
+        raise Absent("a distribution over no values")
+    return Uniform(tuple(values)).sample(lambda: number)
 
 
 def is_mapped(distribution: Distribution) -> bool:

@@ -68,39 +68,53 @@ def _collect(value: object, found: list[Traced], depth: int) -> None:
 ATOMS = (Instance, ScenicClass, Function, Method, Module, Dynamic)
 
 
-def in_row(value: object, resolve: Resolve) -> object:
+def in_row(value: object, resolve: Resolve) -> Any:
     """The value in a row, of which `resolve` gives the value of a node."""
+    return row_maker(value)(resolve)
+
+
+def row_maker(value: object) -> Callable[[Resolve], Any]:
+    """What gives the value in each row: where its symbols stand is found once."""
     if not symbols_in(value):
-        return value
+        return lambda resolve: value
     match value:
-        case Choice():
-            return in_row(value.values[resolve(value.node)], resolve)  # type: ignore[index]
-        case Traced():
-            return resolve(value.node)
+        case Choice(node=node):
+            among = [row_maker(v) for v in value.values]
+            return lambda resolve: among[resolve(node)](resolve)  # type: ignore[index]
+        case Traced(node=node):
+            return lambda resolve: resolve(node)
         case Random():
-            return in_row(value.value, resolve)
+            return row_maker(value.value)
         case Vector():
-            return Vector(in_row(value.x, resolve), in_row(value.y, resolve))  # type: ignore[arg-type]
+            x, y = row_maker(value.x), row_maker(value.y)
+            return lambda resolve: Vector(x(resolve), y(resolve))
         case dict():
-            return _like(value, {in_row(k, resolve): in_row(v, resolve) for k, v in value.items()})
+            pairs = [(row_maker(k), row_maker(v)) for k, v in value.items()]
+            return _like(value, lambda resolve: {k(resolve): v(resolve) for k, v in pairs})
         case tuple() if hasattr(value, "_fields"):
-            return type(value)(*[in_row(v, resolve) for v in value])  # pyright: ignore[reportArgumentType]
+            parts = [row_maker(v) for v in value]
+            return lambda resolve: type(value)(*[v(resolve) for v in parts])  # pyright: ignore[reportArgumentType]
         case list() | tuple() | set() | frozenset() | deque():
-            return _like(value, [in_row(v, resolve) for v in value])
+            items = [row_maker(v) for v in value]
+            return _like(value, lambda resolve: [v(resolve) for v in items])
         case BuiltinFunctionType() | MethodType():
-            return getattr(in_row(value.__self__, resolve), value.__name__)
+            subject = row_maker(value.__self__)
+            return lambda resolve: getattr(subject(resolve), value.__name__)
         case Dynamic():
-            return dataclasses.replace(value, arguments=in_row(value.arguments, resolve))  # type: ignore[arg-type]
+            arguments = row_maker(value.arguments)
+            return lambda resolve: dataclasses.replace(value, arguments=arguments(resolve))
         case _:
-            return dataclasses.replace(value, **{f.name: in_row(getattr(value, f.name), resolve) for f in dataclasses.fields(value)})  # type: ignore[type-var, arg-type]
+            fields = {f.name: row_maker(getattr(value, f.name)) for f in dataclasses.fields(value)}  # type: ignore[arg-type]
+            return lambda resolve: dataclasses.replace(value, **{name: made(resolve) for name, made in fields.items()})  # type: ignore[type-var]
 
 
-def _like(container: object, content: Any) -> object:
+def _like(container: object, content: Callable[[Resolve], Any]) -> Callable[[Resolve], Any]:
     """The content in a container of the same type."""
     if type(container) not in (list, tuple, Set, FrozenSet, dict):
         raise NotLifted(f"a {type(container).__name__} holds random values")
     kind: Any = type(container)
-    return kind(content)
+    return lambda resolve: kind(content(resolve))
+
 
 
 def children(node: GraphNode) -> list[GraphNode]:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ....semantics.space.fields import VectorField
+from ....semantics.space.regions import Region
 from ....semantics.space.symbols import NotLifted, Symbol
 from .graph import PartialRun
 
@@ -35,6 +37,38 @@ def _binary(operation: Callable[..., object], *, swapped: bool = False) -> Calla
 
 def _unary(operation: Callable[..., object]) -> Callable[[Any], object]:
     return lambda self: self.trace.operate(operation, (self,))
+
+
+def _method(name: str) -> Callable[..., object]:
+    """The method of that name, as a function."""
+
+    def called(subject: object, *arguments: object) -> object:
+        return getattr(subject, name)(*arguments)
+
+    called.__qualname__ = name
+    return called
+
+
+METHODS: dict[str, tuple[Callable[..., object], type | None]] = {
+    name: (_method(name), result)
+    for name, result in {
+        "contains_point": bool, "contains_box": bool, "distance_to": float, "at": float, "intersect": None, "union": None, "difference": None,
+    }.items()
+}
+"""What rules ask regions and fields for; of one that differs from run to run it is asked row by row."""
+
+
+def has_orientation(region: Region) -> bool:
+    """Whether a region is oriented."""
+    return region.orientation is not None
+
+
+def _is_region(value: object) -> bool:
+    return isinstance(value, Region)
+
+
+def _is_spatial(value: object) -> bool:
+    return isinstance(value, (Region, VectorField))
 
 
 class Traced(Symbol):
@@ -70,6 +104,11 @@ class Traced(Symbol):
     def __getattr__(self, name: str) -> object:
         if name.startswith("__"):
             raise AttributeError(name)
+        if name in METHODS and self.always(_is_spatial):
+            function, result = METHODS[name]
+            return lambda *arguments: self.trace.call(function, (self, *arguments), {}, result)
+        if name == "orientation" and self.always(_is_region):
+            return self.each(operator.attrgetter(name)) if self.each(has_orientation) else None
         raise NotLifted(f"the attribute {name} of a random value")
 
     __hash__ = Symbol.__hash__
@@ -153,6 +192,9 @@ class Opaque(Traced):
 
     def number(self) -> Any:
         return self.trace.call(float, (self,), {})
+
+    def __getitem__(self, index: object) -> object:
+        return self.trace.call(operator.getitem, (self, index), {})
 
     def pick(self, values: Sequence[object]) -> Any:
         raise NotLifted("a random position is computed row by row")
