@@ -8,6 +8,7 @@ from collections.abc import Callable
 from types import BuiltinFunctionType, MethodType
 from typing import Any
 
+from ....semantics.kernel.budget import PLAIN
 from ....semantics.kernel.scenic_classes import ScenicClass
 from ....semantics.kernel.sets import FrozenSet, Set
 from ....semantics.kernel.values import Dynamic, Function, Instance, Method, Module, Pairs, Random, unwrap
@@ -32,6 +33,8 @@ def nodes_in(value: object) -> list[GraphNode]:
 
 
 def _collect(value: object, found: list[Traced], depth: int) -> None:
+    if type(value) in PLAIN or (type(value) is Vector and type(value.x) is float and type(value.y) is float):
+        return
     if depth > 50:
         raise NotLifted("a value is nested too deeply")
     match value:
