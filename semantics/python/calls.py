@@ -54,7 +54,8 @@ def conclude_call(node: p.Call, values: list[object], stack: Stack, state: State
     origin: Origin | None = None
     for expression, argument in zip(node.arguments, rest, strict=False):
         if isinstance(expression, p.Starred) and takes_any_number(function):
-            spread, found = elements_in_this_run(plain(argument) if state.may_branch else argument, expression, state)
+            chosen = isinstance(function, Constructor) and function.keeps_values
+            spread, found = elements_in_this_run(plain(argument) if state.may_branch else argument, expression, state, chosen)
             arguments.extend(spread)
             origin = origin or found
         elif isinstance(expression, p.Starred):

@@ -69,9 +69,12 @@ def element_at(container: Any, place: int) -> object:
     return container[place] if isinstance(container, INDEXED) else list(container)[place]
 
 
-def elements_in_this_run(iterable: object, node: Node, state: State) -> tuple[list[object], Origin | None]:
-    """The items of something iterated over where their number may be random, and the draw that it depends on, if it is."""
+def elements_in_this_run(iterable: object, node: Node, state: State, chosen: bool) -> tuple[list[object], Origin | None]:
+    """The items of something iterated over where their number may be random, and the draw that it depends on, if it is.
+
+    `chosen`: a distribution chooses among them, so that a symbol for them can stand in their place.
+    """
     if type(iterable) is not Random or known_elements(iterable, state):
         return elements(iterable, node, state), None
-    found = [Spread(iterable.value)] if isinstance(iterable.value, Symbol) else elements(iterable.value, node, state)
+    found = [Spread(iterable.value)] if chosen and isinstance(iterable.value, Symbol) else elements(iterable.value, node, state)
     return [wrap(v, iterable.origin) for v in found], iterable.origin

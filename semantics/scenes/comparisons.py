@@ -12,7 +12,7 @@ from ..kernel.budget import ITEM, refuse_too_long, size_of
 from ..kernel.conditions import before_operands, bool_of, combine, truth_of, where_open
 from ..kernel.config import Stack, State, Value, reduce, value
 from ..kernel.host import HostException, host
-from ..kernel.kinds import has_kind, kind_name
+from ..kernel.kinds import has_kind, is_a, kind_name
 from ..kernel.nesting import check_written
 from ..kernel.outcome import Next, Outcome
 from ..kernel.premises import Premises, premises
@@ -74,7 +74,7 @@ def conclude_comparison(node: p.Comparison, values: list[object], stack: Stack, 
 
 def lies_in_region(left: object, right: object) -> bool:
     """Whether `left in right` is the operator of the paper."""
-    if not isinstance(plain(right), Region):
+    if not is_a(plain(right), Region):
         return False
     if not has_kind(unwrap(left)[0], "vector"):
         raise HostException(TypeError(f"{kind_name(left)} cannot lie in a region"))

@@ -288,7 +288,7 @@ def specify(form: sp.Form | None, arguments: tuple[object, ...], stack: Stack, s
     except OutsideField as problem:
         return outside_field(form.rule, problem, {"position": Vector(0.0, 0.0), "heading": 0.0}, reader.origin, stack, state)
     if has_kind(result, REGION):
-        return draw_point(form, operands, result, stack, state)
+        return draw_point(form, operands, result, stack, state)  # type: ignore[arg-type]
     return assign(form.rule, properties_of(result, form, reader.origin), stack, state)
 
 

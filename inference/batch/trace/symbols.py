@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ....semantics.kernel.kinds import is_a
+from ....semantics.kernel.values import each
 from ....semantics.space.fields import VectorField
 from ....semantics.space.regions import Region
 from ....semantics.space.symbols import NotLifted, Symbol
@@ -63,12 +65,8 @@ def has_orientation(region: Region) -> bool:
     return region.orientation is not None
 
 
-def _is_region(value: object) -> bool:
-    return isinstance(value, Region)
-
-
 def _is_spatial(value: object) -> bool:
-    return isinstance(value, (Region, VectorField))
+    return is_a(value, Region) or is_a(value, VectorField)
 
 
 class Traced(Symbol):
@@ -107,9 +105,14 @@ class Traced(Symbol):
         if name in METHODS and self.always(_is_spatial):
             function, result = METHODS[name]
             return lambda *arguments: self.trace.call(function, (self, *arguments), {}, result)
-        if name == "orientation" and self.always(_is_region):
-            return self.each(operator.attrgetter(name)) if self.each(has_orientation) else None
+        if name == "orientation" and is_a(self, Region):
+            return self.oriented() if each(has_orientation, self) else None
         raise NotLifted(f"the attribute {name} of a random value")
+
+    def oriented(self) -> object:
+        """The orientation of a region that is oriented in the traced run; of others, which are left to the interpreter, that one as well."""
+        traced: Region = self.example  # type: ignore[assignment]
+        return each(lambda region: region.orientation or traced.orientation, self)
 
     __hash__ = Symbol.__hash__
     __str__ = __repr__ = __format__ = _say_nothing
