@@ -8,7 +8,7 @@ PLAIN ?= .venv-plain
 TESTS ?=
 MARK ?=
 
-.PHONY: demo test test-all test-plain nightly mutants results check docs proofs bench clean
+.PHONY: demo test test-all test-plain nightly mutants results check docs proofs bench bench-roads clean
 
 $(VENV)/.core: pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit("scenic-ref needs Python 3.11 or later" if sys.version_info < (3, 11) else 0)'
@@ -95,6 +95,12 @@ proofs:
 ## Scenes per second of each gallery program, by every backend; make bench AGAINST=scenic==3.1.1=/path/to/bin/python measures a released one as well
 bench: $(VENV)/.test
 	$(BIN)/scenic-ref bench examples/gallery/*.scenic --released benchmarks/released $(if $(AGAINST),--against $(AGAINST)) --prune
+
+## The same on roads: on a map of our own, or on that of MAP=FILE.xodr
+bench-roads: $(VENV)/.test
+	$(if $(MAP),cp $(MAP) benchmarks/roads/town.xodr,$(BIN)/scenic-ref map --make grid benchmarks/roads/town.xodr)
+	cp benchmarks/roads/town.xodr benchmarks/roads/released/town.xodr
+	$(BIN)/scenic-ref bench benchmarks/roads/*.scenic --released benchmarks/roads/released $(if $(AGAINST),--against $(AGAINST))
 
 clean:
 	rm -rf $(VENV) $(PLAIN) .venv-3.12 .venv-3.13 .venv-scenic-3 .venv-scenic-2.1 demo site build dist *.egg-info
