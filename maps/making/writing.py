@@ -43,6 +43,10 @@ def written(roads: Sequence[PlannedRoad], name: str, left_hand: bool) -> str:
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
 
 
+GEOREFERENCE = "+proj=tmerc +lat_0=0 +lon_0=0 +k=1 +x_0=0 +y_0=0 +datum=WGS84 +units=m +no_defs"
+"""Where the map lies on earth, which some readers insist on: the origin at 0 degrees North and East."""
+
+
 class MapWriter:
     """Adds elements to the root; `hand` is 1 for traffic on the right, -1 for traffic on the left."""
 
@@ -55,7 +59,8 @@ class MapWriter:
         points = [piece.at(step / 16).point for road in roads for piece in road.line for step in range(17)]
         x, y = [self.hand * point.real for point in points], [point.imag for point in points]
         sides = {"north": max(y) + reach, "south": min(y) - reach, "east": max(x) + reach, "west": min(x) - reach}
-        child(self.root, "header", revMajor=1, revMinor=6, name=name, version="1", **sides)
+        header = child(self.root, "header", revMajor=1, revMinor=6, name=name, version="1", **sides)
+        child(header, "geoReference").text = GEOREFERENCE
 
     def road(self, road: PlannedRoad) -> None:
         """A road."""
