@@ -69,7 +69,7 @@ def element_at(container: Any, place: int) -> object:
     return container[place] if isinstance(container, INDEXED) else list(container)[place]
 
 
-def elements_in_this_run(iterable: object, node: Node, state: State, chosen: bool) -> tuple[list[object], Origin | None]:
+def elements_in_this_run(iterable: object, node: Node, state: State, chosen: bool = False) -> tuple[list[object], Origin | None]:
     """The items of something iterated over where their number may be random, and the draw that it depends on, if it is.
 
     `chosen`: a distribution chooses among them, so that a symbol for them can stand in their place.
