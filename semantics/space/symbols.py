@@ -68,7 +68,11 @@ class Symbol(ABC):
     def __hash__(self) -> NoReturn:
         raise NotLifted("a random value is a key, or a member of a set")
 
-    __float__ = __int__ = __index__ = __iter__ = __len__ = __round__ = __trunc__ = __floor__ = __ceil__ = _refuse
+    def _refuse_items(self, *ignored: object) -> NoReturn:
+        raise NotLifted("the items of a container are needed of which there may be more in one scene than in another")
+
+    __iter__ = __len__ = _refuse_items
+    __float__ = __int__ = __index__ = __round__ = __trunc__ = __floor__ = __ceil__ = _refuse
 
 
 def symbol_in(values: tuple[object, ...]) -> Symbol | None:
