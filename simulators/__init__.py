@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from ..semantics.kernel.errors import UsageError
-from .protocol import Simulator
+from .own import own_simulator
+from .protocol import EndRun, RejectRun, Simulator, Surroundings
 
 
 def _still(timestep: float | None) -> Simulator:
@@ -31,10 +32,19 @@ SIMULATORS: Mapping[str, Callable[[float | None], Simulator]] = {"still": _still
 
 
 def by_name(name: str, timestep: float | None = None) -> Simulator:
-    """A simulator. Raises `UsageError` if there is none of that name, or for a time step that is none."""
+    """A simulator, also one of the user's own (`package.module:Class`).
+
+    Raises `UsageError` if there is none of that name, or for a time step that is none.
+    """
+    if ":" in name:
+        return own_simulator(name, timestep)
     if name not in SIMULATORS:
-        raise UsageError(f"there is no simulator {name}", hint=f"the simulators are {', '.join(SIMULATORS)}")
+        hint = f"the simulators are {', '.join(SIMULATORS)}; one of your own is named package.module:Class"
+        raise UsageError(f"there is no simulator {name}", hint=hint)
     try:
         return SIMULATORS[name](timestep)
     except ValueError as problem:
         raise UsageError(str(problem)) from None
+
+
+__all__ = ["SIMULATORS", "EndRun", "RejectRun", "Simulator", "Surroundings", "by_name"]

@@ -22,6 +22,7 @@ from ..formats.recordings import Body, Pose
 from ..semantics.space.vectors import Vector
 from . import actions as a
 from .controls import ACCELERATION, BRAKING, PROPERTIES, Controls, along, checked_timestep, reason_against, velocity_at_first
+from .protocol import Surroundings
 
 
 @dataclass
@@ -55,12 +56,13 @@ class Kinematic:
     """The simulator; `timestep` is in seconds."""
 
     properties = PROPERTIES
+    random = False
 
     def __init__(self, timestep: float = 0.1) -> None:
         self.timestep = checked_timestep(timestep)
         self.bodies: list[Moving] = []
 
-    def create(self, bodies: Sequence[Body]) -> None:
+    def create(self, bodies: Sequence[Body], scene: Surroundings) -> None:
         """Objects begin with their property `velocity`, else `speed` along their heading, else at rest."""
         for body in bodies:
             position, heading = body.properties["position"], float(body.properties["heading"])  # type: ignore[arg-type]
