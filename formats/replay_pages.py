@@ -18,8 +18,8 @@ ROOM, LEAST = 1.25, 30.0
 """How much of the land around the objects is on a page: a share of their extent on each side, and metres."""
 FINENESS = 8000
 """Land is drawn to this part of its width."""
-ARROWS = 24
-"""About so many arrows fit across the land of a page."""
+ARROWS, APART, LONGEST_ARROW = 60, 12.0, 4.0
+"""At most so many arrows across the land of a page, at least so far apart, and at most so long, in metres."""
 OF_OBJECT = ("id", "name", "class", "position", "heading", "width", "length")
 
 
@@ -49,12 +49,12 @@ def map_below(network: Network, runs: Sequence[Json]) -> dict[str, object]:
     window = window_around(runs)
     if window is None:
         return {"areas": []}
-    across = window[2] - window[0]
+    apart = max(APART, (window[2] - window[0]) / ARROWS)
     box, digits = shapely.box(*window), digits_for(window)
     found = [area for shapes, colour, _, edge in areas_of(network, window) for area in areas(shapes, colour, edge, window)]
-    arrows = [[round(place.x, digits), round(place.y, digits), round(h, 3)] for place, h in arrows_of(network, window, across / ARROWS)]
+    arrows = [[round(place.x, digits), round(place.y, digits), round(h, 3)] for place, h in arrows_of(network, window, apart)]
     ways = [[rounded(point, digits) for point in way] for way in ways_of(network) if box.intersects(shapely.LineString(way))]
-    return {"areas": found, "arrows": arrows, "length": across / ARROWS * 0.35, "ways": ways, "ink": ARROW}
+    return {"areas": found, "arrows": arrows, "length": min(0.35 * apart, LONGEST_ARROW), "ways": ways, "ink": ARROW}
 
 
 def areas(shapes: Iterable[BaseGeometry], colour: str, edge: str | None, window: Window) -> list[object]:

@@ -68,8 +68,8 @@ class Remembering(Kinematic):
 class Sharing(Kinematic):
     offset = 0.0
 
-    def create(self, bodies):
-        super().create(bodies)
+    def create(self, bodies, scene):
+        super().create(bodies, scene)
         Sharing.offset += 1
 
     def read(self, id):
@@ -77,10 +77,10 @@ class Sharing(Kinematic):
 
 
 class Writing(Kinematic):
-    def create(self, bodies):
+    def create(self, bodies, scene):
         for body in bodies:
             body.properties["marked"] = True
-        super().create(bodies)
+        super().create(bodies, scene)
 
 
 class Hesitating(Kinematic):
