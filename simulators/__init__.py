@@ -27,7 +27,13 @@ def _pymunk(timestep: float | None) -> Simulator:
     return Physics(0.1 if timestep is None else timestep)
 
 
-SIMULATORS: Mapping[str, Callable[[float | None], Simulator]] = {"still": _still, "kinematic": _kinematic, "pymunk": _pymunk}
+def _sumo(timestep: float | None) -> Simulator:
+    from .traffic import Traffic
+
+    return Traffic(0.1 if timestep is None else timestep)
+
+
+SIMULATORS: Mapping[str, Callable[[float | None], Simulator]] = {"still": _still, "kinematic": _kinematic, "pymunk": _pymunk, "sumo": _sumo}
 """The simulators by name; each is made with its time step in seconds, or with its own."""
 
 
