@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from copy import deepcopy
 from typing import NamedTuple
 
 from ..formats.recordings import Body, Pose
+from ..formats.scenes import json_value
 from ..interpreter.choosers import from_stream
 from ..interpreter.running import drive
 from ..scenario import loads
@@ -65,9 +65,9 @@ def check_simulator(
     check_declarations(first)
     scene = scene_for(first, CLASS.format(class_name) + PROGRAM.format(class_name) if program is None else program)
     bodies = scene.bodies
-    given = deepcopy([dict(body.properties) for body in bodies])
+    given = written(bodies)
     course = course_of(first, scene, action)
-    promise([dict(body.properties) for body in bodies] == given, "the properties of the bodies that it is given stay as they are")
+    promise(written(bodies) == given, "the properties of the bodies that it is given stay as they are")
     check_poses(first, bodies, course, tolerance)
     check_answers(first, scene, action)
 
@@ -102,6 +102,11 @@ def scene_for(simulator: Simulator, program: str) -> Checked:
     assert isinstance(generated, Done)
     state = generated.state
     return Checked([body_of(k, state) for k in range(len(state.scene))], lambda seed: surroundings(simulator, state, seed))
+
+
+def written(bodies: Sequence[Body]) -> list[dict[str, object]]:
+    """What the objects are now, as JSON."""
+    return [{name: json_value(value) for name, value in body.properties.items()} for body in bodies]
 
 
 def alike(one: Course, other: Course, tolerance: float) -> bool:
@@ -177,7 +182,8 @@ def check_rejection(simulator: Simulator, scene: Checked, action: object) -> Non
     try:
         simulator.create(scene.bodies, scene.about(0))
         for _ in range(STEPS):
-            stepped(simulator, action)
+            if stepped(simulator, action):
+                break
             for body in scene.bodies:
                 simulator.read(body.id)
     except RejectRun:
