@@ -7,12 +7,15 @@ Each run has a process of SUMO of its own, whose seed is the run's.
 
 from __future__ import annotations
 
+import ctypes
 import math
 import random
+import signal
 import socket
 import subprocess
+import sys
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -59,13 +62,12 @@ class Traffic:
         if abs(timestep * 1000 - round(timestep * 1000)) > 1e-6 or timestep * 1000 < 0.5:
             raise ValueError(f"a time step of sumo must be a whole number of milliseconds, not {timestep:g} s")
         try:
-            import sumo
-            import traci
+            import sumo  # type: ignore[import-not-found]
+            import traci  # type: ignore[import-not-found]
         except ImportError as problem:
             raise needed("the simulator sumo", "traci" if problem.name == "traci" else "sumo", problem) from None
         self.traci, self.programs = traci, Path(sumo.SUMO_HOME) / "bin"
-        self.folder = TemporaryDirectory(prefix="scenic-ref-sumo-")
-        self.maps: dict[object, Path] = {}
+        self.maps: dict[object, bytes] = {}
         self.process: subprocess.Popen[bytes] | None = None
         self.world: Any = None
         self.bodies: list[Road] = []
@@ -76,68 +78,70 @@ class Traffic:
 
     def create(self, bodies: Sequence[Body], scene: Surroundings) -> None:
         """Objects begin with their property `velocity`, else `speed` along their heading, else at rest."""
-        if self.world is None:
-            self.begin(scene)
+        self.world = self.world or self.started(scene)
         self.scene = scene
+        vehicle = self.world.vehicle
         for body in bodies:
             moving = moving_of(body, Road)
             moving.name = f"object {body.id}"
             self.bodies.append(moving)
-            vehicle = self.world.vehicle
             vehicle.add(moving.name, "", departSpeed="0")
             vehicle.setLength(moving.name, max(moving.length, NARROWEST))
             vehicle.setWidth(moving.name, max(float(body.properties["width"]), NARROWEST))  # type: ignore[arg-type]
             self.put(moving)
 
-    def begin(self, scene: Surroundings) -> None:
-        """Start SUMO on the map of the program. Raises `UsageError`, `RuntimeError`."""
-        options = [
-            "--net-file", str(self.map_of(scene)), "--step-length", f"{self.timestep:.3f}", "--seed", str(scene.seed), "--no-step-log",
-            "--no-warnings", "--duration-log.disable", "--time-to-teleport", "-1", "--collision.action", "warn", "--collision.check-junctions",
-            "--collision.mingap-factor", "0",
-        ]  # fmt: skip
+    def started(self, scene: Surroundings) -> Any:
+        """The connection to a new process of SUMO, on the map of the program. Raises `UsageError`, `RuntimeError`."""
         port = free_port()
-        command = [str(self.programs / "sumo"), *options, "--remote-port", str(port)]
-        with open(Path(self.folder.name) / "sumo.log", "wb") as log:
-            self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=log, start_new_session=True)
-        self.world = self.connected(self.process, port)
+        with TemporaryDirectory(prefix="scenic-ref-sumo-") as folder:  # gone before the first time step
+            net = Path(folder) / "map.net.xml"
+            net.write_bytes(self.map_of(scene))
+            options = [
+                "--net-file", str(net), "--step-length", f"{self.timestep:.3f}", "--seed", str(scene.seed), "--remote-port", str(port),
+                "--no-step-log", "--no-warnings", "--duration-log.disable", "--time-to-teleport", "-1", "--collision.action", "warn",
+                "--collision.check-junctions", "--collision.mingap-factor", "0",
+            ]  # fmt: skip
+            command = [str(self.programs / "sumo"), *options]
+            self.process = subprocess.Popen(
+                command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True,
+                preexec_fn=ends_with_us(),
+            )  # fmt: skip
+            world = self.connected(self.process, port)
+            world.getVersion()  # it answers when it has read its map
+            return world
 
     def connected(self, process: subprocess.Popen[bytes], port: int) -> Any:
-        """The connection to a process of SUMO, once it has read its map. Raises `RuntimeError`."""
+        """The connection to a process of SUMO. Raises `RuntimeError`."""
         until = time.monotonic() + PATIENCE
         while time.monotonic() < until and process.poll() is None:
             with suppress(OSError):
                 return self.traci.connection.Connection("localhost", port, process, None, True, None)
             time.sleep(WAIT)
-        raise RuntimeError(f"SUMO does not answer: {self.said() or 'it says nothing'}")
+        process.kill()
+        raise RuntimeError(f"SUMO does not answer: {last_line(process.communicate()[1]) or 'it says nothing'}")
 
-    def said(self) -> str:
-        """The last line that SUMO wrote."""
-        lines = (Path(self.folder.name) / "sumo.log").read_text(encoding="utf-8", errors="replace").split("\n")
-        return next((line for line in reversed(lines) if line.strip()), "")
-
-    def map_of(self, scene: Surroundings) -> Path:
+    def map_of(self, scene: Surroundings) -> bytes:
         """SUMO's network for the map of a program, made once. Raises `UsageError`."""
         if scene.network is None:
             raise UsageError("the simulator sumo needs a map, and this program has none", hint="write model scenic.domains.driving.model")
         named = scene.params.get("map")
-        key: object = None
-        file = Path(self.folder.name) / f"{len(self.maps)}.xodr"
-        if isinstance(named, str):
-            file = Path(named)
-            now = file.stat()
-            key = (named, now.st_mtime_ns, now.st_size)
-        elif key not in self.maps:
-            file.write_text(made("grid", **DEFAULT), encoding="utf-8")
+        file = Path(named) if isinstance(named, str) else None
+        now = None if file is None else file.stat()
+        key = None if now is None else (named, now.st_mtime_ns, now.st_size)
         if key not in self.maps:
-            net = Path(self.folder.name) / f"{len(self.maps)}.net.xml"
-            options = ["--opendrive-files", str(file), "--output-file", str(net), "--offset.disable-normalization", "--no-warnings"]
+            self.maps[key] = self.converted(made("grid", **DEFAULT).encode() if file is None else file.read_bytes(), named or "of the program")
+        return self.maps[key]
+
+    def converted(self, opendrive: bytes, name: object) -> bytes:
+        """SUMO's network for a map in the OpenDRIVE format. Raises `UsageError`."""
+        with TemporaryDirectory(prefix="scenic-ref-sumo-") as folder:
+            source, net = Path(folder) / "map.xodr", Path(folder) / "map.net.xml"
+            source.write_bytes(opendrive)
+            options = ["--opendrive-files", str(source), "--output-file", str(net), "--offset.disable-normalization", "--no-warnings"]
             done = subprocess.run([str(self.programs / "netconvert"), *options], stdin=subprocess.DEVNULL, capture_output=True, check=False)
             if done.returncode or not net.exists():
-                why = done.stderr.decode(errors="replace").strip().rpartition("\n")[2]
-                raise UsageError(f"SUMO's netconvert cannot read the map {named or 'of the program'}: {why}")
-            self.maps[key] = net
-        return self.maps[key]
+                raise UsageError(f"SUMO's netconvert cannot read the map {name}: {last_line(done.stderr)}")
+            return net.read_bytes()
 
     def destroy(self) -> None:
         """End the process of SUMO."""
@@ -148,7 +152,7 @@ class Traffic:
                 world.close(False)
         if process is not None:
             process.kill()
-            process.wait()
+            process.communicate()
 
     # Time steps
 
@@ -191,13 +195,14 @@ class Traffic:
         """Edges of SUMO's network from where an object is, by turns at random. Raises `RejectRun`."""
         chance = random.Random(f"{self.scene.seed} {id}")
         edge, place, index = self.world.simulation.convertRoad(body.x, body.y, False, "passenger")
-        lane = f"{edge}_{index}"
-        x, y = self.world.simulation.convert2D(edge, place, index)
-        off = math.dist((x, y), (body.x, body.y))
-        if edge.startswith(":"):
-            raise RejectRun(f"object {id} is in an intersection, where SUMO's drivers cannot begin")
-        if off > self.world.lane.getWidth(lane) / 2:
+        off = math.dist(self.world.simulation.convert2D(edge, place, index), (body.x, body.y))
+        if off > self.world.lane.getWidth(f"{edge}_{index}") / 2:
             raise RejectRun(f"object {id} is {off:.1f} m from the nearest lane of SUMO: there is no place for a driver to begin")
+        lane = self.world.vehicle.getLaneID(body.name)
+        edge = self.world.vehicle.getRoadID(body.name)
+        if not lane or edge.startswith(":"):
+            raise RejectRun(f"object {id} is in an intersection, where SUMO's drivers cannot begin")
+        place = self.world.vehicle.getLanePosition(body.name)
         angle = -math.radians(self.world.lane.getAngle(lane, place))
         if abs(math.remainder(angle - body.heading, math.tau)) > math.pi / 2:
             raise RejectRun(f"object {id} faces against the traffic of its lane: there is no place for a driver to begin")
@@ -247,6 +252,19 @@ class Traffic:
     def read(self, id: int) -> Pose:
         """Where the object is, and how it moves."""
         return pose_of(self.bodies[id])
+
+
+def ends_with_us() -> Callable[[], object] | None:
+    """What a new process is to do first, so that it ends when this one is killed: on Linux only, elsewhere it would wait for a first connection."""
+    if sys.platform != "linux":
+        return None
+    library = ctypes.CDLL(None)
+    return lambda: library.prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG
+
+
+def last_line(said: bytes | None) -> str:
+    """The last line of what a program wrote."""
+    return (said or b"").decode(errors="replace").strip().rpartition("\n")[2]
 
 
 def free_port() -> int:
