@@ -39,7 +39,7 @@ WAIT, PATIENCE = 0.005, 60.0
 """Seconds between two looks whether a process of SUMO answers, and after which it is given up."""
 
 
-class Road(Moving):
+class OnRoad(Moving):
     """An object on or beside the road; SUMO knows it by its name.
 
     Its behavior has `wanted` a driver, it is `driven` by one, or it is `gone` from SUMO's roads, at whose end it stands.
@@ -70,7 +70,7 @@ class Traffic:
         self.maps: dict[object, bytes] = {}
         self.process: subprocess.Popen[bytes] | None = None
         self.world: Any = None
-        self.bodies: list[Road] = []
+        self.bodies: list[OnRoad] = []
         self.scene = Surroundings()
         self.met: frozenset[tuple[int, int]] = frozenset()
 
@@ -82,7 +82,7 @@ class Traffic:
         self.scene = scene
         vehicle = self.world.vehicle
         for body in bodies:
-            moving = moving_of(body, Road)
+            moving = moving_of(body, OnRoad)
             moving.name = f"object {body.id}"
             self.bodies.append(moving)
             vehicle.add(moving.name, "", departSpeed="0")
@@ -185,13 +185,13 @@ class Traffic:
             raise EndRun(f"object {ego}, which is ego, has reached the end of the roads", events)
         return events
 
-    def drive(self, id: int, body: Road) -> None:
+    def drive(self, id: int, body: OnRoad) -> None:
         """Let SUMO drive an object, from its place and with its speed. Raises `RejectRun` where its drivers cannot begin."""
         self.world.vehicle.setRoute(body.name, self.route(id, body))
         self.world.vehicle.setPreviousSpeed(body.name, max(0.0, body.speed))
         body.driven = True
 
-    def route(self, id: int, body: Road) -> list[str]:
+    def route(self, id: int, body: OnRoad) -> list[str]:
         """Edges of SUMO's network from where an object is, by turns at random. Raises `RejectRun`."""
         chance = random.Random(f"{self.scene.seed} {id}")
         edge, place, index = self.world.simulation.convertRoad(body.x, body.y, False, "passenger")
@@ -215,13 +215,13 @@ class Traffic:
             edges.append(lane.rpartition("_")[0])
         return edges
 
-    def put(self, body: Road) -> None:
+    def put(self, body: OnRoad) -> None:
         """Tell SUMO where an object is: of a vehicle, the middle of its front."""
         ahead = along(body.length / 2, body.heading)
         angle = math.degrees(-body.heading) % 360
         self.world.vehicle.moveToXY(body.name, "", -1, body.x + ahead[0], body.y + ahead[1], angle, 2)
 
-    def look(self, body: Road) -> None:
+    def look(self, body: OnRoad) -> None:
         """Where SUMO has driven an object to."""
         vehicle = self.world.vehicle
         x, y = vehicle.getPosition(body.name)
