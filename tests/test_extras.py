@@ -69,7 +69,8 @@ def test_a_fault_of_ours_is_not_taken_for_a_missing_package(afresh, monkeypatch)
     ("package", "use"),
     [
         ("pymunk", lambda place: by_name("pymunk")), ("sumo", lambda place: by_name("sumo")),
-        pytest.param("traci", lambda place: by_name("sumo"), marks=pytest.mark.extra("sumo")), ("pyarrow", lambda place: open_table(place / "x.parquet")),
+        pytest.param("traci", lambda place: by_name("sumo"), marks=pytest.mark.extra("sumo")),
+        ("pyarrow", lambda place: open_table(place / "x.parquet")),
         ("pyro", lambda place: scenic_ref.loads("ego = Object").pyro_model()), ("pyro", lambda place: scenic_ref.loads("ego = Object").pyro_kernel()),
         ("torch", lambda place: scenic_ref.loads("ego = Object").on_device("cpu")),
         ("torch", lambda place: scenic_ref.loads("ego = Object").margins()),
