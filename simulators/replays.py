@@ -73,7 +73,7 @@ def played(
         new = recording.created[len(bodies) - first : len(step.objects) - first]
         bodies = [*bodies, *new]
         if ended or step is recording.steps[-1]:
-            moments.append(Moment(number, poses(bodies, simulator), {}, (), step.doing))
+            moments.append(Moment(number, poses(bodies, simulator), {}, (), step.doing if step is recording.steps[-1] else {}))
             break
         if new:
             guarded(simulator.create, list(new), about, may=(RejectRun,))
