@@ -71,6 +71,57 @@ def test_a_driver_brakes_for_what_another_behavior_moves():
 
 
 @needs_sumo
+def test_a_behavior_gets_its_car_back():
+    text = MODEL + """
+behavior B():
+    take SetAutopilotAction(True)
+    for i in range(20):
+        wait
+    take SetAutopilotAction(False), SetBrakeAction(0.5)
+ego = Car at (-60, -1.75), facing -90 deg, with behavior B()
+"""
+    speeds = [moment.objects[0]["speed"] for moment in moments(text, 40)]
+    driven = speeds[21]
+    assert driven > 3
+    for number, speed in enumerate(speeds[21:], 21):
+        assert speed == pytest.approx(max(0.0, driven - 0.34 * (number - 21)), abs=1e-6)
+
+
+@needs_sumo
+def test_a_collision_is_told_once():
+    text = MODEL + """
+behavior B():
+    take SetSpeedAction(10)
+ego = Car at (-60, -1.75), facing -90 deg, with behavior B()
+Car at (-45, -1.75), facing -90 deg
+"""
+    told = [(moment.step, event) for moment in moments(text, 20) for event in moment.events]
+    assert [event for _, event in told] == ["collision of objects 0 and 1"]
+    assert told[0][0] == pytest.approx((15 - 4.5) / 1.0, abs=1.01)
+
+
+@needs_sumo
+def test_objects_that_scenarios_make_later_join_the_traffic():
+    text = MODEL + """
+scenario Late():
+    setup:
+        Car at (-30, -1.75), facing -90 deg
+scenario Main():
+    setup:
+        ego = Car at (-60, -1.75), facing -90 deg, with behavior AutopilotBehavior()
+    compose:
+        for i in range(5):
+            wait
+        do Late()
+"""
+    found = moments(text, 120)
+    assert [len(moment.objects) for moment in found][4:7] == [1, 2, 2]
+    assert found[-1].objects[1]["position"].x == -30
+    assert found[-1].objects[0]["position"].x < -30 - 4.5
+    assert found[-1].objects[0]["speed"] < 0.1
+
+
+@needs_sumo
 @pytest.mark.parametrize(
     ("place", "why"),
     [
