@@ -23,10 +23,10 @@ Given = TypeVar("Given")
 class Surroundings(NamedTuple):
     """What a simulator is told of a scene beside its objects; nothing of it that can be changed is shared with the program or with other runs.
 
-    `params` are copies of the global parameters now, as plain data: what is none is its text. `ego` is the number of the ego, None if there is none (yet).
-    `seed`, from 0 to 2^31 - 1, is a function of the seed, of the number of the simulation and of the attempt: whatever a simulator draws is to
-    follow from it. `timestep` is the simulator's own, in seconds. `network` is the map of a program that uses one, `workspace` its workspace (the
-    whole plane, if it has none).
+    `params` are copies of the global parameters now, as plain data: what is none is its text. `ego` is the number of the ego, None if there is
+    none (yet). `seed`, from 0 to 2^31 - 1, is a function of the seed, of the number of the simulation and of the attempt: whatever a simulator
+    draws is to follow from it. `timestep` is the simulator's own, in seconds. `network` is the map of a program that uses one, `workspace` its
+    workspace (the whole plane, if it has none).
     """
 
     params: Mapping[str, object] = MappingProxyType({})
