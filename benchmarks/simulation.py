@@ -14,7 +14,7 @@ from pathlib import Path
 
 import scenic_ref
 from scenic_ref.benchmarks.results import print_head, print_row, save
-from scenic_ref.simulators import SIMULATORS, by_name
+from scenic_ref.simulators import by_name
 from scenic_ref.simulators.simulating import Simulator
 
 HEAD = """
@@ -41,6 +41,8 @@ behavior Nested():
     interrupt when simulation.currentTime > 1e6:
         abort
 """
+SIMULATORS = ("still", "kinematic", "pymunk")
+"""Those that need no map."""
 BEHAVIORS = {"simple": "Go", "nested": "Nested"}
 
 
@@ -48,7 +50,8 @@ class Timed:
     """A simulator that adds up the seconds spent in it."""
 
     def __init__(self, inner: Simulator) -> None:
-        self.inner, self.timestep, self.properties, self.seconds = inner, inner.timestep, inner.properties, 0.0
+        self.inner, self.timestep, self.properties, self.random = inner, inner.timestep, inner.properties, inner.random
+        self.seconds = 0.0
 
     def __getattr__(self, name: str) -> object:
         method = getattr(self.inner, name)

@@ -2,25 +2,50 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib.resources import files
+from typing import TYPE_CHECKING, NamedTuple
 
-from ..formats.recordings import Simulated, to_json
+from ..formats.recordings import Simulated
+from ..formats.replay_pages import map_below, run_shown
 from ..formats.scenes import in_json
-from ..inference.simulation import SampledRun
+from ..maps.network import Network
+from ..simulators.worlds.driving import MAP
 from .files import write
 from .progress import Progress
+
+if TYPE_CHECKING:
+    from ..scenario import Scenario
 
 MOST = 50
 """The most simulations on a page."""
 
 
-def write_page(path: str, title: str, runs: Sequence[SampledRun]) -> None:
+class PageRun(NamedTuple):
+    """A simulation in the simulation format, and the land below its objects; None where that is the program's map."""
+
+    run: Mapping[str, object]
+    land: list[object] | None
+
+
+def write_page(path: str, title: str, runs: Sequence[PageRun], scenario: Scenario) -> None:
     """Write the page. Raises `UsageError` if that cannot be done."""
-    data = {"title": title, "runs": [shown(to_json(run.simulation, run.attempts)) for run in runs]}
+    on_map = [run for run, land in runs if land is None]
+    network = network_of(scenario) if on_map else None
+    data = {
+        "title": title, "map": None if network is None else map_below(network, on_map),
+        "runs": [{**run_shown(run), "land": land} for run, land in runs],
+    }  # fmt: skip
     text = in_json(data).replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
     template = files("scenic_ref.cli").joinpath("replay.html").read_text(encoding="utf-8")
     write(path, template.replace("/*REPLAY*/null", text))
+
+
+def network_of(scenario: Scenario) -> Network | None:
+    """The map of a program."""
+    module = scenario.settings.library.get(MAP)
+    found = module.get("network") if isinstance(module, Mapping) else None
+    return found if isinstance(found, Network) else None
 
 
 def write_movie(path: str, title: str, simulation: Simulated) -> None:
@@ -32,11 +57,3 @@ def write_movie(path: str, title: str, simulation: Simulated) -> None:
         data = movie(simulation, f"{title}, seed {scene.seed}, simulation {scene.index}", lambda: progress.drawn(0))
     write(path, data)
 
-
-def shown(run: dict[str, object]) -> dict[str, object]:
-    """What the page needs of a simulation: the objects by number, those of the scene first."""
-    scene, created = run["scene"], run["created"]
-    assert isinstance(scene, dict) and isinstance(created, list)
-    wanted = ("id", "name", "class", "position", "heading", "width", "length")
-    objects = [{name: o[name] for name in wanted if name in o} for o in (*scene["objects"], *created)]
-    return {name: run[name] for name in ("seed", "run", "timestep", "steps", "result", "reason")} | {"ego": scene["ego"], "objects": objects}

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 from ..formats.recorded import Recording, recording_from
 from ..inference.simulation import SampledRun
 from ..scenario import Scenario
-from ..semantics.kernel.errors import SimulatorError, UsageError
+from ..semantics.kernel.errors import AttemptsExhausted, SimulatorError, UsageError
 from ..simulators import by_name
+from ..simulators.protocol import Simulator
 from ..simulators.replays import Difference, difference_of
 
 
@@ -42,38 +44,76 @@ def at_line(problem: UsageError, path: str, number: int) -> UsageError:
     return UsageError(f"{path}, line {number}: {problem.message}", hint=problem.hint)
 
 
-class Replays:
-    """Replays the simulations of a file in a simulator, and remembers what differs."""
+class NotPlayed(NamedTuple):
+    """The line of a recording whose replay ended otherwise than the recording, in which time step, and why."""
 
-    def __init__(self, path: str, scenario: Scenario, simulator: str, timestep: float | None) -> None:
-        self.path, self.scenario, self.simulator, self.timestep = path, scenario, simulator, timestep
+    line: int
+    step: int | None
+    reason: str
+
+
+class Replays:
+    """Replays the simulations of a file in a simulator, and remembers what differs, and what the simulator rejected or ended before its time."""
+
+    def __init__(self, path: str, scenario: Scenario, name: str, timestep: float | None, simulator: Simulator) -> None:
+        self.path, self.scenario, self.name, self.timestep, self.simulator = path, scenario, name, timestep, simulator
         self.equal = 0
         self.different: list[tuple[int, Difference]] = []
+        self.rejected: list[NotPlayed] = []
+        self.ended: list[NotPlayed] = []
 
     def __iter__(self) -> Iterator[SampledRun]:
         """The replays, one after the other. Raises `UsageError` with the line of the recording, and the simulator's errors."""
         for number, recording in recordings_in(self.path):
-            simulator = by_name(self.simulator, recording.timestep if self.timestep is None else self.timestep)
             try:
-                simulation = self.scenario.replay(recording, simulator)
+                simulation = self.scenario.replay(recording, self.simulator_for(recording))
+            except AttemptsExhausted as problem:
+                self.rejected.append(NotPlayed(number, None, problem.message))
+                continue
             except UsageError as problem:
                 raise at_line(problem, self.path, number) from None
             except SimulatorError as problem:
                 raise SimulatorError(f"{self.path}, line {number}: {problem.message}", problem.span) from problem
             difference = difference_of(recording, simulation)
-            if difference is None:
-                self.equal += 1
-            else:
+            steps = len(simulation.moments) - 1
+            if steps < len(recording.steps) - 1:
+                self.ended.append(NotPlayed(number, steps, simulation.reason))
+            if difference is not None:
                 self.different.append((number, difference))
+            elif steps == len(recording.steps) - 1:
+                self.equal += 1
             yield SampledRun(simulation, recording.attempts, Counter())
+
+    def simulator_for(self, recording: Recording) -> Simulator:
+        """The simulator, with the time step of the recording unless another was asked for. Raises `UsageError`."""
+        if self.timestep is None and self.simulator.timestep != recording.timestep:
+            self.simulator = by_name(self.name, recording.timestep)
+        return self.simulator
+
+    def check_any(self) -> None:
+        """Raise `AttemptsExhausted` if the simulator rejected all."""
+        if self.rejected and not self.equal and not self.different and not self.ended:
+            first = self.rejected[0]
+            raise AttemptsExhausted(f"{self.name} rejected all simulations of {self.path}: {first.reason}", attempts=len(self.rejected), stuck=())
 
     def lines(self, seconds: float) -> list[str]:
         """How many were equal, and which differs most."""
-        count = self.equal + len(self.different)
+        count = len(self.rejected) + len({*(one.line for one in self.ended), *(line for line, _ in self.different)}) + self.equal
         runs = "1 simulation" if count == 1 else f"{count:,} simulations"
-        found = [f"{runs} of {self.path} replayed in {self.simulator}, {seconds:.1f} s"]
-        if not self.different:
+        found = [f"{runs} of {self.path} replayed in {self.name}, {seconds:.1f} s"]
+        if self.rejected:
+            found.append(f"rejected, and left out: {len(self.rejected):,}, first that of line {self.rejected[0].line}: {self.rejected[0].reason}")
+        if self.ended:
+            first = self.ended[0]
+            found.append(
+                f"ended by the simulator before the recording: {len(self.ended):,}, "
+                f"first that of line {first.line}, after {first.step} time steps: {first.reason}"
+            )
+        if self.equal == count:
             return [*found, "all states are equal to the recorded ones"]
+        found.append(f"the states of {self.equal:,} are equal to the recorded ones")
+        if not self.different:
+            return found
         number, worst = max(self.different, key=lambda one: one[1].distance)
         where = f"object {worst.object} in line {number}, which differs from time step {worst.first} on"
-        return [*found, f"the states of {self.equal:,} are equal to the recorded ones", f"the largest distance is {worst.distance:.3g} m ({where})"]
+        return [*found, f"the largest distance is {worst.distance:.3g} m ({where})"]

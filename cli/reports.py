@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from ..formats.scenes import in_json
 from ..inference.inferred import LEVEL, Probability, report
 from ..inference.rejection import acceptance
+from ..simulators.simulating import OF_SIMULATOR
 from .errors import WORST, source_line
 from .files import write
 
@@ -92,13 +93,14 @@ def summary(tally: Tally, seed: int, seconds: float, texts: Mapping[str, str], b
 
 def requirement_lines(stuck: Iterable[tuple[Requirement, int]], texts: Mapping[str, str], *, limit: int) -> list[str]:
     """The requirements that rejected most, each with its share of the rejections and its place; those of one place together."""
-    groups: dict[tuple[str, Span], Counter[str]] = {}
+    groups: dict[tuple[str, Span, str], Counter[str]] = {}
     for requirement, count in stuck:
-        groups.setdefault((requirement.kind, requirement.span), Counter())[requirement.text] += count
+        apart = requirement.text if requirement.kind == OF_SIMULATOR else ""
+        groups.setdefault((requirement.kind, requirement.span, apart), Counter())[requirement.text] += count
     ordered = sorted(groups.items(), key=lambda item: -item[1].total())
     total = sum(group.total() for _, group in ordered)
     lines = [f"requirements that rejected most, of {total:,} stuck attempts:" if total > 1 else "the requirement that rejected the stuck attempt:"]
-    for (_, span), group in ordered[:limit]:
+    for (_, span, _), group in ordered[:limit]:
         others = f" (and {len(group) - 1:,} like it)" if len(group) > 1 else ""
         lines.append(f"{group.total():>9,}  {group.total() / total:>4.0%}  {group.most_common(1)[0][0]}{others}")
         if span.line:

@@ -39,7 +39,9 @@ def simulate(
     simulator: Annotated[
         str,
         typer.Option(
-            "--simulator", metavar="NAME", help="still (nothing moves, any value is an action), kinematic (no forces) or pymunk (collisions)."
+            "--simulator", metavar="NAME",
+            help="still (nothing moves, any value is an action), kinematic (no forces), pymunk (collisions), sumo (traffic on roads), or your own: "
+            "package.module:Class, from the current folder or installed.",
         ),
     ] = "still",
     steps: Annotated[int, typer.Option("--steps", metavar="N", min=0, help="The time limit, in time steps.")] = 100,
@@ -68,6 +70,7 @@ def simulate(
             "--replay", metavar="RUNS", help="Take the actions recorded in RUNS (simulations of FILE, as -o writes them), in place of the program's."
         ),
     ] = None,
+    workers: Annotated[int, typer.Option("--workers", metavar="K", min=1, help="Use K processes; the simulations stay the same.")] = 1,
     profile: ProfileOption = "paper",
     reading: ReadingOption = None,
     dialect: DialectOption = None,
@@ -86,6 +89,8 @@ def simulate(
     another one begins. On a terminal the end of each simulation is shown; into a pipe, or with -o, one simulation is written per line as
     JSON, as soon as it is finished. --fuel limits each time step.
 
+    A simulator may discard a run as well, or end it. One of your own is Python code that you choose to run: --trust is not needed for it.
+
     With --replay the scenes are generated again, and must be those of RUNS; the report says how far the states differ from the recorded
     ones.
     """
@@ -99,6 +104,8 @@ def simulate(
         given = [name for name, source in sources.items() if source is not None and source.name != "DEFAULT"]
         if given:
             raise UsageError(f"the recording decides what is replayed: {', '.join(given)} cannot be given with --replay")
+        if workers > 1:
+            raise UsageError("one process replays: --workers cannot be given with --replay", hint="leave it out")
         session.seed = None
     if run is not None and count != 1:
         raise UsageError("--run asks for a single simulation, so -n cannot be given as well")
@@ -107,5 +114,5 @@ def simulate(
         limits=limits_of(limit_memory, limit_seconds), scenario=scenario
     )
     first = 0 if run is None else run
-    request = SimulationRequest(first, first + count, seed, max_attempts, simulator, steps, timestep, output, html, gif, replay)
+    request = SimulationRequest(first, first + count, seed, max_attempts, simulator, steps, timestep, output, html, gif, replay, workers)
     produce_simulations(source, request, session)

@@ -2,32 +2,33 @@
 
 from __future__ import annotations
 
+import json
 import sys
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Generator, Iterable, Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
-from ..formats.recordings import to_line
-from ..inference.simulation import SampledRun
-from ..semantics.kernel.driving import Witness
-from ..semantics.kernel.errors import InternalError
+from ..inference.batch.jobs.blocks import processes
 from ..semantics.kernel.outcome import Requirement
 from ..simulators import by_name
+from ..simulators.protocol import Simulator
 from ..simulators.simulating import Failed
-from .drawing import Drawing, DrawnScene, drawing_of, listen
+from .drawing import Drawing, DrawnScene, drawing_of
 from .files import LINES, check_ending, check_place
 from .options import Source
 from .outputs import Output, open_output
-from .pages import MOST, write_movie, write_page
+from .pages import MOST, PageRun, write_movie, write_page
 from .production import rehearse
 from .progress import Progress
 from .replay import Replays, check_recordings
 from .reports import requirement_lines
 from .session import Session, escaped, tell
+from .simulation_jobs import Listeners, ReportedRun, SimulationJob, reported, simulate_here, simulated_by
+from .workers import FailedDraw
 
 
 class SimulationRequest(NamedTuple):
@@ -44,6 +45,7 @@ class SimulationRequest(NamedTuple):
     html: str | None = None
     gif: str | None = None
     replay: str | None = None
+    workers: int = 1
 
 
 @dataclass
@@ -53,7 +55,7 @@ class SimulationTally:
     count: int = 0
     attempts: int = 0
     stuck: Counter[Failed] = field(default_factory=Counter)
-    kept: list[SampledRun] = field(default_factory=list)
+    kept: list[ReportedRun] = field(default_factory=list)
 
     def failed(self, how: Failed) -> None:
         """An attempt was rejected."""
@@ -67,19 +69,22 @@ def produce_simulations(source: Source, request: SimulationRequest, session: Ses
     Raises the errors of the program and simulator, `AttemptsExhausted`, `UsageError`.
     """
     check_places(source, request)
-    by_name(request.simulator, request.timestep)
+    simulator = by_name(request.simulator, request.timestep)
     total = request.stop - request.start if request.replay is None else check_recordings(request.replay)
     drawing = drawing_of(source)
     rehearse(drawing)
-    replays = None if request.replay is None else Replays(request.replay, drawing.scenario, request.simulator, request.timestep)
+    replays = None if request.replay is None else Replays(request.replay, drawing.scenario, request.simulator, request.timestep, simulator)
     begun = time.perf_counter()
     tally = SimulationTally()
     interrupted: KeyboardInterrupt | None = None
     with ExitStack() as stack:
         output = None if shown_only(request) else stack.enter_context(open_output(request.output, resume=False))
         progress = stack.enter_context(Progress(total, what="simulations"))
+        wanted = output is not None or request.html is not None
+        found = simulations(source, drawing, simulator, request, tally, progress, wanted) if replays is None else replayed(replays, request, wanted)
+        stack.callback(found.close)
         try:
-            for run in simulations(drawing, request, tally, progress) if replays is None else replays:
+            for run in found:
                 write(output, run)
                 tally.count += 1
                 if len(tally.kept) < (MOST if request.html is not None else 1 if request.gif is not None else 0):
@@ -90,21 +95,28 @@ def produce_simulations(source: Source, request: SimulationRequest, session: Ses
             interrupted = stop
         if output is not None:
             output.finish()
-    show(source, request, tally, replays, time.perf_counter() - begun, session)
+    show(source, drawing, request, tally, replays, time.perf_counter() - begun, session)
     if interrupted is not None:
         raise interrupted
+    if replays is not None:
+        replays.check_any()
 
 
-def show(source: Source, request: SimulationRequest, tally: SimulationTally, replays: Replays | None, seconds: float, session: Session) -> None:
+def show(
+    source: Source, drawing: Drawing, request: SimulationRequest, tally: SimulationTally, replays: Replays | None, seconds: float, session: Session
+) -> None:
     """Make a page and an animation of the finished simulations, and report on all."""
     for line in replays.lines(seconds) if replays is not None else summary(request, tally, seconds, session):
         tell(line)
     if not tally.kept:
         return
     if request.html is not None:
-        write_page(request.html, Path(source.file).name, tally.kept)
+        write_page(request.html, Path(source.file).name, [PageRun(json.loads(run.line), run.land) for run in tally.kept], drawing.scenario)
     if request.gif is not None:
-        write_movie(request.gif, Path(source.file).name, tally.kept[0].simulation)
+        first = tally.kept[0].run or drawing.scenario.simulate(  # once more, if another process ran it
+            by_name(request.simulator, request.timestep), request.steps, request.seed, request.start, max_attempts=request.max_attempts
+        )
+        write_movie(request.gif, Path(source.file).name, first.simulation)
     if request.gif is not None and tally.count > 1:
         tell(f"{request.gif} shows the first simulation")
 
@@ -133,45 +145,55 @@ def told_so_far(count: int, output: Output | None) -> str:
     return f"{count:,} {'simulation was' if count == 1 else 'simulations were'} finished" + ("" if output is None else ", written as whole lines")
 
 
-def simulations(drawing: Drawing, request: SimulationRequest, tally: SimulationTally, progress: Progress) -> Iterator[SampledRun]:
-    """The simulations that are asked for, one after the other; attempts are counted as they are made.
+def simulations(
+    source: Source, drawing: Drawing, simulator: Simulator, request: SimulationRequest, tally: SimulationTally, progress: Progress, wanted: bool
+) -> Generator[ReportedRun]:
+    """The simulations that are asked for, in order; attempts are counted as they are made, or when a process tells of them.
 
     What the latest attempt at each printed goes to standard error, also if that ends with an error.
     """
-    simulator = by_name(request.simulator, request.timestep)
-    printed: list[str] = []
+    job = SimulationJob(
+        source, request.seed, request.start, request.start, request.stop, request.max_attempts, request.simulator, request.timestep, request.steps,
+        wanted, MOST if request.html is not None else 0,
+    )  # fmt: skip
+    count = min(request.workers, request.stop - request.start)
+    found = (
+        simulated_by(processes(count), job, count) if count > 1
+        else simulate_here(drawing, job, simulator, Listeners(progress.stuck, tally.failed))
+    )  # fmt: skip
+    try:
+        for run in printed_first(found, progress):
+            tally.attempts += 1
+            if count > 1:
+                tally.attempts += run.attempts - 1
+                tally.stuck.update(run.stuck)
+            yield run
+    finally:
+        found.close()
 
-    def listening(attempt: int) -> Witness:
-        printed.clear()
-        return lambda outcome, drawn: listen(outcome, printed)
 
-    for index in range(request.start, request.stop):
-        try:
-            run = drawing.scenario.simulate(
-                simulator, request.steps, request.seed, index, max_attempts=request.max_attempts, on_attempt=progress.stuck,
-                on_failed=tally.failed, witnessed=listening if drawing.prints else None,
-            )  # fmt: skip
-        finally:
-            for text in printed:
-                progress.say(text)
-        tally.attempts += 1
+def printed_first(found: Iterable[ReportedRun | FailedDraw], progress: Progress) -> Iterator[ReportedRun]:
+    """The simulations; what each printed goes to standard error. Raises the error that ends them."""
+    for run in found:
+        for text in run.printed:
+            progress.say(text)
+        if isinstance(run, FailedDraw):
+            raise run.error
         yield run
 
 
-def write(output: Output | None, run: SampledRun) -> None:
-    """A simulation as a line of JSON; on a terminal, how it went. Raises `InternalError` for numbers that JSON does not have."""
-    index = run.simulation.scene.index
+def replayed(replays: Replays, request: SimulationRequest, wanted: bool) -> Generator[ReportedRun]:
+    """The replays. Raises `UsageError`, and the simulator's errors."""
+    for number, run in enumerate(replays):
+        yield reported(run, wanted, shown=request.html is not None and number < MOST)
+
+
+def write(output: Output | None, run: ReportedRun) -> None:
+    """A simulation as a line of JSON; on a terminal, how it went."""
     if output is None:
-        simulation = run.simulation
-        steps = len(simulation.moments) - 1
-        told = f"simulation {index}: {simulation.result} after {steps:,} time steps ({steps * simulation.timestep:g} s): {simulation.reason}"
-        print(escaped(told))
+        print(escaped(run.told))
         return
-    try:
-        line = to_line(run.simulation, run.attempts)
-    except ValueError as problem:
-        raise InternalError(f"simulation {index} cannot be written: {problem}") from None
-    output.write(DrawnScene(index, run.attempts, line, Counter(), (), ()))
+    output.write(DrawnScene(run.index, run.attempts, run.line, Counter(), (), ()))
 
 
 def summary(request: SimulationRequest, tally: SimulationTally, seconds: float, session: Session) -> list[str]:

@@ -43,7 +43,7 @@ def trace(
     steps: Annotated[
         int | None, typer.Option("--steps", metavar="N", min=0, help="Go on after the scene: the policy's rules in at most N time steps.")
     ] = None,
-    simulator: Annotated[str, typer.Option("--simulator", metavar="NAME", help="With --steps: still, kinematic or pymunk.")] = "still",
+    simulator: Annotated[str, typer.Option("--simulator", metavar="NAME", help="With --steps: as for simulate.")] = "still",
     timestep: Annotated[
         float | None, typer.Option("--dt", metavar="S", help="With --steps: the time step in seconds.", show_default="1 for still, 0.1 for others")
     ] = None,

@@ -10,6 +10,7 @@ import numpy as np
 from ..formats.recordings import Body, Pose
 from ..formats.scenes import Scene
 from ..semantics.space.vectors import Vector
+from ..simulators.protocol import Surroundings
 from ..simulators.still import Still
 
 World = Sequence[Mapping[str, Mapping[str, object]]]
@@ -29,7 +30,7 @@ class RecordedWorld(Still):
         self.passed = 0
         self.poses: list[Pose] = []
 
-    def create(self, bodies: Sequence[Body]) -> None:
+    def create(self, bodies: Sequence[Body], scene: Surroundings) -> None:
         """Objects are where they were made."""
         self.poses += [{name: body.properties[name] for name in self.properties} for body in bodies]
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import shapely
@@ -31,19 +31,34 @@ def draw_map(axes: Axes, network: Network, window: Window) -> None:
     draw_arrows(axes, network, window, max(window[2] - window[0], window[3] - window[1]) / ARROWS_OF_SCENE)
 
 
-def draw_areas(axes: Axes, network: Network, window: Window) -> None:
-    """Everything that has an area, what is on top last."""
+class Areas(NamedTuple):
+    """Shapes of one kind, the colours of their inside and their edge, and the layer on which they lie."""
+
+    shapes: list[BaseGeometry]
+    colour: str
+    layer: int
+    edge: str | None = None
+
+
+def areas_of(network: Network, window: Window) -> Iterator[Areas]:
+    """Everything that has an area and meets the window, what is on top last."""
     box = shapely.box(*window)
 
     def seen(elements: Iterable[NetworkElement]) -> list[BaseGeometry]:
         return [e.polygon for e in elements if box.intersects(e.polygon)]
 
-    fill(axes, seen(network.sidewalks), WALK, 0)
-    fill(axes, seen(network.shoulders), SHOULDER, 0)
-    fill(axes, seen(network.bikeLanes), BIKE, 1)
-    fill(axes, seen(lane for road in network.roads for lane in road.lanes), ROAD, 1, edge=LINE)
-    fill(axes, seen(network.intersections), JUNCTION, 2)
-    fill(axes, seen(network.crossings), LINE, 3, edge=INK)
+    yield Areas(seen(network.sidewalks), WALK, 0)
+    yield Areas(seen(network.shoulders), SHOULDER, 0)
+    yield Areas(seen(network.bikeLanes), BIKE, 1)
+    yield Areas(seen(lane for road in network.roads for lane in road.lanes), ROAD, 1, LINE)
+    yield Areas(seen(network.intersections), JUNCTION, 2)
+    yield Areas(seen(network.crossings), LINE, 3, INK)
+
+
+def draw_areas(axes: Axes, network: Network, window: Window) -> None:
+    """Everything that has an area, what is on top last."""
+    for shapes, colour, layer, edge in areas_of(network, window):
+        fill(axes, shapes, colour, layer, edge)
 
 
 def fill(axes: Axes, shapes: Iterable[BaseGeometry], colour: str, layer: int, edge: str | None = None) -> None:
@@ -58,12 +73,8 @@ def fill(axes: Axes, shapes: Iterable[BaseGeometry], colour: str, layer: int, ed
     axes.add_collection(PathCollection(outlines, facecolors=colour, edgecolors=edge or colour, linewidths=0.4, zorder=layer), autolim=False)
 
 
-def draw_arrows(axes: Axes, network: Network, window: Window, apart: float) -> None:
-    """The direction of traffic along each lane; through intersections a thin line."""
-    from matplotlib.collections import LineCollection
-
-    places: list[Vector] = []
-    headings: list[float] = []
+def arrows_of(network: Network, window: Window, apart: float) -> Iterator[tuple[Vector, float]]:
+    """Places along each lane inside the window, so far apart in metres, and the direction of traffic there."""
     west, south, east, north = window
     for lane in (lane for road in network.roads for lane in road.lanes):
         line = lane.centerline.polyline
@@ -71,18 +82,30 @@ def draw_arrows(axes: Axes, network: Network, window: Window, apart: float) -> N
         for i in range(count):
             place = line.geoms[0].interpolate((i + 0.5) / count, normalized=True)
             if west <= place.x <= east and south <= place.y <= north:
-                places.append(Vector(place.x, place.y))
-                headings.append(lane.centerline.heading_at(places[-1]))
-    if places:
-        x, y = np.array([tuple(p) for p in places]).T
+                found = Vector(place.x, place.y)
+                yield found, lane.centerline.heading_at(found)
+
+
+def ways_of(network: Network) -> list[list[tuple[float, ...]]]:
+    """The lines along which one drives through intersections."""
+    return [[tuple(v) for v in lane.centerline.lines[0]] for road in network.connectingRoads for lane in road.lanes]
+
+
+def draw_arrows(axes: Axes, network: Network, window: Window, apart: float) -> None:
+    """The direction of traffic along each lane; through intersections a thin line."""
+    from matplotlib.collections import LineCollection
+
+    found = list(arrows_of(network, window, apart))
+    if found:
+        headings = [heading for _, heading in found]
+        x, y = np.array([tuple(p) for p, _ in found]).T
         u, v = -np.sin(headings), np.cos(headings)
         length = apart * 0.35
         axes.quiver(
             x, y, u * length, v * length, angles="xy", scale_units="xy", scale=1, pivot="middle", color=ARROW, width=length * 0.12, units="xy",
             headwidth=5, headlength=5, headaxislength=4.5, zorder=4,
         )  # fmt: skip
-    ways = [[tuple(v) for v in lane.centerline.lines[0]] for road in network.connectingRoads for lane in road.lanes]
-    axes.add_collection(LineCollection(ways, colors=ARROW, linewidths=0.5, alpha=0.6, zorder=4), autolim=False)
+    axes.add_collection(LineCollection(ways_of(network), colors=ARROW, linewidths=0.5, alpha=0.6, zorder=4), autolim=False)
 
 
 def polygons_in(shape: BaseGeometry) -> list[shapely.Polygon]:

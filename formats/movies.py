@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from itertools import cycle, pairwise
+from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -13,7 +13,7 @@ import numpy as np
 from ..semantics.kernel.errors import UsageError
 from ..semantics.space.geometry import corners, direction
 from ..semantics.space.vectors import Vector
-from .pictures import CLASSES, CROWD, EGO, FARTHEST, INK, MARGIN, Window, draw_land, draw_scale
+from .pictures import CROWD, EGO, FARTHEST, INK, MARGIN, Window, colours_by_class, draw_land, draw_scale
 from .recordings import Simulated
 
 if TYPE_CHECKING:
@@ -104,8 +104,7 @@ def courses_of(simulation: Simulated) -> list[Course]:
     for body in simulation.created:
         own = (body.properties[name] for name in ("position", "heading", "width", "length"))
         things.append(("", body.class_name, *own))  # type: ignore[arg-type]
-    kinds = dict.fromkeys(kind for id, (_, kind, *_) in enumerate(things) if id != scene.ego_id)
-    colours = dict(zip(kinds, cycle(CLASSES), strict=False))
+    colours = colours_by_class(kind for id, (_, kind, *_) in enumerate(things) if id != scene.ego_id)
     found = []
     middle = sum(thing[2].x for thing in things) / len(things)
     for id, (name, kind, position, heading, width, length) in enumerate(things):

@@ -120,8 +120,12 @@ def draw_scenes(figure: Figure | SubFigure, scenes: Sequence[Scene], roads: Regi
 
 def colours_of(scenes: Sequence[Scene]) -> dict[str, str]:
     """The colour of each class of objects other than ego, in order of appearance."""
-    names = dict.fromkeys(o.class_name for scene in scenes for o in scene.objects if o.id != scene.ego_id)
-    return dict(zip(names, itertools.cycle(CLASSES), strict=False))
+    return colours_by_class(o.class_name for scene in scenes for o in scene.objects if o.id != scene.ego_id)
+
+
+def colours_by_class(names: Iterable[str]) -> dict[str, str]:
+    """The colour of each class, in order of appearance."""
+    return dict(zip(dict.fromkeys(names), itertools.cycle(CLASSES), strict=False))
 
 
 def draw(axes: Axes, scene: Scene, roads: Region | None, colours: Mapping[str, str], *, small: bool) -> None:
@@ -168,14 +172,18 @@ def draw_land(axes: Axes, region: object, window: Window) -> None:
     if isinstance(region, MapWorkspace):
         draw_map(axes, region.network, window)
         return
-    if not isinstance(region, Region) or region is everywhere or getattr(region, "region", None) is everywhere:
-        return
-    box = shapely.box(*window)
-    shape = shapely.intersection(region.approximate(CIRCLE_SIDES, box).cover, box)
-    for polygon in polygons_in(shape):
+    for polygon in land_in(region, window):
         rings = [polygon.exterior, *polygon.interiors]
         outline = Outline.make_compound_path(*(Outline(np.asarray(ring.coords)[:, :2], closed=True) for ring in rings))
         axes.add_patch(PathPatch(outline, facecolor=LAND, edgecolor=EDGE, linewidth=0.8, zorder=0))
+
+
+def land_in(region: object, window: Window) -> list[shapely.Polygon]:
+    """The part of a region inside the window; nothing if it is the whole plane."""
+    if not isinstance(region, Region) or region is everywhere or getattr(region, "region", None) is everywhere:
+        return []
+    box = shapely.box(*window)
+    return polygons_in(shapely.intersection(region.approximate(CIRCLE_SIDES, box).cover, box))
 
 
 def draw_view(axes: Axes, ego: SceneObject, window: Window) -> None:

@@ -49,7 +49,7 @@ def sample_simulation(
             on_attempt(attempt + 1)
         if on_failed is not None:
             on_failed(found)
-        if not drawn:
+        if not drawn and (found.step is None or not simulator.random):
             text = f"no simulation is possible, since nothing is drawn before this fails {found.place}: {found.requirement.text}"
             raise exhausted(text, attempt + 1, stuck)
     worst, often = stuck.most_common(1)[0]
@@ -70,7 +70,9 @@ def attempts_at(
 
         witness = None if witnessed is None else witnessed(attempt)
         chooser, drawn = counting(from_stream(seed, index, number))
-        found = simulate_once(start(), chooser, simulator, steps, seed=seed, index=index, attempt=scene, fuel=fuel, witness=witness)
+        found = simulate_once(
+            start(), chooser, simulator, steps, seed=seed, index=index, attempt=scene, tried=attempt, fuel=fuel, witness=witness,
+        )  # fmt: skip
         yield found, bool(drawn)
         if isinstance(found, Simulated) or not retry or found.step is None or attempt + 1 - first >= RETRIES:
             scene = first = attempt + 1
@@ -83,3 +85,10 @@ def exhausted(text: str, attempts: int, stuck: Counter[Failed]) -> AttemptsExhau
         counted[failed.requirement] += often
     place = stuck.most_common(1)[0][0].requirement.span
     return AttemptsExhausted(text, place, attempts=attempts, stuck=tuple(counted.most_common()))
+
+
+def accepted(found: Simulated | Failed) -> Simulated:
+    """A simulation that is played again, in one attempt. Raises `AttemptsExhausted` if the simulator rejects it."""
+    if isinstance(found, Failed):
+        raise exhausted(f"the replay fails {found.place}: {found.requirement.text}", 1, Counter([found]))
+    return found

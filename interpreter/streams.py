@@ -77,6 +77,15 @@ class Stream:
         return _uniforms((fold(self.seed), site_code(address)), self.scene, self.attempt).__next__
 
 
+OF_SIMULATOR = (-2,)
+"""The address from which simulators have their seeds; those of draws in time steps begin with -1."""
+
+
+def simulator_seed(seed: int, number: int, attempt: int) -> int:
+    """The seed of a simulator in an attempt at simulation `number` of `seed`, from 0 to 2^31 - 1."""
+    return int(Stream(seed, number, attempt).at(OF_SIMULATOR)() * (1 << 31))
+
+
 def _uniforms(key: tuple[int, int], scene: int, attempt: int) -> Iterator[float]:
     block = 0
     while True:

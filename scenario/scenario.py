@@ -25,7 +25,7 @@ from ..inference.inferred import Inferred
 from ..inference.mcmc import draw_mcmc
 from ..inference.pruning import TECHNIQUES, Finding, Pruning, prune
 from ..inference.rejection import DEFAULT_ATTEMPTS, Sampled, exhausted, sample
-from ..inference.simulation import SampledRun, sample_simulation
+from ..inference.simulation import SampledRun, accepted, sample_simulation
 from ..inference.sites.target import Target
 from ..inference.smc import draw_smc
 from ..inference.statistics.columns import FeatureTable, features_table
@@ -188,7 +188,8 @@ class Scenario(Portable):
     ) -> SampledRun:  # fmt: skip
         """Simulation number `index` of `seed`, of at most `steps` time steps; rejected runs are discarded as a whole (reading `rejected-simulation`).
 
-        `simulator` is one of `simulators.SIMULATORS` by name (`timestep`, in seconds, is then that of the simulation), or a simulator itself.
+        `simulator` is one of `simulators.SIMULATORS` by name, or "package.module:Class" (`timestep`, in seconds, is then that of the simulation),
+        or a simulator itself.
         """
         check_whole(("steps", steps, 0), ("seed", seed, None), ("index", index, 0), ("max_attempts", max_attempts, 1))
         self.rehearse()
@@ -201,12 +202,12 @@ class Scenario(Portable):
     def replay(self, record: Mapping[str, object] | Recording, simulator: str | Simulator = "still", *, timestep: float | None = None) -> Simulated:
         """A simulation whose actions are those of `record`, a line of the simulation format as JSON; its time step is the recorded one by default.
 
-        Raises `UsageError` if the record is not one of this program, or if its actions cannot be taken.
+        Raises `UsageError` if the record is not one of this program, or if its actions cannot be taken, `AttemptsExhausted` if it is rejected.
         """
         self.rehearse()
         recording = record if isinstance(record, Recording) else recording_of(record)
         found = by_name(simulator, recording.timestep if timestep is None else timestep) if isinstance(simulator, str) else simulator
-        return replay_once(self.start(), recording, found, self.action_classes, fuel=self.fuel)
+        return accepted(replay_once(self.start(), recording, found, self.action_classes, fuel=self.fuel))
 
     @property
     def action_classes(self) -> dict[str, type]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from ..semantics.kernel.errors import UsageError
-from .protocol import Simulator
+from .own import own_simulator
+from .protocol import EndRun, RejectRun, Simulator, Surroundings
 
 
 def _still(timestep: float | None) -> Simulator:
@@ -26,15 +27,30 @@ def _pymunk(timestep: float | None) -> Simulator:
     return Physics(0.1 if timestep is None else timestep)
 
 
-SIMULATORS: Mapping[str, Callable[[float | None], Simulator]] = {"still": _still, "kinematic": _kinematic, "pymunk": _pymunk}
+def _sumo(timestep: float | None) -> Simulator:
+    from .traffic import Traffic
+
+    return Traffic(0.1 if timestep is None else timestep)
+
+
+SIMULATORS: Mapping[str, Callable[[float | None], Simulator]] = {"still": _still, "kinematic": _kinematic, "pymunk": _pymunk, "sumo": _sumo}
 """The simulators by name; each is made with its time step in seconds, or with its own."""
 
 
 def by_name(name: str, timestep: float | None = None) -> Simulator:
-    """A simulator. Raises `UsageError` if there is none of that name, or for a time step that is none."""
+    """A simulator, also one of the user's own (`package.module:Class`).
+
+    Raises `UsageError` if there is none of that name, or for a time step that is none.
+    """
+    if ":" in name:
+        return own_simulator(name, timestep)
     if name not in SIMULATORS:
-        raise UsageError(f"there is no simulator {name}", hint=f"the simulators are {', '.join(SIMULATORS)}")
+        hint = f"the simulators are {', '.join(SIMULATORS)}; one of your own is named package.module:Class"
+        raise UsageError(f"there is no simulator {name}", hint=hint)
     try:
         return SIMULATORS[name](timestep)
     except ValueError as problem:
         raise UsageError(str(problem)) from None
+
+
+__all__ = ["SIMULATORS", "EndRun", "RejectRun", "Simulator", "Surroundings", "by_name"]

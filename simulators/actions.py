@@ -48,7 +48,7 @@ class Action:
     """An action; `reason_against` says why a body cannot take it."""
 
     scenic_names: ClassVar[frozenset[str]] = frozenset(
-        {"throttle", "brake", "steer", "handbrake", "reverse", "position", "velocity", "heading", "speed"}
+        {"throttle", "brake", "steer", "handbrake", "reverse", "position", "velocity", "heading", "speed", "enabled"}
     )
     """What a program may ask of actions."""
 
@@ -111,6 +111,13 @@ class SetReverseAction(DrivingAction):
     """The reverse gear, in or not."""
 
     reverse: bool
+
+
+@dataclass(frozen=True, slots=True)
+class SetAutopilotAction(DrivingAction):
+    """Whether a driver of the simulator's drives the vehicle; only `sumo` has drivers."""
+
+    enabled: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,7 +202,7 @@ ACTIONS = {
     a.__name__: a
     for a in (
         SetThrottleAction, SetBrakeAction, SetSteerAction, SetHandBrakeAction, SetReverseAction, SetPositionAction, SetVelocityAction,
-        SetSpeedAction, SetWalkingDirectionAction, SetWalkingSpeedAction,
+        SetSpeedAction, SetWalkingDirectionAction, SetWalkingSpeedAction, SetAutopilotAction,
     )
 }
 """The actions by name."""

@@ -67,7 +67,9 @@ def velocity_at_first(body: Body) -> tuple[float, float]:
 
 
 def reason_against(body: Body, action: object) -> str | None:
-    """Whether it is one of our actions, and this object can take it."""
+    """Whether it is one of our actions, and this object can take it in a simulator without drivers of its own."""
+    if isinstance(action, a.SetAutopilotAction):
+        return "this simulator has no drivers: --simulator sumo has"
     return action.reason_against(body) if isinstance(action, a.Action) else f"it is none of {', '.join(a.ACTIONS)}"
 
 

@@ -17,11 +17,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 from ..formats.recordings import Body, Pose
 from ..semantics.space.vectors import Vector
 from . import actions as a
 from .controls import ACCELERATION, BRAKING, PROPERTIES, Controls, along, checked_timestep, reason_against, velocity_at_first
+from .protocol import Surroundings
 
 
 @dataclass
@@ -55,19 +57,15 @@ class Kinematic:
     """The simulator; `timestep` is in seconds."""
 
     properties = PROPERTIES
+    random = False
 
     def __init__(self, timestep: float = 0.1) -> None:
         self.timestep = checked_timestep(timestep)
         self.bodies: list[Moving] = []
 
-    def create(self, bodies: Sequence[Body]) -> None:
+    def create(self, bodies: Sequence[Body], scene: Surroundings) -> None:
         """Objects begin with their property `velocity`, else `speed` along their heading, else at rest."""
-        for body in bodies:
-            position, heading = body.properties["position"], float(body.properties["heading"])  # type: ignore[arg-type]
-            assert isinstance(position, Vector)
-            moving = Moving(position.x, position.y, heading, float(body.properties["length"]), a.drives(body), a.walks(body))  # type: ignore[arg-type]
-            moving.vx, moving.vy = velocity_at_first(body)
-            self.bodies.append(moving)
+        self.bodies += [moving_of(body, Moving) for body in bodies]
 
     def check(self, body: Body, action: object) -> str | None:
         """Whether it is one of our actions, and this object can take it."""
@@ -84,15 +82,31 @@ class Kinematic:
 
     def read(self, id: int) -> Pose:
         """Where the object is, and how it moves."""
-        body = self.bodies[id]
-        return {
-            "position": Vector(body.x, body.y), "heading": body.heading, "speed": body.speed, "velocity": Vector(body.vx, body.vy),
-            "angularSpeed": body.turning,
-        }
+        return pose_of(self.bodies[id])
 
     def destroy(self) -> None:
         """Forget the objects."""
         self.bodies = []
+
+
+Kind = TypeVar("Kind", bound=Moving)
+
+
+def moving_of(body: Body, kind: type[Kind]) -> Kind:
+    """An object as it begins."""
+    position, heading = body.properties["position"], float(body.properties["heading"])  # type: ignore[arg-type]
+    assert isinstance(position, Vector)
+    moving = kind(position.x, position.y, heading, float(body.properties["length"]), a.drives(body), a.walks(body))  # type: ignore[arg-type]
+    moving.vx, moving.vy = velocity_at_first(body)
+    return moving
+
+
+def pose_of(body: Moving) -> Pose:
+    """Where an object is, and how it moves."""
+    return {
+        "position": Vector(body.x, body.y), "heading": body.heading, "speed": body.speed, "velocity": Vector(body.vx, body.vy),
+        "angularSpeed": body.turning,
+    }  # fmt: skip
 
 
 def take(body: Moving, action: object) -> None:

@@ -17,6 +17,7 @@ from ..interpreter.extras import needed
 from ..semantics.space.vectors import Vector
 from . import actions as a
 from .controls import ACCELERATION, BRAKING, PROPERTIES, Controls, along, checked_timestep, reason_against, velocity_at_first
+from .protocol import Surroundings
 
 DRAG = ACCELERATION / 50.0**2
 """Per metre: at full throttle a vehicle reaches 50 m/s."""
@@ -60,6 +61,7 @@ class Physics:
     """The simulator; `timestep` is in seconds. Raises `UsageError` if pymunk is not installed."""
 
     properties = PROPERTIES
+    random = False
 
     def __init__(self, timestep: float = 0.1) -> None:
         self.timestep = checked_timestep(timestep)
@@ -72,7 +74,7 @@ class Physics:
         self.pymunk = pymunk
         self.destroy()
 
-    def create(self, bodies: Sequence[Body]) -> None:
+    def create(self, bodies: Sequence[Body], scene: Surroundings) -> None:
         """Objects begin with their property `velocity`, else `speed` along their heading, else at rest; others pass through `allowCollisions`."""
         for body in bodies:
             position, heading = body.properties["position"], float(body.properties["heading"])  # type: ignore[arg-type]

@@ -5,28 +5,78 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from typing import Protocol, TypeVar
+from types import MappingProxyType
+from typing import NamedTuple, Protocol, TypeVar
 
 from ..formats.recordings import Body, Pose
+from ..maps.network import Network
 from ..semantics.kernel.classes import SCALAR_PROPERTIES, VECTOR_PROPERTIES
 from ..semantics.kernel.errors import ScenicError, SimulatorError, UsageError
 from ..semantics.kernel.kinds import is_scalar
+from ..semantics.space.regions import Region, everywhere
 from ..semantics.space.vectors import Vector
 from ..semantics.syntax.nodes import NOWHERE, Span
 
 Given = TypeVar("Given")
 
 
+class Surroundings(NamedTuple):
+    """What a simulator is told of a scene beside its objects; nothing of it that can be changed is shared with the program or with other runs.
+
+    `params` are copies of the global parameters now, as plain data: what is none is its text. `ego` is the number of the ego, None if there is
+    none (yet). `seed`, from 0 to 2^31 - 1, is a function of the seed, of the number of the simulation and of the attempt: whatever a simulator
+    draws is to follow from it. `timestep` is the simulator's own, in seconds. `network` is the map of a program that uses one, `workspace` its
+    workspace (the whole plane, if it has none).
+    """
+
+    params: Mapping[str, object] = MappingProxyType({})
+    ego: int | None = None
+    seed: int = 0
+    timestep: float = 1.0
+    network: Network | None = None
+    workspace: Region = everywhere
+
+
+class RejectRun(Exception):
+    """Raised by `create`, `step` or `read`: this run cannot be simulated, and is discarded with its scene, as if it violated a requirement."""
+
+    def __init__(self, reason: str) -> None:
+        super().__init__(checked_reason(reason))
+        self.reason = reason
+
+
+class EndRun(Exception):
+    """Raised by `step`: the time step has passed, and was the last one.
+
+    The objects are read once more, and the policy ends the simulation, or discards it if a requirement does not hold. `events` are what happened
+    in the time step, as `step` else returns it.
+    """
+
+    def __init__(self, reason: str, events: Sequence[str] = ()) -> None:
+        super().__init__(checked_reason(reason))
+        self.reason = reason
+        self.events = events
+
+
+def checked_reason(reason: object) -> str:
+    """A reason in words. Raises `TypeError` for what is none."""
+    if not isinstance(reason, str) or not reason.strip():
+        raise TypeError(f"the reason must be a text, not {reason!r}")
+    return reason
+
+
 class Simulator(Protocol):
     """What moves the objects; one is used for one simulation after the other.
 
-    `timestep` is in seconds; `properties` are the names of those that `read` gives. Whatever it raises ends the simulation with an error.
+    `timestep` is in seconds; `properties` are the names of those that `read` gives; `random` says whether anything follows from the seed that
+    `create` is given. Whatever it raises ends the simulation with an error, but for `RejectRun` and `EndRun`.
     """
 
     timestep: float
     properties: frozenset[str]
+    random: bool
 
-    def create(self, bodies: Sequence[Body]) -> None:
+    def create(self, bodies: Sequence[Body], scene: Surroundings) -> None:
         """Begin a simulation with these objects, or add further ones to it: `bodies` are the new ones, in the order of their numbers."""
 
     def check(self, body: Body, action: object) -> str | None:
@@ -58,6 +108,9 @@ def check_usable(simulator: Simulator) -> None:
     properties = getattr(simulator, "properties", None)
     if not (isinstance(properties, (set, frozenset)) and all(isinstance(name, str) for name in properties)):
         raise UsageError("the properties of a simulator must be a set of names")
+    if not isinstance(getattr(simulator, "random", None), bool):
+        hint = "does anything follow from the seed that create() is given?"
+        raise UsageError("the attribute random of a simulator must be True or False", hint=hint)
 
 
 @contextmanager
@@ -72,17 +125,31 @@ def in_use(simulator: Simulator) -> Iterator[None]:
     guarded(simulator.destroy)
 
 
-def step_of(simulator: Simulator, actions: Mapping[int, tuple[object, ...]]) -> Sequence[str]:
-    """One time step in the simulator: what happened, in words. Raises `SimulatorError`."""
-    events = guarded(simulator.step, dict(actions))
+class Passed(NamedTuple):
+    """A time step in a simulator: what happened, in words, and why it was the last one ("" if it was not)."""
+
+    events: tuple[str, ...]
+    ended: str = ""
+
+
+def step_of(simulator: Simulator, actions: Mapping[int, tuple[object, ...]]) -> Passed:
+    """One time step in the simulator. Raises `SimulatorError`, `RejectRun`."""
+    reason = ""
+    try:
+        events = guarded(simulator.step, dict(actions), may=(RejectRun, EndRun))
+    except EndRun as end:
+        events, reason = end.events, end.reason
     if isinstance(events, str) or not isinstance(events, Sequence) or not all(isinstance(event, str) for event in events):
         raise SimulatorError(f"step() must return what happened as a sequence of texts, not {events!r}", NOWHERE)
-    return events
+    return Passed(tuple(events), reason)
 
 
 def read_pose(simulator: Simulator, id: int, who: str, span: Span = NOWHERE) -> Pose:
-    """What the simulator says of an object now. Raises `SimulatorError` for other properties than it declares, and values that they cannot have."""
-    pose = guarded(simulator.read, id)
+    """What the simulator says of an object now.
+
+    Raises `SimulatorError` for other properties than it declares, and values that they cannot have; `RejectRun`.
+    """
+    pose = guarded(simulator.read, id, may=(RejectRun,))
     if not isinstance(pose, Mapping) or pose.keys() != simulator.properties:
         said = ", ".join(sorted(map(str, pose))) if isinstance(pose, Mapping) else repr(pose)
         declared = ", ".join(sorted(simulator.properties)) or "nothing"
@@ -102,11 +169,15 @@ def could_be(name: str, value: object) -> bool:
     return name not in VECTOR_PROPERTIES and (is_scalar(value) or name not in SCALAR_PROPERTIES)
 
 
-def guarded(operation: Callable[..., Given], *arguments: object) -> Given:
-    """What the simulator answers; whatever it raises is a `SimulatorError`."""
+def guarded(operation: Callable[..., Given], *arguments: object, may: tuple[type[Exception], ...] = ()) -> Given:
+    """What the simulator answers; whatever it raises is a `SimulatorError`, except what it `may` raise."""
     try:
         return operation(*arguments)
-    except ScenicError:
+    except (ScenicError, *may):
         raise
+    except (RejectRun, EndRun) as problem:
+        what, where = ("rejected", "create(), step() and read()") if isinstance(problem, RejectRun) else ("ended", "step()")
+        name = getattr(operation, "__name__", "?")
+        raise SimulatorError(f"the simulator {what} the run in {name}(), which only {where} can: {problem.reason}", NOWHERE) from problem
     except Exception as problem:
         raise SimulatorError(f"the simulator failed: {type(problem).__name__}: {problem}", NOWHERE) from problem

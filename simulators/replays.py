@@ -1,6 +1,7 @@
 """Recorded simulations played again: the actions of the recording are taken, in any simulator, and the objects are read back.
 
-The policy does not run. The scene is generated anew from the program, and must be the recorded one.
+The policy does not run. The scene is generated anew from the program, and must be the recorded one. The simulator has the seed of the recording; it
+may reject the replay, or end it.
 """
 
 from __future__ import annotations
@@ -15,11 +16,12 @@ from ..formats.recordings import Body, Moment, Pose, Simulated
 from ..formats.scenes import Scene, json_value, scene_of
 from ..interpreter.choosers import from_stream
 from ..interpreter.running import DEFAULT_FUEL, Accepted, run
+from ..interpreter.streams import simulator_seed
 from ..semantics.dynamics.policy import begin
 from ..semantics.kernel.config import Config, State
 from ..semantics.kernel.errors import UsageError
-from .protocol import Simulator, check_usable, guarded, in_use, read_pose, step_of
-from .simulating import create_new
+from .protocol import RejectRun, Simulator, Surroundings, check_usable, guarded, in_use, read_pose, step_of
+from .simulating import ENDED, Failed, create_new, rejected, surroundings
 
 TOLERANCE = 1e-9
 """How much numbers may differ: metres, radians, ..., and relative to numbers above 1."""
@@ -34,32 +36,54 @@ class Difference(NamedTuple):
     object: int
 
 
-def replay_once(config: Config, recording: Recording, simulator: Simulator, classes: ActionClasses, *, fuel: int = DEFAULT_FUEL) -> Simulated:
-    """The recorded actions in a simulator. `classes` are those of actions, by name; how it ends, and what agents do, is as recorded.
+def replay_once(
+    config: Config, recording: Recording, simulator: Simulator, classes: ActionClasses, *, fuel: int = DEFAULT_FUEL
+) -> Simulated | Failed:
+    """The recorded actions in a simulator. `classes` are those of actions, by name; what agents do is as recorded, and also how it ends, unless the
+    simulator ends it.
 
     Raises `UsageError` for a recording of another program, and for actions that cannot be taken; `SimulatorError` for the simulator's errors.
     """
     check_usable(simulator)
     state, scene = scene_again(config, recording, fuel)
     state = begin(state, simulator.timestep, simulator.properties)
+    chance = simulator_seed(recording.seed, recording.run, recording.attempts - 1)
+    about = surroundings(simulator, state, chance)
     moments: list[Moment] = []
     with in_use(simulator):
-        bodies = create_new(simulator, state, 0)
-        first = len(bodies)
-        for number, step in enumerate(recording.steps):
-            new = recording.created[len(bodies) - first : len(step.objects) - first]
-            bodies += new
-            if step is recording.steps[-1]:
-                moments.append(Moment(number, poses(bodies, simulator), {}, (), step.doing))
-                break
-            if new:
-                guarded(simulator.create, new)
-            actions = actions_of(step, number, bodies, simulator, classes)
-            before = poses(bodies, simulator)
-            events = step_of(simulator, actions)
-            moments.append(Moment(number, before, actions, tuple(events), step.doing))
-            bodies = [read(body, simulator) for body in bodies]
-    return Simulated(scene, tuple(moments), recording.result, recording.reason, simulator.timestep, recording.created)
+        try:
+            bodies = create_new(simulator, state, 0, chance)
+            ended = played(recording, simulator, classes, bodies, about, moments)
+        except RejectRun as problem:
+            return rejected(problem, len(moments))
+    result, reason = (ENDED, ended) if ended else (recording.result, recording.reason)
+    count = len(moments[-1].objects) - len(scene.objects)
+    return Simulated(scene, tuple(moments), result, reason, simulator.timestep, recording.created[:count])
+
+
+def played(
+    recording: Recording, simulator: Simulator, classes: ActionClasses, bodies: list[Body], about: Surroundings, moments: list[Moment]
+) -> str:
+    """The time steps of a replay, which are added to `moments`; why the simulator ended it, "" if it did not.
+
+    Raises as `replay_once`, and `RejectRun`.
+    """
+    first, ended = len(bodies), ""
+    for number, step in enumerate(recording.steps):
+        new = recording.created[len(bodies) - first : len(step.objects) - first]
+        bodies = [*bodies, *new]
+        if ended or step is recording.steps[-1]:
+            moments.append(Moment(number, poses(bodies, simulator), {}, (), step.doing if step is recording.steps[-1] else {}))
+            break
+        if new:
+            guarded(simulator.create, list(new), about, may=(RejectRun,))
+        actions = actions_of(step, number, bodies, simulator, classes)
+        before = poses(bodies, simulator)
+        events, ended = step_of(simulator, actions)
+        read_again = [read(body, simulator) for body in bodies]
+        moments.append(Moment(number, before, actions, events, step.doing))
+        bodies = read_again
+    return ended
 
 
 def scene_again(config: Config, recording: Recording, fuel: int) -> tuple[State, Scene]:
@@ -120,11 +144,14 @@ def poses(bodies: Sequence[Body], simulator: Simulator) -> tuple[Pose, ...]:
 
 
 def difference_of(recording: Recording, simulation: Simulated) -> Difference | None:
-    """Where a replay differs from its recording; None if it does nowhere. What is not recorded in a time step is as it was at first."""
+    """Where a replay differs from its recording, as far as it goes; None if it does nowhere.
+
+    What is not recorded in a time step is as it was at first.
+    """
     beginnings = beginnings_of(simulation)
     first: int | None = None
     farthest, which = 0.0, None
-    for number, (step, moment) in enumerate(zip(recording.steps, simulation.moments, strict=True)):
+    for number, (step, moment) in enumerate(zip(recording.steps, simulation.moments)):
         for id, (was, now) in enumerate(zip(step.objects, moment.objects, strict=True)):
             before = {**beginnings[id], **was}
             after = {**beginnings[id], **{name: json_value(value) for name, value in now.items()}}

@@ -11,8 +11,10 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from ..formats.recordings import Body, Moment, Pose, Simulated
-from ..formats.scenes import Scene, scene_of
+from ..formats.scenes import Scene, portable, scene_of
 from ..interpreter.running import DEFAULT_FUEL, Chooser, Witness, drive
+from ..interpreter.streams import simulator_seed
+from ..maps.network import Network
 from ..semantics.dynamics.invocations import doing
 from ..semantics.dynamics.policy import after_one_step, begin, policy
 from ..semantics.kernel.config import Config, State
@@ -20,8 +22,16 @@ from ..semantics.kernel.errors import RunError, SimulatorError
 from ..semantics.kernel.outcome import Act, Done, Finish, Next, Outcome, Requirement, Stuck
 from ..semantics.kernel.simulation import line_of, satisfied, simulation_of
 from ..semantics.kernel.values import Instance, plain
+from ..semantics.programs import ego_of
+from ..semantics.scenes.default_requirements import workspace_of
 from ..semantics.syntax.nodes import NOWHERE, Span
-from .protocol import Simulator, check_usable, guarded, in_use, read_pose, step_of
+from .protocol import RejectRun, Simulator, Surroundings, check_usable, guarded, in_use, read_pose, step_of
+from .worlds.driving import MAP
+
+OF_SIMULATOR = "simulator"
+"""The kind of what a run fails that a simulator rejects: no condition of the program."""
+TERMINATED, LIMIT, ENDED = "terminated", "time limit", "ended by the simulator"
+"""The results of a simulation."""
 
 
 class Failed(NamedTuple):
@@ -36,11 +46,19 @@ class Failed(NamedTuple):
         return "in the scene" if self.step is None else f"in time step {self.step}"
 
 
+def rejected(problem: RejectRun, step: int) -> Failed:
+    """A run that the simulator rejects, in a time step."""
+    return Failed(Requirement(OF_SIMULATOR, NOWHERE, f"the simulator rejected the run: {problem.reason}"), step)
+
+
 def simulate_once(
     config: Config, choose: Chooser, simulator: Simulator, steps: int, *, seed: int = 0, index: int = 0, attempt: int = 0,
-    fuel: int = DEFAULT_FUEL, witness: Witness | None = None,
+    tried: int | None = None, fuel: int = DEFAULT_FUEL, witness: Witness | None = None,
 ) -> Simulated | Failed:  # fmt: skip
-    """One run: a scene, then at most `steps` time steps. Raises the program's error, `SimulatorError` for the simulator's, and `UsageError`."""
+    """One run: a scene, then at most `steps` time steps. Raises the program's error, `SimulatorError` for the simulator's, and `UsageError`.
+
+    `attempt` is the scene's, `tried` that of the simulation, from which the simulator's seed follows; they differ where a scene is kept.
+    """
     check_usable(simulator)
     generated, _ = drive(config, choose, fuel=fuel, witness=witness)
     if isinstance(generated, Stuck):
@@ -48,13 +66,17 @@ def simulate_once(
     assert isinstance(generated, Done)
     scene = scene_of(generated.state, seed, index, attempt + 1, simulated=True)
     with in_use(simulator):
-        return simulated(scene, generated.state, choose, simulator, steps, fuel, witness)
+        chance = simulator_seed(seed, index, attempt if tried is None else tried)
+        return simulated(scene, generated.state, choose, simulator, steps, chance, fuel, witness)
 
 
 def simulated(
-    scene: Scene, generated: State, choose: Chooser, simulator: Simulator, steps: int, fuel: int, witness: Witness | None
+    scene: Scene, generated: State, choose: Chooser, simulator: Simulator, steps: int, chance: int, fuel: int, witness: Witness | None
 ) -> Simulated | Failed:
-    """The time steps of a scene: in the last one, after `steps` of them, the time limit ends the scenario if nothing else does."""
+    """The time steps of a scene: in the last one, after `steps` of them, the time limit ends the scenario if nothing else does.
+
+    The simulator, whose seed is `chance`, may end it as well: the policy then finds that in the next time step, as it does the time limit.
+    """
     state = begin(generated, simulator.timestep, simulator.properties)
     moments: list[Moment] = []
     told: list[str] = []
@@ -62,11 +84,15 @@ def simulated(
     held: set[int] = set()
     first = len(state.scene)
     made = new_bodies(state, 0)
-    guarded(simulator.create, made)
+    try:
+        create(simulator, made, state, chance)
+    except RejectRun as problem:
+        return rejected(problem, 0)
     limit = "1 time step has passed" if steps == 1 else f"{steps:,} time steps have passed"
+    ended = ""
     for number in range(steps + 1):
         told.clear()
-        outcome, _ = drive(policy(state, limit if number == steps else ""), choose, fuel=fuel, witness=witness)
+        outcome, _ = drive(policy(state, ended or (limit if number == steps else "")), choose, fuel=fuel, witness=witness)
         if isinstance(outcome, Stuck):
             return Failed(outcome.requirement, number)
         now = satisfied(outcome.state)  # type: ignore[union-attr]
@@ -76,20 +102,24 @@ def simulated(
             made += new_bodies(outcome.state, len(made))
             moments.append(Moment(number, poses(outcome.state, simulator), {}, tuple(told)))
             recorded = simulation_of(outcome.state).recorded
-            result = "terminated" if simulation_of(outcome.state).flag else "time limit"
+            result = TERMINATED if simulation_of(outcome.state).flag else ENDED if ended else LIMIT
             return Simulated(scene, tuple(moments), result, outcome.reason, simulator.timestep, tuple(made[first:]), recorded)
         assert isinstance(outcome, Act)
         state = outcome.state
-        made += create_new(simulator, state, len(made))
         ids = {instance.number: k for k, instance in enumerate(state.scene)}
         actions = {ids[n]: taken for n, taken in outcome.actions.items()}
-        check_actions(simulator, state, actions)
         before = poses(state, simulator)
-        events = step_of(simulator, actions)
+        try:
+            made += create_new(simulator, state, len(made), chance)
+            check_actions(simulator, state, actions)
+            events, ended = step_of(simulator, actions)
+            after = read_back(simulator, state)
+        except RejectRun as problem:
+            return rejected(problem, number)
         agents = simulation_of(state).agents
         doings = {ids[n]: text for n, agent in agents.items() if (text := doing(agent))}
         moments.append(Moment(number, before, actions, (*told, *events), doings))
-        state = after_one_step(read_back(simulator, state))
+        state = after_one_step(after)
     raise AssertionError("the policy ends at the time limit")
 
 
@@ -124,12 +154,27 @@ def listening(told: list[str], witness: Witness | None, file: str | None) -> Wit
 # Between the machine and the simulator
 
 
-def create_new(simulator: Simulator, state: State, known: int) -> list[Body]:
-    """Give the simulator the objects from number `known` on, and return them."""
+def create_new(simulator: Simulator, state: State, known: int, chance: int) -> list[Body]:
+    """Give the simulator, whose seed is `chance`, the objects from number `known` on, and return them. Raises `SimulatorError`, `RejectRun`."""
     new = new_bodies(state, known)
     if new:
-        guarded(simulator.create, new)
+        create(simulator, new, state, chance)
     return new
+
+
+def create(simulator: Simulator, bodies: list[Body], state: State, chance: int) -> None:
+    """Give the simulator new objects, and what surrounds them. Raises `SimulatorError`, `RejectRun`."""
+    guarded(simulator.create, bodies, surroundings(simulator, state, chance), may=(RejectRun,))
+
+
+def surroundings(simulator: Simulator, state: State, chance: int) -> Surroundings:
+    """What a simulator is told beside the objects."""
+    ego = ego_of(state, simulated=True)
+    number = None if ego is None else next(k for k, instance in enumerate(state.scene) if instance.number == ego.number)
+    module = state.settings.library.get(MAP)
+    network = module.get("network") if isinstance(module, Mapping) else None
+    params = MappingProxyType({name: portable(value) for name, value in state.params.items()})
+    return Surroundings(params, number, chance, simulator.timestep, network if isinstance(network, Network) else None, workspace_of(state))
 
 
 def new_bodies(state: State, known: int) -> list[Body]:

@@ -5,17 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from ..formats.recordings import Body, Pose
+from .protocol import Surroundings
 
 
 class Still:
     """Nothing moves. `timestep` is in seconds."""
 
     properties: frozenset[str] = frozenset()
+    random = False
 
     def __init__(self, timestep: float = 1.0) -> None:
         self.timestep = timestep
 
-    def create(self, bodies: Sequence[Body]) -> None:
+    def create(self, bodies: Sequence[Body], scene: Surroundings) -> None:
         """Objects stay where they are."""
 
     def check(self, body: Body, action: object) -> str | None:

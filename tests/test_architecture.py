@@ -37,7 +37,8 @@ ONLY_IN = {
     },
     "PIL": {"formats/movies.py"}, "pyarrow": {"formats/tables.py"},
     "distributed": {"inference/batch/jobs/blocks.py"}, "hypothesis": {"conformance/programs/strategies.py"},
-    "pymunk": {"simulators/physics.py"}, "arviz": {"formats/chains.py"}, "pyro": {"inference/with_pyro.py"},
+    "pymunk": {"simulators/physics.py"}, "sumo": {"simulators/traffic.py"}, "traci": {"simulators/traffic.py"},
+    "arviz": {"formats/chains.py"}, "pyro": {"inference/with_pyro.py"},
     "torch": {"inference/with_pyro.py", *(f"inference/batch/tensors/{name}.py" for name in TENSORS)},
     "numba": {"inference/batch/compile/kernels.py"}, "llvmlite": {"inference/batch/compile/kernels.py"},
 }

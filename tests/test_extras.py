@@ -30,7 +30,8 @@ def afresh(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_the_table_of_extras_is_that_of_the_package():
     extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
-    ours = {package.split(">")[0].removesuffix("-ppl"): name for name in EXTRAS.values() for package in extras[name] if "[" not in package}
+    packages = ((package.split(">")[0], name) for name in EXTRAS.values() for package in extras[name] if "[" not in package)
+    ours = {package.removesuffix("-ppl").removeprefix("eclipse-"): name for package, name in packages}
     assert ours == EXTRAS
     assert set(extras) == {*EXTRAS.values(), "test", "style", "docs", "all"}
 
@@ -67,7 +68,9 @@ def test_a_fault_of_ours_is_not_taken_for_a_missing_package(afresh, monkeypatch)
 @pytest.mark.parametrize(
     ("package", "use"),
     [
-        ("pymunk", lambda place: by_name("pymunk")), ("pyarrow", lambda place: open_table(place / "x.parquet")),
+        ("pymunk", lambda place: by_name("pymunk")), ("sumo", lambda place: by_name("sumo")),
+        pytest.param("traci", lambda place: by_name("sumo"), marks=pytest.mark.extra("sumo")),
+        ("pyarrow", lambda place: open_table(place / "x.parquet")),
         ("pyro", lambda place: scenic_ref.loads("ego = Object").pyro_model()), ("pyro", lambda place: scenic_ref.loads("ego = Object").pyro_kernel()),
         ("torch", lambda place: scenic_ref.loads("ego = Object").on_device("cpu")),
         ("torch", lambda place: scenic_ref.loads("ego = Object").margins()),

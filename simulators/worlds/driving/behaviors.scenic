@@ -119,3 +119,9 @@ behavior TurnLeftBehavior():
     require len(left) > 0
     maneuver = Uniform(*left)
     do TurnBehavior([lane, maneuver.connectingLane, maneuver.endLane]) until self in maneuver.endLane
+
+# A driver of the simulator's (`--simulator sumo`), until SetAutopilotAction(False).
+behavior AutopilotBehavior():
+    take SetAutopilotAction(True)
+    while True:
+        wait

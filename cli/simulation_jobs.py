@@ -1,0 +1,125 @@
+"""Simulations one after the other, by this process or by several: results come in their order, whatever the number of processes."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Callable, Generator
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from ..formats.recordings import to_line
+from ..formats.replay_pages import land_below
+from ..inference.batch.jobs.blocks import Workers
+from ..inference.simulation import SampledRun
+from ..semantics.kernel.driving import Witness
+from ..semantics.kernel.errors import InternalError, ScenicError
+from ..simulators import by_name
+from ..simulators.protocol import Simulator
+from ..simulators.simulating import Failed
+from .drawing import Drawing, drawing_of, listen
+from .options import Source
+from .workers import LARGEST_CHUNK, FailedDraw, failed
+
+
+class SimulationJob(NamedTuple):
+    """Simulations `start` to `stop - 1` of `seed`, for one process, where the first of all is `begun`.
+
+    Lines of JSON are only made if they are `wanted`, and the land below the objects for the first ones, as many as are `shown` on a page.
+    """
+
+    source: Source
+    seed: int
+    begun: int
+    start: int
+    stop: int
+    max_attempts: int
+    simulator: str
+    timestep: float | None
+    steps: int
+    wanted: bool = True
+    shown: int = 0
+
+
+@dataclass(frozen=True)
+class ReportedRun:
+    """A simulation as its line of JSON ("" if none was wanted) and in a few words, what failed in other attempts, what the accepted one printed.
+
+    `land` is what lies below the objects, for a page (`formats.replay_pages`); `run` the simulation itself, in the process that ran it.
+    """
+
+    index: int
+    attempts: int
+    line: str
+    told: str
+    stuck: Counter[Failed]
+    printed: tuple[str, ...]
+    land: list[object] | None
+    run: SampledRun | None
+
+    def __reduce__(self) -> tuple[Callable[..., ReportedRun], tuple[object, ...]]:
+        """For another process."""
+        return ReportedRun, (self.index, self.attempts, self.line, self.told, self.stuck, self.printed, self.land, None)
+
+
+class Listeners(NamedTuple):
+    """Who is told of each attempt as it fails: how many did so far, and how."""
+
+    attempt: Callable[[int], None] | None = None
+    failed: Callable[[Failed], None] | None = None
+
+
+def reported(run: SampledRun, wanted: bool, printed: tuple[str, ...] = (), *, shown: bool) -> ReportedRun:
+    """A simulation that has ended, and whether it is shown on a page. Raises `InternalError` for numbers that JSON does not have."""
+    simulation = run.simulation
+    index, steps = simulation.scene.index, len(simulation.moments) - 1
+    told = f"simulation {index}: {simulation.result} after {steps:,} time steps ({steps * simulation.timestep:g} s): {simulation.reason}"
+    try:
+        line = to_line(simulation, run.attempts) if wanted else ""
+    except ValueError as problem:
+        raise InternalError(f"simulation {index} cannot be written: {problem}") from None
+    land = land_below(simulation.scene.workspace, json.loads(line)) if shown and line else None
+    return ReportedRun(index, run.attempts, line, told, run.stuck, printed, land, run)
+
+
+NOBODY = Listeners()
+
+
+def simulate_here(drawing: Drawing, job: SimulationJob, simulator: Simulator, tell: Listeners = NOBODY) -> Generator[ReportedRun | FailedDraw]:
+    """The simulations of a job, in this process; an error is the last."""
+    printed: list[str] = []
+
+    def listening(attempt: int) -> Witness:
+        printed.clear()
+        return lambda outcome, drawn: listen(outcome, printed)
+
+    for index in range(job.start, job.stop):
+        printed.clear()
+        try:
+            run = drawing.scenario.simulate(
+                simulator, job.steps, job.seed, index, max_attempts=job.max_attempts, on_attempt=tell.attempt, on_failed=tell.failed,
+                witnessed=listening if drawing.prints else None,
+            )  # fmt: skip
+            found = reported(run, job.wanted, tuple(printed), shown=index < job.begun + job.shown)
+        except ScenicError as error:
+            yield failed(error, printed)
+            return
+        yield found
+
+
+def simulation_work(job: SimulationJob) -> list[ReportedRun | FailedDraw]:
+    """The simulations of a job; an error is the last."""
+    try:
+        return list(simulate_here(drawing_of(job.source), job, by_name(job.simulator, job.timestep)))
+    except ScenicError as error:
+        return [failed(error, [])]
+
+
+def simulated_by(workers: AbstractContextManager[Workers], job: SimulationJob, count: int) -> Generator[ReportedRun | FailedDraw]:
+    """The simulations of a job, by about `count` processes."""
+    chunk = max(1, min(LARGEST_CHUNK, (job.stop - job.start) // (4 * count)))
+    jobs = (job._replace(start=start, stop=min(start + chunk, job.stop)) for start in range(job.start, job.stop, chunk))
+    with workers as several:
+        for found in several.draw(simulation_work, jobs):
+            yield from found

@@ -1,0 +1,83 @@
+"""`simulate --workers K`: the same bytes as those of one process, and the same ends."""
+
+from __future__ import annotations
+
+import json
+import signal
+import sys
+
+import pytest
+
+PROGRAM = """
+workspace = Workspace(RectangularRegion((0, 0), 0, 60, 60))
+behavior B():
+    while True:
+        x = Range(0, 1)
+        print(simulation.currentTime, x)
+        take x
+        require x < 0.9
+ego = Object at (Range(0, 1), 0), with behavior B
+Object at (Range(5, 6), 0), with velocity (1, 0)
+"""
+FAILS = "behavior B():\n    take 1 / (Uniform(0, 1, 1, 1, 1, 1, 1, 1) + 0)\nego = Object at (0, 0), with behavior B"
+
+
+@pytest.mark.parametrize("count", [1, 7])
+def test_output_page_animation_and_report_are_those_of_one_process(ask, tmp_path, count):
+    (tmp_path / "p.scenic").write_text(PROGRAM)
+    told = []
+    for workers in (1, 3):
+        names = [f"{workers}.{ending}" for ending in ("jsonl", "html", "gif")]
+        done = ask("simulate", "p.scenic", "-n", count, "--steps", 6, "--workers", workers, "-o", names[0], "--html", names[1], "--gif", names[2])
+        assert done.code == 0, done.err
+        told.append([line.replace(f"{workers}.gif", "gif") for line in done.err.splitlines() if " of seed " not in line])
+        told[-1] += [line.rpartition(",")[0] for line in done.err.splitlines() if " of seed " in line]
+    assert told[0] == told[1]
+    assert "stuck attempt" in "".join(told[0])
+    for ending in ("jsonl", "html", "gif"):
+        assert (tmp_path / f"1.{ending}").read_bytes() == (tmp_path / f"3.{ending}").read_bytes()
+    assert [json.loads(line)["run"] for line in (tmp_path / "3.jsonl").read_text().splitlines()] == list(range(count))
+
+
+def test_an_error_comes_after_the_simulations_before_it(ask, tmp_path):
+    (tmp_path / "p.scenic").write_text(FAILS)
+    found = []
+    for workers in (1, 2):
+        done = ask("simulate", "p.scenic", "-n", 60, "--steps", 1, "--workers", workers, "-o", "runs.jsonl")
+        assert done.code == 1
+        assert "ZeroDivisionError" in done.err
+        found.append((tmp_path / "runs.jsonl").read_text())
+    assert found[0] == found[1]
+    assert found[0].count("\n") > 0
+
+
+def test_exhausted_attempts_are_told_as_by_one_process(ask, tmp_path):
+    (tmp_path / "p.scenic").write_text("ego = Object at (Range(0, 1), 0)\nrequire always simulation.currentTime < 2\n")
+    one, two = (ask("simulate", "p.scenic", "-n", 3, "--max-attempts", 5, "--workers", workers, "-o", "runs.jsonl") for workers in (1, 2))
+    assert one.code == two.code == 3
+    assert one.err == two.err
+    assert "no simulation in 5 attempts" in one.err
+
+
+def test_one_process_replays(ask, tmp_path):
+    (tmp_path / "p.scenic").write_text(PROGRAM)
+    done = ask("simulate", "p.scenic", "--replay", "runs.jsonl", "--workers", 2)
+    assert done.code == 2
+    assert "--workers cannot be given with --replay" in done.err
+
+
+def test_an_interrupt_leaves_whole_simulations_and_no_process(tmp_path, start):
+    (tmp_path / "p.scenic").write_text(PROGRAM.replace("        print(simulation.currentTime, x)\n", ""))
+    command = [sys.executable, "-m", "scenic_ref", "simulate", "p.scenic", "-n", "1000000", "--steps", "9", "--workers", "2", "-o", "runs.jsonl"]
+    path = tmp_path / "runs.jsonl"
+    with start(command) as process:
+        process.until(lambda: path.exists() and path.read_bytes().count(b"\n") >= 3)
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate()
+    assert (process.returncode, out) == (130, "")
+    assert "written as whole lines" in err.splitlines()[-1]
+    assert "Traceback" not in err
+    data = path.read_bytes()
+    assert data.endswith(b"\n")
+    runs = [json.loads(line)["run"] for line in data.splitlines()]
+    assert runs == list(range(len(runs)))
