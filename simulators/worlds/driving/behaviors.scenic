@@ -4,6 +4,7 @@ from scenic.domains.driving.map import network
 from scenic.domains.driving.roads import *
 from scenic.domains.driving.actions import *
 from scenic.domains.driving.paths import Trajectory
+from scenic.domains.driving.lights import *
 
 roadOrShoulder = network.roadOrShoulder
 
@@ -112,6 +113,30 @@ behavior GetBackOntoRoad():
     path = Trajectory([nearest])
     while not (self in roadOrShoulder):
         take following(self, path, path.along(self.position), 3)
+
+# To the line before the traffic light of the lane (or as near to it as one can still brake), and there until it is green.
+behavior WaitForTrafficLightBehavior(target_speed=10):
+    lane = self.lane
+    light = lane._trafficLight
+    path = Trajectory([lane])
+    place = path.along(self.position)
+    while light is not None and getTrafficLightStatus(light) != 'green':
+        left = light.stopLine(lane) - place - self.length / 2 - 1
+        take following(self, path, place, min(target_speed, (4 * max(0, left)) ** 0.5))
+        place = path.along(self.position, place)
+
+# Along the lane, waiting at traffic lights that are not green; who can no more stop before the line with a strong brake drives on.
+behavior FollowLaneObeyingTrafficLights(target_speed=10):
+    try:
+        do FollowLaneBehavior(target_speed)
+    interrupt when withinDistanceToRedYellowTrafficLight(self, 6 + self.speed * self.speed / 4) and canStop(self):
+        do WaitForTrafficLightBehavior(target_speed)
+
+# Whether a vehicle can still stop before the light of its lane.
+def canStop(vehicle):
+    lane = vehicle._lane
+    left = lane._trafficLight.stopLine(lane) - Trajectory([lane]).along(vehicle.position) - vehicle.length / 2
+    return left > vehicle.speed * vehicle.speed / 10
 
 behavior TurnLeftBehavior():
     lane = self.lane
