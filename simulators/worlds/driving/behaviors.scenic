@@ -6,6 +6,7 @@ from scenic.domains.driving.actions import *
 from scenic.domains.driving.paths import Trajectory
 from scenic.domains.driving.lights import *
 
+road = network.drivableRegion
 roadOrShoulder = network.roadOrShoulder
 
 # The actions that keep a vehicle on a path, `place` metres along it, at a speed; it slows down before bends.
@@ -86,6 +87,15 @@ behavior WalkForwardBehavior(speed=0.5):
     while True:
         take SetWalkingDirectionAction(self.heading), SetWalkingSpeedAction(speed)
 
+# Along the sidewalk to its end.
+behavior WalkAlongSidewalkBehavior(speed=1.4):
+    path = Trajectory([network.sidewalkAt(self.position, reject='the pedestrian is not on a sidewalk')])
+    place = path.along(self.position)
+    while place < path.length - 1:
+        take SetWalkingDirectionAction(angle from self to path.point(place + 2)), SetWalkingSpeedAction(speed)
+        place = path.along(self.position, place)
+    take SetWalkingSpeedAction(0)
+
 # A pedestrian who begins to walk when another object comes near.
 behavior CrossingBehavior(reference_actor, min_speed=1, threshold=10, final_speed=None):
     while (distance from self to reference_actor) > threshold:
@@ -108,10 +118,11 @@ behavior CollisionAvoidance():
     do StopBehavior() until self.timeToCollision() > 5 or self.speed < 0.1
     take SetThrottleAction(0), SetBrakeAction(1)
 
+# Along the nearest lane, slowly, until all of the vehicle is on the road.
 behavior GetBackOntoRoad():
     nearest = min(network.lanes, key=lambda lane: lane.distance_to(self.position))
     path = Trajectory([nearest])
-    while not (self in roadOrShoulder):
+    while not (self in road):
         take following(self, path, path.along(self.position), 3)
 
 # To the line before the traffic light of the lane (or as near to it as one can still brake), and there until it is green.

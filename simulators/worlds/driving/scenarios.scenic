@@ -18,22 +18,27 @@ def redWays(vehicle, seconds=5):
     ways = [m for m in own[0].conflictingManeuvers if m.type is ManeuverType.STRAIGHT] if len(own) > 0 else []
     return [m for m in ways if m.startLane._trafficLight is not None and staysRed(m.startLane._trafficLight, seconds)]
 
-# A driver who closes up to the car ahead and falls back again.
+# A driver who closes up to the car ahead, then falls back and keeps away.
 behavior CloseUpAndFallBack(leader, speed=10):
     try:
-        while True:
-            do FollowLaneBehavior(speed) until (distance from self to leader) < 9
-            do FollowLaneBehavior(3) until (distance from self to leader) > 20
+        do FollowLaneBehavior(speed) until (distance from self to leader) < 9
+        do FollowLaneBehavior(2) until (distance from self to leader) > 20
+        do DriveAvoidingCollisions(leader.speed, 10)
     interrupt when self.timeToCollision() < 1 or self.distanceToNextObstacle() < 2:
         take SetThrottleAction(0), SetBrakeAction(1)
+
+# A parked vehicle leaves the shoulder for a lane of its road.
+behavior PullOutBehavior(lane, target_speed=8):
+    do LaneChangeBehavior(lane.sections[0], False, target_speed)
+    do FollowLaneBehavior(target_speed)
 
 # A pedestrian waits until a vehicle comes near, and walks to the other side.
 behavior CrossInFrontOf(vehicle, other, speed, threshold):
     do CrossingBehavior(vehicle, speed, threshold) until (distance from self to other) < 0.5
     take SetWalkingSpeedAction(0)
 
-# Ego follows a car, sometimes closer, sometimes farther.
-scenario FollowingScenario(gap=20, speed=6):
+# Ego follows a car, too closely at first.
+scenario FollowingScenario(gap=20, speed=5):
     setup:
         leadCar = Car at beside(ego.lane, ego, gap), with behavior FollowLaneBehavior(speed)
         override ego with behavior CloseUpAndFallBack(leadCar)
