@@ -10,4 +10,4 @@ behavior ApproachAndTurnLeft():
     do TurnLeftBehavior()
 
 lane = Uniform(*network.intersections[4].incomingLanes)
-ego = Car at lane.centerline.pointAlongBy(Range(50, 80)), with behavior ApproachAndTurnLeft
+ego = Car at lane.centerline.pointAlongBy(Range(84, 86)), with behavior ApproachAndTurnLeft

@@ -2,9 +2,9 @@
 model scenic.domains.driving.model
 
 ways = network.intersections[4].incomingLanes
-carA = Car at ways[0].centerline.pointAlongBy(Range(40, 80)), with behavior FollowLaneObeyingTrafficLights
-carB = Car at ways[Uniform(1, 2)].centerline.pointAlongBy(Range(40, 80)), with behavior FollowLaneObeyingTrafficLights
-carC = Car at ways[Uniform(1, 2, 3)].centerline.pointAlongBy(Range(40, 80)), with behavior FollowLaneObeyingTrafficLights
+carA = Car at ways[2].centerline.pointAlongBy(Range(2, 20)), with behavior FollowLaneObeyingTrafficLights(8)
+carB = Car at ways[3].centerline.pointAlongBy(Range(2, 40)), with behavior FollowLaneObeyingTrafficLights(8)
+carC = Car at ways[0].centerline.pointAlongBy(Range(2, 40)), with behavior FollowLaneObeyingTrafficLights(8)
 ego = carC
 
 monitor CarCEntersLast:

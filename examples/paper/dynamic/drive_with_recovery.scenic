@@ -1,19 +1,18 @@
 # Section "Dynamic Scenarios", "Preconditions and Invariants": an invariant, and the exception that tells of its violation.
 model scenic.domains.driving.model
 
-# Lane following that is slow enough to evade.
-laneFollowing = FollowLaneBehavior
-
 behavior FollowLaneBehavior():
     invariant: self in road
-    do laneFollowing(4)
+    lane = Trajectory([self.lane])
+    while True:
+        take following(self, lane, lane.along(self.position), 4)
 
 # A swerve onto the shoulder.
 behavior CollisionAvoidance():
-    for i in range(12):
-        take SetThrottleAction(0.1), SetBrakeAction(0), SetSteerAction(0.35)
-    for i in range(8):
-        take SetSteerAction(-0.35)
+    while self in road:
+        take SetThrottleAction(0.1), SetBrakeAction(0), SetSteerAction(0.3)
+    for i in range(6):
+        take SetSteerAction(0)
 
 behavior Drive():
     while True:

@@ -15,6 +15,10 @@ def following(car, path, place, speed):
     steer = path.steering(car.position, car.heading, car.speed, car.length, place)
     return (SetThrottleAction(max(0, min(1, error / 2))), SetBrakeAction(max(0, min(1, -error / 3))), SetSteerAction(steer))
 
+# The speed from which one comes to rest softly in so many metres.
+def stopping(metres):
+    return (4 * max(0, metres)) ** 0.5
+
 # How lanes go on: straight, if they can.
 def onward(lane):
     straight = [m for m in lane.maneuvers if m.type is ManeuverType.STRAIGHT]
@@ -60,7 +64,7 @@ behavior FollowLaneBehavior(target_speed=10, laneToFollow=None, is_oppositeTraff
     path = Trajectory([lane], is_oppositeTraffic)
     place = path.along(self.position)
     while place < path.length - 5:
-        take following(self, path, place, target_speed)
+        take following(self, path, place, min(target_speed, stopping(path.length - 3 - place)))
         place = path.along(self.position, place)
     do StopBehavior()
 
@@ -133,7 +137,7 @@ behavior WaitForTrafficLightBehavior(target_speed=10):
     place = path.along(self.position)
     while light is not None and getTrafficLightStatus(light) != 'green':
         left = light.stopLine(lane) - place - self.length / 2 - 1
-        take following(self, path, place, min(target_speed, (4 * max(0, left)) ** 0.5))
+        take following(self, path, place, min(target_speed, stopping(left)))
         place = path.along(self.position, place)
 
 # Along the lane, waiting at traffic lights that are not green; who can no more stop before the line with a strong brake drives on.
@@ -149,9 +153,11 @@ def canStop(vehicle):
     left = lane._trafficLight.stopLine(lane) - Trajectory([lane]).along(vehicle.position) - vehicle.length / 2
     return left > vehicle.speed * vehicle.speed / 10
 
+# Left through the next intersection, until the vehicle is straight in the lane there.
 behavior TurnLeftBehavior():
     lane = self.lane
     left = [m for m in lane.maneuvers if m.type is ManeuverType.LEFT_TURN]
     require len(left) > 0
     maneuver = Uniform(*left)
-    do TurnBehavior([lane, maneuver.connectingLane, maneuver.endLane]) until self in maneuver.endLane
+    do TurnBehavior([lane, maneuver.connectingLane, maneuver.endLane.centerline.pointAlongBy(12)])
+    take SetSteerAction(0)
