@@ -6,9 +6,10 @@ from dataclasses import replace
 from itertools import combinations
 
 import pytest
-from .listed import FOLDER, LISTINGS, PROGRAMS, SIMULATORS, boxes, simulated
 from scenic_ref.conformance.listings import Origin, completed
 from scenic_ref.maps.making import made
+
+from .listed import FOLDER, LISTINGS, PROGRAMS, SIMULATORS, boxes, simulated
 
 BY_FILE = {program.file: program for program in PROGRAMS}
 LONG = {"random_selection.scenic", "stop_after_time_in_intersection.scenic", "drive_with_random_stops.scenic", "car_c_enters_last.scenic"}

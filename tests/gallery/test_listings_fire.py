@@ -52,7 +52,7 @@ def test_the_simplified_behavior_finds_its_lane(simulator: str) -> None:
         run, _ = simulated("simplified_lane_following.scenic", simulator, seed)
         assert off_lanes(avenue(), place(run.moments[-1])) < 0.1
         assert 7 < speed(run.moments[-1]) < 9
-        assert [type(action) for action in run.moments[5].actions[0]][0] is SetThrottleAction
+        assert type(run.moments[5].actions[0][0]) is SetThrottleAction
 
 
 @both_simulators
@@ -88,7 +88,7 @@ def test_braking_for_a_pedestrian_is_random_each_time(simulator: str) -> None:
         free = [far for far, action in taken if isinstance(action, SetThrottleAction)]
         assert len({brake for _, brake in brakes}) == len(brakes) > 3
         assert all(0.5 <= brake <= 1 for _, brake in brakes)
-        assert 4 <= min(free) and max(far for far, _ in brakes) < min(7.0, min(free))
+        assert min(free) >= 4 and max(far for far, _ in brakes) < min(7.0, min(free))
         assert speed(run.moments[-1]) > 2
         nearest.append(min(free))
         farthest.append(max(far for far, _ in brakes))
@@ -137,7 +137,7 @@ def test_the_car_waits_at_the_light_and_turns_left(simulator: str) -> None:
         [abort] = fires(run, "abort", "approach_and_turn_left.scenic", "abort    #")
         assert inter.polygon.distance(Point(*place(run.moments[abort]))) < 10 <= inter.polygon.distance(Point(*place(run.moments[abort - 1])))
         enters = next(moment.step for moment in run.moments if inter.contains_point(place(moment)))
-        leaves = [step for step, names in doing(run) if "TurnLeftBehavior" in names][0]
+        leaves = next(step for step, names in doing(run) if "TurnLeftBehavior" in names)
         assert lane.trafficLight.stateAt(leaves * 0.1) == "green"
         for moment in run.moments[abort:leaves]:
             assert lane.trafficLight.stateAt(moment.step * 0.1) != "green"

@@ -70,7 +70,7 @@ scenario ParkedCar(gap=0.25):
         parkedCar = Car left of spot by gap
         terminate when (distance past parkedCar) > 10
 
-# One of some scenarios, by a place: less than 50 m from traffic lights the first, elsewhere one of the others.
+# One of some scenarios, by a place: less than 30 m from traffic lights the first, elsewhere one of the others.
 def pickNextScenario(position, scenarios):
-    near = [i for i in network.intersections if i.isSignalized and (distance from position to i) < 50]
+    near = [i for i in network.intersections if i.isSignalized and (distance from position to i) < 30]
     return scenarios[0]() if len(near) > 0 else Uniform(*scenarios[1:])()
