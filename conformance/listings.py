@@ -63,8 +63,9 @@ def read_manifest(folder: Path) -> tuple[dict[str, PrintedListing], list[Complet
     """The listings by name, and the programs, of a folder. Raises `OSError`, `tomllib.TOMLDecodeError`, `TypeError` for unknown keys."""
     data = tomllib.loads((folder / "manifest.toml").read_text(encoding="utf-8"))
     listings = [PrintedListing(**entry) for entry in data["listing"]]
-    lists = ("listings", "shown")
-    programs = [CompletedProgram(**{k: tuple(v) if k in lists else v for k, v in entry.items()}) for entry in data["program"]]
+    programs = [
+        CompletedProgram(listings=tuple(entry.pop("listings")), shown=tuple(entry.pop("shown", ())), **entry) for entry in data["program"]
+    ]  # fmt: skip
     return {listing.name: listing for listing in listings}, programs
 
 

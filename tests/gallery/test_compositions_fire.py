@@ -79,7 +79,7 @@ def test_a_car_is_parked_when_ego_is_past_the_last_one(simulator: str) -> None:
 
 @both_simulators
 def test_the_override_lasts_as_long_as_the_scenario(simulator: str) -> None:
-    for seed in range(3):
+    for seed in range(2):
         run, _ = simulated("pulling_ahead.scenic", simulator, seed)
         begin, end = created(run)[1], next(m.step for m in run.moments if any("termination condition" in event for event in m.events))
         near = [m.step for m in run.moments[1:] if apart(m, 0, 1) < 10]
@@ -144,26 +144,46 @@ def test_the_runner_enters_while_its_light_is_red(simulator: str) -> None:
         assert lane.trafficLight.stateAt(enters * 0.1) == "red"
 
 
+def only(statement: str) -> str:
+    """The program with one of its three choices alone."""
+    lines = (FOLDER / "random_selection.scenic").read_text("utf-8").splitlines()
+    others = [line for line in lines if line.strip().startswith(("do choose", "do shuffle")) and not line.strip().startswith(f"do {statement}")]
+    return "\n".join(line for line in lines if line not in others) + "\n"
+
+
+@both_simulators
+@pytest.mark.parametrize("statement", ["choose RedLightRunner", "choose {RedLightRunner: 2"])
+def test_each_scenario_is_chosen_in_some_run(statement: str, simulator: str) -> None:
+    scenario = scenic_ref.loads(only(statement))
+    found = [kinds(scenario.simulate(simulator, 1, seed, max_attempts=50).simulation) for seed in range(16)]
+    assert all(len(chosen) == 1 for chosen in found)
+    assert {chosen for [chosen] in found} == {RUNNER, JAYWALKER, PARKED}
+
+
 @pytest.mark.slow
 @both_simulators
-def test_each_choice_chooses_and_the_shuffle_shuffles(simulator: str) -> None:
-    choices: list[set[str]] = [set(), set()]
+def test_the_shuffle_runs_all_in_some_order(simulator: str) -> None:
+    scenario = scenic_ref.loads(only("shuffle"))
     orders = set()
-    for seed in range(10):
-        found = kinds(simulated("random_selection.scenic", simulator, seed)[0])
-        for chosen, kind in zip(choices, found, strict=False):
-            chosen.add(kind)
-        assert len(set(found[2:])) == len(found[2:])  # each at most once
-        if len(found) == 5:
-            orders.add(tuple(found[2:]))
-    assert choices == [{RUNNER, JAYWALKER, PARKED}] * 2
+    for seed in range(4):
+        run = scenario.simulate(simulator, 600, seed, max_attempts=100).simulation
+        assert run.result == "terminated" and sorted(kinds(run)) == [JAYWALKER, PARKED, RUNNER]
+        orders.add(tuple(kinds(run)))
     assert len(orders) > 1
+
+
+@pytest.mark.slow
+@both_simulators
+def test_the_choices_come_one_after_the_other(simulator: str) -> None:
+    for seed in range(2):
+        run, _ = simulated("random_selection.scenic", simulator, seed)
+        assert run.result == "terminated" and sorted(kinds(run)[2:]) == [JAYWALKER, PARKED, RUNNER]
+        ends = [m.step for m in run.moments for event in m.events if "termination condition" in event]
+        assert created(run)[0] == 0 and created(run)[1:] == ends[:4]
 
 
 def test_a_disabled_scenario_is_never_chosen(tmp_path: Path) -> None:
     (tmp_path / "bare.xodr").write_text(made("grid", rows=1, columns=2, shoulders=False, signals=True, crosswalks=True))
-    program = (FOLDER / "random_selection.scenic").read_text("utf-8")
-    lines = [line for line in program.splitlines() if "do shuffle" not in line and "{" not in line]
-    scenario = scenic_ref.loads("param map = localPath('bare.xodr')\n" + "\n".join(lines) + "\n", directory=tmp_path)
-    found = {kinds(scenario.simulate("kinematic", 2, seed, max_attempts=50).simulation)[0] for seed in range(12)}
+    scenario = scenic_ref.loads("param map = localPath('bare.xodr')\n" + only("choose RedLightRunner"), directory=tmp_path)
+    found = {kinds(scenario.simulate("kinematic", 1, seed, max_attempts=50).simulation)[0] for seed in range(12)}
     assert found == {RUNNER, JAYWALKER}

@@ -18,7 +18,8 @@ PERIOD = GREEN + YELLOW + CLEARING
 SIMULATORS = ["kinematic", pytest.param("pymunk", marks=pytest.mark.extra("dynamics"))]
 both_simulators = pytest.mark.parametrize("simulator", SIMULATORS)
 MAPS: dict[str, tuple[str, dict[str, bool | float]]] = {
-    "grid": ("grid", {"rows": 2, "columns": 2}), "one-way": ("grid", {"rows": 2, "columns": 2, "one_way": True}), "crossing": ("crossing", {"lanes": 2}),
+    "grid": ("grid", {"rows": 2, "columns": 2}), "one-way": ("grid", {"rows": 2, "columns": 2, "one_way": True}),
+    "crossing": ("crossing", {"lanes": 2}),
     "three": ("crossing", {"legs": 3}), "t": ("t", {}), "left": ("crossing", {"left_hand": True}), "roundabout": ("roundabout", {}),
     "suburb": ("suburb", {"rows": 2, "columns": 2, "seed": 3}),
 }  # fmt: skip

@@ -2,9 +2,12 @@
 model scenic.domains.driving.model
 from scenic.domains.driving.scenarios import *
 
+# A driver who brakes for others, and has a green light at every intersection.
 behavior DriveCarefully():
     try:
-        do FollowLaneObeyingTrafficLights()
+        do FollowLaneBehavior(8)
+    interrupt when withinDistanceToRedYellowTrafficLight(self, 40):
+        setClosestTrafficLightStatus(self, 'green')
     interrupt when self.distanceToNextObstacle() < 12:
         take SetThrottleAction(0), SetBrakeAction(1)
     interrupt when self.timeToCollision() < 1.5:
@@ -12,7 +15,8 @@ behavior DriveCarefully():
 
 scenario Main():
     setup:
-        ego = Car with behavior DriveCarefully
+        lane = Uniform(*filter(lambda l: l._predecessor is None, network.lanes))
+        ego = Car at lane.centerline.pointAlongBy(Range(5, 40)), with behavior DriveCarefully
     compose:
         do choose RedLightRunner, Jaywalker, ParkedCar
         do choose {RedLightRunner: 2, Jaywalker: 1, ParkedCar: 1}

@@ -2,10 +2,11 @@
 
 from scenic.domains.driving.model import *
 
-# The point beside a vehicle on another element of its road, or so many metres further along the vehicle's lane.
+# The point of another element of its road that is beside a vehicle, or so many metres further along the vehicle's lane; not at the very end.
 def beside(element, vehicle, metres):
     lane, line = Trajectory([vehicle.lane]), Trajectory([element])
-    return line.point(line.along(lane.point(lane.along(vehicle.position) + metres)))
+    place = line.along(lane.point(lane.along(vehicle.position) + metres))
+    return line.point(max(1, min(line.length - 1, place)))
 
 # The place at the curb so many metres ahead of a vehicle.
 def curbAhead(vehicle, metres):
