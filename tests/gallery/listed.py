@@ -19,7 +19,7 @@ from shapely.geometry import Point, Polygon
 
 FOLDER = Path(__file__).parents[2] / "examples" / "paper" / "dynamic"
 LISTINGS, PROGRAMS = read_manifest(FOLDER)
-SIMULATORS = ["kinematic", pytest.param("pymunk", marks=pytest.mark.extra("dynamics"))]
+SIMULATORS = ["kinematic", pytest.param("pymunk", marks=[pytest.mark.extra("dynamics"), pytest.mark.slow])]
 
 
 @cache

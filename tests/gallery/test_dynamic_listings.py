@@ -59,7 +59,7 @@ def test_the_long_street_is_one_of_the_writer() -> None:
     assert (FOLDER / "avenue.xodr").read_text("utf-8") == street
 
 
-@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("simulator", SIMULATORS)
 @pytest.mark.parametrize("file", FILES)
 def test_the_program_runs_and_nothing_crashes(file: str, simulator: str, seed: int) -> None:

@@ -15,7 +15,7 @@ from scenic_ref.simulators.worlds.driving import default_network
 from shapely.geometry import Point
 
 PERIOD = GREEN + YELLOW + CLEARING
-SIMULATORS = ["kinematic", pytest.param("pymunk", marks=pytest.mark.extra("dynamics"))]
+SIMULATORS = ["kinematic", pytest.param("pymunk", marks=[pytest.mark.extra("dynamics"), pytest.mark.slow])]
 both_simulators = pytest.mark.parametrize("simulator", SIMULATORS)
 MAPS: dict[str, tuple[str, dict[str, bool | float]]] = {
     "grid": ("grid", {"rows": 2, "columns": 2}), "one-way": ("grid", {"rows": 2, "columns": 2, "one_way": True}),
