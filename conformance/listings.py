@@ -42,7 +42,7 @@ class CompletedProgram:
     readings: Mapping[str, str] = field(default_factory=dict[str, str])
 
 
-class Origin(Enum):
+class LineOrigin(Enum):
     """Where a line of a program comes from."""
 
     PRINTED = " "
@@ -55,7 +55,7 @@ class ProgramLine:
     """A line of a program; `printed` is what it fills, empty unless it does."""
 
     text: str
-    origin: Origin
+    origin: LineOrigin
     printed: str = ""
 
 
@@ -76,7 +76,7 @@ def completed(program: str, listings: Sequence[PrintedListing]) -> list[ProgramL
     between them. A line with `...` has something else in place of it; a line that is nothing else, further lines.
     """
     texts = program.splitlines()
-    found = [ProgramLine(text, Origin.ADDED) for text in texts]
+    found = [ProgramLine(text, LineOrigin.ADDED) for text in texts]
     after = 0
     for listing in listings:
         starts = (start for start in range(after, len(texts)) if placed(listing.lines, texts, start) is not None)
@@ -85,7 +85,7 @@ def completed(program: str, listings: Sequence[PrintedListing]) -> list[ProgramL
             raise ValueError(f"the listing {listing.name} does not stand in the program as it is printed")
         places = placed(listing.lines, texts, start) or []
         for place, line in places:
-            found[place] = ProgramLine(texts[place], Origin.FILLED if HOLE in line else Origin.PRINTED, line if HOLE in line else "")
+            found[place] = ProgramLine(texts[place], LineOrigin.FILLED if HOLE in line else LineOrigin.PRINTED, line if HOLE in line else "")
         after = max(place for place, _ in places) + 1
     return found
 

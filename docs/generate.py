@@ -18,7 +18,7 @@ from scenic_ref.cli.app import EXIT_CODES, app
 from scenic_ref.conformance import load_vectors, results
 from scenic_ref.conformance.fuzzing.judgements import CLASSES_OF_FINDINGS, JudgedFinding, shipped_findings
 from scenic_ref.conformance.known import CLASSES, KnownCause, causes, shipped
-from scenic_ref.conformance.listings import CompletedProgram, Origin, completed, read_manifest
+from scenic_ref.conformance.listings import CompletedProgram, LineOrigin, completed, read_manifest
 from scenic_ref.conformance.pictured import OURS, pictured_scenes
 from scenic_ref.conformance.reports import shows
 from scenic_ref.conformance.vector import ConformanceVector
@@ -328,7 +328,7 @@ def listings_page() -> str:
         lines += [f"## `{program.file}`", "", paragraph(f"Section {', '.join(names)}. {program.around}"), "", "```diff"]
         for line in completed((LISTINGS / program.file).read_text(encoding="utf-8"), [listings[name] for name in program.listings]):
             lines += [f"- {line.printed}"] if line.printed else []
-            lines.append(f"{'  ' if line.origin is Origin.PRINTED else '+ '}{line.text}".rstrip())
+            lines.append(f"{'  ' if line.origin is LineOrigin.PRINTED else '+ '}{line.text}".rstrip())
         readings = "".join(f" --reading {name}={value}" for name, value in program.readings.items())
         command = f"scenic-ref simulate examples/paper/dynamic/{program.file} --simulator kinematic --steps {program.steps}{readings} --gif run.gif"
         lines += ["```", "", paragraph(f"What happens: {program.fires}"), "", "```console", f"$ {command}", "```", ""]

@@ -6,7 +6,7 @@ from dataclasses import replace
 from itertools import combinations
 
 import pytest
-from scenic_ref.conformance.listings import Origin, completed
+from scenic_ref.conformance.listings import LineOrigin, completed
 from scenic_ref.maps.making import made
 
 from .listed import FOLDER, LISTINGS, PROGRAMS, SIMULATORS, boxes, simulated
@@ -37,10 +37,10 @@ def test_the_listings_stand_in_the_program_as_they_are_printed(file: str) -> Non
     listings = [LISTINGS[name] for name in BY_FILE[file].listings]
     lines = completed(text, listings)
     assert [line.text for line in lines] == text.splitlines()
-    assert sum(line.origin is not Origin.ADDED for line in lines) == sum(len(listing.lines) for listing in listings)
-    assert all(("..." in line.printed) == (line.origin is Origin.FILLED) for line in lines)
+    assert sum(line.origin is not LineOrigin.ADDED for line in lines) == sum(len(listing.lines) for listing in listings)
+    assert all(("..." in line.printed) == (line.origin is LineOrigin.FILLED) for line in lines)
     for number, line in enumerate(lines):  # any change of a line that is not added is noticed
-        if line.origin is Origin.PRINTED:
+        if line.origin is LineOrigin.PRINTED:
             changed = [other.text for other in lines]
             changed[number] = changed[number].replace(line.text.strip(), f"{line.text.strip()}  # more")
             with pytest.raises(ValueError, match="as it is printed"):
@@ -63,7 +63,7 @@ def test_the_long_street_is_one_of_the_writer() -> None:
 @pytest.mark.parametrize("simulator", SIMULATORS)
 @pytest.mark.parametrize("file", FILES)
 def test_the_program_runs_and_nothing_crashes(file: str, simulator: str, seed: int) -> None:
-    run = simulated(file, simulator, seed)[0]
+    run = simulated(file, simulator, BY_FILE[file].seed + seed)[0]
     assert any(moment.actions for moment in run.moments) or file == "parked_cars.scenic"
     for moment in run.moments:
         assert not [event for event in moment.events if "collision" in event]
