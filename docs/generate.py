@@ -6,21 +6,25 @@ import re
 import textwrap
 import tomllib
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from textwrap import dedent
 from typing import cast
 
+import scenic_ref
 import typer
 from scenic_ref.cli.app import EXIT_CODES, app
 from scenic_ref.conformance import load_vectors, results
 from scenic_ref.conformance.fuzzing.judgements import CLASSES_OF_FINDINGS, JudgedFinding, shipped_findings
 from scenic_ref.conformance.known import CLASSES, KnownCause, causes, shipped
+from scenic_ref.conformance.listings import CompletedProgram, LineOrigin, completed, read_manifest
 from scenic_ref.conformance.pictured import OURS, pictured_scenes
 from scenic_ref.conformance.reports import shows
 from scenic_ref.conformance.vector import ConformanceVector
 from scenic_ref.formats.comparisons import side_by_side
 from scenic_ref.formats.map_pictures import map_picture
+from scenic_ref.formats.sheets import contact_sheet
 from scenic_ref.maps import made_map
 from scenic_ref.semantics.kernel import allowed
 from scenic_ref.semantics.readings import PROFILES, READINGS, Reading, always_decided
@@ -30,6 +34,7 @@ from typer.core import TyperCommand, TyperGroup
 
 HERE = Path(__file__).parent / "reference"
 PROOFS = Path(__file__).parents[1] / "proofs"
+LISTINGS = Path(__file__).parents[1] / "examples" / "paper" / "dynamic"
 WIDTH = 100
 """The longest line, but for tables and code."""
 MARK, JOIN = re.compile(r"\s+(?=([-+*>#]+|\d+[.)])(\s|$))"), "\0"
@@ -306,20 +311,56 @@ def finding_lines(name: str, number: int, found: JudgedFinding) -> list[str]:
     return lines
 
 
+def listings_page() -> str:
+    """The dynamic listings of the paper, each with what was added to it that it runs."""
+    about = (
+        "Every listing of the Sections \"Dynamic Scenarios\" and \"Compositional Scenarios\" runs as it is printed, on the road networks of the "
+        "driving library. In each program, lines without a mark are the paper's, those with + were added, and a line with - is one of the "
+        "paper's with `...`, followed by what is in its place. That the programs differ from the paper in nothing else is tested, and so is what "
+        "happens in each, in the simulators `kinematic` and `pymunk`. Pictures show time steps of one simulation, in `kinematic`: ego in red, the "
+        "way that each object has come as a line, traffic lights as dots."
+    )
+    listings, programs = read_manifest(LISTINGS)
+    lines = ["# The paper's dynamic listings", "", paragraph(about), ""]
+    for program in programs:
+        sections = dict.fromkeys(listings[name].section for name in program.listings)
+        names = [f'"{section}"' for section in sections]
+        lines += [f"## `{program.file}`", "", paragraph(f"Section {', '.join(names)}. {program.around}"), "", "```diff"]
+        for line in completed((LISTINGS / program.file).read_text(encoding="utf-8"), [listings[name] for name in program.listings]):
+            lines += [f"- {line.printed}"] if line.printed else []
+            lines.append(f"{'  ' if line.origin is LineOrigin.PRINTED else '+ '}{line.text}".rstrip())
+        readings = "".join(f" --reading {name}={value}" for name, value in program.readings.items())
+        command = f"scenic-ref simulate examples/paper/dynamic/{program.file} --simulator kinematic --steps {program.steps}{readings} --gif run.gif"
+        lines += ["```", "", paragraph(f"What happens: {program.fires}"), "", "```console", f"$ {command}", "```", ""]
+        lines += [f"![time steps of a simulation](listings/{Path(program.file).stem}.png)", ""] if program.shown else []
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def sheet(program: CompletedProgram) -> bytes:
+    """The picture of a program on that page."""
+    scenario = scenic_ref.load(LISTINGS / program.file, readings=program.readings)
+    simulation = scenario.simulate("kinematic", program.steps, program.seed).simulation
+    last = simulation.moments[-1].step
+    return contact_sheet(simulation, [min(step, last) for step in program.shown])
+
+
 def picture_name(name: str, number: int) -> str:
     """The file of a finding's picture."""
     return f"{name.replace(',', '').replace(' ', '-')}-{number}.png"
 
 
-def pictures() -> Iterator[tuple[str, bytes]]:
-    """The pictures of the pages, by their places."""
-    yield "roads/suburb.svg", map_picture(made_map("suburb", signals=True, crosswalks=True), format="svg")
+def pictures() -> Iterator[tuple[str, Callable[[], bytes]]]:
+    """The pictures of the pages: their places, and what draws them."""
+    yield "roads/suburb.svg", lambda: map_picture(made_map("suburb", signals=True, crosswalks=True), format="svg")
+    for program in read_manifest(LISTINGS)[1]:
+        if program.shown:
+            yield f"listings/{Path(program.file).stem}.png", partial(sheet, program)
     for campaign in shipped_findings():
         for number, found in enumerate(campaign.findings, 1):
             if found.here or found.there:
-                yield f"campaigns/{picture_name(campaign.name, number)}", side_by_side({OURS: found.here, campaign.name: found.there})
+                yield f"campaigns/{picture_name(campaign.name, number)}", partial(side_by_side, {OURS: found.here, campaign.name: found.there})
     for vector, sides in pictured_scenes().items():
-        yield f"differences/{vector}.png", side_by_side(sides)
+        yield f"differences/{vector}.png", partial(side_by_side, sides)
 
 
 def outcome(counts: Counter[str]) -> str:
@@ -330,7 +371,7 @@ def outcome(counts: Counter[str]) -> str:
 
 PAGES = {
     "rules.md": rules_page, "proofs.md": proofs_page, "readings.md": readings_page, "commands.md": commands_page, "allowed.md": allowed_page,
-    "productions.md": productions_page, "differences.md": differences_page, "campaigns.md": campaigns_page,
+    "listings.md": listings_page, "productions.md": productions_page, "differences.md": differences_page, "campaigns.md": campaigns_page,
 }  # fmt: skip
 
 
@@ -339,9 +380,9 @@ def main() -> None:
     HERE.mkdir(exist_ok=True)
     for name, page in PAGES.items():
         (HERE / name).write_text(page(), encoding="utf-8")
-    for name, data in pictures():
+    for name, drawn in pictures():
         (HERE / name).parent.mkdir(exist_ok=True)
-        (HERE / name).write_bytes(data)
+        (HERE / name).write_bytes(drawn())
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 ROAD, JUNCTION, WALK, SHOULDER, BIKE, LINE, ARROW, SIGNAL = "#d5d5d1", "#c3c9d3", "#efe7d6", "#e3e3dd", "#d3e4d3", "#ffffff", "#5f6b7a", "#d1495b"
 INK = "#222222"
+LIGHTS = {"green": "#2ca02c", "yellow": "#f2c014", "red": "#d62728", "off": "#888888"}
 ARROWS_OF_SCENE = 8
 """About so many arrows fit across the picture of a scene."""
 
@@ -106,6 +107,17 @@ def draw_arrows(axes: Axes, network: Network, window: Window, apart: float) -> N
             headwidth=5, headlength=5, headaxislength=4.5, zorder=4,
         )  # fmt: skip
     axes.add_collection(LineCollection(ways_of(network), colors=ARROW, linewidths=0.5, alpha=0.6, zorder=4), autolim=False)
+
+
+def draw_lights(axes: Axes, network: Network, window: Window, seconds: float) -> None:
+    """The traffic lights as they are by plan, so many seconds after the beginning: a dot beside the line before which their lane waits."""
+    west, south, east, north = window
+    lights = {lane._trafficLight for lane in network.lanes if lane._trafficLight is not None}
+    seen = [(s.position, LIGHTS[s.stateAt(seconds)]) for s in network.signals if s in lights]
+    shown = [(place.x, place.y, colour) for place, colour in seen if west <= place.x <= east and south <= place.y <= north]
+    if shown:
+        x, y, colours = zip(*shown, strict=True)
+        axes.scatter(x, y, s=22, c=colours, edgecolors=INK, linewidths=0.5, zorder=8)
 
 
 def polygons_in(shape: BaseGeometry) -> list[shapely.Polygon]:

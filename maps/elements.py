@@ -24,8 +24,9 @@ from .fixed import Fixed
 from .shapes import Points, directed, strips, united
 
 if TYPE_CHECKING:
-    from .intersections import Intersection, Maneuver, Signal
+    from .intersections import Intersection, Maneuver
     from .network import Network
+    from .signals import Signal
 
 T = TypeVar("T")
 
@@ -252,6 +253,13 @@ class Lane(LinearElement):
     sections: tuple[LaneSection, ...]
     adjacentLanes: tuple[Lane, ...] = ()
     maneuvers: tuple[Maneuver, ...] = ()
+    _trafficLight: Signal | None = None
+    """The light for those who leave it through an intersection."""
+
+    @property
+    def trafficLight(self) -> Signal:
+        """The light for those who leave it through an intersection; rejects if there is none."""
+        return there(self._trafficLight, f"{self.uid} has no traffic light")
 
     def sectionAt(self, point: object, reject: bool | str = False) -> LaneSection | None:
         """The section at a point."""

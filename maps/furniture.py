@@ -14,9 +14,10 @@ from .assembly import Assembly
 from .curves import along
 from .elements import PedestrianCrossing, Sidewalk
 from .fixed import complete
-from .intersections import Intersection, Signal
+from .intersections import Intersection
 from .opendrive import CrosswalkRecord, RoadRecord
 from .shapes import Points
+from .signals import Signal, lights_on_way
 
 SMALLEST = 0.05
 """Square metres of a crosswalk."""
@@ -51,6 +52,12 @@ def signals(net: Assembly, intersections: Sequence[Intersection]) -> list[Signal
     for i in intersections:
         inside = [s for id, record in net.file.roads.items() if record.junction == i.id for s in of_road.get(id, ())]
         complete(i, signals=tuple(dict.fromkeys((*inside, *(s for s in towards.get(str(i.id), ()) if s not in named)))))
+    for signal in made.values():
+        complete(signal, intersections=tuple(i for i in intersections if signal in i.signals))
+    for maneuver in (m for i in intersections for m in i.maneuvers):
+        lights = lights_on_way(maneuver)
+        if lights and maneuver.startLane._trafficLight is None:
+            complete(maneuver.startLane, _trafficLight=lights[0])
     return list(made.values())
 
 

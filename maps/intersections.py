@@ -1,9 +1,10 @@
-"""Intersections of a road network, their signals, and the maneuvers through them (names of the released library)."""
+"""Intersections of a road network, and the maneuvers through them (names of the released library)."""
 
 from __future__ import annotations
 
 import enum
 import math
+from collections.abc import Mapping
 from functools import cached_property
 
 import shapely
@@ -11,8 +12,9 @@ import shapely
 from ..semantics.space.fields import Cell
 from ..semantics.space.numeric import lifted
 from ..semantics.space.vectors import Vector
-from .elements import Lane, NetworkElement, PedestrianCrossing, Road, vector
+from .elements import Lane, LaneGroup, NetworkElement, PedestrianCrossing, Road, vector
 from .fixed import Fixed
+from .signals import Signal, turns_of
 
 TURN = math.radians(20)
 """The change of direction from which on a maneuver is a turn."""
@@ -57,6 +59,11 @@ class Intersection(NetworkElement):
         """Whether there are signals."""
         return len(self.signals) > 0
 
+    @cached_property
+    def turns(self) -> Mapping[LaneGroup, int]:
+        """The approaches with traffic lights, each with its turn to be green."""
+        return turns_of(self)
+
     @lifted(float)
     def heading_at(self, v: Vector) -> float:
         """That of the nearest connecting lane, the first of several; where there is none, in triangles of their middle's heading."""
@@ -87,28 +94,6 @@ class Intersection(NetworkElement):
         """The directions of the maneuvers at a point."""
         v = vector(point)
         return tuple(m.connectingLane.heading_at(v) for m in self.maneuversAt(v) if m.connectingLane)
-
-
-class Signal(Fixed):
-    """A traffic light or sign."""
-
-    uid: str
-    openDriveID: str
-    country: str
-    type: str
-    position: Vector
-    roads: tuple[Road, ...]
-
-    @property
-    def isTrafficLight(self) -> bool:
-        """Whether it is a traffic light for vehicles (OpenDRIVE: 1000001 and its kin)."""
-        return self.type in TRAFFIC_LIGHTS
-
-    def __repr__(self) -> str:
-        return f"<Signal {self.uid}>"
-
-
-TRAFFIC_LIGHTS = frozenset({"1000001", "1000008", "1000009", "1000010", "1000011", "1000012", "1000020"})
 
 
 class Maneuver(Fixed):

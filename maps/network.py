@@ -27,7 +27,8 @@ from .elements import (
     vector,
 )
 from .fixed import Fixed
-from .intersections import Intersection, Signal
+from .intersections import Intersection
+from .signals import Signal
 
 
 class MapWorkspace(Workspace):

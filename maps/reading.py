@@ -10,13 +10,14 @@ from .assembly import Assembly
 from .elements import BikeLane, Lane, PedestrianCrossing, Shoulder, Sidewalk
 from .fixed import complete
 from .furniture import crossings, signals
-from .intersections import Intersection, Signal
+from .intersections import Intersection
 from .junctions import intersection, link_lanes, link_roads
 from .lanes import make_road, make_sections
 from .making import made
 from .network import Network
 from .opendrive import OpenDrive
 from .shapes import section_shapes
+from .signals import Signal
 from .xml import MapError
 
 TOLERANCE = 0.05

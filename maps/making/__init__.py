@@ -70,6 +70,7 @@ STREETS = {
     "radius": MapParameter(6.0, "metres, of the curbs at corners", 0.5, 200),
     "sidewalks": MapParameter(True, "whether there are sidewalks"),
     "shoulders": MapParameter(False, "whether there are shoulders"),
+    "shoulder_width": MapParameter(1.5, "metres", 0.5, 6),
     "bike_lanes": MapParameter(False, "whether there are bike lanes"),
     "signals": MapParameter(False, "whether there are traffic lights before junctions"),
     "crosswalks": MapParameter(False, "whether there are crosswalks before junctions"),

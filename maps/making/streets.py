@@ -27,7 +27,7 @@ from .roads import (
 )
 from .writing import DEPTH
 
-BIKE_LANE, SHOULDER, SIDEWALK = 1.8, 1.5, 2.0
+BIKE_LANE, SIDEWALK = 1.8, 2.0
 """Widths in metres."""
 SHORTEST_STREET = 10.0
 """Metres; less would be too short for two crosswalks."""
@@ -44,6 +44,7 @@ class Style:
     radius: float
     sidewalks: bool
     shoulders: bool
+    shoulder_width: float
     bike_lanes: bool
     signals: bool
     crosswalks: bool
@@ -56,7 +57,7 @@ class Style:
     def section(self, one_way: bool = False) -> PlannedSection:
         """The lanes of a street; those of a one-way street are to the right of its reference line, with a sidewalk on either side."""
         driving = (PlannedLane("driving", (self.lane_width,)),) * self.lanes
-        beside = (PlannedLane("shoulder", (SHOULDER,)),) * self.shoulders + (PlannedLane("sidewalk", (SIDEWALK,)),) * self.sidewalks
+        beside = (PlannedLane("shoulder", (self.shoulder_width,)),) * self.shoulders + (PlannedLane("sidewalk", (SIDEWALK,)),) * self.sidewalks
         right = driving + (PlannedLane("biking", (BIKE_LANE,)),) * self.bike_lanes + beside
         return PlannedSection(0.0, beside if one_way else right, right)
 

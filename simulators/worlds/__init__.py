@@ -53,7 +53,6 @@ WORLDS: Mapping[str, Callable[[], str | Mapping[str, object]]] = {
     "scenic.simulators.gta.model": lambda: _text("gta/model.scenic"),
     "scenic.simulators.gta.map": gta_map,
     **driving.FIXED,
-    "street": lambda: _text("street.scenic"),
     "gtaLib": lambda: "from scenic.simulators.gta.model import *\n",
     "scenic.simulators.newtonian.model": lambda: "",  # it has no classes or regions of its own
     **{f"scenic.core.{module}": lambda names=names: {name: OF_RELEASES[name] for name in names.split()} for module, names in CORE.items()},

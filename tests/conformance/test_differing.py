@@ -187,9 +187,9 @@ def test_what_breaks_there_has_its_own_verdict_and_the_next_program_goes_on(ask:
 
 
 def test_what_cannot_be_said_is_skipped_and_told(ask: Asking) -> None:
-    code, verdict = ask("import street\nego = Object at 1 @ 1\n", ask.other())
+    code, verdict = ask("import mars\nego = Object at 1 @ 1\n", ask.other())
     assert (code, verdict["verdict"]) == (5, "skipped")
-    assert verdict["detail"] == "it imports street, and this reference has a world of its own of that name"
+    assert verdict["detail"] == "it imports mars, and this reference has a world of its own of that name"
 
 
 def test_a_program_goes_into_the_dialect_of_the_other_with_its_modules(ask: Asking) -> None:

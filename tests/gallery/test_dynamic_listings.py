@@ -1,88 +1,71 @@
-"""The dynamic and compositional listings of the paper, completed for a straight street, run in every simulator."""
+"""The dynamic listings of the paper stand in their programs as they are printed, and these run without a crash, in every simulator."""
 
 from __future__ import annotations
 
-from pathlib import Path
+from dataclasses import replace
+from itertools import combinations
 
 import pytest
-import scenic_ref
-from scenic_ref.simulators.simulating import Simulated
+from scenic_ref.conformance.listings import LineOrigin, completed
+from scenic_ref.maps.making import made
 
-LISTINGS = sorted((Path(__file__).parent.parent.parent / "examples" / "paper" / "dynamic").glob("*.scenic"))
-READINGS = {"pulling_ahead": {"interrupt-first-step": "later-steps"}}
-STEPS = 90
-SIMULATORS = ["kinematic", pytest.param("pymunk", marks=pytest.mark.extra("dynamics"))]
+from .listed import FOLDER, LISTINGS, PROGRAMS, SIMULATORS, boxes, simulated
 
-
-def simulated(name: str, simulator: str, steps: int = STEPS, seed: int = 0) -> Simulated:
-    path = next(p for p in LISTINGS if p.stem == name)
-    scenario = scenic_ref.load(path, readings=READINGS.get(name, {}))
-    return scenario.simulate(simulator, steps, seed, max_attempts=60).simulation
+BY_FILE = {program.file: program for program in PROGRAMS}
+LONG = {"random_selection.scenic", "stop_after_time_in_intersection.scenic", "drive_with_random_stops.scenic", "car_c_enters_last.scenic"}
+FILES = [pytest.param(file, marks=pytest.mark.slow) if file in LONG else file for file in BY_FILE]
+PAPER = FOLDER.parents[2] / "tests" / "interpreter" / "listings.txt"
+FIRST, LAST = "Agents, Actions, and Behaviors", "Random Selection of Scenarios"
 
 
+def test_the_listings_are_those_of_the_paper() -> None:
+    chunks = [chunk.partition("\n") for chunk in PAPER.read_text("utf-8").split("=== ")[1:]]
+    found = [(head.split(" | ")[1], body.rstrip("\n")) for head, _, body in chunks]
+    sections = [section for section, _ in found]
+    end = len(sections) - sections[::-1].index(LAST)
+    assert [(listing.section, listing.printed) for listing in LISTINGS.values()] == found[sections.index(FIRST) : end]
+    assert {name for program in PROGRAMS for name in program.listings} == set(LISTINGS)
+
+
+def test_every_program_is_listed() -> None:
+    assert {path.name for path in FOLDER.glob("*.scenic")} == set(BY_FILE) and len(BY_FILE) == len(PROGRAMS)
+
+
+@pytest.mark.parametrize("file", BY_FILE)
+def test_the_listings_stand_in_the_program_as_they_are_printed(file: str) -> None:
+    text = (FOLDER / file).read_text("utf-8")
+    listings = [LISTINGS[name] for name in BY_FILE[file].listings]
+    lines = completed(text, listings)
+    assert [line.text for line in lines] == text.splitlines()
+    assert sum(line.origin is not LineOrigin.ADDED for line in lines) == sum(len(listing.lines) for listing in listings)
+    assert all(("..." in line.printed) == (line.origin is LineOrigin.FILLED) for line in lines)
+    for number, line in enumerate(lines):  # any change of a line that is not added is noticed
+        if line.origin is LineOrigin.PRINTED:
+            changed = [other.text for other in lines]
+            changed[number] = changed[number].replace(line.text.strip(), f"{line.text.strip()}  # more")
+            with pytest.raises(ValueError, match="as it is printed"):
+                completed("\n".join(changed), listings)
+
+
+def test_a_listing_may_not_be_indented_here_and_there() -> None:
+    listing = replace(LISTINGS["wait until close"], printed="if a:\n    b\nc")
+    assert len(completed("  if a:\n      b\n  # between\n  c\n", [listing])) == 4
+    with pytest.raises(ValueError, match="wait until close"):
+        completed("  if a:\n      b\nc\n", [listing])
+
+
+def test_the_long_street_is_one_of_the_writer() -> None:
+    street = made("crossing", lanes=2, leg=400.0, shoulders=True, shoulder_width=2.5, signals=True, crosswalks=True)
+    assert (FOLDER / "avenue.xodr").read_text("utf-8") == street
+
+
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("simulator", SIMULATORS)
-@pytest.mark.parametrize("name", [p.stem for p in LISTINGS])
-def test_the_listing_runs(name, simulator):
-    run = simulated(name, simulator)
-    assert len(run.moments) > 10
-    assert any(moment.actions for moment in run.moments)
-
-
-def test_every_listing_is_in_the_manifest():
-    text = (LISTINGS[0].parent / "README.md").read_text()
-    assert all(f"`{p.name}`" in text for p in LISTINGS)
-
-
-def speeds(run: Simulated, number: int = 0) -> list[float]:
-    return [float(moment.objects[number]["speed"]) for moment in run.moments]  # type: ignore[arg-type]
-
-
-def test_what_the_paper_says_about_them():
-    waits = simulated("wait_until_close", "kinematic")
-    assert speeds(waits, 1)[10] == 0 < speeds(waits, 1)[-1]
-    brake = simulated("drive_with_sudden_brake", "kinematic", 160)
-    stopped = [k for k, v in enumerate(speeds(brake)) if k > 5 and v == 0]
-    assert 30 < len(stopped) < 50  # five seconds, less those of braking
-    assert speeds(brake)[-1] > 5
-    turn = simulated("approach_and_turn_left", "kinematic", 160)
-    assert abs(float(turn.moments[-1].objects[0]["heading"])) > 0.3  # type: ignore[arg-type]
-    end = simulated("terminate_when", "kinematic", 300)
-    assert end.result == "terminated"
-    assert len(simulated("parked_cars", "kinematic").moments[-1].objects) == 3
-    override = simulated("pulling_ahead", "kinematic")
-    assert len(override.moments[-1].objects) == 3
-    pedestrian = simulated("avoid_pedestrian", "kinematic", 120)
-    brakes = [a.brake for m in pedestrian.moments for a in m.actions.get(0, ()) if type(a).__name__ == "SetBrakeAction" and a.brake]
-    assert len(set(brakes)) > 3
-    assert all(0.5 <= brake <= 1 for brake in brakes)
-
-
-def behaviors_in(run: Simulated) -> set[str]:
-    """The innermost behaviors that the first object was in, by name."""
-    return {text.split(" > ")[-1].split("(")[0] for moment in run.moments for id, text in moment.doing.items() if id == 0}
-
-
-@pytest.mark.parametrize("simulator", SIMULATORS)
-def test_a_car_drives_to_its_lane_and_stays_there(simulator):
-    """From the right lane to the left one, and back."""
-    for start, lane in ((1.75, -1.75), (-1.75, 1.75)):
-        text = f"model street\nego = Car at ({start}, 0), with behavior FollowLaneBehavior(8, {lane})"
-        run = scenic_ref.loads(text).simulate(simulator, 150).simulation
-        places = [moment.objects[0]["position"].x for moment in run.moments]  # type: ignore[attr-defined]
-        assert max(map(abs, places)) < 2
-        assert places[-1] == pytest.approx(lane, abs=0.05)
-        assert run.moments[-1].objects[0]["position"].y > 60  # type: ignore[attr-defined]
-
-
-def test_listings_come_to_their_point():
-    """What each is about happens: merging and recovering, passing and avoiding, stopping behind."""
-    guards = simulated("preconditions_and_invariants", "kinematic", 200)
-    assert {"FollowLaneBehavior", "FollowRoad"} <= behaviors_in(guards)
-    assert any("GetBackOntoRoad" in text for moment in guards.moments for text in moment.doing.values())
-    drive = simulated("drive", "kinematic", 250)
-    assert {"FollowLaneBehavior", "StopBehavior"} <= behaviors_in(drive)
-    ego, obstacle = (drive.moments[-1].objects[k]["position"] for k in (0, 1))
-    assert ego.y > obstacle.y + 20  # type: ignore[attr-defined]
-    assert abs(ego.x - 1.75) < 0.2  # type: ignore[attr-defined]
-    stops = simulated("follow_avoiding_obstacles", "kinematic", 120)
-    assert speeds(stops)[-1] == 0
+@pytest.mark.parametrize("file", FILES)
+def test_the_program_runs_and_nothing_crashes(file: str, simulator: str, seed: int) -> None:
+    run = simulated(file, simulator, BY_FILE[file].seed + seed)[0]
+    assert any(moment.actions for moment in run.moments) or file == "parked_cars.scenic"
+    for moment in run.moments:
+        assert not [event for event in moment.events if "collision" in event]
+        for one, other in combinations(boxes(run, moment), 2):
+            assert not one.intersects(other)

@@ -39,7 +39,7 @@ import math, itertools, functools, collections, enum, random, typing
 import scenic.simulators.gta.model as gta
 import scenic.simulators.gta.map as gtamap
 import scenic.domains.driving.actions as actions
-import mars, street, gtaLib
+import mars, gtaLib
 seen = []
 def spy(*arguments, **keywords):
     seen.append(arguments)

@@ -21,7 +21,7 @@ def test_each_mistake_gives_an_error_in_its_place(wrong: Misbehaving):
     assert found.value.rule and found.value.hint
 
 
-ACTIONS = "model street\nbehavior B():\n    {}\nego = Car with behavior B\n"
+ACTIONS = "from scenic.domains.driving.actions import *\nbehavior B():\n    {}\nclass Car:\n    pass\nego = Car with behavior B\n"
 
 
 def simulated(body: str):

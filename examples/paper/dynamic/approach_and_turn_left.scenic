@@ -1,5 +1,5 @@
-# The paper, Section "Dynamic Scenarios", "Interrupts": `abort`, and the short form of it.
-model street
+# Section "Dynamic Scenarios", "Interrupts": `abort`.
+model scenic.domains.driving.model
 
 behavior ApproachAndTurnLeft():
     try:
@@ -9,10 +9,5 @@ behavior ApproachAndTurnLeft():
     do WaitForTrafficLightBehavior()
     do TurnLeftBehavior()
 
-behavior Shorthand():
-    do FollowLaneBehavior() until (distance from self to intersection) < 10
-    do WaitForTrafficLightBehavior()
-    do TurnLeftBehavior()
-
-ego = Car at (1.75, 30), with behavior ApproachAndTurnLeft
-Car at (1.75, 0), with behavior Shorthand
+lane = Uniform(*network.intersections[4].incomingLanes)
+ego = Car at lane.centerline.pointAlongBy(Range(84, 86)), with behavior ApproachAndTurnLeft

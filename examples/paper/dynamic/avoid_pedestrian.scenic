@@ -1,5 +1,5 @@
-# The paper, Section "Dynamic Scenarios", "Behavior Arguments and Random Parameters".
-model street
+# Section "Dynamic Scenarios", "Behavior Arguments and Random Parameters": a car before a crosswalk, on which somebody is.
+model scenic.domains.driving.model
 
 behavior AvoidPedestrian():
     threshold = Range(4, 7)
@@ -10,5 +10,7 @@ behavior AvoidPedestrian():
         else:
             take SetThrottleAction(0.5), SetBrakeAction(0)
 
-ego = Car at (1.75, 0), with behavior AvoidPedestrian
-Pedestrian at (4, 25)
+lane = Uniform(*network.intersections[4].incomingLanes)
+crosswalk = OrientedPoint at lane.centerline.pointAlongBy(lane.centerline.length - 2.5), facing roadDirection
+ego = Car behind crosswalk by 5.5, with behavior AvoidPedestrian
+Pedestrian right of crosswalk by Range(0, 0.5), facing 90 deg relative to roadDirection, with behavior WalkForwardBehavior(1.4)

@@ -1,10 +1,11 @@
-# The paper, Section "Dynamic Scenarios", "Requirements and Monitors": a monitor.
-model street
+# Section "Dynamic Scenarios", "Requirements and Monitors": a monitor of three cars that obey the traffic lights.
+model scenic.domains.driving.model
 
-ego = Car at (1.75, -20)
-carA = Car at (1.75, 45), with behavior FollowLaneBehavior
-carB = Car at (-1.75, 42), with behavior FollowLaneBehavior(8, -1.75)
-carC = Car at (1.75, Range(20, 40)), with behavior FollowLaneBehavior
+ways = network.intersections[4].incomingLanes
+carA = Car at ways[2].centerline.pointAlongBy(Range(2, 20)), with behavior FollowLaneObeyingTrafficLights(8)
+carB = Car at ways[3].centerline.pointAlongBy(Range(2, 40)), with behavior FollowLaneObeyingTrafficLights(8)
+carC = Car at ways[0].centerline.pointAlongBy(Range(2, 40)), with behavior FollowLaneObeyingTrafficLights(8)
+ego = carC
 
 monitor CarCEntersLast:
     seenA, seenB = False, False

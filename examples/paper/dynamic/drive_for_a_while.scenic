@@ -1,8 +1,8 @@
-# The paper, Section "Dynamic Scenarios", "Interrupts": a time limit.
-model street
+# Section "Dynamic Scenarios", "Interrupts": a time limit, from the border of the map to about the other one.
+model scenic.domains.driving.model
 
 behavior DriveForAWhile():
-    do FollowLaneBehavior() for 3 seconds
-    do FollowLaneBehavior(2) for 20 steps
+    do FollowLaneBehavior() for 30 seconds
 
-ego = Car at (1.75, 0), with behavior DriveForAWhile
+lane = Uniform(*filter(lambda l: l._predecessor is None, network.lanes))
+ego = Car at lane.centerline.pointAlongBy(5), with behavior DriveForAWhile

@@ -1,8 +1,14 @@
-# The paper, Section "Dynamic Scenarios", "Stateful Behaviors".
-model street
+# Section "Dynamic Scenarios", "Stateful Behaviors": stops after times that are drawn anew; Drive is the one of "Interrupts".
+param map = localPath('avenue.xodr')
+model scenic.domains.driving.model
 
 behavior Drive():
-    do FollowLaneBehavior()
+    try:
+        do FollowLaneBehavior()
+    interrupt when self.distanceToNextObstacle() < 20:
+        do PassingBehavior()
+    interrupt when self.timeToCollision() < 5:
+        do CollisionAvoidance()
 
 behavior DriveWithRandomStops():
     delay = Range(15, 30) seconds
@@ -14,4 +20,5 @@ behavior DriveWithRandomStops():
         delay = Range(15, 30) seconds
         last_stop = simulation.currentTime
 
-ego = Car at (1.75, 0), with behavior DriveWithRandomStops
+lane = Uniform(*network.intersections[0].incomingLanes)
+ego = Car at lane.centerline.pointAlongBy(5), with behavior DriveWithRandomStops

@@ -1,13 +1,13 @@
-# The paper, Section "Dynamic Scenarios", "Interrupts": nested try-interrupt statements.
-model street
-
-targetRegion = RectangularRegion((1.75, 20), 0, 7, 10)
+# Section "Dynamic Scenarios", "Interrupts": nested try-interrupt statements; Drive is the one above.
+model scenic.domains.driving.model
 
 behavior Drive():
     try:
         do FollowLaneBehavior()
     interrupt when self.distanceToNextObstacle() < 20:
         do PassingBehavior()
+    interrupt when self.timeToCollision() < 5:
+        do CollisionAvoidance()
 
 behavior DriveWithSuddenBrake():
     haveBraked = False
@@ -17,4 +17,6 @@ behavior DriveWithSuddenBrake():
         do StopBehavior() for 5 seconds
         haveBraked = True
 
-ego = Car at (1.75, 0), with behavior DriveWithSuddenBrake
+lane = Uniform(*network.intersections[4].incomingLanes)
+targetRegion = CircularRegion(lane.centerline.pointAlongBy(50), 8)
+ego = Car at lane.centerline.pointAlongBy(Range(5, 15)), with behavior DriveWithSuddenBrake

@@ -1,5 +1,5 @@
-# The paper, Section "Dynamic Scenarios", "Interrupts".
-model street
+# Section "Dynamic Scenarios", "Interrupts": a car that brakes while another one, which comes from the other side, is near.
+model scenic.domains.driving.model
 
 behavior FollowAvoidingObstacles():
     try:
@@ -7,5 +7,6 @@ behavior FollowAvoidingObstacles():
     interrupt when self.distanceToClosest(Object) < 5:
         take SetBrakeAction(1)
 
-ego = Car at (1.75, 0), with behavior FollowAvoidingObstacles
-Car at (-1.75, 20)
+lane = Uniform(*network.intersections[4].incomingLanes)
+ego = Car at lane.centerline.pointAlongBy(Range(5, 15)), with behavior FollowAvoidingObstacles
+Car at lane.group.opposite.lanes[0].centerline.pointAlongBy(Range(15, 25)), with behavior FollowLaneBehavior(5)

@@ -1,14 +1,14 @@
-# The paper, Section "Compositional Scenarios", "Modular Scenarios" (the precondition is one that this street can have).
-model street
+# Section "Compositional Scenarios", "Modular Scenarios": two copies of a scenario.
+model scenic.domains.driving.model
 
 scenario ParkedCar(gap=0.25):
-    precondition: ego in road
+    precondition: ego.laneGroup._shoulder != None
     setup:
-        spot = OrientedPoint at (3.5, Range(20, 100)), facing 0
+        spot = OrientedPoint on visible ego.laneGroup.curb
         parkedCar = Car left of spot by gap
 
 scenario Main():
     setup:
-        ego = Car at (-1.75, 0), with behavior FollowLaneBehavior(8, -1.75)
+        ego = Car
     compose:
         do ParkedCar(), ParkedCar(0.5)

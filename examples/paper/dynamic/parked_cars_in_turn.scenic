@@ -1,16 +1,18 @@
-# The paper, Section "Compositional Scenarios", "Parallel and Sequential Composition".
-model street
+# Section "Compositional Scenarios", "Parallel and Sequential Composition": one parked car after the other, beside a slow ego.
+param map = localPath('avenue.xodr')
+model scenic.domains.driving.model
 
 scenario ParkedCar(gap=0.25):
+    precondition: ego.laneGroup._shoulder != None
     setup:
-        spot = OrientedPoint at (3.5, ego.position.y + Range(15, 25)), facing 0
+        spot = OrientedPoint on visible ego.laneGroup.curb
         parkedCar = Car left of spot by gap
 
 scenario Main():
     setup:
-        ego = Car at (-1.75, 0), with behavior FollowLaneBehavior(8, -1.75)
+        lane = Uniform(*network.intersections[0].incomingLanes)
+        ego = Car at lane.centerline.pointAlongBy(5), with behavior FollowLaneBehavior(4)
     compose:
-        do ParkedCar(gap=0.25) for 3 seconds
         while True:
-            subScenario = ParkedCar(gap=0.5)
-            do subScenario until distance past subScenario.parkedCar > 10
+            do ParkedCar(gap=0.25) for 30 seconds
+            do ParkedCar(gap=0.5) for 30 seconds

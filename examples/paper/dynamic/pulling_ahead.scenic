@@ -1,23 +1,23 @@
-# The paper, Section "Compositional Scenarios", "Interrupts, Overriding, and Initial Scenarios": `interrupt` in a compose block, `override`.
-# The condition uses what the first statements of the body make, so that the listing needs --reading interrupt-first-step=later-steps.
-model street
-
-scenario FollowingScenario():
-    setup:
-        leadCar = Car at (-1.75, 25), with behavior FollowLaneBehavior(5, -1.75)
+# Section "Compositional Scenarios", "Interrupts, Overriding, and Initial Scenarios": an interrupt in a compose block, and `override`.
+# The condition uses what the first statement of the body makes: the listing needs --reading interrupt-first-step=later-steps.
+param map = localPath('avenue.xodr')
+model scenic.domains.driving.model
+from scenic.domains.driving.scenarios import FollowingScenario, PullOutBehavior, curbAhead
 
 scenario ParkedCarPullingAheadOf(target):
     setup:
         override target with behavior FollowLaneAvoidingCollisions
-        parkedCar = Car at (3, target.position.y + 15), with behavior FollowLaneBehavior(3)
-        terminate when (distance from parkedCar to target) > 25
+        parkedCar = Car left of curbAhead(target, 25) by 0.25, with behavior PullOutBehavior(target.lane)
+        lane = target.lane
+        terminate when parkedCar in lane
 
 scenario Main():
     setup:
-        ego = Car at (-1.75, 0), with behavior FollowLaneBehavior(8, -1.75)
+        group = Uniform(*network.intersections[0].incomingLanes).group
+        ego = Car at group.lanes[0].centerline.pointAlongBy(20)
     compose:
         try:
             following = FollowingScenario()
             do following
-        interrupt when distance to following.leadCar < 15:
-            do ParkedCarPullingAheadOf(following.leadCar) for 5 seconds
+        interrupt when distance to following.leadCar < 10:
+            do ParkedCarPullingAheadOf(following.leadCar)

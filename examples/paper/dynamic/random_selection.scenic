@@ -1,28 +1,23 @@
-# The paper, Section "Compositional Scenarios", "Random Selection of Scenarios": a function that picks, `do choose`, `do shuffle`.
-model street
+# Section "Compositional Scenarios", "Random Selection of Scenarios": `do choose`, with weights, and `do shuffle`.
+model scenic.domains.driving.model
+from scenic.domains.driving.scenarios import *
 
-scenario Jaywalker():
-    setup:
-        Pedestrian at (6, ego.position.y + 20)
-
-scenario ParkedCar():
-    precondition: ego.position.y > 5
-    setup:
-        Car at (2.4, ego.position.y + 30)
-
-scenario SlowCar(y=40):
-    setup:
-        Car at (1.75, ego.position.y + y), with behavior FollowLaneBehavior(4)
-
-def pickNextScenario(position):
-    return Jaywalker() if position.y < 1 else SlowCar()
+# A driver who brakes for others, and has a green light at every intersection.
+behavior DriveCarefully():
+    try:
+        do FollowLaneBehavior(8)
+    interrupt when withinDistanceToRedYellowTrafficLight(self, 40):
+        setClosestTrafficLightStatus(self, 'green')
+    interrupt when self.distanceToNextObstacle() < 12:
+        take SetThrottleAction(0), SetBrakeAction(1)
+    interrupt when self.timeToCollision() < 1.5:
+        do CollisionAvoidance()
 
 scenario Main():
     setup:
-        ego = Car at (-1.75, 0), with behavior FollowLaneBehavior(8, -1.75)
+        lane = Uniform(*filter(lambda l: l._predecessor is None, network.lanes))
+        ego = Car at lane.centerline.pointAlongBy(Range(5, 40)), with behavior DriveCarefully
     compose:
-        chosenScenario = pickNextScenario(ego.position)
-        do chosenScenario for 1 seconds
-        do choose Jaywalker, SlowCar, ParkedCar for 1 seconds
-        do choose {Jaywalker: 2, SlowCar: 1, ParkedCar: 1} for 1 seconds
-        do shuffle SlowCar(60), SlowCar(75) for 2 seconds
+        do choose RedLightRunner, Jaywalker, ParkedCar
+        do choose {RedLightRunner: 2, Jaywalker: 1, ParkedCar: 1}
+        do shuffle RedLightRunner, Jaywalker, ParkedCar

@@ -1,14 +1,9 @@
-# The paper, Section "Dynamic Scenarios", "Terminating the Scenario".
-model street
+# Section "Dynamic Scenarios", "Terminating the Scenario": `terminate when`; a car that drives is one whose class says so.
+model scenic.domains.driving.model
 
-start = Point in RectangularRegion((1.75, 0), 0, 0.1, 20)
-ego = Car at start, with behavior FollowLaneBehavior
+class Car(Car):
+    behavior: FollowLaneBehavior
+
+start = Point on road
+ego = Car at start
 terminate when (distance to start) >= 50
-
-monitor StopAfterTimeInIntersection:
-    totalTime = 0
-    while totalTime < 30:
-        if ego in intersection:
-            totalTime += 1
-        wait
-    terminate

@@ -1,11 +1,11 @@
-# The paper, Section "Dynamic Scenarios", "Execution of Behaviors" and "Behavior Arguments and Random Parameters".
-model street
+# Section "Dynamic Scenarios", "Execution of Behaviors": a car that waits until ego, which comes from the other side, is close.
+model scenic.domains.driving.model
 
 behavior WaitUntilClose(threshold=15):
     while (distance from self to ego) > threshold:
         wait
     do FollowLaneBehavior()
 
-ego = Car at (1.75, 0), with behavior FollowLaneBehavior
-carB = Car at (-1.75, 30), with behavior WaitUntilClose
-carC = Car at (-1.75, 50), with behavior WaitUntilClose(20)
+lane = Uniform(*network.intersections[4].incomingLanes)
+ego = Car at lane.centerline.pointAlongBy(Range(8, 14)), with behavior FollowLaneBehavior
+waiting = Car at lane.group.opposite.lanes[0].centerline.pointAlongBy(Range(35, 45)), with behavior WaitUntilClose

@@ -7,7 +7,7 @@ from functools import cache, lru_cache
 from importlib.resources import files
 from pathlib import Path
 
-from ....maps import elements, intersections, network, paths
+from ....maps import elements, intersections, network, paths, signals
 from ....maps.network import Network
 from ....maps.reading import made_map, read_map
 from ....semantics.kernel.errors import ImportRefused, ScenicError
@@ -23,12 +23,14 @@ ROADS = (
     "Shoulder", "Intersection", "Signal", "Maneuver", "ManeuverType", "VehicleType",
 )  # fmt: skip
 """What the module `roads` gives."""
-PARTS = (elements, intersections, network)
+PARTS = (elements, intersections, network, signals)
 """Where it has them from."""
 
 
-DEFAULT = {"block": 120.0, "leg": 80.0, "sidewalks": True, "shoulders": True, "signals": True, "crosswalks": True}
-"""The parameters of the default map."""
+DEFAULT = {
+    "block": 120.0, "leg": 80.0, "sidewalks": True, "shoulders": True, "shoulder_width": 2.5, "signals": True, "crosswalks": True
+}  # fmt: skip
+"""The parameters of the default map, on whose shoulders there is room for parked cars."""
 
 
 @cache
@@ -97,7 +99,9 @@ FIXED: Mapping[str, Callable[[], str | Mapping[str, object]]] = {
     "scenic.domains.driving.actions": lambda: ACTIONS,
     "scenic.domains.driving.roads": lambda: {name: found for module in PARTS for name, found in vars(module).items() if name in ROADS},
     "scenic.domains.driving.paths": lambda: {"Trajectory": paths.Trajectory},
+    "scenic.domains.driving.lights": lambda: text("lights"),
     "scenic.domains.driving.behaviors": lambda: text("behaviors"),
+    "scenic.domains.driving.scenarios": lambda: text("scenarios"),
     "scenic.domains.driving.model": lambda: text("model"),
 }
 """The modules that do not depend on a map."""

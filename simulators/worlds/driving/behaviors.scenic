@@ -4,7 +4,9 @@ from scenic.domains.driving.map import network
 from scenic.domains.driving.roads import *
 from scenic.domains.driving.actions import *
 from scenic.domains.driving.paths import Trajectory
+from scenic.domains.driving.lights import *
 
+road = network.drivableRegion
 roadOrShoulder = network.roadOrShoulder
 
 # The actions that keep a vehicle on a path, `place` metres along it, at a speed; it slows down before bends.
@@ -12,6 +14,10 @@ def following(car, path, place, speed):
     error = min(speed, path.speed_limit(place)) - car.speed
     steer = path.steering(car.position, car.heading, car.speed, car.length, place)
     return (SetThrottleAction(max(0, min(1, error / 2))), SetBrakeAction(max(0, min(1, -error / 3))), SetSteerAction(steer))
+
+# The speed from which one comes to rest softly in so many metres.
+def stopping(metres):
+    return (4 * max(0, metres)) ** 0.5
 
 # How lanes go on: straight, if they can.
 def onward(lane):
@@ -58,7 +64,7 @@ behavior FollowLaneBehavior(target_speed=10, laneToFollow=None, is_oppositeTraff
     path = Trajectory([lane], is_oppositeTraffic)
     place = path.along(self.position)
     while place < path.length - 5:
-        take following(self, path, place, target_speed)
+        take following(self, path, place, min(target_speed, stopping(path.length - 3 - place)))
         place = path.along(self.position, place)
     do StopBehavior()
 
@@ -85,6 +91,15 @@ behavior WalkForwardBehavior(speed=0.5):
     while True:
         take SetWalkingDirectionAction(self.heading), SetWalkingSpeedAction(speed)
 
+# Along the sidewalk to its end.
+behavior WalkAlongSidewalkBehavior(speed=1.4):
+    path = Trajectory([network.sidewalkAt(self.position, reject='the pedestrian is not on a sidewalk')])
+    place = path.along(self.position)
+    while place < path.length - 1:
+        take SetWalkingDirectionAction(angle from self to path.point(place + 2)), SetWalkingSpeedAction(speed)
+        place = path.along(self.position, place)
+    take SetWalkingSpeedAction(0)
+
 # A pedestrian who begins to walk when another object comes near.
 behavior CrossingBehavior(reference_actor, min_speed=1, threshold=10, final_speed=None):
     while (distance from self to reference_actor) > threshold:
@@ -107,18 +122,45 @@ behavior CollisionAvoidance():
     do StopBehavior() until self.timeToCollision() > 5 or self.speed < 0.1
     take SetThrottleAction(0), SetBrakeAction(1)
 
+# Along the nearest lane, slowly, until all of the vehicle is on the road.
 behavior GetBackOntoRoad():
     nearest = min(network.lanes, key=lambda lane: lane.distance_to(self.position))
     path = Trajectory([nearest])
-    while not (self in roadOrShoulder):
+    while not (self in road):
         take following(self, path, path.along(self.position), 3)
 
+# To the line before the traffic light of the lane (or as near to it as one can still brake), and there until it is green.
+behavior WaitForTrafficLightBehavior(target_speed=10):
+    lane = self.lane
+    light = lane._trafficLight
+    path = Trajectory([lane])
+    place = path.along(self.position)
+    while light is not None and getTrafficLightStatus(light) != 'green':
+        left = light.stopLine(lane) - place - self.length / 2 - 1
+        take following(self, path, place, min(target_speed, stopping(left)))
+        place = path.along(self.position, place)
+
+# Along the lane, waiting at traffic lights that are not green; who can no more stop before the line with a strong brake drives on.
+behavior FollowLaneObeyingTrafficLights(target_speed=10):
+    try:
+        do FollowLaneBehavior(target_speed)
+    interrupt when withinDistanceToRedYellowTrafficLight(self, 6 + self.speed * self.speed / 4) and canStop(self):
+        do WaitForTrafficLightBehavior(target_speed)
+
+# Whether a vehicle can still stop before the light of its lane.
+def canStop(vehicle):
+    lane = vehicle._lane
+    left = lane._trafficLight.stopLine(lane) - Trajectory([lane]).along(vehicle.position) - vehicle.length / 2
+    return left > vehicle.speed * vehicle.speed / 10
+
+# Left through the next intersection, until the vehicle is straight in the lane there.
 behavior TurnLeftBehavior():
     lane = self.lane
     left = [m for m in lane.maneuvers if m.type is ManeuverType.LEFT_TURN]
     require len(left) > 0
     maneuver = Uniform(*left)
-    do TurnBehavior([lane, maneuver.connectingLane, maneuver.endLane]) until self in maneuver.endLane
+    do TurnBehavior([lane, maneuver.connectingLane, maneuver.endLane.centerline.pointAlongBy(12)])
+    take SetSteerAction(0)
 
 # A driver of the simulator's (`--simulator sumo`), until SetAutopilotAction(False).
 behavior AutopilotBehavior():

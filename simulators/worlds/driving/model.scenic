@@ -5,6 +5,7 @@ from scenic.domains.driving.map import network
 from scenic.domains.driving.paths import Trajectory
 from scenic.domains.driving.roads import *
 from scenic.domains.driving.actions import *
+from scenic.domains.driving.lights import *
 from scenic.domains.driving.behaviors import *
 
 road = network.drivableRegion
@@ -117,9 +118,15 @@ class DrivingObject:
             if closing <= 0:
                 continue
             time = closing / toward.dot(toward)
-            if (apart - toward * time).norm() < (self.width + other.width) / 2 + 0.5:
-                least = min(least, max(0, apart.norm() - (self.length + other.length) / 2) / toward.norm())
+            direction = math.atan2(-toward.x, toward.y)
+            if (apart - toward * time).norm() < reach(self, direction + math.pi / 2) + reach(other, direction + math.pi / 2) + 0.5:
+                least = min(least, max(0, time - (reach(self, direction) + reach(other, direction)) / toward.norm()))
         return least
+
+# How far an object reaches from its middle in a direction.
+def reach(object, direction):
+    turned = direction - object.heading
+    return (abs(math.cos(turned)) * object.length + abs(math.sin(turned)) * object.width) / 2
 
 class Vehicle(DrivingObject):
     drives: True
