@@ -16,7 +16,7 @@ from typing import NamedTuple
 from ..space.fields import VectorField
 from ..space.numeric import is_finite_number, number
 from ..space.regions import Region
-from ..space.symbols import NotLifted, Symbol
+from ..space.symbols import NotLifted, Spread, Symbol
 from ..space.vectors import Vector
 from ..syntax.nodes import Span
 from .budget import PLAIN
@@ -171,6 +171,11 @@ def is_a(value: object, kind: type) -> bool:
         return value.always(lambda one: is_a(one, kind))
     except NotLifted:
         return False
+
+
+def spread(container: object) -> list[object] | None:
+    """What stands for the items of a container that differs from run to run, where a distribution chooses among them; None for any other."""
+    return [Spread(container)] if isinstance(container, Symbol) else None
 
 
 def is_vector(value: object) -> bool:

@@ -14,11 +14,10 @@ from ..kernel.conditions import random_branch
 from ..kernel.config import State
 from ..kernel.errors import RunError
 from ..kernel.host import host, raw
-from ..kernel.kinds import is_vector
+from ..kernel.kinds import is_vector, spread
 from ..kernel.sets import FrozenSet, Set
 from ..kernel.values import Origin, Random, plain, wrap
 from ..kernel.waiting import Waiting, needs_position
-from ..space.symbols import Spread, Symbol
 from ..space.vectors import Vector
 from ..syntax.nodes import Node
 
@@ -72,9 +71,9 @@ def element_at(container: Any, place: int) -> object:
 def elements_in_this_run(iterable: object, node: Node, state: State, chosen: bool = False) -> tuple[list[object], Origin | None]:
     """The items of something iterated over where their number may be random, and the draw that it depends on, if it is.
 
-    `chosen`: a distribution chooses among them, so that a symbol for them can stand in their place.
+    `chosen`: a distribution chooses among them, so that something that stands for them all is enough.
     """
     if type(iterable) is not Random or known_elements(iterable, state):
         return elements(iterable, node, state), None
-    found = [Spread(iterable.value)] if chosen and isinstance(iterable.value, Symbol) else elements(iterable.value, node, state)
+    found = (spread(iterable.value) if chosen else None) or elements(iterable.value, node, state)
     return [wrap(v, iterable.origin) for v in found], iterable.origin
