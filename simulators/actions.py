@@ -113,6 +113,39 @@ class SetReverseAction(DrivingAction):
     reverse: bool
 
 
+STEERED = 0.1
+"""How much a regulated steering may change in a time step."""
+
+
+@dataclass(frozen=True, slots=True)
+class RegulatedControlAction(DrivingAction):
+    """What controllers ask for, within limits: throttle, or brake if `throttle` is negative, and steering that does not jump from `past_steer`."""
+
+    throttle: float
+    steer: float
+    past_steer: float
+    max_throttle: float = 0.5
+    max_brake: float = 0.5
+    max_steer: float = 0.8
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        for name in ("throttle", "steer", "past_steer"):
+            value = getattr(self, name)
+            refuse(None if is_number(value) else f"the {name} must be a number, not {kind_name(value)}")
+        for name in ("max_throttle", "max_brake", "max_steer"):
+            refuse(in_range(getattr(self, name), 0, 1, name))
+
+    @property
+    def regulated(self) -> tuple[float, float, float]:
+        """Throttle, brake and steering, as the released library means them (where the brake is 0 by mistake)."""
+        steer = min(max(self.steer, self.past_steer - STEERED), self.past_steer + STEERED)
+        steer = min(max(steer, -self.max_steer), self.max_steer)
+        if self.throttle > 0:
+            return min(self.throttle, self.max_throttle), 0.0, steer
+        return 0.0, min(-self.throttle, self.max_brake), steer
+
+
 @dataclass(frozen=True, slots=True)
 class SetAutopilotAction(DrivingAction):
     """Whether a driver of the simulator's drives the vehicle; only `sumo` has drivers."""
@@ -129,6 +162,17 @@ class SetPositionAction(Action):
     def __post_init__(self) -> None:
         """A pair is a vector."""
         object.__setattr__(self, "position", vector(self.position, "position"))
+
+
+@dataclass(frozen=True, slots=True)
+class OffsetAction(Action):
+    """The object is at once as far from where it is: metres to its right and ahead of it."""
+
+    offset: Vector
+
+    def __post_init__(self) -> None:
+        """A pair is a vector."""
+        object.__setattr__(self, "offset", vector(self.offset, "offset"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,8 +245,8 @@ def refuse(reason: str | None) -> None:
 ACTIONS = {
     a.__name__: a
     for a in (
-        SetThrottleAction, SetBrakeAction, SetSteerAction, SetHandBrakeAction, SetReverseAction, SetPositionAction, SetVelocityAction,
-        SetSpeedAction, SetWalkingDirectionAction, SetWalkingSpeedAction, SetAutopilotAction,
+        SetThrottleAction, SetBrakeAction, SetSteerAction, SetHandBrakeAction, SetReverseAction, RegulatedControlAction,
+        SetPositionAction, OffsetAction, SetVelocityAction, SetSpeedAction, SetWalkingDirectionAction, SetWalkingSpeedAction, SetAutopilotAction,
     )
 }
 """The actions by name."""

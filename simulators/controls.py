@@ -34,6 +34,8 @@ class Controls:
                 self.brake = float(brake)
             case a.SetSteerAction(steer=steer):
                 self.steer = float(steer)
+            case a.RegulatedControlAction():
+                self.throttle, self.brake, self.steer = action.regulated
             case a.SetHandBrakeAction(handbrake=handbrake):
                 self.handbrake = bool(handbrake)
             case a.SetReverseAction(reverse=reverse):

@@ -20,6 +20,7 @@ from dataclasses import dataclass, field
 from typing import TypeVar
 
 from ..formats.recordings import Body, Pose
+from ..semantics.space.geometry import rotate
 from ..semantics.space.vectors import Vector
 from . import actions as a
 from .controls import ACCELERATION, BRAKING, PROPERTIES, Controls, along, checked_timestep, reason_against, velocity_at_first
@@ -116,6 +117,9 @@ def take(body: Moving, action: object) -> None:
     match action:
         case a.SetPositionAction(position=position):
             body.x, body.y = position.x, position.y
+        case a.OffsetAction(offset=offset):
+            moved = rotate(offset, body.heading)
+            body.x, body.y = body.x + moved.x, body.y + moved.y
         case a.SetVelocityAction(velocity=velocity):
             body.vx, body.vy = velocity.x, velocity.y
         case a.SetSpeedAction(speed=speed):

@@ -14,6 +14,7 @@ from typing import Any
 
 from ..formats.recordings import Body, Pose
 from ..interpreter.extras import needed
+from ..semantics.space.geometry import rotate
 from ..semantics.space.vectors import Vector
 from . import actions as a
 from .controls import ACCELERATION, BRAKING, PROPERTIES, Controls, along, checked_timestep, reason_against, velocity_at_first
@@ -129,6 +130,10 @@ class Physics:
         match action:
             case a.SetPositionAction(position=position):
                 body.position = (position.x, position.y)
+                self.space.reindex_shapes_for_body(body)
+            case a.OffsetAction(offset=offset):
+                moved = rotate(offset, body.angle)
+                body.position += (moved.x, moved.y)
                 self.space.reindex_shapes_for_body(body)
             case a.SetVelocityAction(velocity=velocity):
                 self.push(moving, (velocity.x, velocity.y))

@@ -12,6 +12,8 @@ from inspect import signature
 from types import MappingProxyType
 from typing import ClassVar
 
+import shapely
+
 from ..kernel.classes import ORIENTED_POINT_CLASS, canonical
 from ..kernel.config import Config, Stack, State
 from ..kernel.errors import RunError
@@ -224,6 +226,12 @@ def field_of_regions(regions: list[Region], tolerance: float = 0.0) -> VectorFie
     return field
 
 
+def union_of_lines(lines: list[regions.PolylineRegion]) -> regions.PolylineRegion:
+    """All of some polylines, one after the other."""
+    return regions.PolylineRegion(polyline=[part for line in lines for part in shapely.get_parts(line.polyline)])
+
+
+UNION_OF_LINES = Native("unionAll", union_of_lines)
 UNIFORM_POINT = Constructor("uniformPointIn", PointIn, keeps_values=False, takes="region")
 OF_REGION_CLASS: Mapping[str, Rewrite] = {"uniformPointIn": lambda r: p.Constant(value=UNIFORM_POINT)}
 FIELD_OF_REGIONS = Native("forUnionOf", field_of_regions)
@@ -262,7 +270,11 @@ SPATIAL: Mapping[type, tuple[Mapping[str, Rewrite], Mapping[str, Rewrite]]] = {
 """The attributes and methods of what is in space, by the first class that a value is of."""
 
 
-CLASSES: Mapping[type, Mapping[str, Rewrite]] = {regions.Region: OF_REGION_CLASS, VectorField: OF_FIELD_CLASS}
+CLASSES: Mapping[type, Mapping[str, Rewrite]] = {
+    regions.PolylineRegion: {**OF_REGION_CLASS, "unionAll": lambda r: p.Constant(value=UNION_OF_LINES)},
+    regions.Region: OF_REGION_CLASS,
+    VectorField: OF_FIELD_CLASS,
+}
 
 
 @dataclass(frozen=True, slots=True)

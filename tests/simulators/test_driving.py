@@ -247,3 +247,65 @@ def test_objects_are_points_to_the_network_and_subclasses_drive() -> None:
     assert all(scene.params["a"] and scene.params["b"] for scene in many)
     run = simulated(program, steps=40)
     assert track(run)[-1][1] > 4 and abs(track(run, 1)[-1][1] - 0.5) < 1e-6
+
+
+SIMULATORS = ["kinematic", pytest.param("pymunk", marks=pytest.mark.extra("dynamics"))]
+LIBRARY = """model scenic.domains.driving.model
+behavior Controlled():
+    take RegulatedControlAction({throttle}, {steer}, 0)
+    while True:
+        wait
+ego = Car at (0, 0), facing {heading} deg, with speed 10, with behavior Controlled, with regionContainedIn everywhere
+"""
+
+
+@pytest.mark.parametrize("simulator", SIMULATORS)
+def test_regulated_controls_brake_and_do_not_jump(simulator):
+    """A negative throttle is a brake of at most 0.5 (the release has 0 there); steering changes by at most 0.1 at a time."""
+
+    def speed(throttle: float) -> float:
+        text = LIBRARY.format(throttle=throttle, steer=0, heading=0)
+        return scenic_ref.loads(text).simulate(simulator, 10).simulation.moments[-1].objects[0]["speed"]  # type: ignore[return-value]
+
+    assert speed(-5) == pytest.approx(speed(-0.5))
+    assert speed(-0.5) < speed(-0.2) < 9.5
+    assert speed(5) == pytest.approx(speed(0.5))
+    assert speed(0.5) > 10.5
+    texts = {steer: LIBRARY.format(throttle=0.1, steer=steer, heading=0) for steer in (1, 0.1, 0.05)}
+    ends = {steer: scenic_ref.loads(text).simulate(simulator, 5).simulation.moments[-1] for steer, text in texts.items()}
+    steered = {steer: end.objects[0]["heading"] for steer, end in ends.items()}
+    assert steered[1] == steered[0.1] < steered[0.05] < 0
+
+
+def test_what_controls_ask_for_is_checked():
+    from scenic_ref.simulators.actions import RegulatedControlAction
+
+    assert RegulatedControlAction(-0.3, -1, -0.75, max_steer=0.8).regulated == (0.0, 0.3, -0.8)
+    assert RegulatedControlAction(0.9, 0.5, 0.2).regulated == pytest.approx((0.5, 0.0, 0.3))
+    with pytest.raises(ValueError, match="past_steer must be a number"):
+        RegulatedControlAction(0, 0, None)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="max_brake must be between 0 and 1"):
+        RegulatedControlAction(0, 0, 0, max_brake=2)
+
+
+@pytest.mark.parametrize("simulator", SIMULATORS)
+def test_an_offset_is_along_the_object(simulator):
+    text = """from scenic.domains.driving.actions import *
+behavior Jump():
+    take OffsetAction(1 @ 5)
+ego = Object at (2, 3), facing 90 deg, with behavior Jump
+"""
+    place = scenic_ref.loads(text).simulate(simulator, 1).simulation.moments[-1].objects[0]["position"]
+    assert (place.x, place.y) == pytest.approx((-3, 4))  # type: ignore[attr-defined]
+
+
+def test_lines_are_put_together():
+    text = """model scenic.domains.driving.model
+maneuver = network.intersections[0].maneuvers[0]
+ways = [maneuver.startLane, maneuver.connectingLane, maneuver.endLane]
+line = concatenateCenterlines([way.centerline for way in ways])
+ego = Car on line, with length line.length, with all sum([way.centerline.length for way in ways]), with regionContainedIn everywhere
+require ego.position in line
+"""
+    ego = scenic_ref.loads(text).sample().ego
+    assert ego.length == pytest.approx(ego["all"])

@@ -24,6 +24,9 @@ def onward(lane):
     straight = [m for m in lane.maneuvers if m.type is ManeuverType.STRAIGHT]
     return straight if straight else lane.maneuvers
 
+def concatenateCenterlines(centerlines=[]):
+    return PolylineRegion.unionAll(centerlines)
+
 behavior StopBehavior():
     while True:
         take SetThrottleAction(0), SetBrakeAction(1)
