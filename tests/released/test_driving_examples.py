@@ -87,8 +87,12 @@ ALPHA = DEFAULT_ALPHA / 100
 """The risk of a false alarm for each program in each dialect; a rival with another lane half of the time is noticed (the second test)."""
 
 
+QUICK = ("composed", "follow_trajectory", "lane_ends_of_maneuver")
+CASES = [pytest.param(p, marks=() if p.stem in QUICK else pytest.mark.slow, id=p.stem) for p in PROGRAMS]
+
+
 @pytest.mark.parametrize("dialect", DIALECTS)
-@pytest.mark.parametrize("program", PROGRAMS, ids=[p.stem for p in PROGRAMS])
+@pytest.mark.parametrize("program", CASES)
 def test_the_program_is_there_what_it_is_here(program: Path, dialect: str):
     result = compared(program, dialect, recorded(dialect)[program.stem])
     explained = EXPLAINED.get((dialect, program.stem))
