@@ -9,14 +9,14 @@ from __future__ import annotations
 import enum
 import math
 from abc import abstractmethod
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, TypeVar
 
 from shapely.geometry import MultiPolygon, Point, Polygon
 
 from ..semantics.space.absence import Absent
-from ..semantics.space.fields import VectorField
+from ..semantics.space.fields import Cell, PolygonalVectorField, VectorField
 from ..semantics.space.numeric import lifted
 from ..semantics.space.regions import PolygonalRegion, PolylineRegion, Region, nowhere
 from ..semantics.space.vectors import Vector
@@ -112,8 +112,11 @@ class LinearElement(NetworkElement):
 
     @property
     def strips(self) -> Sequence[tuple[Polygon, float]]:
-        """It, cut across, with the heading of each part."""
-        return strips(self.left, self.right) if self.across else []
+        """It, cut across, with the heading of each part; as a whole where its edges do not run along each other."""
+        if self.across:
+            return strips(self.left, self.right)
+        heading = self.centerline.heading_at(Vector(self.polygon.centroid.x, self.polygon.centroid.y))
+        return [(part, heading) for part in polygons(self.polygon)]
 
     @property
     def successor(self) -> NetworkElement:
@@ -152,7 +155,16 @@ class Road(LinearElement):
     crossings: tuple[PedestrianCrossing, ...] = ()
     sidewalks: tuple[Sidewalk, ...]
     """All of them, the one beside `forwardLanes` first."""
-    sidewalkRegion: Region
+
+    @cached_property
+    def sidewalkRegion(self) -> Region:
+        """All of them, oriented along traffic."""
+        return region(self.sidewalks, f"{self.uid} sidewalks")
+
+    @property
+    def strips(self) -> Sequence[tuple[Polygon, float]]:
+        """Those of its lanes."""
+        return [cell for lane in self.lanes for cell in lane.strips]
 
     @property
     def is1Way(self) -> bool:
@@ -364,10 +376,21 @@ class PedestrianCrossing(LinearElement):
     endSidewalk: Sidewalk | None = None
 
 
-def region(elements: Iterable[NetworkElement], name: str, orientation: VectorField | None = None) -> Region:
-    """The union of elements; the empty region if there are none."""
-    polygons = [element.polygon for element in elements]
-    return PolygonalRegion(polygon=united(polygons), orientation=orientation, name=name) if polygons else nowhere
+def region(elements: Sequence[LinearElement], name: str) -> Region:
+    """The union of elements, oriented by the first of them at a point; the empty region if there are none."""
+    cells: list[Cell] = [cell for element in elements for cell in element.strips]
+    return region_along(elements, name, PolygonalVectorField(f"direction of {name}", cells))
+
+
+def region_along(elements: Sequence[NetworkElement], name: str, orientation: VectorField) -> Region:
+    """The union of elements, oriented by a field; the empty region if there are none."""
+    whole = united([element.polygon for element in elements]) if elements else None
+    return nowhere if whole is None else PolygonalRegion(polygon=whole, orientation=orientation, name=name)
+
+
+def polygons(shape: Polygon | MultiPolygon) -> list[Polygon]:
+    """The polygons of an area."""
+    return list(shape.geoms) if isinstance(shape, MultiPolygon) else [shape]
 
 
 def vector(point: object) -> Vector:

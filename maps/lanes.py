@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from .assembly import Assembly, Place, TravelledLane, lane_name
-from .elements import BikeLane, Lane, LaneGroup, LaneSection, LinearElement, Road, RoadSection, Shoulder, Sidewalk, region
+from .elements import BikeLane, Lane, LaneGroup, LaneSection, LinearElement, Road, RoadSection, Shoulder, Sidewalk
 from .fixed import complete
 from .opendrive import RoadRecord
 from .shapes import SHORTEST, Points, SectionShape, between
@@ -63,7 +63,7 @@ def make_road(net: Assembly, record: RoadRecord) -> None:
     walks = tuple(element for side in sides.values() for element in side if isinstance(element, Sidewalk))
     complete(
         road, forwardLanes=forward, backwardLanes=backward, laneGroups=tuple(groups.values()), signals=(), crossings=(), sidewalks=walks,
-        lanes=tuple(lane for g in groups.values() for lane in g.lanes), sidewalkRegion=region(walks, f"{uid} sidewalks"),
+        lanes=tuple(lane for g in groups.values() for lane in g.lanes),
     )  # fmt: skip
     complete(road, sections=tuple(road_sections(net, record, road)))
     for lane in road.lanes:

@@ -24,6 +24,7 @@ from .elements import (
     Sidewalk,
     T,
     region,
+    region_along,
     vector,
 )
 from .fixed import Fixed
@@ -83,47 +84,47 @@ class Network(Fixed):
 
     @cached_property
     def roadRegion(self) -> Region:
-        """All roads outside intersections."""
+        """All roads outside intersections, oriented along traffic."""
         return region(self.roads, "roadRegion")
 
     @cached_property
     def laneRegion(self) -> Region:
-        """All lanes, with connecting lanes."""
+        """All lanes, with connecting lanes, oriented along traffic."""
         return region(self.lanes, "laneRegion")
 
     @cached_property
     def intersectionRegion(self) -> Region:
         """All intersections."""
-        return region(self.intersections, "intersectionRegion", self.roadDirection)
+        return region_along(self.intersections, "intersectionRegion", self.roadDirection)
 
     @cached_property
     def crossingRegion(self) -> Region:
-        """All crosswalks."""
+        """All crosswalks, each oriented across the road."""
         return region(self.crossings, "crossingRegion")
 
     @cached_property
     def sidewalkRegion(self) -> Region:
-        """All sidewalks."""
+        """All sidewalks, oriented along the traffic beside them."""
         return region(self.sidewalks, "sidewalkRegion")
 
     @cached_property
     def shoulderRegion(self) -> Region:
         """All shoulders."""
-        return region(self.shoulders, "shoulderRegion", self.roadDirection)
+        return region_along(self.shoulders, "shoulderRegion", self.roadDirection)
 
     @cached_property
     def drivableRegion(self) -> Region:
         """Lanes, roads and intersections, oriented along traffic."""
-        return region((*self.lanes, *self.roads, *self.intersections), "drivableRegion", self.roadDirection)
+        return region_along((*self.lanes, *self.roads, *self.intersections), "drivableRegion", self.roadDirection)
 
     @cached_property
     def roadOrShoulder(self) -> Region:
         """All that is drivable, and shoulders, oriented along traffic."""
-        return region((*self.lanes, *self.roads, *self.intersections, *self.shoulders), "roadOrShoulder", self.roadDirection)
+        return region_along((*self.lanes, *self.roads, *self.intersections, *self.shoulders), "roadOrShoulder", self.roadDirection)
 
     @cached_property
     def walkableRegion(self) -> Region:
-        """Sidewalks and crosswalks."""
+        """Sidewalks and crosswalks, each with its orientation."""
         return region((*self.sidewalks, *self.crossings), "walkableRegion")
 
     @cached_property

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import random
 import re
 from functools import cache
 
@@ -236,3 +237,14 @@ def test_signals_for_the_lane_0_alone_stand_at_a_road_and_are_not_for_it() -> No
     [intersection] = changed.intersections
     assert len(intersection.signals) == 4  # its own roads refer to them
     assert {signal.roads[0].id in {r.id for r in changed.connectingRoads} for signal in changed.signals} == {True}
+
+
+@pytest.mark.parametrize("kind", ["roads", "lanes", "sidewalks", "crossings", "shoulders", "intersections"])
+def test_regions_are_oriented_as_the_first_element_at_a_point(kind):
+    """As the released library's: what stands on a sidewalk has its direction, unless it says otherwise."""
+    net = network("grid", ("rows", 2), ("columns", 2), ("crosswalks", True), ("shoulders", True))
+    found, draw = getattr(net, f"{kind[:-1]}Region"), random.Random(3)
+    for _ in range(100):
+        v = found.sample(draw.random)
+        element = next(e for e in getattr(net, kind) if e.distance_to(v) < 0.01)
+        assert math.remainder(found.orientation.at(v) - element.heading_at(v), 2 * math.pi) == pytest.approx(0, abs=0.06)
