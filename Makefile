@@ -98,9 +98,9 @@ bench: $(VENV)/.test
 
 ## The same on roads: on a map of our own, or on that of MAP=FILE.xodr
 bench-roads: $(VENV)/.test
-	$(if $(MAP),cp $(MAP) benchmarks/roads/town.xodr,$(BIN)/scenic-ref map --make grid benchmarks/roads/town.xodr)
-	cp benchmarks/roads/town.xodr benchmarks/roads/released/town.xodr
-	$(BIN)/scenic-ref bench benchmarks/roads/*.scenic --released benchmarks/roads/released $(if $(AGAINST),--against $(AGAINST))
+	$(if $(MAP),cp $(MAP) examples/roads/town.xodr,$(BIN)/scenic-ref map --make grid examples/roads/town.xodr)
+	cp examples/roads/town.xodr examples/roads/released/town.xodr
+	$(BIN)/scenic-ref bench examples/roads/*.scenic --released examples/roads/released $(if $(AGAINST),--against $(AGAINST))
 
 clean:
 	rm -rf $(VENV) $(PLAIN) .venv-3.12 .venv-3.13 .venv-scenic-3 .venv-scenic-2.1 demo site build dist *.egg-info

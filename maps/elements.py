@@ -16,12 +16,13 @@ from typing import TYPE_CHECKING, TypeVar
 from shapely.geometry import MultiPolygon, Point, Polygon
 
 from ..semantics.space.absence import Absent
-from ..semantics.space.fields import Cell, PolygonalVectorField, VectorField
+from ..semantics.space.fields import VectorField
 from ..semantics.space.numeric import lifted
-from ..semantics.space.regions import PolygonalRegion, PolylineRegion, Region, nowhere
+from ..semantics.space.regions import PolygonalRegion, PolylineRegion, Region
 from ..semantics.space.vectors import Vector
 from .fixed import Fixed
-from .shapes import Points, directed, strips, united
+from .regions import polygons, region
+from .shapes import Points, directed, strips
 
 if TYPE_CHECKING:
     from .intersections import Intersection, Maneuver
@@ -374,23 +375,6 @@ class PedestrianCrossing(LinearElement):
     parent: Road | Intersection
     startSidewalk: Sidewalk | None = None
     endSidewalk: Sidewalk | None = None
-
-
-def region(elements: Sequence[LinearElement], name: str) -> Region:
-    """The union of elements, oriented by the first of them at a point; the empty region if there are none."""
-    cells: list[Cell] = [cell for element in elements for cell in element.strips]
-    return region_along(elements, name, PolygonalVectorField(f"direction of {name}", cells))
-
-
-def region_along(elements: Sequence[NetworkElement], name: str, orientation: VectorField) -> Region:
-    """The union of elements, oriented by a field; the empty region if there are none."""
-    whole = united([element.polygon for element in elements]) if elements else None
-    return nowhere if whole is None else PolygonalRegion(polygon=whole, orientation=orientation, name=name)
-
-
-def polygons(shape: Polygon | MultiPolygon) -> list[Polygon]:
-    """The polygons of an area."""
-    return list(shape.geoms) if isinstance(shape, MultiPolygon) else [shape]
 
 
 def vector(point: object) -> Vector:

@@ -23,12 +23,11 @@ from .elements import (
     Shoulder,
     Sidewalk,
     T,
-    region,
-    region_along,
     vector,
 )
 from .fixed import Fixed
 from .intersections import Intersection
+from .regions import region, region_along
 from .signals import Signal
 
 
