@@ -32,8 +32,8 @@ ROOMS = ["syntax", "space", "kernel", "readings", "python", "scenes", "dynamics"
 TENSORS = ("arithmetic", "columns", "draws", "evaluator", "kit", "margins", "polygons")
 ONLY_IN = {
     "matplotlib": {
-        "formats/chains.py", "formats/comparisons.py", "formats/maps.py", "formats/pictures.py", "formats/map_pictures.py", "formats/movies.py", "formats/sheets.py",
-        "benchmarks/bars.py",
+        "formats/chains.py", "formats/comparisons.py", "formats/maps.py", "formats/pictures.py", "formats/map_pictures.py", "formats/movies.py",
+        "formats/sheets.py", "benchmarks/bars.py",
     },
     "PIL": {"formats/movies.py"}, "pyarrow": {"formats/tables.py"},
     "distributed": {"inference/batch/jobs/blocks.py"}, "hypothesis": {"conformance/programs/strategies.py"},
