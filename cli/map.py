@@ -65,7 +65,7 @@ def show_map(
     if as_json:
         print(json.dumps({**told, **({"faults": found} if check else {})}, ensure_ascii=False, indent=2))
     else:
-        print("\n".join(lines(told)))
+        print("\n".join(line for line in lines(told) if line.removeprefix("note: ") not in found))
         if check:
             print("\n".join(f"fault: {fault}" for fault in found) or "no faults were found")
     if plot is not None:
@@ -110,7 +110,7 @@ def lines(told: dict[str, object]) -> list[str]:
         f"intersections  {told['intersections']}, of which {told['four_way']} join four roads",
         f"maneuvers      {', '.join(f'{count} {NAMES.get(name, name)}' for name, count in maneuvers.items())}",
         f"areas          {told['drivable_area_m2']:,.0f} m² to drive on, {told['sidewalk_area_m2']:,.0f} m² of sidewalks",
-        f"signals        {told['signals']}",
+        f"furniture      {told['signals']} signals, {told['crosswalks']} crosswalks, {told['shoulders']} shoulders",
         f"bounds         {west:.1f} to {east:.1f} m East, {south:.1f} to {north:.1f} m North",
         *(f"note: {warning}" for warning in cast("list[str]", told["warnings"])),
     ]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -90,6 +91,15 @@ def along(pieces: Sequence[Piece], s: Numbers) -> tuple[Numbers, Numbers, Number
         here = which == i
         x[here], y[here], direction[here] = points(pieces[i], np.minimum(s[here] - starts[i], pieces[i].length))
     return x, y, direction
+
+
+def breaks(pieces: Sequence[Piece], least: float) -> Iterator[tuple[float, float]]:
+    """Where a piece does not begin at the end of the one before it: the distance along the line, and the metres between them."""
+    for one, following in pairwise(pieces):
+        (x, y, _), (u, v, _) = (points(piece, np.array([at])) for piece, at in ((one, one.length), (following, 0.0)))
+        gap = math.hypot(float(u[0] - x[0]), float(v[0] - y[0]))
+        if gap > least:
+            yield following.s, gap
 
 
 def sampled(pieces: Sequence[Piece], width: float) -> Numbers:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 import numpy as np
 import shapely
@@ -13,12 +13,37 @@ from .assembly import Assembly, Place, TravelledLane, lane_name
 from .elements import Lane, Road
 from .fixed import complete
 from .intersections import Intersection, Maneuver, maneuver_type
-from .opendrive import ConnectionRecord, Contact, JunctionRecord, RoadLink
-from .shapes import areas
+from .opendrive import ConnectionRecord, Contact, JunctionRecord, RoadLink, RoadRecord
+from .shapes import JOINT, areas
 
-JOINT = 0.01
-"""Metres that two lanes may be apart where one leads to the other."""
 ENDS: tuple[Contact, Contact] = ("end", "start")
+
+
+def note_dangling(net: Assembly) -> None:
+    """Notice links to what there is not: roads, junctions, lanes of what comes before and after."""
+    for id, record in net.file.roads.items():
+        for end in ENDS:
+            link = record.link_at(end)
+            if link is not None and link.id not in (net.file.roads if link.kind == "road" else net.file.junctions):
+                net.notes.add("links to roads or junctions that there are not", f"road {id} to {link.kind} {link.id}")
+        for i, shape in enumerate(net.shapes[id]):
+            for number, lane in shape.lanes.items():
+                for end in ENDS:
+                    there = beyond(net, record, i, end)
+                    linked = lane.record.predecessors if end == "start" else lane.record.successors
+                    for other in () if there is None else (n for n in linked if n not in there and n != 0):
+                        net.notes.add("links to lanes that there are not", f"{lane_name((id, i, number))} to lane {other}")
+
+
+def beyond(net: Assembly, road: RoadRecord, i: int, end: Contact) -> Collection[int] | None:
+    """The numbers of the lanes before or after a section of a road; None where a junction is, or nothing."""
+    further = i + (1 if end == "end" else -1)
+    if 0 <= further < len(net.shapes[road.id]):
+        return net.shapes[road.id][further].lanes
+    link = road.link_at(end)
+    if link is None or link.kind != "road" or link.id not in net.file.roads:
+        return None
+    return net.shapes[link.id][net.file.roads[link.id].section_at(link.contact or "start")].lanes
 
 
 def link_lanes(net: Assembly) -> None:
@@ -93,6 +118,8 @@ def ways(net: Assembly, junction: JunctionRecord, connection: ConnectionRecord) 
         net.notes.add("connections of roads that there are not", f"junction {junction.id}")
         return
     for start, over in connection.lanes:
+        if over not in net.shapes[connecting.id][connecting.section_at(connection.contact)].lanes:
+            net.notes.add("links to lanes that there are not", f"junction {junction.id} to road {connecting.id} lane {over}")
         way = net.sections.get((connecting.id, connecting.section_at(connection.contact), over))
         if way is None or way.forward is not (connection.contact == "start") or way.place not in net.chains:
             continue  # it leads towards the incoming road, or is no lane for cars

@@ -193,6 +193,10 @@ def within(what: str) -> Iterator[None]:
         raise MapError(f"{what}: {problem.message}") from None
 
 
+HEIGHTS = "roads with heights or superelevation, which the plane does not have"
+"""A note that is no fault."""
+
+
 def read(data: bytes) -> OpenDrive:
     """The roads and junctions of a file. Raises `MapError` for what is no OpenDRIVE or is broken."""
     root = parse(data)
@@ -231,11 +235,13 @@ def road(element: Element, notes: Notes) -> RoadRecord:
     speed = next((limit for limit in map(speed_of, element.all("type", "speed")) if limit is not None), None)
     unheeded = [*element.all("elevationProfile", "elevation"), *element.all("lateralProfile", "superelevation")]
     if any(e.number(name, 0.0) != 0.0 for e in unheeded for name in "abcd"):
-        notes.add("roads with heights or superelevation, which the plane does not have", f"road {id}")
-    inside = element.text("junction", "-1")
+        notes.add(HEIGHTS, f"road {id}")
+    inside, rule = element.text("junction", "-1"), element.text("rule", "RHT")
+    if rule.upper() not in ("RHT", "LHT"):
+        notes.add("rules of traffic that are neither RHT nor LHT, and taken for RHT", f"road {id}")
     return RoadRecord(
         id=id, name=element.text("name", ""), length=length, junction=None if inside == "-1" else inside,
-        left_hand=element.text("rule", "RHT") == "LHT",
+        left_hand=rule.upper() == "LHT",
         predecessor=link(element, "predecessor"), successor=link(element, "successor"), pieces=pieces, offsets=offsets,
         sections=tuple(sections(element, min(length, end), notes)),
         signals=tuple(signal(s) for s in element.all("signals", "signal")),
@@ -326,7 +332,10 @@ def sections(element: Element, end: float, notes: Notes) -> Iterator[SectionReco
         if stop - start <= 1e-9 or start >= end:
             notes.add("lane sections without length, which are left out", f"road {element.text('id')} at {start:g} m")
             continue
-        lanes = {found.id: found for side in ("left", "right") for found in (lane(e, start) for e in one.all(side, "lane"))}
+        sides = [(side, e, lane(e, start)) for side in ("left", "right") for e in one.all(side, "lane")]
+        for side, e, found in sides:
+            note_lane(side, e, found, f"road {element.text('id')} lane {found.id}", notes)
+        lanes = {found.id: found for _, _, found in sides}
         if len(lanes) > MOST_LANES:
             raise MapError(f"line {one.line}: a section has more than {MOST_LANES} lanes")
         for id in lanes:
@@ -345,6 +354,16 @@ def lane(element: Element, start: float) -> LaneRecord:
         tuple(e.whole("id") for e in element.all("link", "predecessor")), tuple(e.whole("id") for e in element.all("link", "successor")),
         next((speed for speed in speeds if speed is not None), None),
     )  # fmt: skip
+
+
+def note_lane(side: str, element: Element, lane: LaneRecord, where: str, notes: Notes) -> None:
+    """What is strange about a lane of a section."""
+    if lane.id * (1 if side == "left" else -1) < 0:
+        notes.add("lanes on the other side than their number says", where)
+    if lane.id != 0 and not lane.widths.pieces and not lane.borders.pieces:
+        notes.add("lanes without a width", where)
+    if element.text("direction", "standard") != "standard":
+        notes.add("lanes with a direction of traffic of their own, which is not heeded", where)
 
 
 def signal(element: Element) -> SignalRecord:

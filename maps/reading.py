@@ -11,7 +11,7 @@ from .elements import BikeLane, Lane, PedestrianCrossing, Shoulder, Sidewalk
 from .fixed import complete
 from .furniture import crossings, signals
 from .intersections import Intersection
-from .junctions import intersection, link_lanes, link_roads
+from .junctions import intersection, link_lanes, link_roads, note_dangling
 from .lanes import make_road, make_sections
 from .making import made
 from .network import Network
@@ -49,6 +49,7 @@ def network_of(file: OpenDrive) -> Network:
         make_sections(net, road)
     for road in file.roads.values():
         make_road(net, road)
+    note_dangling(net)
     link_lanes(net)
     intersections = [found for one in file.junctions.values() if (found := intersection(net, one)) is not None]
     link_roads(net, intersections)
@@ -67,7 +68,7 @@ def finished(net: Assembly, intersections: Sequence[Intersection], signals: Sequ
     roads = (*ordinary, *connecting)
     lanes = [lane for road in roads for lane in road.lanes]
     if not lanes:
-        raise MapError("it has no lanes on which to drive")
+        raise MapError("; ".join(["it has no lanes on which to drive", *net.notes.lines()]))
     made = Network.of(
         by_uid=net.elements, roads=tuple(ordinary), connectingRoads=tuple(connecting), allRoads=roads, intersections=tuple(intersections),
         laneGroups=tuple(group for road in roads for group in road.laneGroups), lanes=tuple(lanes), crossings=net.of(PedestrianCrossing),

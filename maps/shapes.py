@@ -21,6 +21,8 @@ Points = NDArray[np.float64]
 """Of shape (n, 2), in metres."""
 LEAST = 1e-6
 """Metres between two sampled distances along a road; so far from its ends a section is looked at, where another may begin."""
+JOINT = 0.01
+"""Metres by which what joins may be apart."""
 SHORTEST = 1e-3
 """Metres that a line is long at least."""
 WIDEST = 1000.0
@@ -52,6 +54,8 @@ class SectionShape:
 
 def section_shapes(road: RoadRecord, notes: Notes) -> Iterator[SectionShape]:
     """The sections of a road with the edges of their lanes."""
+    for at, gap in curves.breaks(road.pieces, JOINT):
+        notes.add(f"gaps in reference lines of more than {JOINT * 100:g} cm", f"road {road.id} at {at:g} m ({gap:.2f} m)")
     widest = max((sum(lane_width(lane, one) for lane in one.lanes.values()) for one in road.sections), default=0.0)
     grid = curves.sampled(road.pieces, min(widest, WIDEST))
     for one in road.sections:

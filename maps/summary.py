@@ -14,6 +14,7 @@ from ..semantics.space.regions import PolylineRegion
 from .elements import Lane, LinearElement, Road
 from .intersections import ManeuverType
 from .network import Network
+from .opendrive import HEIGHTS
 
 JOINT, TURNED = 0.01, math.radians(1)
 """Metres, and radians, by which lanes may differ where one leads to the other."""
@@ -36,13 +37,14 @@ def summary(network: Network) -> dict[str, object]:
         "intersections": len(network.intersections), "four_way": sum(i.is4Way for i in network.intersections),
         "maneuvers": {**{name: kinds[kind] for name, kind in names.items()}, "merge": merges},
         "drivable_area_m2": round(network.drivableRegion.measure() or 0.0, 3), "sidewalk_area_m2": round(network.sidewalkRegion.measure() or 0.0, 3),
-        "signals": len(network.signals), "bounds": [round(float(b), 3) for b in (west, south, east, north)], "warnings": list(network.warnings),
+        "crosswalks": len(network.crossings), "shoulders": len(network.shoulders), "signals": len(network.signals),
+        "bounds": [round(float(b), 3) for b in (west, south, east, north)], "warnings": list(network.warnings),
     }  # fmt: skip
 
 
 def faults(network: Network) -> Iterator[str]:
     """What is wrong: joints that do not meet, roads that overlap, lanes that cannot be reached or left."""
-    yield from network.warnings
+    yield from (line for line in network.warnings if not line.startswith((HEIGHTS, "joints of lanes")))  # joints are told one by one
     for lane in network.lanes:
         yield from bad_joints(lane)
     yield from overlaps(network.roads)

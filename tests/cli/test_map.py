@@ -46,7 +46,7 @@ def test_faults_are_found(ask, tmp_path: Path) -> None:
     assert told.code == 1
     faults = json.loads(told.out)["faults"]
     assert sum("gap of 0.300 m" in fault for fault in faults) >= 4
-    assert faults[0].startswith("joints of lanes that are further apart than 1 cm: ")
+    assert not [fault for fault in faults if fault.startswith("joints of lanes")]  # they are told one by one
 
 
 @pytest.mark.parametrize(

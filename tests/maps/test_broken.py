@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from scenic_ref.maps import MapError, opendrive, read_map
 from scenic_ref.maps.reading import network_of
+from scenic_ref.maps.summary import faults
 
 LANES = (
     '<laneSection s="0"><left><lane id="1" type="driving"><link/><width sOffset="0" a="3.5" b="0" c="0" d="0"/></lane></left>'
@@ -25,6 +27,58 @@ def test_the_file_without_faults_loads() -> None:
     network = network_of(opendrive.read(file()))
     assert (len(network.roads), len(network.lanes), len(network.sidewalks), network.warnings) == (1, 2, 1, ())
     assert network.drivableRegion.measure() == pytest.approx(700, rel=1e-4)
+
+
+STRANGE: dict[str, tuple[bytes, str]] = {
+    "a gap in the reference line": (
+        file().replace(b'hdg="0" length="100"><line/></geometry>',
+            b'hdg="0" length="50"><line/></geometry><geometry s="50" x="51" y="0" hdg="0" length="50"><line/></geometry>'),
+        "gaps in reference lines of more than 1 cm: road 7 at 50 m (1.00 m)"),
+    "a road that there is not": (
+        file(link='<link><successor elementType="road" elementId="99" contactPoint="start"/></link>'),
+        "links to roads or junctions that there are not: road 7 to road 99"),
+    "a junction that there is not": (
+        file(link='<link><predecessor elementType="junction" elementId="5"/></link>'),
+        "links to roads or junctions that there are not: road 7 to junction 5"),
+    "a lane that there is not": (
+        file(link='<link><successor elementType="road" elementId="7" contactPoint="start"/></link>',
+            lanes=LANES.replace("<link/>", '<link><successor id="9"/></link>')),
+        "links to lanes that there are not: road 7 lane 1 to lane 9"),
+    "lanes on the wrong side": (
+        file(lanes=re.sub('<lane id="(1|-1)"', lambda found: f'<lane id="{-int(found[1])}"', LANES.replace("-2", "2"))),
+        "lanes on the other side than their number says: road 7 lane -1, road 7 lane 1, road 7 lane 2"),
+    "a lane without a width": (
+        file(lanes=LANES.replace('<width sOffset="0" a="2" b="0" c="0" d="0"/>', "")), "lanes without a width: road 7 lane -2"),
+    "a direction of its own": (
+        file(lanes=LANES.replace('<lane id="1"', '<lane id="1" direction="reversed"')),
+        "lanes with a direction of traffic of their own, which is not heeded: road 7 lane 1"),
+    "a rule that there is not": (
+        file(ROAD.replace('junction="-1"', 'junction="-1" rule="left"')), "rules of traffic that are neither RHT nor LHT, and taken for RHT: road 7"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", STRANGE)
+def test_what_is_strange_is_noted_and_a_fault(name: str) -> None:
+    data, note = STRANGE[name]
+    network = network_of(opendrive.read(data))
+    assert [line for line in network.warnings if line.startswith(note)]
+    assert [line for line in faults(network) if line.startswith(note)]
+
+
+def test_heights_are_noted_and_no_fault() -> None:
+    hilly = ROAD.replace("<lanes>", '<elevationProfile><elevation s="0" a="3" b="0.1" c="0" d="0"/></elevationProfile><lanes>')
+    network = network_of(opendrive.read(file(hilly)))
+    assert network.warnings == ("roads with heights or superelevation, which the plane does not have: road 7",)
+    assert not list(faults(network))
+
+
+def test_the_rule_of_traffic_is_read_in_small_letters() -> None:
+    assert network_of(opendrive.read(file(ROAD.replace('junction="-1"', 'junction="-1" rule="lht"')))).driveOnLeft
+
+
+def test_a_map_without_lanes_says_what_was_strange_about_it() -> None:
+    with pytest.raises(MapError, match=r"no lanes on which to drive; lanes that are less than 0 m wide: road 7 lane 1, road 7 lane -1"):
+        network_of(opendrive.read(file().replace(b'a="3.5"', b'a="-3.5"')))
 
 
 MESSAGES: dict[str, tuple[bytes, str]] = {

@@ -71,7 +71,7 @@ behavior FollowLaneBehavior(target_speed=10, laneToFollow=None, is_oppositeTraff
         place = path.along(self.position, place)
     do StopBehavior()
 
-# Into a section of a lane, which need not be beside the own one, and a little further.
+# Into a section of a lane, which need not be beside the own one, and a little further; then the vehicle rolls on.
 behavior LaneChangeBehavior(laneSectionToSwitch, is_oppositeTraffic=False, target_speed=10):
     lane = Trajectory([laneSectionToSwitch.lane], is_oppositeTraffic)
     begin = lane.along(self.position) + max(10, 1.5 * self.speed)
@@ -80,6 +80,7 @@ behavior LaneChangeBehavior(laneSectionToSwitch, is_oppositeTraffic=False, targe
     while place < path.length - 18:
         take following(self, path, place, target_speed)
         place = path.along(self.position, place)
+    take SetThrottleAction(0), SetSteerAction(0)
 
 behavior DriveAvoidingCollisions(target_speed=25, avoidance_threshold=10):
     try:
