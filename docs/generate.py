@@ -285,7 +285,7 @@ def campaigns_page() -> str:
         "([how](../harness.md)): both sides followed the readings that the release is known to follow, so that what is listed is something else. "
         "Each finding was confirmed with fresh scenes of the smallest program, then given its class by hand; those of the class `undecided` were "
         "not. Most of what is `missing` or `unchecked` is documented by the releases. Where places differ, a picture shows thirty scenes of each "
-        "side over each other, ego in red. Each campaign took about an hour of one process on a busy machine, and the findings of the class "
+        "side over each other, ego in red. Each campaign took an hour or two of one process on a busy machine, and the findings of the class "
         "`our bug` are mended."
     )
     lines = ["# Campaigns", "", paragraph(about), ""]

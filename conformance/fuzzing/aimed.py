@@ -252,7 +252,9 @@ class AimedWriter:
         """A whole program."""
         themes = self.themes
         text = "\n".join(themes[int(self.random.integers(len(themes)))]()) + "\n"
-        return f"# dialect: scenic-2.1\n{text}" if any(words in text for words in RELEASED) else text
+        if not any(words in text for words in RELEASED):
+            return text
+        return "# dialect: scenic-2.1\n" + text.replace("simulation.", "simulation().")  # where the clock is called
 
 
 def aimed_program(seed: int, number: int) -> str:
