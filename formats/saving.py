@@ -6,6 +6,8 @@ what it was. A saved state stays.
 
 from __future__ import annotations
 
+import copyreg
+import io
 import pickle
 
 from ..interpreter.nesting import room
@@ -20,9 +22,18 @@ def save(state: State) -> bytes:
     Raises `UsageError` for values of imported Python modules that cannot be saved.
     """
     try:
-        return pickle.dumps(state, protocol=pickle.HIGHEST_PROTOCOL)
+        with io.BytesIO() as written:
+            pickler = pickle.Pickler(written, protocol=pickle.HIGHEST_PROTOCOL)
+            pickler.dispatch_table = {**copyreg.dispatch_table, property: of_property}  # type: ignore[assignment]
+            pickler.dump(state)
+            return written.getvalue()
     except (pickle.PicklingError, TypeError, AttributeError) as problem:
         raise UsageError(f"this run cannot be saved: {problem}") from None
+
+
+def of_property(found: property) -> tuple[object, ...]:
+    """How a property that a class of the program has is made anew."""
+    return property, (found.fget, found.fset, found.fdel)
 
 
 @room()

@@ -66,6 +66,10 @@ class NetworkElement(Fixed, PolygonalRegion):
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.uid}>"
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """It is pickled as a name in its network."""
+        return element_of, (self.network, self.uid)
+
     @cached_property
     def orientation(self) -> VectorField:  # type: ignore[override]
         """The direction of traffic."""
@@ -375,6 +379,11 @@ class PedestrianCrossing(LinearElement):
     parent: Road | Intersection
     startSidewalk: Sidewalk | None = None
     endSidewalk: Sidewalk | None = None
+
+
+def element_of(network: Network, uid: str) -> NetworkElement:
+    """The element of that name."""
+    return network.by_uid[uid]
 
 
 def vector(point: object) -> Vector:

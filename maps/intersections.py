@@ -108,6 +108,10 @@ class Maneuver(Fixed):
     def __repr__(self) -> str:
         return f"<Maneuver {self.type.name} from {self.startLane.uid} to {self.endLane.uid}>"
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """It is pickled as one of its lane's."""
+        return maneuver_of, (self.startLane, self.startLane.maneuvers.index(self))
+
     @cached_property
     def conflictingManeuvers(self) -> tuple[Maneuver, ...]:
         """The maneuvers of the intersection from other lanes whose connecting lanes' centerlines meet this one's: cross it, or end where it ends."""
@@ -137,3 +141,8 @@ def maneuver_type(start: Lane, end: Lane, connecting: Lane | None) -> ManeuverTy
     first, last = points[1] - points[0], points[-1] - points[-2]
     turned = math.atan2(first.x * last.y - first.y * last.x, first.x * last.x + first.y * last.y)
     return ManeuverType.STRAIGHT if abs(turned) < TURN else ManeuverType.LEFT_TURN if turned > 0 else ManeuverType.RIGHT_TURN
+
+
+def maneuver_of(lane: Lane, index: int) -> Maneuver:
+    """The maneuver of a lane."""
+    return lane.maneuvers[index]

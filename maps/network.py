@@ -9,8 +9,8 @@ import shapely
 from shapely.geometry import LineString, Point
 
 from ..semantics.space.absence import Absent
-from ..semantics.space.fields import Cell, PolygonalVectorField, VectorField
-from ..semantics.space.regions import PolylineRegion, Region, Workspace, everywhere, nowhere
+from ..semantics.space.fields import Cell, VectorField
+from ..semantics.space.regions import Region, Workspace, everywhere, nowhere
 from .elements import (
     BikeLane,
     Lane,
@@ -27,7 +27,7 @@ from .elements import (
 )
 from .fixed import Fixed
 from .intersections import Intersection
-from .regions import region, region_along
+from .regions import NetworkCurve, NetworkField, region, region_along
 from .signals import Signal
 
 
@@ -38,13 +38,16 @@ class MapWorkspace(Workspace):
         super().__init__(everywhere)
         self.network = network
 
-    def __reduce__(self) -> str:
-        raise TypeError("the workspace of a map is not pickled")
+    def __reduce__(self) -> tuple[object, ...]:
+        """It is pickled as that of its network."""
+        return getattr, (self.network, "workspace")
 
 
 class Network(Fixed):
     """All of a map."""
 
+    source: bytes
+    """The file that it was read from."""
     by_uid: Mapping[str, NetworkElement]
     roads: tuple[Road, ...]
     """Those outside intersections."""
@@ -71,6 +74,12 @@ class Network(Fixed):
     def __repr__(self) -> str:
         return f"<Network of {len(self.roads)} roads and {len(self.intersections)} intersections>"
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """It is pickled as the file that it is read from."""
+        from .reading import network_from
+
+        return network_from, (self.source,)
+
     @property
     def elements(self) -> dict[str, NetworkElement]:
         """All elements by their `uid`."""
@@ -84,53 +93,57 @@ class Network(Fixed):
     @cached_property
     def roadRegion(self) -> Region:
         """All roads outside intersections, oriented along traffic."""
-        return region(self.roads, "roadRegion")
+        return region(self.roads, "roadRegion", self)
 
     @cached_property
     def laneRegion(self) -> Region:
         """All lanes, with connecting lanes, oriented along traffic."""
-        return region(self.lanes, "laneRegion")
+        return region(self.lanes, "laneRegion", self)
 
     @cached_property
     def intersectionRegion(self) -> Region:
         """All intersections."""
-        return region_along(self.intersections, "intersectionRegion", self.roadDirection)
+        return region_along(self.intersections, "intersectionRegion", self.roadDirection, self)
 
     @cached_property
     def crossingRegion(self) -> Region:
         """All crosswalks, each oriented across the road."""
-        return region(self.crossings, "crossingRegion")
+        return region(self.crossings, "crossingRegion", self)
 
     @cached_property
     def sidewalkRegion(self) -> Region:
         """All sidewalks, oriented along the traffic beside them."""
-        return region(self.sidewalks, "sidewalkRegion")
+        return region(self.sidewalks, "sidewalkRegion", self)
 
     @cached_property
     def shoulderRegion(self) -> Region:
         """All shoulders."""
-        return region_along(self.shoulders, "shoulderRegion", self.roadDirection)
+        return region_along(self.shoulders, "shoulderRegion", self.roadDirection, self)
 
     @cached_property
     def drivableRegion(self) -> Region:
         """Lanes, roads and intersections, oriented along traffic."""
-        return region_along((*self.lanes, *self.roads, *self.intersections), "drivableRegion", self.roadDirection)
+        return region_along((*self.lanes, *self.roads, *self.intersections), "drivableRegion", self.roadDirection, self)
 
     @cached_property
     def roadOrShoulder(self) -> Region:
         """All that is drivable, and shoulders, oriented along traffic."""
-        return region_along((*self.lanes, *self.roads, *self.intersections, *self.shoulders), "roadOrShoulder", self.roadDirection)
+        return region_along((*self.lanes, *self.roads, *self.intersections, *self.shoulders), "roadOrShoulder", self.roadDirection, self)
 
     @cached_property
     def walkableRegion(self) -> Region:
         """Sidewalks and crosswalks, each with its orientation."""
-        return region((*self.sidewalks, *self.crossings), "walkableRegion")
+        return region((*self.sidewalks, *self.crossings), "walkableRegion", self)
 
     @cached_property
     def curbRegion(self) -> Region:
         """The curbs of the roads outside intersections, each along traffic."""
         curbs = [LineString([tuple(v) for v in line]) for road in self.roads for group in road.laneGroups for line in group.curb.lines]
-        return PolylineRegion(polyline=curbs, name="curbRegion") if curbs else nowhere
+        if not curbs:
+            return nowhere
+        made = NetworkCurve(polyline=curbs, name="curbRegion")
+        made.network = self
+        return made
 
     @cached_property
     def roadDirection(self) -> VectorField:
@@ -140,7 +153,9 @@ class Network(Fixed):
         cells: list[Cell] = [cell for lane in within for cell in lane.strips]
         cells += [cell for i in self.intersections for cell in i.gaps()]
         cells += [cell for element in (*others, *self.shoulders) for cell in element.strips]
-        return PolygonalVectorField("roadDirection", cells, defaultHeading=0.0)
+        made = NetworkField("roadDirection", cells, defaultHeading=0.0)
+        made.network = self
+        return made
 
     @cached_property
     def _tree(self) -> tuple[shapely.STRtree, tuple[NetworkElement, ...]]:

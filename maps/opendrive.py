@@ -177,8 +177,9 @@ class JunctionRecord:
 
 @dataclass(frozen=True)
 class OpenDrive:
-    """A file: its roads and junctions, by their ids, and what was noticed."""
+    """A file: what is in it, its roads and junctions, by their ids, and what was noticed."""
 
+    data: bytes
     roads: Mapping[str, RoadRecord]
     junctions: Mapping[str, JunctionRecord]
     notes: Notes
@@ -217,7 +218,7 @@ def read(data: bytes) -> OpenDrive:
             junctions[id] = junction(element)
     if not roads:
         raise MapError("it has no roads")
-    return OpenDrive(roads, junctions, notes)
+    return OpenDrive(data, roads, junctions, notes)
 
 
 def road(element: Element, notes: Notes) -> RoadRecord:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from pathlib import Path
 
 from . import opendrive
@@ -31,14 +32,20 @@ def read_map(path: Path | str) -> Network:
     except OSError as error:
         raise MapError(f"the map {path} cannot be read: {error.strerror or error}") from None
     try:
-        return network_of(opendrive.read(data))
+        return network_from(data)
     except MapError as problem:
         raise MapError(f"{path} is no usable OpenDRIVE map: {problem.message}") from None
 
 
 def made_map(kind: str, **parameters: bool | float) -> Network:
     """The network of a map that `making.made` makes. Raises `ValueError` as it does."""
-    return network_of(opendrive.read(made(kind, **parameters).encode()))
+    return network_from(made(kind, **parameters).encode())
+
+
+@lru_cache(maxsize=4)
+def network_from(data: bytes) -> Network:
+    """The network of what is in an OpenDRIVE file; the same one for the same file, since it is immutable. Raises `MapError`."""
+    return network_of(opendrive.read(data))
 
 
 def network_of(file: OpenDrive) -> Network:
@@ -70,7 +77,8 @@ def finished(net: Assembly, intersections: Sequence[Intersection], signals: Sequ
     if not lanes:
         raise MapError("; ".join(["it has no lanes on which to drive", *net.notes.lines()]))
     made = Network.of(
-        by_uid=net.elements, roads=tuple(ordinary), connectingRoads=tuple(connecting), allRoads=roads, intersections=tuple(intersections),
+        source=net.file.data, by_uid=net.elements,
+        roads=tuple(ordinary), connectingRoads=tuple(connecting), allRoads=roads, intersections=tuple(intersections),
         laneGroups=tuple(group for road in roads for group in road.laneGroups), lanes=tuple(lanes), crossings=net.of(PedestrianCrossing),
         sidewalks=net.of(Sidewalk), shoulders=net.of(Shoulder), bikeLanes=net.of(BikeLane), signals=tuple(signals),
         roadSections=tuple(section for road in ordinary for section in road.sections),

@@ -8,23 +8,51 @@ from typing import TYPE_CHECKING
 from shapely.geometry import MultiPolygon, Polygon
 
 from ..semantics.space.fields import Cell, PolygonalVectorField, VectorField
-from ..semantics.space.regions import PolygonalRegion, Region, nowhere
+from ..semantics.space.regions import PolygonalRegion, PolylineRegion, Region, nowhere
 from .shapes import united
 
 if TYPE_CHECKING:
     from .elements import LinearElement, NetworkElement
+    from .network import Network
 
 
-def region(elements: Sequence[LinearElement], name: str) -> Region:
+class OfNetwork:
+    """What a network has by a name, under which it is pickled."""
+
+    network: Network
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return getattr, (self.network, self.name)  # type: ignore[attr-defined]
+
+
+class NetworkRegion(OfNetwork, PolygonalRegion):
+    """A region of a network."""
+
+
+class NetworkCurve(OfNetwork, PolylineRegion):
+    """A curve of a network."""
+
+
+class NetworkField(OfNetwork, PolygonalVectorField):
+    """A field of a network."""
+
+
+def region(elements: Sequence[LinearElement], name: str, network: Network | None = None) -> Region:
     """The union of elements, oriented by the first of them at a point; the empty region if there are none."""
     cells: list[Cell] = [cell for element in elements for cell in element.strips]
-    return region_along(elements, name, PolygonalVectorField(f"direction of {name}", cells))
+    return region_along(elements, name, PolygonalVectorField(f"direction of {name}", cells), network)
 
 
-def region_along(elements: Sequence[NetworkElement], name: str, orientation: VectorField) -> Region:
+def region_along(elements: Sequence[NetworkElement], name: str, orientation: VectorField, network: Network | None) -> Region:
     """The union of elements, oriented by a field; the empty region if there are none."""
-    whole = united([element.polygon for element in elements]) if elements else None
-    return nowhere if whole is None else PolygonalRegion(polygon=whole, orientation=orientation, name=name)
+    if not elements:
+        return nowhere
+    whole = united([element.polygon for element in elements])
+    if network is None:
+        return PolygonalRegion(polygon=whole, orientation=orientation, name=name)
+    made = NetworkRegion(polygon=whole, orientation=orientation, name=name)
+    made.network = network
+    return made
 
 
 def polygons(shape: Polygon | MultiPolygon) -> list[Polygon]:

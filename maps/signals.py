@@ -15,6 +15,7 @@ from .fixed import Fixed
 
 if TYPE_CHECKING:
     from .intersections import Intersection, Maneuver
+    from .network import Network
 
 GREEN, YELLOW, CLEARING = 10.0, 3.0, 2.0
 """Seconds for which a light is green, then yellow, and for which all lights of its intersection are red before the next ones are green."""
@@ -42,6 +43,10 @@ class Signal(Fixed):
 
     def __repr__(self) -> str:
         return f"<Signal {self.uid}>"
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """It is pickled as a name in its network."""
+        return signal_of, (self.roads[0].network, self.uid)
 
     @cached_property
     def turn(self) -> tuple[int, int] | None:
@@ -108,3 +113,8 @@ def turns_of(intersection: Intersection) -> Mapping[LaneGroup, int]:
         taken = {turns[other] for other in conflicts[group] if other in turns}
         turns[group] = next(n for n in itertools.count() if n not in taken)
     return turns
+
+
+def signal_of(network: Network, uid: str) -> Signal:
+    """The signal of that name."""
+    return next(signal for signal in network.signals if signal.uid == uid)
