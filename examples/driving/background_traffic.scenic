@@ -1,3 +1,4 @@
+# dialect: scenic-3
 # Cars on lanes that are drawn, none too near to another, and pedestrians on sidewalks.
 model scenic.domains.driving.model
 

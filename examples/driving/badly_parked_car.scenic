@@ -1,3 +1,4 @@
+# dialect: scenic-3
 # A car parked at an angle at the curb, near ego.
 model scenic.domains.driving.model
 

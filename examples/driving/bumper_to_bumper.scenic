@@ -1,3 +1,4 @@
+# dialect: scenic-3
 # Three cars behind each other in one lane.
 model scenic.domains.driving.model
 

@@ -1,3 +1,4 @@
+# dialect: scenic-3
 # A car ahead in the same lane that drives more slowly.
 model scenic.domains.driving.model
 

@@ -1,3 +1,4 @@
+# dialect: scenic-3
 # A car that does one of two things, and then the other.
 model scenic.domains.driving.model
 

@@ -1,3 +1,4 @@
+# dialect: scenic-3
 # Two scenarios, one after the other, of the same cars.
 model scenic.domains.driving.model
 

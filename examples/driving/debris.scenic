@@ -1,3 +1,4 @@
+# dialect: scenic-3
 # Things lie in the lane ahead; ego stops before them.
 model scenic.domains.driving.model
 

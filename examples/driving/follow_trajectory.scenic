@@ -1,3 +1,4 @@
+# dialect: scenic-3
 # Ego takes a maneuver of an intersection that is drawn.
 model scenic.domains.driving.model
 

@@ -1,3 +1,4 @@
+# dialect: scenic-3
 # A behavior whose invariant fails where the road ends, and what is done then.
 model scenic.domains.driving.model
 

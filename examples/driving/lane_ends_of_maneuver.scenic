@@ -1,3 +1,4 @@
+# dialect: scenic-3
 # Cars at the ends of the lanes that lead into an intersection.
 model scenic.domains.driving.model
 

@@ -1,3 +1,4 @@
+# dialect: scenic-3
 # Ego turns left while a car goes straight in a lane that conflicts.
 model scenic.domains.driving.model
 

@@ -1,3 +1,4 @@
+# dialect: scenic-3
 # A monitor rejects the runs in which ego becomes too fast.
 model scenic.domains.driving.model
 

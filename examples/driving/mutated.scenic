@@ -1,3 +1,4 @@
+# dialect: scenic-3
 # Noise on where two cars are.
 model scenic.domains.driving.model
 

@@ -1,3 +1,4 @@
+# dialect: scenic-3
 # A car comes towards ego.
 model scenic.domains.driving.model
 

@@ -1,3 +1,4 @@
+# dialect: scenic-3
 # A car in the lane beside ego's, in the other direction.
 model scenic.domains.driving.model
 

@@ -1,3 +1,4 @@
+# dialect: scenic-3
 # A car that swerves and comes back, by steering of its own.
 model scenic.domains.driving.model
 

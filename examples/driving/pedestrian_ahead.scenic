@@ -1,3 +1,4 @@
+# dialect: scenic-3
 # A pedestrian stands in the lane; ego brakes before it.
 model scenic.domains.driving.model
 

@@ -1,3 +1,4 @@
+# dialect: scenic-3
 # A pedestrian begins to walk across the road when ego comes near.
 model scenic.domains.driving.model
 

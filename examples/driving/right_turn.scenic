@@ -1,3 +1,4 @@
+# dialect: scenic-3
 # Ego turns right; the run ends when it has left the intersection.
 model scenic.domains.driving.model
 

@@ -1,3 +1,4 @@
+# dialect: scenic-3
 # Cars that do not stand along the road, and what that means for their headings.
 model scenic.domains.driving.model
 

@@ -1,3 +1,4 @@
+# dialect: scenic-3
 # The car ahead brakes for a while, and ego stops behind it.
 model scenic.domains.driving.model
 

@@ -1,3 +1,4 @@
+# dialect: scenic-3
 # Requirements over time: never too near, and at some time far from the start.
 model scenic.domains.driving.model
 

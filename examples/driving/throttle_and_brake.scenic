@@ -1,3 +1,4 @@
+# dialect: scenic-3
 # Controls without a road: accelerate, coast, brake.
 model scenic.domains.driving.model
 

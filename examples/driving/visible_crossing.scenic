@@ -1,3 +1,4 @@
+# dialect: scenic-3
 # A pedestrian whom ego sees, near the edge of its lane group.
 model scenic.domains.driving.model
 

@@ -1,3 +1,4 @@
+# dialect: scenic-3
 # Ego waits before an intersection until the other car is through.
 model scenic.domains.driving.model
 

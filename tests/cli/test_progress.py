@@ -108,7 +108,7 @@ def test_what_is_known_before_the_first_scene_comes_from_the_graph():
 
 
 def test_nothing_is_known_of_a_program_that_has_no_graph():
-    drawing = Drawing(loads("r = Uniform(CircularRegion((0, 0), 1), RectangularRegion((9, 0), 0, 1, 1))\nego = Object in r\n"))
+    drawing = Drawing(loads("ego = Object at (max(*Uniform([1, 2], [2, 3, Range(3, 4)])), 0)\n"))
     assert drawing.scenario.not_lifted is not None
     seen = BatchForesight(drawing, SceneRequest(0, 10, 0, 100_000, None, None, 1, False))
     assert (seen.runs(), seen.probability()) == (0, None)

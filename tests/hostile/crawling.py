@@ -40,6 +40,7 @@ import scenic.simulators.gta.model as gta
 import scenic.simulators.gta.map as gtamap
 import scenic.domains.driving.actions as actions
 import mars, gtaLib
+workspace = Workspace(everywhere)
 seen = []
 def spy(*arguments, **keywords):
     seen.append(arguments)

@@ -199,10 +199,15 @@ TWO = "b = Object\na = Object in road\nego = Uniform(a, b)\n"
 CHOICE = "Uniform(road, west)"
 
 
-@pytest.mark.parametrize("text", [TWO, f"workspace = Workspace({CHOICE})\n{EGO}", EGO.replace("road", CHOICE)])
-def test_a_random_ego_or_workspace_or_region_has_no_graph_to_prune_by(text):
+@pytest.mark.parametrize("text", [TWO, f"workspace = Workspace({CHOICE})\n{EGO}"])
+def test_a_random_ego_or_workspace_has_no_graph_to_prune_by(text):
     with pytest.raises(NotLifted):
         pruning(text)
+
+
+def test_a_position_in_a_random_region_is_not_pruned():
+    text = EGO.replace("road", CHOICE)
+    assert {line.split(": ", 1)[1].split(" ", 1)[1] for line in str(pruning(text)).splitlines()} == {"off: the program branches on a random value"}
 
 
 def test_a_report_names_objects_techniques_areas_and_reasons():

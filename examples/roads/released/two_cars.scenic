@@ -1,3 +1,4 @@
+# dialect: scenic-3
 param use2DMap = True
 param map = localPath('town.xodr')
 model scenic.domains.driving.model
