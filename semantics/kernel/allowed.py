@@ -157,7 +157,7 @@ def is_user_made(value: object) -> bool:
 
 
 def own_word(value: object, name: str, otherwise: object = None) -> Any:
-    """An attribute by which Python's own callables say what they are; an instance of a class of the program is not asked: its class may make it up."""
+    """An attribute by which Python's own callables say what they are; instances of the program's classes are not asked: these may make it up."""
     return otherwise if is_user_made(value) and not isinstance(value, type) else getattr(value, name, otherwise)
 
 
