@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.kernel.errors import ProgramError
+from scenic_ref.semantics.kernel.errors import ProgramError, SpecifiedTwice
 
 BEHAVIOR = """
 behavior Go():
@@ -46,3 +46,17 @@ def test_an_error_of_a_behavior_says(body: str, message: str) -> None:
     with pytest.raises(ProgramError) as raised:
         scenic_ref.loads(BEHAVIOR.format(body)).simulate(steps=2)
     assert raised.value.message == message
+
+
+@pytest.mark.parametrize(
+    ("specifiers", "hint"),
+    [
+        ("with length 2, with height 3", "height is another spelling of length"),
+        ("with width 2, with width 3", ""),
+        ("at (9, 9), visible", "to require it of the other's position, leave `visible` out and write `require P can see x`"),
+    ],
+)
+def test_the_hint_about_a_property_that_is_specified_twice(specifiers: str, hint: str) -> None:
+    with pytest.raises(SpecifiedTwice) as raised:
+        scenic_ref.loads(f"ego = Object at (0, 0)\nObject {specifiers}").sample()
+    assert raised.value.hint.startswith(hint) and bool(raised.value.hint) == bool(hint)
