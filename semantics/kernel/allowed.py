@@ -17,6 +17,7 @@ from collections.abc import Mapping
 from enum import Enum, Flag, IntEnum, auto
 from functools import cmp_to_key
 from types import BuiltinFunctionType, EllipsisType, MethodDescriptorType, MethodType, ModuleType, NoneType, NotImplementedType
+from typing import Any
 
 from ..space.fields import PolygonalVectorField, VectorField
 from ..space.regions import CircularRegion, PolygonalRegion, PolylineRegion, RectangularRegion, Region, SectorRegion, Workspace
@@ -153,6 +154,11 @@ def is_user_class(value: object) -> bool:
 def is_user_made(value: object) -> bool:
     """Whether `value` is an instance of a Python class of the program, or that class."""
     return is_user_class(value if isinstance(value, type) else type(value))
+
+
+def own_word(value: object, name: str, otherwise: object = None) -> Any:
+    """An attribute by which Python's own callables say what they are; instances of the program's classes are not asked: these may make it up."""
+    return otherwise if is_user_made(value) and not isinstance(value, type) else getattr(value, name, otherwise)
 
 
 def may_override(name: str, member: object) -> bool:

@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from types import BuiltinFunctionType, MethodType
 
-from ..kernel.allowed import is_known, is_user_class
+from ..kernel.allowed import is_known, is_user_class, own_word
 from ..kernel.conditions import random_branch
 from ..kernel.config import Stack, State, Value, value
 from ..kernel.draws import draw, of_nothing
@@ -217,7 +217,7 @@ def invoke(function: Callable[..., object], *arguments: object, **keywords: obje
 
 def on_plain_elements(function: object) -> object:
     """A method of a container with random elements, as a method of the container of their values in this run."""
-    owner = getattr(function, "__self__", None)
+    owner = own_word(function, "__self__")
     if not isinstance(owner, (list, dict, set, tuple, deque)) or not isinstance(function, BuiltinFunctionType):
         return function
     values, origin = unwrap(owner)
@@ -228,7 +228,7 @@ def is_geometric(function: object) -> bool:
     """Whether this constructs a region or field, or is a method of one: it takes vectors, and Points count as such."""
     if isinstance(function, type):
         return issubclass(function, (Region, VectorField))
-    return isinstance(getattr(function, "__self__", None), (Region, VectorField, Vector, TakesPoints))
+    return isinstance(own_word(function, "__self__"), (Region, VectorField, Vector, TakesPoints))
 
 
 def as_positions(argument: object, state: State) -> object:

@@ -110,7 +110,9 @@ class Slicing(NamedTuple):
 def islice_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
     """`islice(g, stop)` or `islice(g, start, stop, step)` of a generator."""
     generator, *limits = map(plain, arguments)
-    if keywords or not 1 <= len(limits) <= 3 or not all(limit is None or (isinstance(limit, int) and limit >= 0) for limit in limits):
+    if keywords or not 1 <= len(limits) <= 3:
+        raise HostException(TypeError("islice() takes an iterable and one to three numbers"))
+    if not all(limit is None or (isinstance(limit, int) and limit >= 0) for limit in limits):
         raise HostException(ValueError("islice() takes an iterable and whole numbers, none of them negative"))
     chosen: Any = slice(*limits)
     if chosen.step == 0:

@@ -12,6 +12,8 @@ from ..kernel.kinds import kind_name
 from ..kernel.outcome import Next, Outcome
 from ..kernel.scopes import MISSING
 from ..kernel.values import Dynamic, Module, plain
+from ..space.fields import VectorField
+from ..space.regions import Region
 from ..syntax import dynamics as d
 from ..syntax import expressions as e
 from ..syntax import python_expressions as p
@@ -35,7 +37,7 @@ def resume_discard(frame: Discard, result: object, stack: Stack, state: State) -
     made, node = plain(result), frame.node
     if isinstance(made, Dynamic) and isinstance(plain(named(node.value, state)), Dynamic):
         raise RunError(f"{kind_name(made)} alone does nothing", node.span, rule="D-Do", hint=RUN_BY[type(made.definition)])
-    if is_dataclass(made) and named(node.value, state) is type(made):
+    if is_dataclass(made) and not isinstance(made, (Region, VectorField)) and named(node.value, state) is type(made):
         raise RunError(f"the action {made!r} alone does nothing", node.span, rule="D-Take", hint="write `take` before it")
     return Next("", Config(PASS, stack, state))
 

@@ -6,7 +6,7 @@ from collections import Counter, deque
 from collections.abc import Sequence
 from typing import Any
 
-from ..kernel.allowed import MARK, is_user_made
+from ..kernel.allowed import MARK, is_user_made, own_word
 from ..kernel.budget import LARGEST_WORK
 from ..kernel.errors import RunError
 from ..kernel.nesting import check_written
@@ -43,7 +43,7 @@ def check_keys(keys: Sequence[Any]) -> None:
 
 def check_hashed(function: object, arguments: Sequence[object]) -> None:
     """Refuse arguments of a call that makes a dictionary or set of them, or looks for them in one, as `check_keys` does. Raises `RunError`."""
-    owner = getattr(function, "__self__", None)
+    owner = own_word(function, "__self__")
     if not (isinstance(function, type) and issubclass(function, HASHING)) and not isinstance(owner, HASHING) and not (
         isinstance(owner, type) and issubclass(owner, HASHING)
     ):

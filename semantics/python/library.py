@@ -16,7 +16,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from ..kernel.allowed import BUILTINS, MARK, OURS_OF_MATH, is_user_made
+from ..kernel.allowed import BUILTINS, MARK, OURS_OF_MATH, is_user_made, own_word
 from ..kernel.budget import ITEM, Budget, Metered, length_of, refuse_too_large, refuse_too_long, size_of, whole
 from ..kernel.generators import Generator
 from ..kernel.sets import FrozenSet, Set
@@ -270,7 +270,7 @@ def partial(budget: Budget, function: Callable[..., object], *arguments: object,
     """`functools.partial(function, *arguments, **keywords)`."""
     if not callable(function):
         raise TypeError("partial() takes a function")
-    return Bound(getattr(function, "name", "partial"), functools.partial(applied, function, arguments, keywords), budget)
+    return Bound(own_word(function, "name", "partial"), functools.partial(applied, function, arguments, keywords), budget)
 
 
 def applied(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from ..kernel.allowed import KEY, is_user_class, names
+from ..kernel.allowed import KEY, is_user_class, names, own_word
 from ..kernel.budget import ITEM, LARGEST_SEQUENCE, Budget, length_of, refuse_too_large, refuse_too_long, size_of
 from ..kernel.errors import RunError
 from ..kernel.values import Bound, Function, Method, Special
@@ -24,8 +24,8 @@ def check_arguments(function: object, arguments: Sequence[object], keywords: Map
     given = [*arguments, *keywords.values()]
     if function is not range and any(isinstance(a, range) and size_of(a) > ITEM * LARGEST_SEQUENCE for a in given):
         raise RunError("a range with so many elements cannot be turned into a collection", rule="E-Call-Host")
-    owner = getattr(function, "__self__", None)
-    budget.go_through(given if owner is None or getattr(function, "__name__", "") in QUICK else [*given, owner])
+    owner = own_word(function, "__self__")
+    budget.go_through(given if owner is None or own_word(function, "__name__", "") in QUICK else [*given, owner])
     check_hashed(function, given)
     if isinstance(function, type):
         check_construction(function, arguments, keywords)
@@ -62,7 +62,7 @@ def check_chain(function: object, arguments: Sequence[object], keywords: Mapping
         holds = type(function) is KEY or not isinstance(function, type) or function in HOLDERS
         chained = holds and any(map(is_holder, (*arguments, *keywords.values())))
     if chained:
-        name = getattr(function, "__name__", "this")
+        name = own_word(function, "__name__", "this")
         raise RunError(f"{name} does not hold another of its kind", rule="E-Call-Host")
 
 
@@ -70,7 +70,7 @@ def as_callback(function: object, budget: Budget) -> object:
     """A function as library code may call it: one that is not the program's own pays as in a call by the program."""
     if not callable(function) or isinstance(function, (Function, Method, Special)) or is_user_class(function):
         return function
-    return Bound(str(getattr(function, "name", getattr(function, "__name__", "function"))), paid_call, budget, (function,))
+    return Bound(str(own_word(function, "name", own_word(function, "__name__", "function"))), paid_call, budget, (function,))
 
 
 def paid_call(budget: Budget, function: Callable[..., object], *arguments: object, **keywords: object) -> object:

@@ -9,6 +9,8 @@ from fractions import Fraction
 import pytest
 import scenic_ref
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted, UsageError
+from scenic_ref.semantics.kernel.outcome import KnownDraw
+from scenic_ref.semantics.space.distributions import Range, Uniform
 
 PROGRAM = """
 ego = Object at (Range(0, 1), 0)
@@ -225,3 +227,10 @@ def test_a_draw_that_is_drawn_again_is_told_from_the_first() -> None:
     for name, other in (("x", "y"), ("y", "x")):
         params = again.condition_on(params={name: 0.5}).sample(2).params
         assert params[name] == 0.5 != params[other]
+
+
+def test_what_is_known_of_a_draw_is_its_value_where_there_are_no_places() -> None:
+    """Another run may draw there from a distribution that has infinitely many values."""
+    assert KnownDraw(3, (0,)).of(Range(0, 5)).support() == KnownDraw(3).of(Uniform((3, 4))).support() == ((3, Fraction(1)),)
+    assert KnownDraw(3, (1,)).of(Uniform((3, 4))).support() == ((4, Fraction(1)),)
+    assert KnownDraw(3, (0, 2)).of(Uniform((3, 4, 5))).support() == ((3, Fraction(1, 2)), (5, Fraction(1, 2)))

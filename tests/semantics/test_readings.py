@@ -9,7 +9,7 @@ import pytest
 import scenic_ref
 from scenic_ref.interpreter.parser import parse
 from scenic_ref.semantics.kernel.errors import ProgramError, UsageError
-from scenic_ref.semantics.readings import PROFILES, READINGS, Reading, select
+from scenic_ref.semantics.readings import PROFILES, READINGS, Reading, always_decided, select
 from scenic_ref.semantics.readings.loading import FILES, readings_in
 
 ALL = pytest.mark.parametrize("reading", READINGS.values(), ids=READINGS)
@@ -27,6 +27,14 @@ def resolve(name: str) -> object:
             found = getattr(found, attribute)
         return found
     raise ModuleNotFoundError(name)
+
+
+def test_what_is_always_decided_is_a_conflict_that_every_profile_decides_alike() -> None:
+    conflicts = {reading.id for reading in READINGS.values() if reading.kind == "conflict"}
+    alike = {name for name in conflicts if len({READINGS[name].under(profile) for profile in PROFILES}) == 1}
+    switched = {name for name in conflicts if len(READINGS[name].alternatives) > 1}
+    assert set(always_decided()) == conflicts - switched and always_decided()
+    assert set(always_decided()) <= alike
 
 
 def test_every_file_is_loaded() -> None:

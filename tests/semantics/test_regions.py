@@ -349,3 +349,9 @@ def test_boxes_are_tested_by_the_union_not_by_the_parts() -> None:
     road = PolygonalRegion(polygon=[box(k, 0, k + 1, 3) for k in range(6)])
     assert road.contains_box(Vector(3.0, 1.5), 0.2, 2.0, 2.0)
     assert shapely.is_valid(road.polygon)
+
+
+@pytest.mark.parametrize("distance", [0, -1, math.nan, 1e-9])
+def test_points_of_a_line_are_apart(distance: float) -> None:
+    with pytest.raises(ValueError, match="cannot be"):
+        PolylineRegion([(0, 0), (3, 0)]).pointsSeparatedBy(distance)
