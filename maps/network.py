@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 
 import shapely
@@ -48,6 +48,8 @@ class Network(Fixed):
 
     source: bytes
     """The file that it was read from."""
+    again: Callable[[bytes], Network]
+    """What reads it again."""
     by_uid: Mapping[str, NetworkElement]
     roads: tuple[Road, ...]
     """Those outside intersections."""
@@ -76,9 +78,7 @@ class Network(Fixed):
 
     def __reduce__(self) -> tuple[object, ...]:
         """It is pickled as the file that it is read from."""
-        from .reading import network_from
-
-        return network_from, (self.source,)
+        return self.again, (self.source,)
 
     @property
     def elements(self) -> dict[str, NetworkElement]:

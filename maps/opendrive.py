@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from .notes import Notes
+from .notes import HEIGHTS, Notes, note_lane
 from .xml import Element, MapError, parse
 
 Numbers = NDArray[np.float64]
@@ -194,10 +194,6 @@ def within(what: str) -> Iterator[None]:
         raise MapError(f"{what}: {problem.message}") from None
 
 
-HEIGHTS = "roads with heights or superelevation, which the plane does not have"
-"""A note that is no fault."""
-
-
 def read(data: bytes) -> OpenDrive:
     """The roads and junctions of a file. Raises `MapError` for what is no OpenDRIVE or is broken."""
     root = parse(data)
@@ -355,16 +351,6 @@ def lane(element: Element, start: float) -> LaneRecord:
         tuple(e.whole("id") for e in element.all("link", "predecessor")), tuple(e.whole("id") for e in element.all("link", "successor")),
         next((speed for speed in speeds if speed is not None), None),
     )  # fmt: skip
-
-
-def note_lane(side: str, element: Element, lane: LaneRecord, where: str, notes: Notes) -> None:
-    """What is strange about a lane of a section."""
-    if lane.id * (1 if side == "left" else -1) < 0:
-        notes.add("lanes on the other side than their number says", where)
-    if lane.id != 0 and not lane.widths.pieces and not lane.borders.pieces:
-        notes.add("lanes without a width", where)
-    if element.text("direction", "standard") != "standard":
-        notes.add("lanes with a direction of traffic of their own, which is not heeded", where)
 
 
 def signal(element: Element) -> SignalRecord:

@@ -77,7 +77,7 @@ def finished(net: Assembly, intersections: Sequence[Intersection], signals: Sequ
     if not lanes:
         raise MapError("; ".join(["it has no lanes on which to drive", *net.notes.lines()]))
     made = Network.of(
-        source=net.file.data, by_uid=net.elements,
+        source=net.file.data, again=network_from, by_uid=net.elements,
         roads=tuple(ordinary), connectingRoads=tuple(connecting), allRoads=roads, intersections=tuple(intersections),
         laneGroups=tuple(group for road in roads for group in road.laneGroups), lanes=tuple(lanes), crossings=net.of(PedestrianCrossing),
         sidewalks=net.of(Sidewalk), shoulders=net.of(Shoulder), bikeLanes=net.of(BikeLane), signals=tuple(signals),

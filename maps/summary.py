@@ -14,7 +14,7 @@ from ..semantics.space.regions import PolylineRegion
 from .elements import Lane, LinearElement, Road
 from .intersections import ManeuverType
 from .network import Network
-from .opendrive import HEIGHTS
+from .notes import HEIGHTS
 
 JOINT, TURNED = 0.01, math.radians(1)
 """Metres, and radians, by which lanes may differ where one leads to the other."""
