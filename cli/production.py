@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager, ExitStack
-from typing import NamedTuple
+from typing import NamedTuple, Protocol, TypeVar
 
 from ..formats.tables import SUFFIXES
 from ..inference.batch.jobs.blocks import Workers, cluster, processes
 from ..scenario import FEW
 from ..semantics.kernel.errors import ScenicError, UsageError
-from .drawing import Drawing, DrawnScene, drawing_of
+from .drawing import Drawing, drawing_of
 from .files import LINES, PICTURES, check_ending, check_file, check_place
 from .options import Source
 from .outputs import Output, Resumed, open_output
@@ -184,7 +184,7 @@ def produce_one_by_one(
     workers = workers_of(request, job.stop - job.start)
     scenes = draw_here(drawing, job, progress.stuck) if workers is None else drawn_by(workers, job, request.workers)
     stack.callback(scenes.close)
-    for drawn in accepted(scenes, progress):
+    for drawn in printed_first(scenes, progress):
         output.write(drawn)
         tally.add(drawn)
         progress.drawn(drawn.attempts)
@@ -203,14 +203,26 @@ def rehearse(drawing: Drawing) -> None:
         raise
 
 
-def accepted(scenes: Iterator[DrawnScene | FailedDraw], progress: Progress) -> Iterator[DrawnScene]:
-    """The scenes; what each printed goes to standard error. Raises the error that ends them."""
-    for drawn in scenes:
-        for text in drawn.printed:
+class Printing(Protocol):
+    """What has a text that it printed."""
+
+    @property
+    def printed(self) -> tuple[str, ...]:
+        """The texts."""
+        ...
+
+
+Shown = TypeVar("Shown", bound=Printing)
+
+
+def printed_first(found: Iterable[Shown | FailedDraw], progress: Progress) -> Iterator[Shown]:
+    """Scenes or simulations; what each printed goes to standard error. Raises the error that ends them."""
+    for one in found:
+        for text in one.printed:
             progress.say(text)
-        if isinstance(drawn, FailedDraw):
-            raise drawn.error
-        yield drawn
+        if isinstance(one, FailedDraw):
+            raise one.error
+        yield one
 
 
 def check_paths(source: Source, request: SceneRequest) -> None:

@@ -6,7 +6,7 @@ import json
 import sys
 import time
 from collections import Counter
-from collections.abc import Generator, Iterable, Iterator
+from collections.abc import Generator
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -22,13 +22,12 @@ from .files import LINES, check_ending, check_place
 from .options import Source
 from .outputs import Output, open_output
 from .pages import MOST, PageRun, write_movie, write_page
-from .production import rehearse
+from .production import printed_first, rehearse
 from .progress import Progress
 from .replay import Replays, check_recordings
 from .reports import requirement_lines
 from .session import Session, escaped, tell
 from .simulation_jobs import Listeners, ReportedRun, SimulationJob, reported, simulate_here, simulated_by
-from .workers import FailedDraw
 
 
 class SimulationRequest(NamedTuple):
@@ -170,16 +169,6 @@ def simulations(
             yield run
     finally:
         found.close()
-
-
-def printed_first(found: Iterable[ReportedRun | FailedDraw], progress: Progress) -> Iterator[ReportedRun]:
-    """The simulations; what each printed goes to standard error. Raises the error that ends them."""
-    for run in found:
-        for text in run.printed:
-            progress.say(text)
-        if isinstance(run, FailedDraw):
-            raise run.error
-        yield run
 
 
 def replayed(replays: Replays, request: SimulationRequest, wanted: bool) -> Generator[ReportedRun]:

@@ -20,7 +20,7 @@ from ..simulators.protocol import Simulator
 from ..simulators.simulating import Failed
 from .drawing import Drawing, drawing_of, listen
 from .options import Source
-from .workers import LARGEST_CHUNK, FailedDraw, failed
+from .workers import FailedDraw, done_by, failed, parts
 
 
 class SimulationJob(NamedTuple):
@@ -118,8 +118,5 @@ def simulation_work(job: SimulationJob) -> list[ReportedRun | FailedDraw]:
 
 def simulated_by(workers: AbstractContextManager[Workers], job: SimulationJob, count: int) -> Generator[ReportedRun | FailedDraw]:
     """The simulations of a job, by about `count` processes."""
-    chunk = max(1, min(LARGEST_CHUNK, (job.stop - job.start) // (4 * count)))
-    jobs = (job._replace(start=start, stop=min(start + chunk, job.stop)) for start in range(job.start, job.stop, chunk))
-    with workers as several:
-        for found in several.draw(simulation_work, jobs):
-            yield from found
+    jobs = (job._replace(start=start, stop=stop) for start, stop in parts(job.start, job.stop, count))
+    yield from done_by(workers, simulation_work, jobs)

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import pickle
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import AbstractContextManager
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 from ..inference.batch.jobs.blocks import Workers, processes
 from ..semantics.kernel.errors import ScenicError
 from .drawing import Drawing, DrawnScene, drawing_of
 from .options import Source
 
+AnyJob = TypeVar("AnyJob")
+Found = TypeVar("Found")
 LARGEST_CHUNK = 16
 Listener = Callable[[int], None]
 
@@ -73,8 +75,18 @@ def draw_here(drawing: Drawing, job: Job, on_attempt: Listener | None = None) ->
 
 def drawn_by(workers: AbstractContextManager[Workers], job: Job, count: int) -> Generator[DrawnScene | FailedDraw]:
     """The scenes of a job, drawn by about `count` processes."""
-    chunk = max(1, min(LARGEST_CHUNK, (job.stop - job.start) // (4 * count)))
-    jobs = (job._replace(start=start, stop=min(start + chunk, job.stop)) for start in range(job.start, job.stop, chunk))
+    jobs = (job._replace(start=start, stop=stop) for start, stop in parts(job.start, job.stop, count))
+    yield from done_by(workers, work, jobs)
+
+
+def parts(start: int, stop: int, count: int) -> Iterator[tuple[int, int]]:
+    """A range in parts for about `count` processes, in order."""
+    chunk = max(1, min(LARGEST_CHUNK, (stop - start) // (4 * count)))
+    return ((begin, min(begin + chunk, stop)) for begin in range(start, stop, chunk))
+
+
+def done_by(workers: AbstractContextManager[Workers], work: Callable[[AnyJob], list[Found]], jobs: Iterable[AnyJob]) -> Generator[Found]:
+    """What jobs give, in their order, whichever process does them."""
     with workers as several:
         for found in several.draw(work, jobs):
             yield from found

@@ -52,8 +52,7 @@ def enumerate_simulations(
     """The exact distribution of simulations of at most `steps` time steps, in a simulator that is deterministic.
 
     Raises `UsageError` for a simulator that is random, and at a draw that is not finite or is made once per scene (reading `soft=scene`),
-    `RunsExhausted` when there are more than
-    `max_runs` runs, `AttemptsExhausted` if none is accepted, and the errors of the program and simulator.
+    `RunsExhausted` when there are more than `max_runs` runs, `AttemptsExhausted` if none is accepted, and the errors of the program and simulator.
     """
     if getattr(simulator, "random", False):
         raise UsageError("simulations are enumerated in a simulator that is not random", hint="sample them instead")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import cache, lru_cache
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 
@@ -39,12 +39,6 @@ def text(name: str) -> str:
     return (files(__spec__.name if __spec__ else "scenic_ref.simulators.worlds.driving") / f"{name}.scenic").read_text(encoding="utf-8")
 
 
-@lru_cache(maxsize=4)
-def network_in(path: str, changed: int, size: int) -> Network:
-    """The network of a file as it was changed at that time."""
-    return read_map(path)
-
-
 @cache
 def default_network() -> Network:
     """The map of programs that name none: nine crossings with traffic lights and crosswalks."""
@@ -56,10 +50,7 @@ def map_module(path: Path) -> Mapping[str, object] | Exception:
     if path.suffix.lower() != ".xodr":
         return ImportRefused(f"the map of a program is an OpenDRIVE file (.xodr), not {path.name}")
     try:
-        now = path.stat()
-        return {"network": network_in(str(path), now.st_mtime_ns, now.st_size)}
-    except OSError as error:
-        return ImportRefused(f"the map {path} cannot be read: {error.strerror or error}")
+        return {"network": read_map(path)}
     except ScenicError as problem:
         return ImportRefused(problem.message)
 
