@@ -222,7 +222,7 @@ _DYNAMIC = [
     Rule("D-Precondition", "precondition: B", GUARDS, guards.precondition_violated),
     Rule("D-Initial", "like ordinary requirements, violating any precondition causes ... rejected", GUARDS, initial.precondition),
     Rule("D-Invariant", "invariant: B", GUARDS, guards.invariant_violated),
-    Rule("D-Guard", "the simulation is only rejected if the exception propagates out to the top level", GUARDS, policy.unwind_step),
+    Rule("D-Guard", "the simulation is only rejected if the exception propagates out to the top level", GUARDS, guards.at_top_level),
     Rule("D-Setup", "the setup block of a scenario", MODULAR, scenarios.setup),
     Rule("D-Scenario-End", "the end of a compose block", PROCEDURE + ", step 1", scenarios.resume_stepping),
     Rule("D-Override", "override object specifiers", 'Section "Statements", "Overrides"', overrides.conclude_override),

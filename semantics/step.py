@@ -329,7 +329,7 @@ def unwind(abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
             return rule(frame, abrupt, stack, state)
     exception = abrupt.value
     if isinstance(exception, GuardViolation):
-        return Stuck("D-Guard", Requirement("guard", abrupt.span, str(exception)))
+        return guards.at_top_level(abrupt)
     assert isinstance(exception, BaseException)
     text = f"{type(exception).__name__}: {said(exception)}".rstrip(": ")
     return Fault(UncaughtException(text, abrupt.span, exception=exception, hint=notes(exception)))

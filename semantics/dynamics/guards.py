@@ -8,7 +8,7 @@ from typing import NamedTuple
 from ..kernel.conditions import holding
 from ..kernel.config import PASS, Abrupt, Config, Stack, State
 from ..kernel.errors import InvariantViolation, PreconditionViolation
-from ..kernel.outcome import Next, Outcome
+from ..kernel.outcome import Next, Outcome, Requirement, Stuck
 from ..kernel.scopes import Scope, function_names
 from ..kernel.simulation import TOP, simulation_of
 from ..kernel.values import Dynamic
@@ -74,6 +74,13 @@ def invariant_violated(text: str, condition: Expression, stack: Stack, state: St
     behavior, not just when it begins running." A violated one raises an InvariantViolation.
     """
     return Next("D-Invariant", Config(Abrupt("raise", InvariantViolation(text), condition.span), stack, state), condition)
+
+
+def at_top_level(abrupt: Abrupt) -> Stuck:
+    """Section "Dynamic Scenarios", "Preconditions and Invariants": "the simulation is only rejected if the exception propagates out to the top
+    level", that is out of all agents, monitors and scenarios of a time step, or out of the program before there is any.
+    """
+    return Stuck("D-Guard", Requirement("guard", abrupt.span, str(abrupt.value)))
 
 
 def unwind_guarding(frame: Guarding, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:

@@ -32,6 +32,7 @@ from ..kernel.simulation import (
 from ..kernel.values import Dynamic, plain
 from ..syntax import dynamics as d
 from ..syntax.nodes import NOWHERE, Node
+from . import guards
 from .endings import end_scenario
 from .guards import guarded, opening_guards
 from .interrupts import run_for_one_step
@@ -295,9 +296,7 @@ def following(frame: Step, rule: str, stack: Stack, state: State) -> Outcome:
 
 
 def unwind_step(frame: Step, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
-    """Section "Dynamic Scenarios", "Preconditions and Invariants": "the simulation is only rejected if the exception propagates out to the top
-    level." Any other exception is the program's error.
-    """
+    """An exception leaves a time step: a guard's violation rejects, any other is the program's error."""
     if isinstance(abrupt.value, GuardViolation):
-        return Stuck("D-Guard", Requirement("guard", abrupt.span, str(abrupt.value)))
+        return guards.at_top_level(abrupt)
     return Next("", Config(abrupt, stack, state))

@@ -111,7 +111,7 @@ def outcome_told(outcome: Outcome) -> object:
         elif isinstance(part, Exception):
             parts.append(str(part))
     if isinstance(outcome, Draw):
-        parts += [outcome.address, repr(outcome.distribution)]
+        parts += [outcome.address, outcome.distribution.name, told(vars(outcome.distribution), {})]  # not its `repr`, which writes a shared part again and again
     return parts
 
 
