@@ -1,0 +1,106 @@
+"""What programs give for a seed stays what it was: every vector, and programs that were invented, beside what was recorded of them.
+
+Vectors are judged by what the paper says, which leaves much open: the text of a message, the number that a seed gives, the order of the rules.
+Here a digest of all that is compared. A change that is meant is recorded anew by `python tests/semantics/test_recorded.py`, and belongs into the
+changelog; the lines of `recorded.json` that change say which programs it is about.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import sys
+from collections.abc import Callable, Iterator
+from functools import cache
+from pathlib import Path
+
+import pytest
+from scenic_ref.conformance import load_vectors
+from scenic_ref.conformance.implementation import NeverAccepted, Refused
+from scenic_ref.conformance.ourselves import Ourselves, load, loaded, traced
+from scenic_ref.conformance.programs import ProgramSettings, random_programs
+from scenic_ref.conformance.vector import ConformanceVector
+from scenic_ref.interpreter.printer import to_source
+from scenic_ref.scenario import loads
+from scenic_ref.semantics.kernel.errors import ScenicError
+
+RECORDED = Path(__file__).with_name("recorded.json")
+STEPS = 6
+INVENTED = 300
+NUMBER = re.compile(r"-?\d+\.\d+(?:e[-+]?\d+)?|\b0x[0-9a-f]{6,}\b")
+"""Numbers that rounding may change, and addresses."""
+EVENTS = 400
+"""So many of a trace: the longest have a million."""
+
+
+def plain(value: object) -> str:
+    """A text of a value with six digits of each number."""
+    return NUMBER.sub(lambda found: "address" if "x" in found[0] else f"{float(found[0]):.5e}".replace("-0.00000e+00", "0.00000e+00"), str(value))
+
+
+def digest(*parts: Callable[[], object]) -> str:
+    """Eight digits for each part, or for its error: class, place and words."""
+    return " ".join(hashlib.sha256(plain(said(part)).encode()).hexdigest()[:8] for part in parts)
+
+
+def said(part: Callable[[], object]) -> object:
+    """What a part gives."""
+    try:
+        return part()
+    except (ScenicError, NeverAccepted, Refused) as problem:
+        inner = problem.__cause__ or problem
+        return type(inner).__name__, str(inner), getattr(inner, "hint", "")
+
+
+def of_vector(vector: ConformanceVector) -> str:
+    """Of a vector: the rules of its first run, scenes, and a simulation where it is about one."""
+    ours = Ourselves()
+    task = vector.task(next(d for d in ours.dialects if d in vector.texts))
+    scenario = loaded(task)
+    if scenario is None:
+        return digest(lambda: load(task))
+    parts: list[Callable[[], object]] = [
+        lambda: [(e.rule, e.kind, e.span.line, e.span.column, e.change, e.log_density) for e in traced(scenario, 0, 0).events[:EVENTS]],
+        lambda: list(ours.scenes(task, 2, seed=0, attempts=20)),
+    ]
+    if vector.steps is not None:
+        parts.append(lambda: list(ours.simulations(task, STEPS, 1, seed=0, attempts=5)))
+    return digest(*parts)
+
+
+def of_text(text: str) -> str:
+    """Of an invented program: the rules of its first run, and scenes."""
+    scenario = loads(text)
+    return digest(
+        lambda: [(e.rule, e.kind, e.span.line, e.span.column, e.change, e.log_density) for e in traced(scenario, 0, 0).events[:EVENTS]],
+        lambda: [scene.to_json() for scene in scenario.sample_many(2, 0, max_attempts=20)],
+    )
+
+
+def programs() -> Iterator[tuple[str, Callable[[], str]]]:
+    """All programs, by name, with what gives their digests."""
+    for vector in load_vectors():
+        if not vector.name.startswith("too-m"):  # they use up a budget, and take long
+            yield vector.name, lambda v=vector: of_vector(v)
+    for i, program in enumerate(random_programs(INVENTED, 20261126, ProgramSettings())):
+        yield f"invented {i}", lambda p=program: of_text(to_source(p))
+
+
+@cache
+def recorded() -> dict[str, str]:
+    """The digests by program; under "python" the version that they are of, since Python's own messages change."""
+    return json.loads(RECORDED.read_text("utf-8"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "found"), [pytest.param(*p, id=p[0]) for p in programs()])
+def test_the_program_gives_what_it_gave(name: str, found: Callable[[], str]) -> None:
+    if recorded()["python"] != f"{sys.version_info[0]}.{sys.version_info[1]}":
+        pytest.skip(f"recorded with Python {recorded()['python']}")
+    assert found() == recorded()[name]
+
+
+if __name__ == "__main__":
+    lines = [("python", f"{sys.version_info[0]}.{sys.version_info[1]}"), *((name, found()) for name, found in programs())]
+    RECORDED.write_text("{\n" + ",\n".join(f"{json.dumps(n)}: {json.dumps(d)}" for n, d in lines) + "\n}\n", "utf-8")
