@@ -13,7 +13,7 @@ import typer
 from ..formats.chains import inference_data_in, needs_arviz, picture_with_chains
 from ..formats.pictures import picture
 from ..formats.scenes import in_json
-from ..formats.tables import SUFFIXES
+from ..formats.table_files import SUFFIXES
 from ..inference.diagnostics import nested, rhat
 from ..inference.inferred import Inferred
 from .drawing import DrawnScene, drawing_of
@@ -43,6 +43,7 @@ class InferenceRequest(NamedTuple):
     report: str | None
     resample: bool
     inference_data: str | None
+    stream: str = "jsonl"
 
 
 def produce_inference(source: Source, request: InferenceRequest, session: Session) -> None:
@@ -50,7 +51,7 @@ def produce_inference(source: Source, request: InferenceRequest, session: Sessio
     check_paths(source, request)
     drawing = drawing_of(source)
     rehearse(drawing)
-    with Sign(request.backend) as sign, open_output(request.output, resume=False) as output:
+    with Sign(request.backend) as sign, open_output(request.output, resume=False, stream=request.stream) as output:
         found = drawing.scenario.infer(
             request.backend, request.scenes, request.seed, resample=request.resample, max_attempts=request.max_attempts, on_progress=sign.show,
         )

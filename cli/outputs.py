@@ -7,11 +7,11 @@ import os
 import stat
 import sys
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 try:
     import fcntl
@@ -19,17 +19,20 @@ except ImportError:  # not on this system
     fcntl = None
 
 from ..formats.scenes import SCHEMA
-from ..formats.tables import SUFFIXES
+from ..formats.table_files import SUFFIXES
 from ..inference.batch.jobs.blocks import uninterrupted
 from ..semantics.kernel.errors import UsageError
 from .drawing import DrawnScene
 
 if TYPE_CHECKING:
+    from ..formats.tables import Columns
     from .portions import Form, Portion
 
 BINARY = getattr(os, "O_BINARY", 0)
 AT_ONCE = 1 << 16
 """Bytes of whole lines that are written at a time: as much as a pipe holds."""
+AT_MOST_KEPT = 1000
+"""How many scenes wait to become columns."""
 KNOWN = 32
 """For how many scenes of a resumed file the attempts are kept, for a picture of them."""
 
@@ -188,11 +191,62 @@ class Pipe(Output):
                 raise UsageError(f"standard output cannot be written: {error.strerror or error}") from None
 
 
+class ArrowPipe(Output):
+    """Standard output, as a stream of Arrow."""
+
+    def __init__(self) -> None:
+        from ..formats.arrow import ArrowStream
+
+        if sys.stdout.isatty():
+            raise UsageError("a stream of Arrow is not shown on a terminal", hint="write it to a file or a pipe")
+        self.stream = ArrowStream(sys.stdout.buffer)
+        self.scenes: list[dict[str, Any]] = []
+
+    @property
+    def form(self) -> Form:
+        """Columns."""
+        return "table"
+
+    def write(self, drawn: DrawnScene) -> None:
+        """The objects of a scene, soon."""
+        self.scenes.append(json.loads(drawn.line))
+        if len(self.scenes) == AT_MOST_KEPT:
+            self._flush()
+
+    def write_many(self, portion: Portion) -> None:
+        """The objects of all scenes, soon."""
+        self._flush()
+        if portion.columns is not None:
+            self._sent(self.stream.add_columns, portion.columns)
+
+    def finish(self) -> None:
+        """What is left, and the end of the stream."""
+        self._flush()
+        self._sent(self.stream.finish)
+
+    def _flush(self) -> None:
+        from ..formats.tables import columns_of
+
+        if self.scenes:
+            columns, self.scenes = columns_of(self.scenes), []
+            self._sent(self.stream.add_columns, columns)
+
+    def _sent(self, send: Callable[..., None], *what: Columns) -> None:
+        with uninterrupted():
+            try:
+                send(*what)
+                sys.stdout.buffer.flush()
+            except BrokenPipeError:
+                raise
+            except OSError as error:
+                raise UsageError(f"standard output cannot be written: {error.strerror or error}") from None
+
+
 class TableOutput(Output):
-    """A Parquet or npz file, which appears only when it is complete."""
+    """A table in a file, which appears only when it is complete."""
 
     def __init__(self, path: str) -> None:
-        from ..formats.tables import open_table
+        from ..formats.table_files import open_table
 
         self.table = open_table(Path(path))
 
@@ -251,8 +305,18 @@ def write_all(file: int, data: bytes | memoryview) -> None:
         view = view[os.write(file, view) :]
 
 
-def open_output(path: str | None, *, resume: bool) -> Output:
-    """The output that the command line asks for. Raises `UsageError` if it cannot be written."""
+STREAMS = ("jsonl", "arrow")
+"""The formats of standard output."""
+
+
+def open_output(path: str | None, *, resume: bool, stream: str = "jsonl") -> Output:
+    """The output that the command line asks for; `stream` is the format of standard output. Raises `UsageError` if it cannot be written."""
+    if stream not in STREAMS:
+        raise UsageError(f"there is no format {stream}", hint=f"the formats of standard output are {' and '.join(STREAMS)}")
+    if stream == "arrow":
+        if path is not None and path != "-":
+            raise UsageError("--format is about standard output; the format of a file is told by its ending", hint="write -o PATH.arrow, or -o -")
+        return ArrowPipe()
     if path is None and sys.stdout.isatty():
         from .tables import Terminal
 

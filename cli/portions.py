@@ -14,7 +14,8 @@ from ..formats.tables import Columns
 from ..inference.batch import Batch, Block
 from ..inference.batch.evaluate.features import features_in
 from ..inference.batch.jobs.blocks import FIRST, Pace, Workers, block_of
-from ..inference.batch.jobs.lines import lines_of, table_of
+from ..inference.batch.jobs.lines import lines_of
+from ..inference.batch.jobs.tables import table_of
 from ..inference.statistics.columns import FeatureTable
 from ..semantics.kernel.outcome import Requirement
 from .drawing import Drawing, Softness, drawing_of
@@ -73,13 +74,18 @@ def draw_portion(drawing: Drawing, asked: PortionJob) -> Portion:
     begun = time.thread_time()
     job, batch = asked.job, batch_of(drawing)
     block = block_of(batch, job.seed, job.start, job.stop, job.max_attempts, asked.ahead)
-    lines = "".join(f"{line}\n" for line in lines_of(batch.template, block, job.seed)).encode() if asked.form == "lines" else b""
+    lines = text_of(lines_of(batch.template, block, job.seed)) if asked.form == "lines" else b""
     columns = table_of(batch.template, block, job.seed) if asked.form == "table" and len(block.attempts) else None
     features = features_in(batch.template, block) if asked.form == "features" else None
     soft = softness_of(drawing, block, job.seed, asked.looked) if asked.form != "features" and drawing.has_soft_requirements else ()
     ended = failed(block.error, []) if block.error is not None else None
     seconds = time.thread_time() - begun
     return Portion(job.start, block.attempts + 1, lines, columns, block.stuck, soft, block.left, seconds, ended, features, block.doubtful)
+
+
+def text_of(lines: list[str]) -> bytes:
+    """Lines with their ends."""
+    return "\n".join([*lines, ""]).encode()
 
 
 def softness_of(drawing: Drawing, block: Block, seed: int, stop: int) -> tuple[Softness, ...]:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager, ExitStack
 from typing import NamedTuple, Protocol, TypeVar
 
-from ..formats.tables import SUFFIXES
+from ..formats.table_files import SUFFIXES
 from ..inference.batch.jobs.blocks import Workers, cluster, processes
 from ..scenario import FEW
 from ..semantics.kernel.errors import ScenicError, UsageError
@@ -39,6 +39,7 @@ class SceneRequest(NamedTuple):
     backend: str = "auto"
     cluster: str | None = None
     report: str | None = None
+    stream: str = "jsonl"
 
 
 def produce(source: Source, request: SceneRequest, session: Session) -> None:
@@ -49,7 +50,7 @@ def produce(source: Source, request: SceneRequest, session: Session) -> None:
     begun, used = time.perf_counter(), processor_seconds()
     tally = Tally()
     with ExitStack() as stack:
-        output = open_output(request.output, resume=request.resume)
+        output = open_output(request.output, resume=request.resume, stream=request.stream)
         stack.push(output)
         earlier = output.earlier(request.seed) if request.resume else Resumed()
         check_earlier(drawing, request, earlier)

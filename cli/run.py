@@ -41,8 +41,10 @@ def run(
     seed: SeedOption = 0,
     scene: Annotated[int | None, typer.Option("--scene", metavar="K", min=0, help="Draw just scene K of the seed.")] = None,
     output: Annotated[
-        str | None, typer.Option("-o", "--output", metavar="PATH", help="Write JSON Lines (PATH.jsonl), or a table (.parquet, .npz); - for stdout.")
+        str | None,
+        typer.Option("-o", "--output", metavar="PATH", help="Write JSON Lines (PATH.jsonl) or a table (.parquet, .arrow, .npz, .csv); -: stdout."),
     ] = None,
+    stream: Annotated[str, typer.Option("--format", metavar="F", help="What goes to stdout: jsonl, or arrow, a stream of Arrow tables.")] = "jsonl",
     plot: Annotated[str | None, typer.Option("--plot", metavar="PATH", help="Draw the scenes (or the probabilities), as .png, .pdf or .svg.")] = None,
     profile: ProfileOption = "paper",
     reading: ReadingOption = None,
@@ -119,6 +121,8 @@ def run(
         raise UsageError("an enumeration gives all outcomes at once: -n, --scene, --resume, --workers and --cluster cannot be given with it")
     if backend == "enumerate" and prune:
         raise UsageError("an enumeration draws nothing: --prune cannot be given with it")
+    if backend == "enumerate" and stream != "jsonl":
+        raise UsageError("an enumeration is written as JSON: --format cannot be given with it")
     if backend != "enumerate" and discretize is not None:
         raise UsageError("--discretize needs --backend enumerate")
     if scene is not None and count != 1:
@@ -151,8 +155,9 @@ def run(
     if backend in RARE:
         from .inferring import InferenceRequest, produce_inference
 
-        produce_inference(source, InferenceRequest(str(backend), count, seed, max_attempts, output, plot, report, resample, inference_data), session)
+        request = InferenceRequest(str(backend), count, seed, max_attempts, output, plot, report, resample, inference_data, stream)
+        produce_inference(source, request, session)
         return
     start, stop = (0, count) if scene is None else (scene, scene + 1)
     backend = backend or ("auto" if device is None else "batch")
-    produce(source, SceneRequest(start, stop, seed, max_attempts, output, plot, workers, resume, backend, cluster, report), session)
+    produce(source, SceneRequest(start, stop, seed, max_attempts, output, plot, workers, resume, backend, cluster, report, stream), session)

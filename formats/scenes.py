@@ -39,10 +39,6 @@ def in_json(value: object, *, allow_nan: bool = False, indent: int | None = None
     return SURROGATE.sub(lambda half: f"\\u{ord(half[0]):04x}", text)
 
 
-FINITE_IN_JSON = float.__repr__
-"""The text of a finite number in JSON, as `in_json` writes it."""
-
-
 def scene_entry(
     seed: object, index: object, attempts: object, weight: object, params: object, ego: object, objects: list[dict[str, object]], *, pruned: bool
 ) -> dict[str, object]:

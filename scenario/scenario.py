@@ -17,7 +17,7 @@ from ..formats.scenes import Scene, scene_of
 from ..inference.batch import Batch, Block, Impossible, NotLifted
 from ..inference.batch.devices import check_device
 from ..inference.batch.evaluate.features import features_in
-from ..inference.batch.jobs.blocks import block_of, jobs, scenes_of_jobs
+from ..inference.batch.jobs.blocks import block_of, jobs
 from ..inference.enumeration import DEFAULT_RUNS, Enumeration, enumerate_runs
 from ..inference.histories import Histories, enumerate_simulations
 from ..inference.importance import draw_importance
@@ -49,10 +49,13 @@ from ..simulators.worlds import WORLDS, driving
 from .checking import check_whole
 from .conditioning import conditioned
 from .constants import constants_of, facts_of
+from .drawn import Drawn, Told, progress_of
 from .for_pyro import pyro_for
 from .pickling import Condition, Portable
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from ..inference.batch.tensors.margins import Margins
     from ..inference.with_pyro import NumberModel, SceneKernel
 
@@ -307,24 +310,26 @@ class Scenario(Portable):
         return self._lifted if isinstance(self._lifted, str) else None
 
     def sample_many(
-        self, n: int, seed: int = 0, *, start: int = 0, max_attempts: int = DEFAULT_ATTEMPTS, backend: Backend = "auto"
-    ) -> Iterator[Scene]:
-        """Scenes `start` to `start + n - 1` of `seed`, one after the other: the same ones whatever the backend.
+        self, n: int, seed: int = 0, *, start: int = 0, max_attempts: int = DEFAULT_ATTEMPTS, backend: Backend = "auto", progress: bool | Told = False
+    ) -> Drawn:
+        """Scenes `start` to `start + n - 1` of `seed`, one after the other or as columns: the same ones whatever the backend.
 
         "batch" draws many at a time if the program can be made a graph (else `not_lifted` says why); "auto" does so for
         more than a few scenes, and says at once that none is possible, if bounds show it (`AttemptsExhausted`).
-        Raises `UsageError` for other backends.
+        `progress` shows a bar, or is called with the number of scenes so far. Raises `UsageError` for other backends.
         """
         check_whole(("n", n, 0), ("seed", seed, None), ("start", start, 0), ("max_attempts", max_attempts, 1))
         if backend not in ("auto", "interpreter", "batch"):
             raise UsageError(f"there is no backend {backend}", hint="the backends are auto, interpreter and batch")
-        if backend == "batch" or (backend == "auto" and n >= FEW):
-            if self.impossible is not None:
-                raise self.impossible
-            batch = self.batch
-            if batch is not None:
-                return scenes_of_jobs(batch, n, seed, start, max_attempts)
-        return (self.sample(seed, index, max_attempts=max_attempts) for index in range(start, start + n))
+        many = backend == "batch" or (backend == "auto" and n >= FEW)
+        if many and self.impossible is not None:
+            raise self.impossible
+        blocks = (self.batch, seed, jobs(self.batch, n, seed, start, max_attempts)) if many and self.batch is not None else None
+        return Drawn(n, (self.sample(seed, index, max_attempts=max_attempts) for index in range(start, start + n)), blocks, progress_of(progress, n))
+
+    def sample_columns(self, n: int, seed: int = 0, *, max_attempts: int = DEFAULT_ATTEMPTS) -> dict[str, np.ndarray]:
+        """The objects of `n` scenes as NumPy arrays, one object in each row: `sample_many(n, seed).columns()`."""
+        return self.sample_many(n, seed, max_attempts=max_attempts).columns()
 
     def infer(
         self, backend: str, n: int, seed: int = 0, *, resample: bool = False, max_attempts: int = DEFAULT_ATTEMPTS,

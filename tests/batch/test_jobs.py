@@ -11,12 +11,16 @@ import numpy as np
 import pytest
 import scenic_ref
 from scenic_ref.formats import tables
-from scenic_ref.formats.tables import COLUMNS, Columns, Groups, Texts, chosen, columns_of, in_first_order, joined, open_table
+from scenic_ref.formats.columns import JSON, TEXT, TypedColumn, in_first_order, valid_in
+from scenic_ref.formats.table_files import SUFFIXES as ALL
+from scenic_ref.formats.table_files import open_table
+from scenic_ref.formats.tables import Columns, Groups, columns_of, rows_in, some, together
 from scenic_ref.inference.batch.jobs.blocks import Pace, block_of, in_order
-from scenic_ref.inference.batch.jobs.lines import lines_of, table_of
+from scenic_ref.inference.batch.jobs.lines import lines_of
+from scenic_ref.inference.batch.jobs.tables import table_of
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted
 
-SUFFIXES = [pytest.param(s, marks=pytest.mark.extra("parquet") if s == ".parquet" else ()) for s in tables.SUFFIXES]
+SUFFIXES = [pytest.param(s, marks=pytest.mark.extra("parquet") if s in (".parquet", ".arrow") else ()) for s in ALL]
 EXAMPLES = Path(__file__).parents[2] / "examples"
 PROGRAMS = {
     "values": (
@@ -34,15 +38,14 @@ def scenario_of(name: str) -> scenic_ref.Scenario:
 
 
 def same(one: Columns, other: Columns) -> bool:
-    """Whether two tables have the same rows, number for number and text for text."""
+    """Whether two tables have the same rows, number for number and text for text, in the same types."""
 
-    def bits(column: np.ndarray | Texts) -> object:
-        if isinstance(column, Texts):
-            first = in_first_order(column)
-            return list(first.values), first.codes.tolist()
-        return column.dtype, column.tobytes()
+    def bits(column: TypedColumn) -> object:
+        column = in_first_order(column) if column.kind in (TEXT, JSON) else column
+        there = valid_in(column)
+        return column.kind, column.values[there].tobytes(), list(column.texts), there.tolist()
 
-    return list(one) == list(other) == list(COLUMNS) and all(bits(one[name]) == bits(other[name]) for name in COLUMNS)
+    return list(one) == list(other) and all(bits(one[name]) == bits(other[name]) for name in one)
 
 
 @pytest.mark.parametrize("name", [*PROGRAMS, "gallery/two_cars.scenic", "gallery/noise.scenic", "paper/mutated_taxi.scenic"])
@@ -154,11 +157,11 @@ def test_groups_of_rows_end_with_scenes_and_do_not_depend_on_the_pieces(rows, mo
     found = []
     for scenes in (1, 3, 7, 60):
         groups = Groups()
-        pieces = [chosen(rows, slice(k, k + 2 * scenes)) for k in range(0, 120, 2 * scenes)]
+        pieces = [some(rows, slice(k, k + 2 * scenes)) for k in range(0, 120, 2 * scenes)]
         found.append([group for piece in pieces for group in groups.add(piece)] + list(groups.rest()))
-    assert [len(group["scene"]) for group in found[0]] == [14] * 8 + [8]
+    assert [rows_in(group) for group in found[0]] == [14] * 8 + [8]
     assert all(len(other) == 9 and all(map(same, found[0], other)) for other in found)
-    assert same(joined(found[0]), rows)
+    assert same(together(found[0]), rows)
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
@@ -168,7 +171,7 @@ def test_a_table_has_the_same_bytes_whatever_the_pieces(rows, suffix, tmp_path, 
     for scenes in (1, 7, 60):
         table = open_table(tmp_path / f"{scenes}{suffix}")
         for k in range(0, 120, 2 * scenes):
-            table.add_columns(chosen(rows, slice(k, k + 2 * scenes)))
+            table.add_columns(some(rows, slice(k, k + 2 * scenes)))
         table.finish()
         table.close()
         written.append((tmp_path / f"{scenes}{suffix}").read_bytes())
@@ -182,13 +185,16 @@ def test_an_npz_table_is_read_by_numpy_alone(rows, tmp_path):
     table.finish()
     table.close()
     with np.load(tmp_path / "scenes.npz") as read:
+        assert json.loads(read["schema.json"])["schema"] == "scenic-ref/table/2"
         for name, column in rows.items():
-            if isinstance(column, Texts):
+            there = valid_in(column)
+            assert f"{name}.valid" not in read if there.all() else (read[f"{name}.valid"] == there).all()
+            if column.kind in (TEXT, JSON):
                 texts = read[f"{name}.jsonl"].decode().splitlines()
-                written = [texts[k] if name in tables.JSON_ALREADY else json.loads(texts[k]) for k in read[name]]
-                assert written == [column.values[k] for k in column.codes]
+                written = [None if k < 0 else texts[k] if column.kind == JSON else json.loads(texts[k]) for k in read[name]]
+                assert written == [column.texts[k] if v else None for k, v in zip(column.values, there, strict=True)]
             else:
-                assert (read[name].dtype, read[name].tobytes()) == (column.dtype, column.tobytes())
+                assert (read[name].dtype, read[name].tobytes()) == (column.values.dtype, column.values.tobytes())
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 REFUSED = [
-    (("run", "random.scenic", "-n", 3, "-o"), ("x.csv", "x.txt", "x.json", "x.jsonl.gz"), ".ndjson, a name without an ending, .parquet or .npz"),
+    (("run", "random.scenic", "-n", 3, "-o"), ("x.feather", "x.txt", "x.jsonl.gz"), "a name without an ending, .parquet, .arrow, .npz or .csv"),
     (("run", "random.scenic", "--plot"), ("x.jpg", "x", "-"), ".png, .pdf or .svg"),
     (("run", "ok.scenic", "--backend", "enumerate", "-o"), ("x.csv", "x.jsonl", "x"), "as .json"),
     (("run", "ok.scenic", "--backend", "enumerate", "--plot"), ("x.jpg",), ".png, .pdf or .svg"),

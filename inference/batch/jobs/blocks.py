@@ -20,7 +20,6 @@ from dataclasses import dataclass
 from multiprocessing import connection
 from typing import TypeVar
 
-from ....formats.scenes import Scene
 from ....interpreter.extras import needed
 from ....semantics.kernel.errors import AttemptsExhausted, InternalError, UsageError
 from ...rejection import DEFAULT_ATTEMPTS, exhausted
@@ -84,12 +83,6 @@ def jobs(batch: Batch, n: int, seed: int, start: int, max_attempts: int) -> Gene
         yield block
         if block.error is not None:
             raise block.error
-
-
-def scenes_of_jobs(batch: Batch, n: int, seed: int, start: int, max_attempts: int) -> Generator[Scene]:
-    """The scenes of these jobs."""
-    for block in jobs(batch, n, seed, start, max_attempts):
-        yield from batch.scenes_of(block, seed)
 
 
 # Results

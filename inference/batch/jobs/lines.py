@@ -1,19 +1,18 @@
-"""Columns as text and as tables: the lines and rows of the scenes of a block, without making the scenes one by one.
+"""Columns as text: the lines of the scenes of a block, without making the scenes one by one.
 
-What comes out is what `Scene.to_line` and `formats.tables.columns_of` give for these scenes, byte for byte.
+What comes out is what `Scene.to_line` gives for these scenes, byte for byte.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import chain
+from itertools import chain, groupby, repeat
 from typing import NamedTuple
 
 import numpy as np
 
-from ....formats.scenes import FINITE_IN_JSON, OWN_FIELDS, in_json, json_value, object_entry, scene_entry
-from ....formats.tables import COLUMNS, Texts, chosen, columns_of, joined
-from ....formats.tables import Columns as TableColumns
+from ....formats.numbers import number_texts
+from ....formats.scenes import OWN_FIELDS, in_json, json_value, object_entry, scene_entry
 from ....semantics.kernel.values import Random
 from ....semantics.space.geometry import normalise_heading
 from ....semantics.space.vectors import Vector
@@ -106,17 +105,20 @@ def text(value: object) -> str:
 def finite(values: Numbers) -> Cells:
     """The JSON text of numbers. Raises `ValueError` for those that JSON does not have."""
     if isinstance(values, np.ndarray) and np.isfinite(values).all():
-        return list(map(FINITE_IN_JSON, values.tolist()))
+        return number_texts(values)
     return list(map(text, values.tolist() if isinstance(values, np.ndarray) else values))
 
 
 def assembled(pieces: Sequence[Cells]) -> Cells:
     """Pieces of text one after the other."""
-    varying = [piece for piece in pieces if not isinstance(piece, str)]
-    if not varying:
-        return "".join(pieces)  # type: ignore[arg-type]
-    form = "".join(piece.replace("%", "%%") if isinstance(piece, str) else "%s" for piece in pieces)
-    return [form % row for row in zip(*varying, strict=True)]
+    merged: list[Cells] = []
+    for is_text, group in groupby(pieces, lambda piece: isinstance(piece, str)):
+        several = list(group)
+        merged += ["".join(several)] if is_text else several  # type: ignore[arg-type]
+    if len(merged) < 2:
+        return merged[0] if merged else ""
+    count = next(len(piece) for piece in merged if not isinstance(piece, str))
+    return list(map("".join, zip(*(repeat(piece, count) if isinstance(piece, str) else piece for piece in merged), strict=True)))
 
 
 def written(value: object) -> Sequence[Cells]:
@@ -169,55 +171,8 @@ def numbers(column: np.ndarray) -> list[str]:
     if column.dtype == bool:
         return [TRUTHS[v] for v in column.tolist()]
     if column.dtype.kind == "f" and np.isfinite(column).all():
-        return list(map(FINITE_IN_JSON, column.tolist()))
+        return number_texts(column)
     return [text(json_value(v)) for v in column.tolist()]
 
 
-# Tables
-
-
-def table_of(template: Template, block: Block, seed: int) -> TableColumns:
-    """The columns of a table with the objects of the scenes of a block, one row for each, in order."""
-    made = _table(template, block, seed)
-    if not block.others:
-        return made
-    whole = joined([made, *(columns_of([scene.to_json()]) for scene in block.others.values())])
-    return chosen(whole, np.argsort(whole["scene"], kind="stable"))  # type: ignore[arg-type]
-
-
-def _table(template: Template, block: Block, seed: int) -> TableColumns:
-    """The rows of the scenes in the columns of a block."""
-    count, columns, objects = len(block.rows), block.columns, template.objects
-    own = [own_fields(o, columns, count) for o in objects]
-    by_scene = {"scene": block.rows, "attempts": attempts_of(block), "weight": np.ones(count)}
-    by_object = {"object": np.arange(len(objects)), "ego": np.arange(len(objects)) == template.ego_id}
-    made: TableColumns = {name: np.repeat(values, len(objects)) for name, values in by_scene.items()}
-    made |= {name: np.tile(values, count) for name, values in by_object.items()}
-    made |= {name: interleaved([np.array(o[i], dtype=float) for o in own]) for i, name in enumerate(("x", "y", "heading", "width", "length"))}
-    made |= {"seed": texts([str(seed)] * len(objects), count), "name": texts([o.name for o in objects], count)}
-    made |= {"class": texts([o.class_name for o in objects], count)}
-    made |= {"properties": texts([assembled(mapping(others(o), columns, count)) for o in objects], count)}
-    made |= {"params": texts([assembled(mapping(template.params, columns, count))] * len(objects), count)}
-    return {name: made[name] for name in COLUMNS}
-
-
-def interleaved(columns: Sequence[np.ndarray]) -> np.ndarray:
-    """One value of each column, then the next of each."""
-    return np.stack(columns, axis=1).ravel()
-
-
-def texts(columns: Sequence[Cells | None], count: int) -> Texts:
-    """One text of each column, then the next of each."""
-    values: list[str | None] = []
-    codes: list[np.ndarray] = []
-    known: dict[int, np.ndarray] = {}
-    for column in columns:
-        if id(column) not in known:
-            several = isinstance(column, list)
-            known[id(column)] = len(values) + (np.arange(count) if several else np.zeros(count, dtype=np.int64))
-            values += column if several else [column]  # type: ignore[list-item, arg-type]
-        codes.append(known[id(column)])
-    return Texts(values, interleaved(codes))
-
-
-__all__ = ["lines_of", "table_of"]
+__all__ = ["lines_of"]

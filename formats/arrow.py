@@ -1,0 +1,138 @@
+"""Columns as those of Arrow, whole or as a stream."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+from ..interpreter.extras import needed
+from ..semantics.kernel.errors import UsageError
+from .columns import BOOL, FLOAT, INT53, INT64, JSON, NOTHING, TEXT, TypedColumn, as_kind, joint, length_of, nothing, shown_kind
+from .tables import OWN, PARTS, SCHEMA, Columns, Groups, part_of, rows_in
+
+if TYPE_CHECKING:
+    import pyarrow
+
+Kinds = dict[str, str]
+"""The type of each column, by name, in the order of tables."""
+
+
+class Arrow:
+    """Columns as those of Arrow: properties and parameters as structs with a typed field for each."""
+
+    def __init__(self, kinds: Kinds) -> None:
+        import pyarrow
+
+        self.arrow = pyarrow
+        self.kinds = kinds
+        fields = [self.field(name, name) for name in OWN]
+        for part in PARTS:
+            inside = [self.field(name, place[1]) for name in kinds if (place := part_of(name)) is not None and place[0] == part]
+            if inside:
+                fields.append(pyarrow.field(part, pyarrow.struct(inside), nullable=False))
+        self.schema = pyarrow.schema(fields, metadata={"schema": SCHEMA})
+
+    def field(self, name: str, shown: str) -> Any:
+        """The field of a column; one of JSON texts says so."""
+        kind = self.kinds[name]
+        return self.arrow.field(shown, self.type_of(kind), metadata={"format": "json"} if kind == JSON else None)
+
+    def type_of(self, kind: str) -> Any:
+        """The type of Arrow."""
+        count = length_of(kind)
+        if count is not None:
+            return self.arrow.list_(self.arrow.float64(), count)
+        plain = {BOOL: self.arrow.bool_(), INT53: self.arrow.int64(), INT64: self.arrow.int64(), FLOAT: self.arrow.float64()}
+        return plain.get(kind, self.arrow.string())
+
+    def array(self, column: TypedColumn) -> Any:
+        """The array of a column."""
+        arrow, kind = self.arrow, self.type_of(column.kind)
+        mask = None if column.valid is None else ~column.valid
+        if column.kind in (TEXT, JSON):
+            return arrow.array(list(column.texts), type=kind).take(arrow.array(column.values, mask=mask))
+        if column.kind == NOTHING:
+            return arrow.nulls(column.rows, kind)
+        if length_of(column.kind) is None:
+            return arrow.array(column.values, type=kind, mask=mask)
+        inner = arrow.array(column.values.ravel())
+        return arrow.FixedSizeListArray.from_arrays(inner, type=kind, mask=None if mask is None else arrow.array(mask))
+
+    def batch(self, group: Columns) -> Any:
+        """A group of rows."""
+        arrays = []
+        for field in self.schema:
+            if field.name in OWN:
+                arrays.append(self.array(group[field.name]))
+            else:
+                inside = [self.array(group[f"{field.name}.{child.name}"]) for child in field.type]
+                arrays.append(self.arrow.StructArray.from_arrays(inside, fields=list(field.type)))
+        return self.arrow.RecordBatch.from_arrays(arrays, schema=self.schema)
+
+
+def arrow_for(what: str) -> None:
+    """Check that pyarrow is there. Raises `UsageError`."""
+    try:
+        import pyarrow  # noqa: F401
+    except ImportError as problem:
+        raise needed(what, "pyarrow", problem, ", or write .npz") from None
+
+
+class ArrowStream:
+    """A stream of Arrow record batches, with the types of the first group of rows.
+
+    Raises `UsageError` if pyarrow is not installed, or if a later value has another type.
+    """
+
+    def __init__(self, target: BinaryIO) -> None:
+        arrow_for("an Arrow stream")
+        self.target = target
+        self.groups = Groups()
+        self.made: Arrow | None = None
+        self.writer: Any = None
+
+    def add_columns(self, columns: Columns) -> None:
+        """The objects of further scenes."""
+        for group in self.groups.add(columns):
+            self.write(group)
+
+    def write(self, group: Columns | None) -> None:
+        """A group of rows; None for a stream without any."""
+        import pyarrow
+
+        if self.made is None:
+            kinds = dict(OWN) if group is None else OWN | {name: column.kind for name, column in group.items() if name not in OWN}
+            self.made = Arrow(kinds)
+            self.writer = pyarrow.ipc.new_stream(self.target, self.made.schema)
+        if group is not None:
+            self.check(group)
+            self.writer.write_batch(self.made.batch(self.like_before(group)))
+
+    def check(self, group: Columns) -> None:
+        """Check that a group has the types of the stream. Raises `UsageError`."""
+        assert self.made is not None
+        for name, column in group.items():
+            if name not in OWN and (name not in self.made.kinds or joint(self.made.kinds[name], column.kind) != self.made.kinds[name]):
+                known = self.made.kinds.get(name, "missing")
+                place = f"{name} is {shown_kind(column.kind)} in scene {group['scene'].values[0]} or later, and {shown_kind(known)} before"
+                raise UsageError(f"{place}; the types of a stream are those of its beginning", hint="write a file: -o PATH.arrow")
+
+    def like_before(self, group: Columns) -> Columns:
+        """The columns of a group in the types of the stream."""
+        assert self.made is not None
+        rows = rows_in(group)
+        return {name: as_kind(group.get(name, nothing(rows)), kind) for name, kind in self.made.kinds.items()}
+
+    def finish(self) -> None:
+        """Write what is left, and the end."""
+        for group in self.groups.rest():
+            self.write(group)
+        if self.made is None:
+            self.write(None)
+        self.writer.close()
+
+
+def arrow_table(columns: Columns) -> pyarrow.Table:
+    """The rows as a table of Arrow. Raises `UsageError` if pyarrow is not installed."""
+    arrow_for("a table of Arrow")
+    made = Arrow({name: OWN.get(name, column.kind) for name, column in columns.items()})
+    return made.arrow.Table.from_batches([made.batch(columns)])

@@ -1,0 +1,286 @@
+"""Files of tables: Parquet, Arrow, npz, CSV.
+
+The types of the columns are known when all scenes are: until then the rows stand in a file without a name, so that memory stays bounded.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import zipfile
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from pathlib import Path
+from tempfile import TemporaryFile
+from typing import IO, Any, NamedTuple
+
+import numpy as np
+
+from ..semantics.kernel.errors import UsageError
+from .arrow import Arrow, Kinds, arrow_for
+from .columns import BOOL, JSON, NOTHING, TEXT, TypedColumn, as_kind, dtype_of, in_first_order, joint, length_of, nothing, shown_kind, valid_in
+from .scenes import in_json
+from .tables import OWN, SCHEMA, Columns, Groups, columns_of, ordered, rows_in
+
+SCENES_AT_ONCE = 1000
+"""How many single scenes are kept before they become columns."""
+FEW = 256
+"""A number of which the first group has so few values is written as a place among them."""
+
+
+class Stored(NamedTuple):
+    """Where a column of a group stands in the file, its type, and whether values are missing."""
+
+    kind: str
+    missing: bool
+    place: int
+
+
+class Spool:
+    """Groups of rows in a file without a name, and the types that all of them have together."""
+
+    def __init__(self, folder: Path) -> None:
+        self.file: IO[bytes] = TemporaryFile(dir=folder)  # noqa: SIM115
+        self.groups: list[tuple[int, dict[str, Stored]]] = []
+        self.types: Kinds = dict(OWN)
+
+    def write(self, group: Columns) -> None:
+        """Add a group. Raises `OSError`."""
+        pieces = {}
+        for name, column in group.items():
+            pieces[name] = Stored(column.kind, column.valid is not None, self.file.tell())
+            if name not in OWN:
+                self.types[name] = joint(self.types.get(name, NOTHING), column.kind)
+            for array in (column.values, column.valid):
+                if array is not None:
+                    np.lib.format.write_array(self.file, np.ascontiguousarray(array), allow_pickle=False)
+            if column.kind in (TEXT, JSON):
+                self.file.write(f"{json.dumps(list(column.texts))}\n".encode())
+        self.groups.append((rows_in(group), pieces))
+
+    @property
+    def kinds(self) -> Kinds:
+        """The type of each column."""
+        return {name: self.types[name] for name in ordered(self.types)}
+
+    @property
+    def rows(self) -> int:
+        """How many rows there are."""
+        return sum(rows for rows, _ in self.groups)
+
+    def read(self) -> Iterator[Columns]:
+        """The groups, in order, in the types of all."""
+        for rows, pieces in self.groups:
+            yield {name: as_kind(self.piece(rows, pieces.get(name)), kind) for name, kind in self.kinds.items()}
+
+    def column(self, name: str) -> Iterator[TypedColumn]:
+        """The groups of one column."""
+        for rows, pieces in self.groups:
+            yield as_kind(self.piece(rows, pieces.get(name)), self.types[name])
+
+    def has_missing(self, name: str) -> bool:
+        """Whether a column lacks values."""
+        return any(name not in pieces or pieces[name].missing for _, pieces in self.groups)
+
+    def piece(self, rows: int, piece: Stored | None) -> TypedColumn:
+        """What was written of a column."""
+        if piece is None:
+            return nothing(rows)
+        self.file.seek(piece.place)
+        values = np.lib.format.read_array(self.file)  # type: ignore[arg-type]
+        valid = np.lib.format.read_array(self.file) if piece.missing else None  # type: ignore[arg-type]
+        texts = json.loads(self.file.readline()) if piece.kind in (TEXT, JSON) else ()
+        return TypedColumn(piece.kind, values, texts, valid)
+
+    def close(self) -> None:
+        """Let the file go."""
+        self.file.close()
+
+
+class TableFile(ABC):
+    """A file of a table being written: under another name until it is complete, so that `path` is only ever a complete table.
+
+    Raises `UsageError` if it cannot be written.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.unfinished = path.with_name(f".{path.name}.{os.getpid()}.unfinished")
+        self.scenes: list[Mapping[str, Any]] = []
+        self.groups = Groups()
+        if path.exists() and not os.access(path, os.W_OK):
+            raise UsageError(f"{path} cannot be written: permission denied")
+        try:
+            self.spool = Spool(path.parent)
+        except OSError as error:
+            raise self.unwritable(error) from None
+
+    def add(self, scene: Mapping[str, Any]) -> None:
+        """The objects of a scene, given in the scene format."""
+        self.scenes.append(scene)
+        if len(self.scenes) >= SCENES_AT_ONCE:
+            self._flush()
+
+    def add_columns(self, columns: Columns) -> None:
+        """The objects of further scenes."""
+        self._flush()
+        self._write(self.groups.add(columns))
+
+    def finish(self) -> None:
+        """Write the file and give it its name."""
+        self._flush()
+        self._write(self.groups.rest())
+        try:
+            self.complete(self.spool)
+            self.unfinished.replace(self.path)
+        except OSError as error:
+            raise self.unwritable(error) from None
+
+    def _flush(self) -> None:
+        if self.scenes:
+            columns, self.scenes = columns_of(self.scenes), []
+            self._write(self.groups.add(columns))
+
+    def _write(self, groups: Iterator[Columns]) -> None:
+        for group in groups:
+            try:
+                self.spool.write(group)
+            except OSError as error:
+                raise self.unwritable(error) from None
+
+    def unwritable(self, error: OSError) -> UsageError:
+        """The error that says why the file cannot be written."""
+        return UsageError(f"{self.path} cannot be written: {error.strerror or error}")
+
+    def close(self) -> None:
+        """Remove what was written, unless it was finished."""
+        self.spool.close()
+        with suppress(OSError):  # it was finished, or never begun
+            self.unfinished.unlink()
+
+    @abstractmethod
+    def complete(self, spool: Spool) -> None:
+        """Write all groups to the file under its other name. Raises `OSError`."""
+
+
+# Arrow and Parquet
+
+
+class ParquetTable(TableFile):
+    """A Parquet file; a group of rows is a row group. Raises `UsageError` if pyarrow is not installed."""
+
+    def __init__(self, path: Path) -> None:
+        arrow_for("a Parquet table")
+        super().__init__(path)
+
+    def complete(self, spool: Spool) -> None:
+        """Write the row groups."""
+        from pyarrow import parquet
+
+        made, first = Arrow(spool.kinds), next(spool.read(), {})
+        with parquet.ParquetWriter(self.unfinished, made.schema, **encoding(first)) as writer:
+            for group in spool.read():
+                writer.write_batch(made.batch(group), row_group_size=rows_in(group))
+
+
+def encoding(first: Columns) -> dict[str, Any]:
+    """How the columns of a Parquet file are encoded, by the first group: few values as places among them, other numbers as they are."""
+    few = [name for name, column in first.items() if column.kind in (TEXT, JSON) or (column.values.ndim == 1 and has_few(column.values))]
+    return {"use_dictionary": few, "compression": "zstd", "compression_level": 1, "write_statistics": ["scene"]}
+
+
+def has_few(values: np.ndarray) -> bool:
+    """Whether a column has few values."""
+    return len(np.unique(values[: 4 * FEW])) <= FEW
+
+
+class ArrowTable(TableFile):
+    """An Arrow IPC file ("Feather 2"). Raises `UsageError` if pyarrow is not installed."""
+
+    def __init__(self, path: Path) -> None:
+        arrow_for("an Arrow table")
+        super().__init__(path)
+
+    def complete(self, spool: Spool) -> None:
+        """Write the record batches."""
+        import pyarrow
+
+        made = Arrow(spool.kinds)
+        with pyarrow.OSFile(str(self.unfinished), "wb") as file, pyarrow.ipc.new_file(file, made.schema) as writer:
+            for group in spool.read():
+                writer.write_batch(made.batch(group))
+
+
+# Without pyarrow
+
+
+class NpzTable(TableFile):
+    """An npz file: NAME.npy for each column, NAME.jsonl with the texts whose numbers are in NAME.npy, NAME.valid.npy where values are missing."""
+
+    def complete(self, spool: Spool) -> None:
+        """The columns one after the other, not compressed; equal rows give equal bytes."""
+        with zipfile.ZipFile(self.unfinished, "w", zipfile.ZIP_STORED) as archive:
+            described = {"schema": SCHEMA, "columns": {name: shown_kind(kind) for name, kind in spool.kinds.items()}}
+            archive.writestr(zipfile.ZipInfo("schema.json"), in_json(described))  # the date of a member is always 1980
+            for name, kind in spool.kinds.items():
+                count = length_of(kind)
+                texts = write_member(archive, name, dtype_of(kind), (spool.rows,) if count is None else (spool.rows, count), spool.column(name))
+                if kind in (TEXT, JSON):
+                    archive.writestr(zipfile.ZipInfo(f"{name}.jsonl"), "".join(f"{text if kind == JSON else in_json(text)}\n" for text in texts))
+                if spool.has_missing(name):
+                    valid = (TypedColumn(BOOL, valid_in(column)) for column in spool.column(name))
+                    write_member(archive, f"{name}.valid", np.dtype(bool), (spool.rows,), valid)
+
+
+def write_member(archive: zipfile.ZipFile, name: str, dtype: np.dtype[Any], shape: tuple[int, ...], column: Iterator[TypedColumn]) -> list[str]:
+    """The member NAME.npy; the texts whose numbers it has, equal ones of a group once, -1 standing for none."""
+    texts: list[str] = []
+    with archive.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True) as target:
+        np.lib.format.write_array_header_1_0(target, {"descr": dtype.str, "fortran_order": False, "shape": shape})  # type: ignore[arg-type]
+        for piece in column:
+            if piece.kind in (TEXT, JSON):
+                piece = in_first_order(piece)
+                piece = piece._replace(values=np.where(piece.values < 0, -1, piece.values + len(texts)))
+                texts += piece.texts
+            target.write(np.ascontiguousarray(piece.values, dtype=dtype).tobytes())
+    return texts
+
+
+class CsvTable(TableFile):
+    """A CSV file: a line with the names, then one for each row; what is missing is empty, lists are JSON."""
+
+    def complete(self, spool: Spool) -> None:
+        """Write the lines."""
+        with self.unfinished.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(spool.kinds)
+            for group in spool.read():
+                writer.writerows(zip(*(cells(column) for column in group.values()), strict=True))
+
+
+def cells(column: TypedColumn) -> list[str]:
+    """The cells of a column."""
+    shown: list[str]
+    if column.kind in (TEXT, JSON):
+        shown = [str(column.texts[k]) for k in column.values.tolist()]
+    elif column.kind == BOOL:
+        shown = ["true" if v else "false" for v in column.values.tolist()]
+    elif length_of(column.kind) is not None:
+        shown = [json.dumps(row) for row in column.values.tolist()]
+    else:
+        shown = list(map(repr, column.values.tolist()))
+    return shown if column.valid is None else [cell if there else "" for cell, there in zip(shown, column.valid.tolist(), strict=True)]
+
+
+KINDS_OF_FILE: dict[str, type[TableFile]] = {".parquet": ParquetTable, ".arrow": ArrowTable, ".npz": NpzTable, ".csv": CsvTable}
+
+
+SUFFIXES = tuple(KINDS_OF_FILE)
+"""Which files are tables."""
+
+
+def open_table(path: Path) -> TableFile:
+    """The table that the suffix asks for. Raises `UsageError`."""
+    return KINDS_OF_FILE[path.suffix.lower()](path)

@@ -1,0 +1,170 @@
+"""What `sample_many` returns: scenes one after the other, or all of them as columns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..formats.arrow import arrow_for, arrow_table
+from ..formats.columns import JSON, NOTHING, TEXT, TypedColumn, length_of
+from ..formats.scenes import Scene
+from ..formats.tables import Columns, columns_of, together
+from ..inference.batch import Batch, Block
+from ..inference.batch.jobs.tables import table_of
+from ..interpreter.extras import needed
+from ..semantics.kernel.errors import UsageError
+
+if TYPE_CHECKING:
+    import pandas
+    import polars
+    import pyarrow
+
+Told = Callable[[int], object]
+"""Is told how many scenes there are so far."""
+AT_ONCE = 1000
+"""How many scenes of the interpreter become columns together."""
+
+
+class Drawn(Iterator[Scene]):
+    """The scenes of a seed, drawn as they are asked for: by iterating, or all that are left as columns, which is much quicker.
+
+    Raises, where they are drawn, the program's errors and `AttemptsExhausted`.
+    """
+
+    def __init__(self, count: int, scenes: Iterator[Scene], blocks: tuple[Batch, int, Iterator[Block]] | None, tell: Told) -> None:
+        self._count = count
+        self._scenes = scenes if blocks is None else _scenes_in(*blocks)
+        self._blocks = blocks
+        self._tell = tell
+        self._done = 0
+
+    def __repr__(self) -> str:
+        return f"<{self._count:,} scenes, {self._done:,} of them drawn>"
+
+    def __next__(self) -> Scene:
+        scene = next(self._scenes)
+        self._done += 1
+        self._tell(self._done)
+        return scene
+
+    def close(self) -> None:
+        """Draw no more."""
+        self._scenes = iter(())
+        self._blocks = None
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """The objects of the scenes that are left, one in each row, as NumPy arrays (rows,): the columns of the table format by name.
+
+        Numbers, truth values and texts have their type; lists of k numbers are (rows, k); what has no type is its JSON text. What is missing is
+        NaN among floats, None among texts, and masked (`numpy.ma`) otherwise. Metres and radians.
+        """
+        return {name: array_of(column) for name, column in self._all().items()}
+
+    def to_arrow(self) -> pyarrow.Table:
+        """The same as a table of Arrow, in which `properties` and `params` are structs. Raises `UsageError` without pyarrow."""
+        arrow_for("`to_arrow`")
+        return arrow_table(self._all())
+
+    def to_polars(self) -> polars.DataFrame:
+        """The same as a frame of Polars. Raises `UsageError` without polars or pyarrow."""
+        try:
+            import polars
+        except ImportError as problem:
+            raise needed("`to_polars`", "polars", problem) from None
+        arrow_for("`to_polars`")
+        return polars.DataFrame(polars.from_arrow(self.to_arrow()))
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The same as a frame of pandas, with a column for each of `columns`. Raises `UsageError` without pandas."""
+        try:
+            import pandas
+        except ImportError as problem:
+            raise needed("`to_pandas`", "pandas", problem) from None
+        return pandas.DataFrame({name: series_of(column) for name, column in self._all().items()})
+
+    def _all(self) -> Columns:
+        """The columns of the scenes that are left."""
+        pieces = list(self._by_scene() if self._done or self._blocks is None else self._by_block(*self._blocks))
+        self.close()
+        return together(pieces) if pieces else columns_of([])
+
+    def _by_block(self, batch: Batch, seed: int, blocks: Iterator[Block]) -> Iterator[Columns]:
+        for block in blocks:
+            self._done += len(block.attempts)
+            self._tell(self._done)
+            if len(block.attempts):
+                yield table_of(batch.template, block, seed)
+
+    def _by_scene(self) -> Iterator[Columns]:
+        waiting: list[dict[str, Any]] = []
+        for scene in self:
+            waiting.append(scene.to_json())
+            if len(waiting) == AT_ONCE:
+                yield columns_of(waiting)
+                waiting = []
+        if waiting:
+            yield columns_of(waiting)
+
+
+def _scenes_in(batch: Batch, seed: int, blocks: Iterator[Block]) -> Iterator[Scene]:
+    for block in blocks:
+        yield from batch.scenes_of(block, seed)
+
+
+def array_of(column: TypedColumn) -> np.ndarray:
+    """A column as an array, as `Drawn.columns` says."""
+    if column.kind == NOTHING:
+        return np.full(column.rows, None)
+    if column.kind in (TEXT, JSON):
+        found = np.array(column.texts, dtype=object)[column.values]
+        if column.valid is not None:
+            found[~column.valid] = None
+        return found
+    if column.valid is None:
+        return column.values
+    if column.values.dtype == float:
+        return np.where(column.valid if column.values.ndim == 1 else column.valid[:, None], column.values, np.nan)
+    return np.ma.masked_array(column.values, ~column.valid)
+
+
+def series_of(column: TypedColumn) -> Any:
+    """A column as pandas takes it: texts by categories, whole numbers and truth values that may be missing, lists as objects."""
+    import pandas
+
+    found = array_of(column)
+    if length_of(column.kind) is not None:
+        rows = found.tolist()
+        return rows if column.valid is None else [row if there else None for row, there in zip(rows, column.valid.tolist(), strict=True)]
+    if column.kind == TEXT:
+        return pandas.Categorical(found)
+    if isinstance(found, np.ma.MaskedArray):
+        kind = pandas.arrays.BooleanArray if found.dtype == bool else pandas.arrays.IntegerArray
+        return kind(np.asarray(found.data), np.ma.getmaskarray(found))
+    return found
+
+
+def progress_of(progress: bool | Told, count: int) -> Told:
+    """What is told of the progress: True shows a bar on standard error. Raises `UsageError` for what is neither."""
+    if callable(progress):
+        return progress
+    if not isinstance(progress, bool):
+        raise UsageError(f"progress is True, False or a function of the number of scenes, not {progress!r}")
+    if not progress:
+        return lambda done: None
+    from rich.console import Console
+    from rich.progress import Progress
+
+    bar = Progress(console=Console(stderr=True))
+    task = bar.add_task("scenes", total=count)
+
+    def tell(done: int) -> None:
+        if not bar.live.is_started:
+            bar.start()
+        bar.update(task, completed=done)
+        if done >= count:
+            bar.stop()
+
+    return tell
+

@@ -1,0 +1,38 @@
+"""The texts of many numbers are those of `json`, digit for digit."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scenic_ref.formats import numbers
+from scenic_ref.formats.numbers import ALIKE, number_texts
+
+EDGES = [0.0, -0.0, 5e-324, 1e-5, 1e-4, *ALIKE, 1e16, 1e17, 1e22, 2.0**53, 0.1 + 0.2, 1 / 3, 1e-7, 123456789012345.6, 999999999999999.9, 1.7e308]
+
+
+@pytest.fixture(params=["quickly", "by Python"])
+def writer(request, monkeypatch):
+    if request.param == "by Python":
+        monkeypatch.setattr(numbers, "quick_dumps", lambda: None)
+    elif numbers.quick_dumps() is None:
+        pytest.skip("needs the extra fast")
+    return number_texts
+
+
+def test_many_numbers_of_all_sizes(writer):
+    rng = np.random.default_rng(0)
+    sizes = 10 ** rng.uniform(-8, 20, 60_000) * rng.choice([-1, 1], 60_000)
+    bits = rng.integers(0, 2**64, 20_000, dtype=np.uint64).view(float)
+    near = np.nextafter(np.repeat(EDGES[4:12], 3), np.tile([-np.inf, np.inf, 0], 8))
+    values = np.concatenate([sizes, bits[np.isfinite(bits)], np.round(sizes, 3), np.floor(sizes), EDGES, near, -near])
+    assert writer(values) == [json.dumps(v) for v in values.tolist()]
+
+
+@settings(derandomize=True, deadline=None)
+@given(st.lists(st.floats(allow_nan=False, allow_infinity=False), max_size=5))
+def test_any_numbers(values):
+    assert number_texts(np.array(values, dtype=float)) == [json.dumps(v) for v in values]
