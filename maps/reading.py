@@ -6,9 +6,11 @@ from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 
+import shapely
+
 from . import opendrive
 from .assembly import Assembly
-from .elements import BikeLane, Lane, PedestrianCrossing, Shoulder, Sidewalk
+from .elements import BikeLane, Lane, PedestrianCrossing, Road, Shoulder, Sidewalk
 from .fixed import complete
 from .furniture import crossings, signals
 from .intersections import Intersection
@@ -16,6 +18,7 @@ from .junctions import intersection, link_lanes, link_roads, note_dangling
 from .lanes import make_road, make_sections
 from .making import made
 from .network import Network
+from .notes import Notes
 from .opendrive import OpenDrive
 from .shapes import section_shapes
 from .signals import Signal
@@ -23,6 +26,8 @@ from .xml import MapError
 
 TOLERANCE = 0.05
 """Metres by which a point may miss an element."""
+OVERLAP = 0.5
+"""Square metres that two roads outside intersections may share."""
 
 
 def read_map(path: Path | str) -> Network:
@@ -76,6 +81,7 @@ def finished(net: Assembly, intersections: Sequence[Intersection], signals: Sequ
     lanes = [lane for road in roads for lane in road.lanes]
     if not lanes:
         raise MapError("; ".join(["it has no lanes on which to drive", *net.notes.lines()]))
+    note_overlaps(ordinary, net.notes)
     made = Network.of(
         source=net.file.data, again=network_from, by_uid=net.elements,
         roads=tuple(ordinary), connectingRoads=tuple(connecting), allRoads=roads, intersections=tuple(intersections),
@@ -89,3 +95,11 @@ def finished(net: Assembly, intersections: Sequence[Intersection], signals: Sequ
     for element in net.elements.values():
         complete(element, network=made)
     return made
+
+
+def note_overlaps(roads: Sequence[Road], notes: Notes) -> None:
+    """Note roads outside intersections that share an area, as bridges do in the plane."""
+    polygons = [road.polygon for road in roads]
+    for i, j in zip(*shapely.STRtree(polygons).query(polygons, predicate="intersects"), strict=True):
+        if i < j and (shared := shapely.intersection(polygons[i], polygons[j]).area) > OVERLAP:
+            notes.add("roads that overlap", f"{roads[i].uid} and {roads[j].uid} in {shared:.1f} m²")

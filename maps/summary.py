@@ -4,22 +4,22 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
 import shapely
 
 from ..semantics.space.regions import PolylineRegion
-from .elements import Lane, LinearElement, Road
+from .elements import Lane, LinearElement
 from .intersections import ManeuverType
 from .network import Network
 from .notes import HEIGHTS
 
 JOINT, TURNED = 0.01, math.radians(1)
 """Metres, and radians, by which lanes may differ where one leads to the other."""
-OVERLAP = 0.5
-"""Square metres that two roads outside intersections may share."""
+BESIDE = 0.5
+"""Metres from the end of a lane within which the next one begins, if it is the same lane."""
 
 
 def summary(network: Network) -> dict[str, object]:
@@ -47,7 +47,6 @@ def faults(network: Network) -> Iterator[str]:
     yield from (line for line in network.warnings if not line.startswith((HEIGHTS, "joints of lanes")))  # joints are told one by one
     for lane in network.lanes:
         yield from bad_joints(lane)
-    yield from overlaps(network.roads)
     for lane in network.lanes:
         yield from unreachable(lane)
 
@@ -82,14 +81,6 @@ def points(line: PolylineRegion) -> np.ndarray:
     return np.array([tuple(v) for v in line.lines[0]])
 
 
-def overlaps(roads: Sequence[Road]) -> Iterator[str]:
-    """Roads outside intersections that share an area (bridges do, in the plane)."""
-    polygons = [road.polygon for road in roads]
-    for i, j in zip(*shapely.STRtree(polygons).query(polygons, predicate="intersects"), strict=True):
-        if i < j and (shared := shapely.intersection(polygons[i], polygons[j]).area) > OVERLAP:
-            yield f"{roads[i].uid} and {roads[j].uid} overlap in {shared:.1f} m²"
-
-
 def unreachable(lane: Lane) -> Iterator[str]:
     """That no lane leads to a lane, or from it, though its road goes on there; a lane may begin, or end, along its road."""
     road, ends = lane.road, (lane.road.sections[0], lane.road.sections[-1])
@@ -100,3 +91,14 @@ def unreachable(lane: Lane) -> Iterator[str]:
         yield f"no lane leads to {lane.uid}"
     if after is not None and lane.sections[-1] in last.lanes and not lane.maneuvers and lane._successor is None:
         yield f"{lane.uid} leads nowhere"
+    yield from unlinked(lane)
+
+
+def unlinked(lane: Lane) -> Iterator[str]:
+    """That a lane ends along its road where another one begins, without a link."""
+    last = lane.sections[-1]
+    sections = lane.road.sections if last.isForward else lane.road.sections[::-1]
+    end, place = points(last.centerline)[-1], next(k for k, section in enumerate(sections) if last in section.lanes)
+    for other in sections[place + 1].lanes if place + 1 < len(sections) and lane._successor is None else ():
+        if other.isForward == last.isForward and other._predecessor is None and np.hypot(*(points(other.centerline)[0] - end)) < BESIDE:
+            yield f"{last.uid} ends where {other.uid} begins, without a link"

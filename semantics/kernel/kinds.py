@@ -10,6 +10,7 @@ Section "Data Types"). A `Reader` makes these interpretations and remembers whet
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from difflib import get_close_matches
 from numbers import Real
 from typing import NamedTuple
 
@@ -241,9 +242,12 @@ SPATIAL_ATTRIBUTES = frozenset({"z", *SPATIAL_PROPERTIES})
 FLAT = "is three-dimensional; this reference is two-dimensional"
 
 
-def no_attribute(subject: str, name: str, what: str = "attribute") -> AttributeError:
-    """The exception where a value has no such attribute or property."""
+def no_attribute(subject: str, name: str, known: Iterable[str], what: str = "attribute") -> AttributeError:
+    """The exception where a value has no such attribute or property, with the nearest of those that it has."""
     error = AttributeError(f"{subject} has no {what} {name}" + (f", which {FLAT}" if name in SPATIAL_ATTRIBUTES else ""))
+    near = [] if name in SPATIAL_ATTRIBUTES else get_close_matches(name, sorted(known), n=1)
+    if near:
+        error.add_note(f"did you mean {near[0]}?")
     if name == "yaw":
         error.add_note("ask for its heading")
     return error
@@ -268,6 +272,8 @@ def kind_name(value: object) -> str:
     value = value.value if type(value) is Random else value
     if isinstance(value, bool) or value is None:
         return repr(value)
+    if any("scenic_names" in vars(class_) for class_ in type(value).__mro__):  # a part of a road network, say, though it is a region as well
+        return f"{'an' if type(value).__name__[0] in 'AEIOU' else 'a'} {type(value).__name__}"
     for kind in (SCALAR, FIELD, REGION):
         if has_kind(value, kind):
             return f"a {kind}"

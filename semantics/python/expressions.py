@@ -10,7 +10,7 @@ import operator as python
 from collections import defaultdict
 from collections.abc import Callable, Mapping
 
-from ..kernel.allowed import is_user_made, may_ask
+from ..kernel.allowed import is_user_made, may_ask, names_in
 from ..kernel.classes import canonical
 from ..kernel.conditions import is_counted
 from ..kernel.config import Stack, State, value
@@ -241,7 +241,7 @@ def get_host_attribute(subject: object, name: str, node: p.Attribute, state: Sta
         return raw(door, state, fallback, subject, name)
     if name.startswith("_"):
         raise RunError(f"names with a leading underscore, such as {name}, are private to Python objects", node.span, rule="E-Attribute")
-    raise HostException(no_attribute(kind_name(subject), name))
+    raise HostException(no_attribute(kind_name(subject), name, names_in(subject)))
 
 
 def instance_attribute(instance: Instance, name: str, state: State) -> object:
@@ -254,7 +254,7 @@ def instance_attribute(instance: Instance, name: str, state: State) -> object:
     if found is None and name == "distanceToClosest":
         return Closest(instance)
     if found is None:
-        error = no_attribute(instance.class_.name, name, "property")
+        error = no_attribute(instance.class_.name, name, properties, "property")
         if name == "height":  # under `height=own`
             error.add_note("the third extent that Scenic 3 gives every object does not exist in the plane: give it one by `with height`")
         raise HostException(error)

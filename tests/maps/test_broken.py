@@ -52,6 +52,9 @@ STRANGE: dict[str, tuple[bytes, str]] = {
     "a direction of its own": (
         file(lanes=LANES.replace('<lane id="1"', '<lane id="1" direction="reversed"')),
         "lanes with a direction of traffic of their own, which is not heeded: road 7 lane 1"),
+    "roads that cross": (
+        file(ROAD + ROAD.replace('id="7"', 'id="8"').replace('x="0" y="0" hdg="0"', 'x="50" y="-50" hdg="1.5707963267948966"')),
+        "roads that overlap: road7 and road8 in 49.0 m²"),
     "a rule that there is not": (
         file(ROAD.replace('junction="-1"', 'junction="-1" rule="left"')), "rules of traffic that are neither RHT nor LHT, and taken for RHT: road 7"),
 }  # fmt: skip
@@ -63,6 +66,18 @@ def test_what_is_strange_is_noted_and_a_fault(name: str) -> None:
     network = network_of(opendrive.read(data))
     assert [line for line in network.warnings if line.startswith(note)]
     assert [line for line in faults(network) if line.startswith(note)]
+
+
+def test_lanes_that_are_not_linked_to_those_of_the_next_section_are_a_fault() -> None:
+    linked = LANES.replace("<link/>", '<link><predecessor id="1"/><successor id="1"/></link>').replace(
+        '<lane id="-1" type="driving">', '<lane id="-1" type="driving"><link><predecessor id="-1"/><successor id="-1"/></link>'
+    )
+    found = [
+        sorted(faults(network_of(opendrive.read(file(lanes=lanes + lanes.replace('s="0"', 's="50"', 1)))))) for lanes in (LANES, linked)
+    ]  # fmt: skip
+    assert len(found[0]) == 2
+    assert all("without a link" in fault for fault in found[0])
+    assert found[1] == []
 
 
 def test_heights_are_noted_and_no_fault() -> None:
