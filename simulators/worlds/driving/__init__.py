@@ -90,6 +90,7 @@ FIXED: Mapping[str, Callable[[], str | Mapping[str, object]]] = {
     "scenic.domains.driving.actions": lambda: ACTIONS,
     "scenic.domains.driving.roads": lambda: {name: found for module in PARTS for name, found in vars(module).items() if name in ROADS},
     "scenic.domains.driving.paths": lambda: {"Trajectory": paths.Trajectory},
+    "scenic.domains.driving.controllers": lambda: text("controllers"),
     "scenic.domains.driving.lights": lambda: text("lights"),
     "scenic.domains.driving.behaviors": lambda: text("behaviors"),
     "scenic.domains.driving.scenarios": lambda: text("scenarios"),
