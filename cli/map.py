@@ -27,7 +27,8 @@ def show_map(
     make: Annotated[
         str | None,
         typer.Option(
-            "--make", metavar="KIND", help="Make a grid, crossing, t, roundabout, highway or suburb; without FILE, list the parameters and their values."
+            "--make", metavar="KIND",
+            help="Make a grid, crossing, t, roundabout, highway or suburb; without FILE, list the parameters and their values.",
         ),
     ] = None,
     param: Annotated[list[str] | None, typer.Option("-p", "--param", metavar="NAME=VALUE", help="A parameter of --make.")] = None,

@@ -9,6 +9,7 @@ from typing import NamedTuple, Protocol, TypeVar
 
 from ..formats.tables import SUFFIXES
 from ..inference.batch.jobs.blocks import Workers, cluster, processes
+from ..inference.batch.jobs.failures import FailedDraw
 from ..scenario import FEW
 from ..semantics.kernel.errors import ScenicError, UsageError
 from .drawing import Drawing, drawing_of
@@ -19,7 +20,7 @@ from .portions import batch_of, portions
 from .progress import Progress
 from .reports import Tally, processor_seconds, summary, write_report
 from .session import Session, tell
-from .workers import FailedDraw, Job, draw_here, drawn_by
+from .workers import Job, draw_here, drawn_by
 
 MOST_PLOTTED = 16
 MOST_FINDINGS, MOST_PARTS = 16, 16
