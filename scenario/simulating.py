@@ -45,7 +45,9 @@ class SimulationsJob(NamedTuple):
     which: SimulationRange
 
 
-def simulate_many(scenario: Scenario, which: SimulationRange, simulator: str | Simulator, workers: int, progress: Told | None) -> Iterator[SampledRun]:
+def simulate_many(
+    scenario: Scenario, which: SimulationRange, simulator: str | Simulator, workers: int, progress: Told | None
+) -> Iterator[SampledRun]:
     """The simulations, in order, by this process or `workers` others. Raises `UsageError` where a simulator cannot be sent to these."""
     count = min(workers, which.stop - which.start)
     if count <= 1:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Container, Mapping
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -23,6 +23,8 @@ ROADS = (
     "Shoulder", "Intersection", "Signal", "Maneuver", "ManeuverType", "VehicleType",
 )  # fmt: skip
 """What the module `roads` gives."""
+SAME = "from scenic.domains.driving.model import *\n"
+"""A model that has no more than the driving library."""
 PARTS = (elements, intersections, network, signals)
 """Where it has them from."""
 
@@ -95,5 +97,22 @@ FIXED: Mapping[str, Callable[[], str | Mapping[str, object]]] = {
     "scenic.domains.driving.behaviors": lambda: text("behaviors"),
     "scenic.domains.driving.scenarios": lambda: text("scenarios"),
     "scenic.domains.driving.model": lambda: text("model"),
+    "scenic.domains.driving.missing": lambda: text("missing"),
+    "scenic.simulators.carla.model": lambda: text("carla"),
+    "scenic.simulators.lgsvl.model": lambda: text("lgsvl"),
+    **dict.fromkeys(("scenic.simulators.newtonian.driving_model", "scenic.simulators.metadrive.model"), lambda: SAME),
 }
 """The modules that do not depend on a map."""
+
+STAND_INS = {
+    "scenic.simulators.newtonian.driving_model": "the driving library; --simulator kinematic moves vehicles as the released simulator does",
+    "scenic.simulators.carla.model": "the driving library without CARLA: no shapes, sensors or weather, and boxes of fixed sizes",
+    "scenic.simulators.lgsvl.model": "the driving library without LGSVL",
+    "scenic.simulators.metadrive.model": "the driving library without MetaDrive",
+}
+"""What the models of other simulators are here."""
+
+
+def notes(modules: Container[str]) -> list[str]:
+    """What is to be known of the modules that a program may import."""
+    return [f"note: {name} stands for {what}" for name, what in STAND_INS.items() if name in modules]
