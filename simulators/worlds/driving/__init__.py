@@ -11,20 +11,19 @@ from ....maps import elements, intersections, network, paths, signals
 from ....maps.network import Network
 from ....maps.reading import made_map
 from ....semantics.kernel.errors import ImportRefused
+from ....semantics.python.specials import MAPS
 from ....semantics.syntax import Program
 from ....semantics.syntax.statements import Param
 from ...actions import ACTIONS
-from .named_maps import class_for, read, text_and_path
+from .named_maps import maps_of, read, text_and_path
 
 MAP = "scenic.domains.driving.map"
 """The module that gives `network`, the map of the program."""
-ROADS = "scenic.domains.driving.roads"
-"""The module of the classes of what is on a map; that of a program has a `Network` of its own, which reads the maps that the program names."""
 OF_ROADS = (
     "Network", "NetworkElement", "LinearElement", "Road", "LaneGroup", "Lane", "RoadSection", "LaneSection", "Sidewalk", "PedestrianCrossing",
     "Shoulder", "Intersection", "Signal", "Maneuver", "ManeuverType", "VehicleType",
 )  # fmt: skip
-"""What it gives."""
+"""What the module `roads` gives."""
 PARTS = (elements, intersections, network, signals)
 """Where it has them from."""
 FIXED_ROADS = {name: found for module in PARTS for name, found in vars(module).items() if name in OF_ROADS}
@@ -72,14 +71,14 @@ def modules(program: Program, params: Mapping[str, object], directory: Path | No
 
     def of_roads() -> object:
         own = map_of(program, params, directory)
-        return {**FIXED_ROADS, "Network": class_for(program, directory, [own] if isinstance(own, tuple) else [])}
+        return {**FIXED_ROADS, MAPS[1]: maps_of(program, directory, [own] if isinstance(own, tuple) else [])}
 
-    return {MAP: of_map, ROADS: of_roads}
+    return {MAP: of_map, MAPS[0]: of_roads}
 
 
 FIXED: Mapping[str, Callable[[], str | Mapping[str, object]]] = {
     "scenic.domains.driving.actions": lambda: ACTIONS,
-    ROADS: lambda: FIXED_ROADS,
+    MAPS[0]: lambda: FIXED_ROADS,
     "scenic.domains.driving.paths": lambda: {"Trajectory": paths.Trajectory},
     "scenic.domains.driving.controllers": lambda: text("controllers"),
     "scenic.domains.driving.lights": lambda: text("lights"),
