@@ -26,7 +26,10 @@ def show_map(
     check: Annotated[bool, typer.Option("--check", help="Look for gaps at joints, roads that overlap, and lanes that cannot be reached.")] = False,
     make: Annotated[
         str | None,
-        typer.Option("--make", metavar="KIND", help="Make a grid, crossing, t, roundabout, highway or suburb; without FILE, list the parameters."),
+        typer.Option(
+            "--make", metavar="KIND",
+            help="Make a grid, crossing, t, roundabout, highway or suburb; without FILE, list the parameters and their values.",
+        ),
     ] = None,
     param: Annotated[list[str] | None, typer.Option("-p", "--param", metavar="NAME=VALUE", help="A parameter of --make.")] = None,
     debug: DebugOption = False,
@@ -84,8 +87,8 @@ def explained(kind: str | None) -> list[str]:
         raise UsageError("which map? Name a file, or make one with --make")
     if kind not in KINDS:
         raise UsageError(f"there is no kind of map {kind!r}: there are {', '.join(KINDS)}")
-    rows = [(name, str(parameter.default), parameter.about) for name, parameter in KINDS[kind].parameters.items()]
-    return [f"{kind}: {KINDS[kind].description}", *columns(("parameter", "default", "meaning"), rows)]
+    rows = [(name, str(parameter.default), parameter.values, parameter.about) for name, parameter in KINDS[kind].parameters.items()]
+    return [f"{kind}: {KINDS[kind].description}", *columns(("parameter", "default", "values", "meaning"), rows)]
 
 
 def text_of(kind: str, given: list[str]) -> str:

@@ -14,13 +14,14 @@ from ..formats.tables import Columns
 from ..inference.batch import Batch, Block
 from ..inference.batch.evaluate.features import features_in
 from ..inference.batch.jobs.blocks import FIRST, Pace, Workers, block_of
+from ..inference.batch.jobs.failures import FailedDraw, failed
 from ..inference.batch.jobs.lines import lines_of
 from ..inference.batch.jobs.tables import table_of
 from ..inference.statistics.columns import FeatureTable
 from ..semantics.kernel.outcome import Requirement
 from .drawing import Drawing, Softness, drawing_of
 from .options import Source
-from .workers import FailedDraw, Job, failed
+from .workers import Job
 
 Form = Literal["lines", "table", "features"]
 MOST_LOOKED_AT = 500

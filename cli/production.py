@@ -9,8 +9,10 @@ from typing import NamedTuple, Protocol, TypeVar
 
 from ..formats.table_files import SUFFIXES
 from ..inference.batch.jobs.blocks import Workers, cluster, processes
+from ..inference.batch.jobs.failures import FailedDraw
 from ..scenario import FEW
 from ..semantics.kernel.errors import ScenicError, UsageError
+from ..simulators.worlds.driving import notes
 from .drawing import Drawing, drawing_of
 from .files import LINES, PICTURES, check_ending, check_file, check_place
 from .options import Source
@@ -19,7 +21,7 @@ from .portions import batch_of, portions
 from .progress import Progress
 from .reports import Tally, processor_seconds, summary, write_report
 from .session import Session, tell
-from .workers import FailedDraw, Job, draw_here, drawn_by
+from .workers import Job, draw_here, drawn_by
 
 MOST_PLOTTED = 16
 MOST_FINDINGS, MOST_PARTS = 16, 16
@@ -194,7 +196,7 @@ def produce_one_by_one(
 
 
 def rehearse(drawing: Drawing) -> None:
-    """Raise the program's error, if it has one, before anything is written; what it printed before comes first."""
+    """Raise the program's error, if it has one, before anything is written; what it printed comes first. Then tell what its model stands for."""
     printed: list[str] = []
     try:
         drawing.rehearse(printed)
@@ -202,6 +204,8 @@ def rehearse(drawing: Drawing) -> None:
         for text in printed:
             tell(text)
         raise
+    for note in notes(drawing.scenario.settings.library):
+        tell(note)
 
 
 class Printing(Protocol):

@@ -9,13 +9,14 @@ from itertools import islice
 from types import TracebackType
 
 from ..inference.batch.jobs.blocks import processes
+from ..inference.batch.jobs.failures import FailedDraw
 from ..inference.statistics.columns import FeatureTable, features_table
 from ..inference.statistics.rounding import DEFAULT_TOLERANCE
 from .drawing import Drawing, DrawnScene, drawing_of
 from .options import DEFAULT_ATTEMPTS, DEFAULT_FUEL, Source
 from .portions import portions
 from .progress import Progress
-from .workers import FailedDraw, Job, draw_here, draw_in_processes
+from .workers import Job, draw_here, draw_in_processes
 
 ONE_BY_ONE = 256
 """How many scenes that are drawn one by one become columns together."""

@@ -12,6 +12,7 @@ from typing import NamedTuple
 from ..formats.recordings import to_line
 from ..formats.replay_pages import land_below
 from ..inference.batch.jobs.blocks import Workers
+from ..inference.batch.jobs.failures import FailedDraw, failed, parts
 from ..inference.simulation import SampledRun
 from ..semantics.kernel.driving import Witness
 from ..semantics.kernel.errors import InternalError, ScenicError
@@ -20,7 +21,7 @@ from ..simulators.protocol import Simulator
 from ..simulators.simulating import Failed
 from .drawing import Drawing, drawing_of, listen
 from .options import Source
-from .workers import FailedDraw, done_by, failed, parts
+from .workers import done_by
 
 
 class SimulationJob(NamedTuple):

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import pickle
-from collections.abc import Callable, Generator, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable
 from contextlib import AbstractContextManager
 from typing import NamedTuple, TypeVar
 
 from ..inference.batch.jobs.blocks import Workers, processes
+from ..inference.batch.jobs.failures import FailedDraw, failed, parts
 from ..semantics.kernel.errors import ScenicError
 from .drawing import Drawing, DrawnScene, drawing_of
 from .options import Source
 
 AnyJob = TypeVar("AnyJob")
 Found = TypeVar("Found")
-LARGEST_CHUNK = 16
 Listener = Callable[[int], None]
 
 
@@ -26,35 +25,6 @@ class Job(NamedTuple):
     start: int
     stop: int
     max_attempts: int
-
-
-class FailedDraw(NamedTuple):
-    """A program's error that ended a run of scenes, with what its attempt had printed; can be sent between processes."""
-
-    kind: type[ScenicError]
-    attributes: dict[str, object]
-    printed: tuple[str, ...]
-
-    @property
-    def error(self) -> ScenicError:
-        """The error itself."""
-        found = self.kind.__new__(self.kind, self.attributes["message"])
-        found.__dict__.update(self.attributes)
-        return found
-
-
-def failed(error: ScenicError, printed: list[str]) -> FailedDraw:
-    """The error as a record; attributes that cannot be sent are described in words."""
-    attributes: dict[str, object] = {name: value if _can_be_sent(value) else RuntimeError(repr(value)) for name, value in vars(error).items()}
-    return FailedDraw(type(error), attributes, tuple(printed))
-
-
-def _can_be_sent(value: object) -> bool:
-    try:
-        pickle.loads(pickle.dumps(value))
-    except Exception:  # whatever a foreign object does when it is pickled, it then cannot be sent
-        return False
-    return True
 
 
 def work(job: Job) -> list[DrawnScene | FailedDraw]:
@@ -77,12 +47,6 @@ def drawn_by(workers: AbstractContextManager[Workers], job: Job, count: int) -> 
     """The scenes of a job, drawn by about `count` processes."""
     jobs = (job._replace(start=start, stop=stop) for start, stop in parts(job.start, job.stop, count))
     yield from done_by(workers, work, jobs)
-
-
-def parts(start: int, stop: int, count: int) -> Iterator[tuple[int, int]]:
-    """A range in parts for about `count` processes, in order."""
-    chunk = max(1, min(LARGEST_CHUNK, (stop - start) // (4 * count)))
-    return ((begin, min(begin + chunk, stop)) for begin in range(start, stop, chunk))
 
 
 def done_by(workers: AbstractContextManager[Workers], work: Callable[[AnyJob], list[Found]], jobs: Iterable[AnyJob]) -> Generator[Found]:

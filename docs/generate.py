@@ -26,6 +26,7 @@ from scenic_ref.formats.comparisons import side_by_side
 from scenic_ref.formats.map_pictures import map_picture
 from scenic_ref.formats.sheets import contact_sheet
 from scenic_ref.maps import made_map
+from scenic_ref.maps.making import KINDS
 from scenic_ref.semantics.kernel import allowed
 from scenic_ref.semantics.readings import PROFILES, READINGS, Reading, always_decided
 from scenic_ref.semantics.rules import CATALOGUE
@@ -35,13 +36,13 @@ from typer.core import TyperCommand, TyperGroup
 HERE = Path(__file__).parent / "reference"
 PROOFS = Path(__file__).parents[1] / "proofs"
 LISTINGS = Path(__file__).parents[1] / "examples" / "paper" / "dynamic"
-WIDTH = 100
-"""The longest line, but for tables and code."""
+WIDTH = 100  # the longest line, but for tables and code
 MARK, JOIN = re.compile(r"\s+(?=([-+*>#]+|\d+[.)])(\s|$))"), "\0"
 """The space before what would be a mark of Markdown at the beginning of a line, and what stands for it while lines are broken."""
 THEOREM = re.compile(r"(?:\(\*\* (?!\*)(?P<comment>(?:(?!\*\)).)*)\*\)\s*)?^\s*Theorem (?P<name>\w+)", re.DOTALL | re.MULTILINE)
 """A theorem of Coq, with the comment right before it."""
 MOST_NAMED, LONGEST_EXAMPLE = 3, 40
+VALUES = "| parameter | default | values | meaning |\n| --- | --- | --- | --- |"
 
 
 def cell(text: str) -> str:
@@ -217,6 +218,15 @@ def helps(command: TyperCommand | TyperGroup, name: str) -> Iterator[tuple[str, 
         yield from helps(found, f"{name} {inner}")
 
 
+def maps_page() -> str:
+    """Every kind of map that is made, with its parameters."""
+    lines = ["# Maps that are made", "", "What `scenic-ref map --make KIND -p NAME=VALUE FILE.xodr` makes ([Roads](../roads.md#maps))."]
+    for name, kind in KINDS.items():
+        rows = (f"| `{one}` | {found.default} | {found.values} | {found.about} |" for one, found in kind.parameters.items())
+        lines += ["", f"## {name}", "", paragraph(f"It has {kind.description}."), "", VALUES, *rows]
+    return "\n".join(lines) + "\n"
+
+
 def differences_page() -> str:
     """What the releases do otherwise: a table by chapter, then each cause with its passage and vectors."""
     kept, known, vectors = results.kept(), shipped(), load_vectors()
@@ -372,6 +382,7 @@ def outcome(counts: Counter[str]) -> str:
 PAGES = {
     "rules.md": rules_page, "proofs.md": proofs_page, "readings.md": readings_page, "commands.md": commands_page, "allowed.md": allowed_page,
     "listings.md": listings_page, "productions.md": productions_page, "differences.md": differences_page, "campaigns.md": campaigns_page,
+    "maps.md": maps_page,
 }  # fmt: skip
 
 

@@ -166,7 +166,7 @@ def expression(value: object, known: Writing) -> str:
             return f"Vector({inside((x, y))})"
         case list():
             return f"[{inside(value)}]"
-        case tuple() if type(value) is tuple:
+        case tuple() if type(value) is tuple or hasattr(value, "_fields"):
             return known.pair.format(inside(value)) if len(value) == 2 else f"({inside(value)}{',' if len(value) == 1 else ''})"
         case dict():
             return f"{{{', '.join(f'{expression(k, known)}: {expression(v, known)}' for k, v in value.items())}}}"

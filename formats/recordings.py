@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass
 from types import MappingProxyType
 from typing import NamedTuple
 
-from .scenes import OWN_FIELDS, Scene, in_json, json_value
+from .scenes import OWN_FIELDS, Scene, in_json, json_value, portable
 
 SCHEMA = "scenic-ref/simulation/1"
 
@@ -23,6 +23,10 @@ class Body(NamedTuple):
     class_name: str
     properties: Mapping[str, object]
 
+    def __reduce__(self) -> tuple[Callable[..., Body], tuple[object, ...]]:
+        """For `pickle`; see `SceneObject.__reduce__`."""
+        return Body, (self.id, self.class_name, portable(dict(self.properties)))
+
 
 class Moment(NamedTuple):
     """A time step: the objects at its start, the actions taken in it, what happened, and which behavior each agent is in, on which line."""
@@ -32,6 +36,10 @@ class Moment(NamedTuple):
     actions: Mapping[int, tuple[object, ...]]
     events: tuple[str, ...]
     doing: Mapping[int, str] = MappingProxyType({})
+
+    def __reduce__(self) -> tuple[Callable[..., Moment], tuple[object, ...]]:
+        """For `pickle`."""
+        return Moment, (self.step, self.objects, dict(self.actions), self.events, dict(self.doing))
 
 
 class Simulated(NamedTuple):
@@ -47,6 +55,11 @@ class Simulated(NamedTuple):
     timestep: float
     created: tuple[Body, ...] = ()
     records: Mapping[str, tuple[tuple[int, object], ...]] = MappingProxyType({})
+
+    def __reduce__(self) -> tuple[Callable[..., Simulated], tuple[object, ...]]:
+        """For `pickle`; see `SceneObject.__reduce__`."""
+        records = {name: tuple((step, portable(value)) for step, value in values) for name, values in self.records.items()}
+        return Simulated, (*self[:-1], records)
 
 
 def to_json(run: Simulated, attempts: int) -> dict[str, object]:

@@ -37,6 +37,8 @@ from .dialects import having
 from .formulas import refuse_formulas
 from .tree_builder import BuilderBase, Parts, condition
 
+NOT_RECORDED = "leave the statement out: `scenic-ref simulate -o` writes what happens; or choose that dialect by --dialect"
+
 
 @dataclass(frozen=True, slots=True)
 class Guard:
@@ -171,7 +173,7 @@ class DynamicsBuilder(BuilderBase):
         return TerminateWhen(span=span, condition=condition(parts[0]), name=parts[1] or "")
 
     def make_terminate_simulation_when(self, span: Span, parts: Parts) -> TerminateWhen:
-        self.released("terminate simulation when", span, "write `terminate when ...`")
+        self.released("terminate simulation when", span, "write `terminate when ...`, without a name" if parts[1] else "write `terminate when ...`")
         return TerminateWhen(span=span, condition=condition(parts[0]), name=parts[1] or "", simulation=True)
 
     def make_terminate_after(self, span: Span, parts: Parts) -> TerminateAfter:
@@ -181,18 +183,18 @@ class DynamicsBuilder(BuilderBase):
     # -- Recording
 
     def make_record(self, span: Span, parts: Parts) -> Record:
-        self.released("record", span, "`scenic-ref simulate -o` writes what happens")
+        self.released("record", span, NOT_RECORDED)
         value, period, delay, name = parts
         if (period or delay) is not None and not self.dialect.explicit_new:
             raise ParseError(f"`every` and `after` belong to dialect {having('explicit_new')}", (period or delay).span)
         return Record(span=span, value=value, name=name or "", period=period, delay=delay)
 
     def make_record_initial(self, span: Span, parts: Parts) -> Record:
-        self.released("record initial", span, "`scenic-ref simulate -o` writes what happens")
+        self.released("record initial", span, NOT_RECORDED)
         return Record(span=span, value=parts[0], time="initial", name=parts[1] or "")
 
     def make_record_final(self, span: Span, parts: Parts) -> Record:
-        self.released("record final", span, "`scenic-ref simulate -o` writes what happens")
+        self.released("record final", span, NOT_RECORDED)
         return Record(span=span, value=parts[0], time="final", name=parts[1] or "")
 
     # -- Inside behaviors, monitors and compose blocks

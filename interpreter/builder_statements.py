@@ -260,6 +260,9 @@ class StatementBuilder(BuilderBase):
 
     def make_requirement_name(self, span: Span, parts: Parts) -> str:
         self.released("as", span, "leave out the name")
+        return self.make_released_name(span, parts)
+
+    def make_released_name(self, span: Span, parts: Parts) -> str:
         (word,) = parts
         return str(self.literal_name(word)) if word.type == "STRING" else str(word)
 

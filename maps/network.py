@@ -8,6 +8,7 @@ from functools import cached_property
 import shapely
 from shapely.geometry import LineString, Point
 
+from ..semantics.kernel.values import Special
 from ..semantics.space.absence import Absent
 from ..semantics.space.fields import Cell, VectorField
 from ..semantics.space.regions import Region, Workspace, everywhere, nowhere
@@ -72,6 +73,9 @@ class Network(Fixed):
     """Metres within which a point still counts as on an element, where it is on none."""
     warnings: tuple[str, ...]
     """What is strange in the file, a line each."""
+
+    fromFile = Special("Network.fromFile")
+    """In programs: the map of a file."""
 
     def __repr__(self) -> str:
         return f"<Network of {len(self.roads)} roads and {len(self.intersections)} intersections>"

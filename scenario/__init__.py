@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
+from .drawn import FEW, Backend
 from .loading import load, loads
-from .scenario import FEW, Backend, Scenario
+from .scenario import Scenario
 
 __all__ = ["FEW", "Backend", "Scenario", "load", "loads"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from ..formats.columns import JSON, NOTHING, TEXT, TypedColumn, length_of
 from ..formats.scenes import Scene
 from ..formats.tables import Columns, columns_of, together
 from ..inference.batch import Batch, Block
+from ..inference.batch.jobs.blocks import jobs
 from ..inference.batch.jobs.tables import table_of
 from ..interpreter.extras import needed
 from ..semantics.kernel.errors import UsageError
@@ -21,7 +22,12 @@ if TYPE_CHECKING:
     import polars
     import pyarrow
 
-Told = Callable[[int], object]
+    from .scenario import Scenario
+
+Backend = Literal["auto", "interpreter", "batch"]
+FEW = 10
+"""For fewer scenes than this a graph is not worth its time."""
+ToldScenes = Callable[[int], object]
 """Is told how many scenes there are so far."""
 AT_ONCE = 1000
 """How many scenes of the interpreter become columns together."""
@@ -33,7 +39,7 @@ class Drawn(Iterator[Scene]):
     Raises, where they are drawn, the program's errors and `AttemptsExhausted`.
     """
 
-    def __init__(self, count: int, scenes: Iterator[Scene], blocks: tuple[Batch, int, Iterator[Block]] | None, tell: Told) -> None:
+    def __init__(self, count: int, scenes: Iterator[Scene], blocks: tuple[Batch, int, Iterator[Block]] | None, tell: ToldScenes) -> None:
         self._count = count
         self._scenes = scenes if blocks is None else _scenes_in(*blocks)
         self._blocks = blocks
@@ -108,6 +114,17 @@ class Drawn(Iterator[Scene]):
             yield columns_of(waiting)
 
 
+def drawn(scenario: Scenario, n: int, seed: int, start: int, max_attempts: int, backend: Backend, tell: ToldScenes) -> Drawn:
+    """What `Scenario.sample_many` returns. Raises as it does."""
+    if backend not in ("auto", "interpreter", "batch"):
+        raise UsageError(f"there is no backend {backend}", hint="the backends are auto, interpreter and batch")
+    many = backend == "batch" or (backend == "auto" and n >= FEW)
+    if many and scenario.impossible is not None:
+        raise scenario.impossible
+    blocks = (scenario.batch, seed, jobs(scenario.batch, n, seed, start, max_attempts)) if many and scenario.batch is not None else None
+    return Drawn(n, (scenario.sample(seed, index, max_attempts=max_attempts) for index in range(start, start + n)), blocks, tell)
+
+
 def _scenes_in(batch: Batch, seed: int, blocks: Iterator[Block]) -> Iterator[Scene]:
     for block in blocks:
         yield from batch.scenes_of(block, seed)
@@ -145,7 +162,7 @@ def series_of(column: TypedColumn) -> Any:
     return found
 
 
-def progress_of(progress: bool | Told, count: int) -> Told:
+def progress_of(progress: bool | ToldScenes, count: int) -> ToldScenes:
     """What is told of the progress: True shows a bar on standard error. Raises `UsageError` for what is neither."""
     if callable(progress):
         return progress

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from copy import copy
-from dataclasses import is_dataclass
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
-from ..formats.recorded import Recording, recording_of
+from ..formats.recorded import Recording
 from ..formats.recordings import Simulated
 from ..formats.scenes import Scene, scene_of
 from ..inference.batch import Batch, Block, Impossible, NotLifted
@@ -25,7 +24,7 @@ from ..inference.inferred import Inferred
 from ..inference.mcmc import draw_mcmc
 from ..inference.pruning import TECHNIQUES, Finding, Pruning, prune
 from ..inference.rejection import DEFAULT_ATTEMPTS, Sampled, exhausted, sample
-from ..inference.simulation import SampledRun, accepted, sample_simulation
+from ..inference.simulation import SampledRun, sample_simulation
 from ..inference.sites.target import Target
 from ..inference.smc import draw_smc
 from ..inference.statistics.columns import FeatureTable, features_table
@@ -41,28 +40,22 @@ from ..semantics.programs import initial, make_settings
 from ..semantics.readings import select
 from ..semantics.syntax import Program
 from ..simulators import by_name
-from ..simulators.actions import ACTIONS
 from ..simulators.protocol import Simulator
-from ..simulators.replays import replay_once
 from ..simulators.simulating import Failed
 from ..simulators.worlds import WORLDS, driving
 from .checking import check_whole
 from .conditioning import conditioned
 from .constants import constants_of, facts_of
-from .drawn import Drawn, Told, progress_of
+from .drawn import Backend, Drawn, ToldScenes, drawn, progress_of
 from .for_pyro import pyro_for
 from .pickling import Condition, Portable
+from .simulating import SimulationRange, Told, replayed, simulate_many
 
 if TYPE_CHECKING:
     import numpy as np
 
     from ..inference.batch.tensors.margins import Margins
     from ..inference.with_pyro import NumberModel, SceneKernel
-
-Backend = Literal["auto", "interpreter", "batch"]
-FEW = 10
-"""For fewer scenes than this a graph is not worth its time."""
-
 
 class Scenario(Portable):
     """A loaded program.
@@ -202,21 +195,27 @@ class Scenario(Portable):
             retry=self.readings["rejected-simulation"] == "retry", on_attempt=on_attempt, on_failed=on_failed, witnessed=witnessed,
         )  # fmt: skip
 
+    def simulate_many(
+        self, n: int, *, simulator: str | Simulator = "still", steps: int = 100, seed: int = 0, start: int = 0, timestep: float | None = None,
+        max_attempts: int = DEFAULT_ATTEMPTS, workers: int = 1, progress: Told | None = None,
+    ) -> Iterator[SampledRun]:  # fmt: skip
+        """Simulations `start` to `start + n - 1` of `seed`, in order: those of `simulate`, and of `scenic-ref simulate -n`, whoever runs them.
+
+        `workers` processes run them (a script needs `if __name__ == "__main__":` then), each with a simulator of its own, which is given by its
+        name. `progress(simulations, attempts)` is told how many there are so far. Errors are raised where one process would raise them.
+        """
+        check_whole(("n", n, 0), ("steps", steps, 0), ("seed", seed, None), ("start", start, 0))
+        check_whole(("max_attempts", max_attempts, 1), ("workers", workers, 1))
+        self.rehearse()
+        return simulate_many(self, SimulationRange(start, start + n, seed, steps, timestep, max_attempts), simulator, workers, progress)
+
     def replay(self, record: Mapping[str, object] | Recording, simulator: str | Simulator = "still", *, timestep: float | None = None) -> Simulated:
         """A simulation whose actions are those of `record`, a line of the simulation format as JSON; its time step is the recorded one by default.
 
         Raises `UsageError` if the record is not one of this program, or if its actions cannot be taken, `AttemptsExhausted` if it is rejected.
         """
         self.rehearse()
-        recording = record if isinstance(record, Recording) else recording_of(record)
-        found = by_name(simulator, recording.timestep if timestep is None else timestep) if isinstance(simulator, str) else simulator
-        return accepted(replay_once(self.start(), recording, found, self.action_classes, fuel=self.fuel))
-
-    @property
-    def action_classes(self) -> dict[str, type]:
-        """The classes of actions by name: ours, and the dataclasses of the Python modules that the program imports."""
-        modules = [m for m in self.settings.library.values() if isinstance(m, Mapping)]
-        return {v.__name__: v for m in modules for v in m.values() if isinstance(v, type) and is_dataclass(v)} | ACTIONS
+        return replayed(self, record, simulator, timestep)
 
     def enumerate_simulations(
         self, simulator: str | Simulator = "still", steps: int = 10, *, timestep: float | None = None, max_runs: int = DEFAULT_RUNS
@@ -310,8 +309,9 @@ class Scenario(Portable):
         return self._lifted if isinstance(self._lifted, str) else None
 
     def sample_many(
-        self, n: int, seed: int = 0, *, start: int = 0, max_attempts: int = DEFAULT_ATTEMPTS, backend: Backend = "auto", progress: bool | Told = False
-    ) -> Drawn:
+        self, n: int, seed: int = 0, *, start: int = 0, max_attempts: int = DEFAULT_ATTEMPTS, backend: Backend = "auto",
+        progress: bool | ToldScenes = False,
+    ) -> Drawn:  # fmt: skip
         """Scenes `start` to `start + n - 1` of `seed`, one after the other or as columns: the same ones whatever the backend.
 
         "batch" draws many at a time if the program can be made a graph (else `not_lifted` says why); "auto" does so for
@@ -319,13 +319,7 @@ class Scenario(Portable):
         `progress` shows a bar, or is called with the number of scenes so far. Raises `UsageError` for other backends.
         """
         check_whole(("n", n, 0), ("seed", seed, None), ("start", start, 0), ("max_attempts", max_attempts, 1))
-        if backend not in ("auto", "interpreter", "batch"):
-            raise UsageError(f"there is no backend {backend}", hint="the backends are auto, interpreter and batch")
-        many = backend == "batch" or (backend == "auto" and n >= FEW)
-        if many and self.impossible is not None:
-            raise self.impossible
-        blocks = (self.batch, seed, jobs(self.batch, n, seed, start, max_attempts)) if many and self.batch is not None else None
-        return Drawn(n, (self.sample(seed, index, max_attempts=max_attempts) for index in range(start, start + n)), blocks, progress_of(progress, n))
+        return drawn(self, n, seed, start, max_attempts, backend, progress_of(progress, n))
 
     def sample_columns(self, n: int, seed: int = 0, *, max_attempts: int = DEFAULT_ATTEMPTS) -> dict[str, np.ndarray]:
         """The objects of `n` scenes as NumPy arrays, one object in each row: `sample_many(n, seed).columns()`."""

@@ -25,24 +25,29 @@ Value = bool | int | float
 
 @dataclass(frozen=True)
 class MapParameter:
-    """A parameter: its default, whose type it has, the least and the largest value of a number, and what it is."""
+    """A parameter: its default, whose type it has, what it is, and of a number the least and the largest value."""
 
     default: Value
     about: str
-    least: float = -math.inf
-    most: float = math.inf
+    least: float = 0.0
+    most: float = 0.0
+
+    @property
+    def values(self) -> str:
+        """Which values it may have, in words."""
+        if isinstance(self.default, bool):
+            return "True or False"
+        return f"{'a whole number' if isinstance(self.default, int) else 'a number'} from {self.least:g} to {self.most:g}"
 
     def checked(self, name: str, value: object) -> Value:
         """The value. Raises `ValueError` if it is none of this parameter."""
         if isinstance(self.default, bool):
             if not isinstance(value, bool):
-                raise ValueError(f"{name} must be True or False, not {value!r}")
+                raise ValueError(f"{name} must be {self.values}, not {value!r}")
             return value
-        wanted = "a whole number" if isinstance(self.default, int) else "a number"
-        if isinstance(value, bool) or not isinstance(value, int if isinstance(self.default, int) else (int, float)):
-            raise ValueError(f"{name} must be {wanted}, not {value!r}")
-        if not (math.isfinite(value) and self.least <= value <= self.most):
-            raise ValueError(f"{name} must be {wanted} from {self.least:g} to {self.most:g}, not {value!r}")
+        kinds = int if isinstance(self.default, int) else (int, float)
+        if isinstance(value, bool) or not isinstance(value, kinds) or not (math.isfinite(value) and self.least <= value <= self.most):
+            raise ValueError(f"{name} must be {self.values}, not {value!r}")
         return type(self.default)(value)
 
 

@@ -186,7 +186,7 @@ def may_ask(value: object, name: str) -> bool:
 
 def names_in(value: object) -> set[str]:
     """The names for which a program may ask a value that is no class, but for those of Python's protocols; for suggestions."""
-    found = set(getattr(value, "__dict__", ())) if is_user_made(value) else set()
+    found: set[str] = set(getattr(value, "__dict__", ())) if is_user_made(value) else set()
     for class_ in type(value).__mro__:
         found.update(class_.__dict__ if MARK in class_.__dict__ else of_class(class_, ""))
     return {name for name in found if not name.startswith("_")}

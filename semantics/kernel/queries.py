@@ -12,7 +12,7 @@ from .errors import RunError
 from .kinds import Reader, kind_name
 from .outcome import Outcome
 from .scenic_classes import ScenicClass
-from .values import Instance, plain
+from .values import Instance, Module, plain
 
 if TYPE_CHECKING:
     from ..syntax.nodes import Node
@@ -45,6 +45,9 @@ class Closest:
 
 CLOCK = ("currentTime", "currentRealTime", "timestep", "objects")
 """What a simulation may be asked for."""
+CONTROLLERS = "scenic.domains.driving.controllers"
+"""The module of the driving library whose functions of the names below `simulation` has as well, where a program has imported it."""
+OF_CONTROLLERS = ("getLaneFollowingControllers", "getTurningControllers", "getLaneChangingControllers")
 
 
 def check_running(node: Node, state: State) -> Simulation:
@@ -57,10 +60,16 @@ def check_running(node: Node, state: State) -> Simulation:
 def attribute_of_clock(name: str, node: Node, state: State) -> object:
     """`simulation.currentTime`: in seconds, or in steps (reading `time-unit`).
 
-    Of the released implementations: `currentRealTime` and `timestep`, in seconds, and `objects`, those that there are by now.
+    Of the released implementations: `currentRealTime` and `timestep`, in seconds, and `objects`, those that there are by now; on roads
+    `getLaneFollowingControllers(agent)` and its kin.
     """
+    driving = state.modules.get(CONTROLLERS)
+    if name in OF_CONTROLLERS and isinstance(driving, Module):
+        check_running(node, state)
+        return driving.scope.bindings[name]
     if name not in CLOCK:
-        raise RunError(f"`simulation` has no {name}", node.span, rule="E-Attribute", hint=f"it has {', '.join(CLOCK)}")
+        where = "; those of roads come with `model scenic.domains.driving.model`" if name in OF_CONTROLLERS else ""
+        raise RunError(f"`simulation` has no {name}", node.span, rule="E-Attribute", hint=f"it has {', '.join(CLOCK)}{where}")
     simulation = check_running(node, state)
     if name == "objects":
         return state.scene

@@ -82,6 +82,26 @@ def local_path(node: Node, arguments: Arguments, keywords: Keywords, stack: Stac
     return returned(node, path if path.startswith("/") else folder + slash + path, stack, state)
 
 
+MAPS = "scenic.domains.driving.roads", "_maps"
+"""A module of the driving library, and the name in it of the maps that were read before the program runs (or why not), by the texts for them."""
+WITHOUT_EFFECT = frozenset({"useCache", "writeCache", "ref_points"})
+"""Parameters of the released `fromFile` that change nothing here: maps are kept while they are in use, and curves are exact."""
+
+
+def network_from_file(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
+    """`Network.fromFile(P, ...)` of the driving library: the map of the file P, which was read before, since the machine reads no files."""
+    other = next((name for name in keywords if name not in WITHOUT_EFFECT), None)
+    if other is not None or not arguments:
+        raise HostException(TypeError(f"Network.fromFile has no {other} in this reference" if arguments else "Network.fromFile() takes a path"))
+    module, path = state.settings.library.get(MAPS[0]), plain(arguments[0])
+    maps = module.get(MAPS[1]) if isinstance(module, Mapping) else None
+    found = maps.get(path) if isinstance(maps, Mapping) and isinstance(path, str) else None
+    if found is None or isinstance(found, str):
+        ways = "a text, localPath(a text), or globalParameters.map"
+        raise HostException(ValueError(found or f"Network.fromFile reads what the main program names by {ways}: maps are read before it runs"))
+    return returned(node, found, stack, state)
+
+
 def isinstance_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
     """`isinstance(v, C)` for Scenic and Python classes, or a tuple of them."""
     if len(arguments) != 2:
@@ -327,6 +347,7 @@ SPECIALS: Mapping[str, Rule] = {
     "print": print_rule,
     "verbosePrint": verbose_print,
     "localPath": local_path,
+    "Network.fromFile": network_from_file,
     "isinstance": isinstance_rule,
     "issubclass": issubclass_rule,
     "type": type_rule,
@@ -337,7 +358,7 @@ SPECIALS: Mapping[str, Rule] = {
     "super": super_rule,
 }
 
-SPECIAL_VALUES: Mapping[str, Special] = {name: Special(name) for name in SPECIALS}
+SPECIAL_VALUES: Mapping[str, Special] = {name: Special(name) for name in SPECIALS if name.isidentifier()}
 
 HOST_RULES: Mapping[Callable[..., object], Rule] = {
     **{builtin: structural(builtin) for builtin in STRUCTURAL}, str: str_rule, **ELEMENTWISE,

@@ -39,7 +39,7 @@ CORE = {
 }
 """What the language has, under the names of the released implementations' modules."""
 
-SIMULATORS = {"newtonian": "NewtonianSimulator", "webots": "WebotsSimulator"}
+SIMULATORS = {"newtonian": "NewtonianSimulator", "webots": "WebotsSimulator", "carla": "CarlaSimulator", "lgsvl": "LGSVLSimulator"}
 """Simulators of the released implementations that `simulator` may name, by their modules."""
 
 
@@ -53,6 +53,8 @@ WORLDS: Mapping[str, Callable[[], str | Mapping[str, object]]] = {
     "scenic.simulators.gta.model": lambda: _text("gta/model.scenic"),
     "scenic.simulators.gta.map": gta_map,
     **driving.FIXED,
+    "scenic.simulators.utils.colors": lambda: _text("driving/colors.scenic"),
+    "scenic.simulators.utils.rgb": lambda: {"RGB": data.RGB, "COLOR_WEIGHTS": data.COLOR_WEIGHTS},
     "gtaLib": lambda: "from scenic.simulators.gta.model import *\n",
     "scenic.simulators.newtonian.model": lambda: "",  # it has no classes or regions of its own
     **{f"scenic.core.{module}": lambda names=names: {name: OF_RELEASES[name] for name in names.split()} for module, names in CORE.items()},

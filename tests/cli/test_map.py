@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
+from scenic_ref.maps.making import KINDS
 
 
 def test_a_map_is_made_and_told_about(ask, tmp_path: Path) -> None:
@@ -26,6 +28,27 @@ def test_without_a_file_the_parameters_are_listed(ask) -> None:
     assert told.code == 0
     assert told.out.splitlines()[0] == "t: one junction of a street from West to East and one from the South"
     assert any(line.split()[:2] == ["radius", "6.0"] for line in told.out.splitlines())
+
+
+LISTED = re.compile(r"(\w+) +(\S+) +(True or False|a whole number from (\S+) to (\S+)|a number from (\S+) to (\S+))  ")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_limits_that_are_listed_are_those_that_hold(ask, kind: str) -> None:
+    """Both ends of each range are legal values of their own, what is beyond them is refused with the same words, and so is another type."""
+    rows = ask("map", "--make", kind).out.splitlines()[3:]
+    assert len(rows) == len(KINDS[kind].parameters)
+    for row in rows:
+        name, default, values, *ends = LISTED.match(row).groups()  # type: ignore[union-attr]
+        parameter = KINDS[kind].parameters[name]
+        assert str(parameter.default) == default
+        least, most = (float(end) for end in ends if end) if any(ends) else (None, None)
+        wrong = ["yes"] if least is None else [least - 1, most + 1, "many"] if "whole" not in values else [int(least) - 1, 2 * int(most), 1.5]
+        for value in wrong:
+            told = ask("map", "--make", kind, "-p", f"{name}={value}", "-")
+            assert told.code == 2 and f"{name} must be {values}, not {value!r}" in told.err
+        for value in (True, False) if least is None else (parameter.least, parameter.most):
+            assert parameter.checked(name, type(parameter.default)(value)) == value
 
 
 @pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
@@ -56,7 +79,7 @@ def test_faults_are_found(ask, tmp_path: Path) -> None:
         (["map", "ok.scenic"], "ok.scenic is no usable OpenDRIVE map: line 1: it is no XML"),
         (["map", "none.xodr"], "the map none.xodr cannot be read: No such file or directory"),
         (["map", "--make", "blob"], "there is no kind of map 'blob': there are grid, crossing, t, roundabout, highway, suburb"),
-        (["map", "--make", "t", "-p", "lanes=many", "x.xodr"], "lanes must be a whole number, not 'many'"),
+        (["map", "--make", "t", "-p", "lanes=many", "x.xodr"], "lanes must be a whole number from 1 to 4, not 'many'"),
         (["map", "--make", "t", "-p", "lane=1", "x.xodr"], "maps of the kind t have no parameter 'lane'"),
         (["map", "ok.scenic", "-p", "lanes=1"], "-p gives parameters of --make"),
         (["map", "--make", "t", "x.xodr", "--plot", "x.gif"], "--plot x.gif: pictures are written as .png, .pdf or .svg"),

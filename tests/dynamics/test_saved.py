@@ -97,6 +97,35 @@ def test_courses_from_one_saved_state_do_not_meet():
     assert seen[0][3] == seen[1][3] == first.actions[0][3]
 
 
+def test_classes_of_the_program_are_saved_with_what_their_instances_remember():
+    """A controller, whose class knows itself and has a property, goes on with the errors that it was told before; and so it does again."""
+    text = """from scenic.domains.driving.controllers import *
+class Twice(PIDLongitudinalController):
+    def run_step(self, error):
+        return [super(Twice, self).run_step(error), isinstance(self, Twice), self.told]
+    @property
+    def told(self):
+        return len(self.errors)
+one = Twice(0.02, 0.01, 0.05, 0.5)
+behavior Ask():
+    for error in (1.0, 2.0, 0.5):
+        take one.run_step(error)
+ego = Object with behavior Ask
+"""
+    scenario = scenic_ref.loads(text)
+    whole = [moment.actions.get(0) for moment in scenario.simulate("still", 3).simulation.moments]
+    generated, _ = drive(scenario.start(), from_stream(0, 0, 0))
+    assert isinstance(generated, Done)
+    first, _ = drive(policy(begin(generated.state, 1.0)), from_stream(0, 0, 0))
+    assert isinstance(first, Act)
+    middle = save(after_one_step(first.state))
+    for _again in range(2):
+        outcome, _ = drive(policy(resume(middle)), from_stream(0, 0, 0))
+        assert isinstance(outcome, Act)
+        assert outcome.actions[0] == whole[1]
+    assert whole[1][1:] == (True, 2)  # type: ignore[index]
+
+
 def test_what_cannot_be_saved_is_told():
     scenario = scenic_ref.loads("import threading\nego = Object at (0, 0), with lock threading.Lock()", trust=True)
     generated, _ = drive(scenario.start(), from_stream(0, 0, 0))

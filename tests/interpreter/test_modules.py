@@ -170,7 +170,7 @@ def test_a_program_from_a_text_has_a_name_and_no_file():
 
 @pytest.mark.parametrize(
     "text",
-    ["from scenic.domains.driving.controllers import PIDLateralController", "import scenic.syntax.veneer", "model scenic.simulators.carla.model"],
+    ["from scenic.domains.driving.workspace import DrivingWorkspace", "import scenic.syntax.veneer", "model scenic.simulators.webots.model"],
 )
 def test_a_module_of_the_releases_that_is_not_here_is_named(tmp_path, text):
     with pytest.raises(UncaughtException) as found:
@@ -193,7 +193,7 @@ def test_a_simulator_can_be_imported_and_named_and_not_called(module: str) -> No
 
 
 WHY_OUTSIDE = {
-    "scenic.simulators.carla.model": "write `model scenic.domains.driving.model`",
+    "scenic.simulators.carla.sensors": "write `model scenic.domains.driving.model`",
     "scenic.simulators.webots.model": "a simulator that",
     "scenic.core.geometry": "a part of theirs",
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from scenic_ref.interpreter.builder_dynamics import NOT_RECORDED
 from scenic_ref.interpreter.parser import parse
 from scenic_ref.scenario import loads
 from scenic_ref.semantics.kernel.errors import ParseError, ProgramError, UsageError
@@ -27,7 +28,7 @@ MISTAKES: dict[str, tuple[int, int, str, str]] = {
     "if x:\n\ty = 3\n        z = 4": (3, 1, "tabs and spaces are mixed in the indentation", "indent with spaces only"),
     'x = "abc': (1, 5, "this string is not terminated", "end it with the quotation mark it began with"),
     "terminate after 5 seconds": (1, 1, "`terminate after` belongs to dialects scenic-2.1 and scenic-3", "write `terminate when ...`"),
-    "record ego.speed": (1, 1, "`record` belongs to dialects scenic-2.1 and scenic-3", "`scenic-ref simulate -o` writes what happens"),
+    "record ego.speed": (1, 1, "`record` belongs to dialects scenic-2.1 and scenic-3", NOT_RECORDED),
     "require 0.5 x > 3": (1, 13, "the probability of a soft requirement stands in brackets", "write `require[0.5] ...`"),
     "mutate x, by 2": (1, 14, "there is no comma before `by`", "remove the comma"),
     "param x: 3": (1, 7, "a parameter is set with `=`", "write `param name = value`"),
@@ -85,6 +86,29 @@ def test_mistake_is_explained_with_its_place_and_one_repair(text: str) -> None:
     assert (error.span.line, error.span.column, error.message, error.hint) == MISTAKES[text]
     assert error.span.file == "f"
     assert len(error.expected) <= 8
+
+
+NAMED = {
+    "record ego.speed as v": ("", NOT_RECORDED, "record"),
+    "record initial ego.speed as v": ("", NOT_RECORDED, "record initial"),
+    "record final ego.speed as 'v'": ("", NOT_RECORDED, "record final"),
+    "require monitor M() as m": ("", "leave it out: a monitor runs as soon as it is defined", "require monitor"),
+    "require b as c": ("require b", "leave out the name", "as"),
+    "terminate when b as c": ("terminate when b", "leave out the name", "as"),
+    "terminate simulation when b as c": ("terminate when b", "write `terminate when ...`, without a name", "terminate simulation when"),
+}
+"""Statements of the releases with a name, what is left if one does what the hint says, the hint, and what belongs to the releases."""
+
+
+@pytest.mark.parametrize("text", NAMED)
+def test_who_follows_the_hint_about_a_statement_with_a_name_meets_no_other_error(text: str) -> None:
+    followed, hint, construct = NAMED[text]
+    with pytest.raises(ParseError) as caught:
+        parse(text, "f")
+    assert caught.value.hint == hint
+    assert caught.value.message.startswith(f"`{construct}` belongs to dialect")
+    parse(followed, "f")
+    parse(text, "f", "scenic-3")  # "or choose that dialect"
 
 
 ODD = ["\x01", "x = \u2028", "\ud800", "x = \U0001f600", "é = 1\nx = ﬁ + ?", "\\", "x \\ y", "(", "'", "f'{'", "#", "@", "param '\\x' = 3"]

@@ -2,30 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Container, Mapping
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
 
 from ....maps import elements, intersections, network, paths, signals
 from ....maps.network import Network
-from ....maps.reading import made_map, read_map
-from ....semantics.kernel.errors import ImportRefused, ScenicError
+from ....maps.reading import made_map
+from ....semantics.kernel.errors import ImportRefused
+from ....semantics.python.specials import MAPS
 from ....semantics.syntax import Program
-from ....semantics.syntax.python_expressions import Call, Constant, Name
 from ....semantics.syntax.statements import Param
 from ...actions import ACTIONS
+from .named_maps import maps_of, read, text_and_path
 
 MAP = "scenic.domains.driving.map"
 """The module that gives `network`, the map of the program."""
-ROADS = (
+OF_ROADS = (
     "Network", "NetworkElement", "LinearElement", "Road", "LaneGroup", "Lane", "RoadSection", "LaneSection", "Sidewalk", "PedestrianCrossing",
     "Shoulder", "Intersection", "Signal", "Maneuver", "ManeuverType", "VehicleType",
 )  # fmt: skip
 """What the module `roads` gives."""
 PARTS = (elements, intersections, network, signals)
 """Where it has them from."""
-
+FIXED_ROADS = {name: found for module in PARTS for name, found in vars(module).items() if name in OF_ROADS}
+SAME = "from scenic.domains.driving.model import *\n"
+"""A model that has no more than the driving library."""
 
 DEFAULT = {
     "block": 120.0, "leg": 80.0, "sidewalks": True, "shoulders": True, "shoulder_width": 2.5, "signals": True, "crosswalks": True
@@ -45,54 +48,59 @@ def default_network() -> Network:
     return made_map("grid", **DEFAULT)
 
 
-def map_module(path: Path) -> Mapping[str, object] | Exception:
-    """The namespace of `MAP` for a file, or why it cannot be had."""
-    if path.suffix.lower() != ".xodr":
-        return ImportRefused(f"the map of a program is an OpenDRIVE file (.xodr), not {path.name}")
-    try:
-        return {"network": read_map(path)}
-    except ScenicError as problem:
-        return ImportRefused(problem.message)
-
-
-def map_of(program: Program, params: Mapping[str, object], directory: Path | None) -> Path | Exception | None:
-    """The file that the global parameter `map` names, before the program runs; None if nothing does, and the default map is meant."""
+def map_of(program: Program, params: Mapping[str, object], directory: Path | None) -> tuple[str, Path] | Exception | None:
+    """The global parameter `map` and the file that it names, before the program runs; None if there is none, and the default map is meant."""
     given = params.get("map")
     if given is not None:
-        return Path(given) if isinstance(given, str) else ImportRefused(f"the parameter map must be the path of a file, not {given!r}")
+        return (given, Path(given)) if isinstance(given, str) else ImportRefused(f"the parameter map must be the path of a file, not {given!r}")
     for statement in reversed(program.statements):
         for one in statement.assignments if isinstance(statement, Param) else ():
-            if one.name != "map":
-                continue
-            match one.value:
-                case Constant(value=str() as path):
-                    return Path(path)
-                case Call(function=Name(name="localPath"), arguments=(Constant(value=str() as path),), keywords=()):
-                    return (directory or Path()) / path
-                case _:
-                    return ImportRefused("the parameter map must be a text, or localPath(a text): the map is read before the program runs")
+            if one.name == "map":
+                refused = ImportRefused("the parameter map must be a text, or localPath(a text): the map is read before the program runs")
+                return text_and_path(one.value, directory) or refused
     return None
 
 
 def modules(program: Program, params: Mapping[str, object], directory: Path | None) -> Mapping[str, Callable[[], object]]:
-    """The modules that depend on the map of a program."""
+    """The modules that depend on the maps of a program."""
 
-    def found() -> object:
-        path = map_of(program, params, directory)
-        if path is None:
-            return {"network": default_network()}
-        return path if isinstance(path, Exception) else map_module(path)
+    def of_map() -> object:
+        named = map_of(program, params, directory)
+        found = default_network() if named is None else read(named[1]) if isinstance(named, tuple) else named
+        return found if isinstance(found, Exception) else {"network": found}
 
-    return {MAP: found}
+    def of_roads() -> object:
+        own = map_of(program, params, directory)
+        return {**FIXED_ROADS, MAPS[1]: maps_of(program, directory, [own] if isinstance(own, tuple) else [])}
+
+    return {MAP: of_map, MAPS[0]: of_roads}
 
 
 FIXED: Mapping[str, Callable[[], str | Mapping[str, object]]] = {
     "scenic.domains.driving.actions": lambda: ACTIONS,
-    "scenic.domains.driving.roads": lambda: {name: found for module in PARTS for name, found in vars(module).items() if name in ROADS},
+    MAPS[0]: lambda: FIXED_ROADS,
     "scenic.domains.driving.paths": lambda: {"Trajectory": paths.Trajectory},
+    "scenic.domains.driving.controllers": lambda: text("controllers"),
     "scenic.domains.driving.lights": lambda: text("lights"),
     "scenic.domains.driving.behaviors": lambda: text("behaviors"),
     "scenic.domains.driving.scenarios": lambda: text("scenarios"),
     "scenic.domains.driving.model": lambda: text("model"),
+    "scenic.domains.driving.missing": lambda: text("missing"),
+    "scenic.simulators.carla.model": lambda: text("carla"),
+    "scenic.simulators.lgsvl.model": lambda: text("lgsvl"),
+    **dict.fromkeys(("scenic.simulators.newtonian.driving_model", "scenic.simulators.metadrive.model"), lambda: SAME),
 }
 """The modules that do not depend on a map."""
+
+STAND_INS = {
+    "scenic.simulators.newtonian.driving_model": "the driving library; --simulator kinematic moves vehicles as the released simulator does",
+    "scenic.simulators.carla.model": "the driving library without CARLA: no shapes, sensors or weather, and boxes of fixed sizes",
+    "scenic.simulators.lgsvl.model": "the driving library without LGSVL",
+    "scenic.simulators.metadrive.model": "the driving library without MetaDrive",
+}
+"""What the models of other simulators are here."""
+
+
+def notes(modules: Container[str]) -> list[str]:
+    """What is to be known of the modules that a program may import."""
+    return [f"note: {name} stands for {what}" for name, what in STAND_INS.items() if name in modules]

@@ -4,7 +4,9 @@ import math
 from scenic.domains.driving.map import network
 from scenic.domains.driving.paths import Trajectory
 from scenic.domains.driving.roads import *
+from scenic.simulators.utils.colors import Color
 from scenic.domains.driving.actions import *
+from scenic.domains.driving.controllers import *
 from scenic.domains.driving.lights import *
 from scenic.domains.driving.behaviors import *
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +43,17 @@ MODELS = {
         CarModel("PATRIOT", 2.27, 5.11),
     )
 }
+
+
+class RGB(NamedTuple):
+    """A color: red, green and blue, reals in [0, 1]."""
+
+    r: float
+    g: float
+    b: float
+
+
+RGB.scenic_names = frozenset({"r", "g", "b"})  # type: ignore[attr-defined]  # a named tuple takes it for a field
 
 
 def byte_to_real(color: tuple[float, ...] | list[float]) -> tuple[float, ...]:
