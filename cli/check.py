@@ -84,6 +84,7 @@ def check(
     inconclusive (too few samples for --detect-tv).
     """
     from ..semantics.kernel.errors import UsageError
+    from .drawing import tell_notes
     from .session import escaped
 
     session = context.obj
@@ -97,7 +98,9 @@ def check(
         given = [f"--{name.replace('_', '-').replace('mapped', 'map')}" for name in options if is_given(context, name)]
         if given:
             raise UsageError(f"{given[0]} needs --samples", hint="scenic-ref check FILE --samples PATH")
-        source.load().rehearse()
+        scenario = source.load()
+        scenario.rehearse()
+        tell_notes(scenario)
         print("ok")
         return
     asked = Compared(samples, reference, alpha, detect_tv, tolerance, tuple(ignore or ()), dict(pairs(mapped, "--map", "A=B")), seed, workers)

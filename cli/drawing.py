@@ -27,7 +27,9 @@ from ..semantics.syntax.dynamics import MonitorDefinition, RequireAlways, Requir
 from ..semantics.syntax.nodes import Node, Span
 from ..semantics.syntax.python_expressions import Name
 from ..semantics.syntax.statements import SoftRequire
+from ..simulators.worlds.driving import notes
 from .options import Source
+from .session import escaped, tell
 
 if TYPE_CHECKING:
     from ..inference.batch import Block
@@ -158,6 +160,12 @@ class Drawing:
         except ScenicError:
             return ()
         return tuple(found.values())
+
+
+def tell_notes(scenario: Scenario) -> None:
+    """Tell what the program's model stands for, and what is strange about its map."""
+    for note in notes(scenario.settings.library):
+        tell(escaped(note))
 
 
 def listen(outcome: Outcome, printed: list[str]) -> None:

@@ -12,8 +12,7 @@ from ..inference.batch.jobs.blocks import Workers, cluster, processes
 from ..inference.batch.jobs.failures import FailedDraw
 from ..scenario import FEW
 from ..semantics.kernel.errors import ScenicError, UsageError
-from ..simulators.worlds.driving import notes
-from .drawing import Drawing, drawing_of
+from .drawing import Drawing, drawing_of, tell_notes
 from .files import LINES, PICTURES, check_ending, check_file, check_place
 from .options import Source
 from .outputs import Output, Resumed, open_output
@@ -204,8 +203,7 @@ def rehearse(drawing: Drawing) -> None:
         for text in printed:
             tell(text)
         raise
-    for note in notes(drawing.scenario.settings.library):
-        tell(note)
+    tell_notes(drawing.scenario)
 
 
 class Printing(Protocol):

@@ -90,3 +90,18 @@ def test_wrong_usage_is_said(ask, arguments: list[str], message: str) -> None:
     told = ask(*arguments)
     assert (told.code, told.out) == (2, "")
     assert message in told.err
+
+
+@pytest.mark.parametrize("command", ["run", "check", "simulate"])
+def test_what_is_strange_about_a_map_is_told_where_it_is_used(ask, tmp_path: Path, command: str) -> None:
+    road = (
+        '<road id="{id}" length="100" junction="-1"><planView><geometry s="0" x="{x}" y="{y}" hdg="{hdg}" length="100"><line/></geometry></planView>'
+        '<lanes><laneSection s="0"><right><lane id="-1" type="driving"><width sOffset="0" a="3.5" b="0" c="0" d="0"/></lane></right></laneSection>'
+        "</lanes></road>"
+    )
+    crossing = road.format(id=1, x=0, y=0, hdg=0) + road.format(id=2, x=50, y=-50, hdg=1.5707963267948966)
+    (tmp_path / "cross.xodr").write_text(f"<OpenDRIVE>{crossing}</OpenDRIVE>")
+    (tmp_path / "a.scenic").write_text("param map = localPath('cross.xodr')\nmodel scenic.domains.driving.model\nego = Car\n")
+    found = ask(command, tmp_path / "a.scenic", *(() if command == "check" else ("-o", tmp_path / "o.jsonl")))
+    assert found.code == 0
+    assert "note: the map has roads that overlap: road1 and road2 in 12.2 m²" in found.err

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Mapping
+from collections.abc import Callable, Mapping
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -99,8 +99,17 @@ STAND_INS = {
     "scenic.simulators.metadrive.model": "the driving library without MetaDrive",
 }
 """What the models of other simulators are here."""
+MOST_NOTES = 3
+"""So many notes about a map are told where it is used."""
 
 
-def notes(modules: Container[str]) -> list[str]:
-    """What is to be known of the modules that a program may import."""
-    return [f"note: {name} stands for {what}" for name, what in STAND_INS.items() if name in modules]
+def notes(library: Mapping[str, object]) -> list[str]:
+    """What is to be known of the modules that a program may import: what a model stands for, what is strange about the map."""
+    found = [f"note: {name} stands for {what}" for name, what in STAND_INS.items() if name in library]
+    roads = library.get(MAP)
+    network = roads.get("network") if isinstance(roads, Mapping) else None
+    if isinstance(network, Network) and network.warnings:
+        more = len(network.warnings) - MOST_NOTES
+        found += [f"note: the map has {line}" for line in network.warnings[:MOST_NOTES]]
+        found += [f"note: {more} more notes about the map: `scenic-ref map FILE` lists them"] if more > 0 else []
+    return found
