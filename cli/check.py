@@ -98,9 +98,9 @@ def check(
         given = [f"--{name.replace('_', '-').replace('mapped', 'map')}" for name in options if is_given(context, name)]
         if given:
             raise UsageError(f"{given[0]} needs --samples", hint="scenic-ref check FILE --samples PATH")
-        scenario = source.load()
-        scenario.rehearse()
-        tell_notes(scenario)
+        program = source.load()
+        program.rehearse()
+        tell_notes(program)
         print("ok")
         return
     asked = Compared(samples, reference, alpha, detect_tv, tolerance, tuple(ignore or ()), dict(pairs(mapped, "--map", "A=B")), seed, workers)
