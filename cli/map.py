@@ -97,7 +97,8 @@ def text_of(kind: str, given: list[str]) -> str:
     from ..semantics.kernel.errors import UsageError
     from .options import literal, pairs
 
-    values = {name: literal(value) for name, value in pairs(given, "--param", "NAME=VALUE")}
+    truths = {"true": True, "false": False}
+    values = {name: truths.get(value.lower(), literal(value)) for name, value in pairs(given, "--param", "NAME=VALUE")}
     try:
         return made(kind, **values)  # type: ignore[arg-type]  # it checks them
     except ValueError as problem:

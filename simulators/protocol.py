@@ -99,9 +99,12 @@ METHODS = ("create", "check", "step", "read", "destroy")
 
 def check_usable(simulator: Simulator) -> None:
     """Whether this is a simulator, and not something else. Raises `UsageError`."""
-    if isinstance(simulator, type) or not all(callable(getattr(simulator, name, None)) for name in METHODS):
-        found = f"the class {simulator.__name__}" if isinstance(simulator, type) else f"a {type(simulator).__name__}"
-        raise UsageError(f"a simulator must have the methods {', '.join(METHODS)}, but this is {found}", hint="give an instance of its class")
+    if isinstance(simulator, type):
+        raise UsageError(f"a simulator is an instance, but this is the class {simulator.__name__}", hint=f"give {simulator.__name__}(...)")
+    missing = [name for name in METHODS if not callable(getattr(simulator, name, None))]
+    if missing:
+        hint = f"a simulator must have the methods {', '.join(METHODS)}"
+        raise UsageError(f"a simulator is needed, but a {type(simulator).__name__} has no method {', '.join(missing)}", hint=hint)
     timestep = getattr(simulator, "timestep", None)
     if not isinstance(timestep, (int, float)) or isinstance(timestep, bool) or not 0 < timestep < math.inf:
         raise UsageError(f"the timestep of a simulator must be a positive number of seconds, not {timestep!r}")

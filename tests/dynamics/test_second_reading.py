@@ -178,7 +178,7 @@ def test_a_simulator_that_cannot_end_and_one_that_says_nonsense():
 
 
 @pytest.mark.parametrize(("arguments", "message"), [
-    ({"simulator": object()}, "a simulator must have the methods"), ({"simulator": Kinematic}, "the class Kinematic"), ({"steps": -1}, "at least 0"),
+    ({"simulator": object()}, "has no method create"), ({"simulator": Kinematic}, "the class Kinematic"), ({"steps": -1}, "at least 0"),
     ({"steps": 2.5}, "whole number"), ({"seed": "a"}, "whole number"), ({"index": -1}, "at least 0"),
     pytest.param({"simulator": "pymunk", "timestep": 1e9}, "at most 60 seconds", marks=pytest.mark.extra("dynamics")),
 ])  # fmt: skip
