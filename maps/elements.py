@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from shapely.geometry import MultiPolygon, Point, Polygon
 
+from ..semantics.kernel.sets import FrozenSet
 from ..semantics.space.absence import Absent
 from ..semantics.space.fields import VectorField
 from ..semantics.space.numeric import lifted
@@ -59,9 +60,9 @@ class NetworkElement(Fixed, PolygonalRegion):
     """Its id in the file."""
     network: Network
     polygon: Polygon | MultiPolygon
-    vehicleTypes: frozenset[VehicleType] = frozenset([VehicleType.CAR])
+    vehicleTypes: frozenset[VehicleType] = FrozenSet([VehicleType.CAR])
     speedLimit: float | None = None
-    tags: frozenset[str] = frozenset()
+    tags: frozenset[str] = FrozenSet()
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.uid}>"
@@ -364,7 +365,7 @@ class BikeLane(LinearElement):
     """A bike lane along a road."""
 
     road: Road
-    vehicleTypes = frozenset([VehicleType.BICYCLE])
+    vehicleTypes = FrozenSet([VehicleType.BICYCLE])
 
 
 class Shoulder(LinearElement):

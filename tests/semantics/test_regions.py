@@ -355,3 +355,10 @@ def test_boxes_are_tested_by_the_union_not_by_the_parts() -> None:
 def test_points_of_a_line_are_apart(distance: float) -> None:
     with pytest.raises(ValueError, match="cannot be"):
         PolylineRegion([(0, 0), (3, 0)]).pointsSeparatedBy(distance)
+
+
+def test_the_nearest_segment_of_a_line_is_the_first_of_several():
+    line = PolylineRegion([(0, 0), (10, 0), (10, 10)])
+    first, second = (Vector(0, 0), Vector(10, 0)), (Vector(10, 0), Vector(10, 10))
+    near = {(3, 1): first, (10, 0): first, (11, 5): second, (5, 5): first, (12, 12): second, (-1, -1): first}  # as in both releases
+    assert {point: line.nearestSegmentTo(point) for point in near} == near

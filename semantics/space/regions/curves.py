@@ -63,15 +63,19 @@ class PolylineRegion(Region):
     @lifted(float)
     def heading_at(self, v: Vector) -> float:
         """The heading of the line at its point nearest to `v`."""
-        nearest = self._tree.query_nearest(Point(v.x, v.y), all_matches=True)
-        start, end = self._all_segments[int(min(nearest))]
+        start, end = self.nearestSegmentTo(v)
         return angle_of(end - start)
+
+    def nearestSegmentTo(self, point: Vector | Sequence[float]) -> Segment:
+        """The two ends of the segment that is nearest, the first of several (of the released implementations)."""
+        nearest = self._tree.query_nearest(Point(*point), all_matches=True)
+        return self._all_segments[int(min(nearest))]
 
     @lifted(float)
     def signedDistanceTo(self, point: Vector | Sequence[float]) -> float:
         """The distance from the line to the point in metres, negative to the right of the nearest segment (of the released implementations)."""
         v = Vector(*point)
-        start, end = self._all_segments[int(min(self._tree.query_nearest(Point(v.x, v.y), all_matches=True)))]
+        start, end = self.nearestSegmentTo(v)
         along, off = end - start, v - start
         return self.distance_to(v) if along.x * off.y - along.y * off.x >= 0 else -self.distance_to(v)
 
