@@ -20,7 +20,7 @@ from ..kernel.scopes import MISSING, Scope
 from ..kernel.values import Module
 from ..syntax import Program
 from ..syntax import statements as s
-from ..syntax.nodes import Node
+from ..syntax.nodes import NOWHERE, Node
 from ..syntax.statements import Block
 from .control import block
 from .library import bound
@@ -206,6 +206,8 @@ def load(key: str, name: str, node: Node, stack: Stack, state: State) -> Outcome
     if found is MISSING or isinstance(found, ModuleNotFoundError):
         raise absent(name, found)
     if isinstance(found, Exception):
+        if isinstance(found, ImportRefused) and found.span != NOWHERE:  # the program says elsewhere what is refused
+            raise ImportRefused(found.message, found.span, rule="S-Import", hint=found.hint)
         raise ImportRefused(str(found), node.span, rule="S-Import", hint=getattr(found, "hint", ""))
     budget = state.settings.door.budget
     own = {member: bound(own_copy(value), budget) for member, value in found.items()} if isinstance(found, Mapping) else {}

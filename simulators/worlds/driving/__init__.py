@@ -13,6 +13,7 @@ from ....maps.reading import made_map
 from ....semantics.kernel.errors import ImportRefused
 from ....semantics.python.specials import MAPS
 from ....semantics.syntax import Program
+from ....semantics.syntax.nodes import NOWHERE, Span
 from ....semantics.syntax.statements import Param
 from ...actions import ACTIONS
 from .named_maps import maps_of, read, text_and_path
@@ -48,16 +49,18 @@ def default_network() -> Network:
     return made_map("grid", **DEFAULT)
 
 
-def map_of(program: Program, params: Mapping[str, object], directory: Path | None) -> tuple[str, Path] | Exception | None:
-    """The global parameter `map` and the file that it names, before the program runs; None if there is none, and the default map is meant."""
+def map_of(program: Program, params: Mapping[str, object], directory: Path | None) -> tuple[str, Path, Span] | Exception | None:
+    """The global parameter `map`, the file that it names, and where, before the program runs; None if there is none, and the default map is meant."""
     given = params.get("map")
     if given is not None:
-        return (given, Path(given)) if isinstance(given, str) else ImportRefused(f"the parameter map must be the path of a file, not {given!r}")
+        wrong = f"the parameter map must be the path of a file, not {given!r}"
+        return (given, Path(given), NOWHERE) if isinstance(given, str) else ImportRefused(wrong)
     for statement in reversed(program.statements):
         for one in statement.assignments if isinstance(statement, Param) else ():
             if one.name == "map":
-                refused = ImportRefused("the parameter map must be a text, or localPath(a text): the map is read before the program runs")
-                return text_and_path(one.value, directory) or refused
+                named = text_and_path(one.value, directory)
+                wrong = "the parameter map must be a text, or localPath(a text): the map is read before the program runs"
+                return (*named, one.value.span) if named is not None else ImportRefused(wrong, one.value.span)
     return None
 
 
@@ -66,12 +69,12 @@ def modules(program: Program, params: Mapping[str, object], directory: Path | No
 
     def of_map() -> object:
         named = map_of(program, params, directory)
-        found = default_network() if named is None else read(named[1]) if isinstance(named, tuple) else named
+        found = default_network() if named is None else read(*named[1:]) if isinstance(named, tuple) else named
         return found if isinstance(found, Exception) else {"network": found}
 
     def of_roads() -> object:
         own = map_of(program, params, directory)
-        return {**FIXED_ROADS, MAPS[1]: maps_of(program, directory, [own] if isinstance(own, tuple) else [])}
+        return {**FIXED_ROADS, MAPS[1]: maps_of(program, directory, [own[:2]] if isinstance(own, tuple) else [])}
 
     return {MAP: of_map, MAPS[0]: of_roads}
 

@@ -10,17 +10,18 @@ from ....maps.reading import read_map
 from ....semantics.kernel.errors import ImportRefused, ScenicError
 from ....semantics.kernel.scopes import descendants
 from ....semantics.syntax import Program
+from ....semantics.syntax.nodes import NOWHERE, Span
 from ....semantics.syntax.python_expressions import Attribute, Call, Constant, Name
 
 
-def read(path: Path) -> Network | Exception:
-    """The map of a file, or why it cannot be had."""
+def read(path: Path, span: Span = NOWHERE) -> Network | Exception:
+    """The map of a file, which the program names there, or why it cannot be had."""
     if path.suffix.lower() != ".xodr":
-        return ImportRefused(f"the map of a program is an OpenDRIVE file (.xodr), not {path.name}")
+        return ImportRefused(f"the map of a program is an OpenDRIVE file (.xodr), not {path.name}", span)
     try:
         return read_map(path)
     except ScenicError as problem:
-        return ImportRefused(problem.message)
+        return ImportRefused(problem.message, span)
 
 
 def text_and_path(node: object, directory: Path | None) -> tuple[str, Path] | None:
