@@ -6,7 +6,7 @@ A `Draw` asks for a value, and whoever runs the machine answers.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from .dynamics import actions, choices, declarations, frames, guards, initial, interrupts, invocations, overrides, policy, processes, scenarios
 from .kernel import conditions, draws, premises, queries, simulation
@@ -322,6 +322,8 @@ def carried(result: object, frame: object) -> object:
 
 def unwind(abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
     """Leave frames until one stops what left its block; an exception that none stops is the program's error."""
+    if abrupt.span.file.startswith(OF_LIBRARY) and abrupt.caller == NOWHERE:
+        abrupt = abrupt._replace(caller=caller_in(stack))
     while stack:
         frame, stack = stack
         rule = UNWIND.get(type(frame))
@@ -332,7 +334,22 @@ def unwind(abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
         return guards.at_top_level(abrupt)
     assert isinstance(exception, BaseException)
     text = f"{type(exception).__name__}: {said(exception)}".rstrip(": ")
-    return Fault(UncaughtException(text, abrupt.span, exception=exception, hint=notes(exception)))
+    caller = [f"the program called this on line {abrupt.caller.line} of {abrupt.caller.file}"] if abrupt.caller != NOWHERE else []
+    return Fault(UncaughtException(text, abrupt.span, exception=exception, hint="; ".join([*notes(exception), *caller])))
+
+
+OF_LIBRARY = "<scenic."
+"""The files of library modules begin so."""
+
+
+def caller_in(stack: Stack) -> Span:
+    """The innermost place of the program itself, below frames of library modules."""
+    while stack:
+        frame, stack = stack
+        node = getattr(frame, "node", None)
+        if isinstance(node, Node) and node.span.line > 0 and not node.span.file.startswith(OF_LIBRARY):
+            return node.span
+    return NOWHERE
 
 
 MOST_SAID = 1000
@@ -348,9 +365,9 @@ def said(exception: BaseException) -> str:
     return text if len(text) <= MOST_SAID else f"{text[:MOST_SAID]}..."
 
 
-def notes(exception: BaseException) -> str:
+def notes(exception: BaseException) -> Sequence[str]:
     """What was noted on an exception that nothing caught: a suggested repair."""
-    return "; ".join(getattr(exception, "__notes__", ()))
+    return getattr(exception, "__notes__", ())
 
 
 def place(config: Config) -> Span:

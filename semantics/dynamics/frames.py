@@ -15,11 +15,12 @@ BODY = -1
 
 
 class Invoked(NamedTuple):
-    """Frame of a behavior that runs: below it is whoever invoked it, in the scope `caller`."""
+    """Frame of a behavior that runs: below it is whoever invoked it by `node`, in the scope `caller`."""
 
     behavior: Dynamic
     scope: Scope
     caller: Scope
+    node: Node
 
 
 class Together(NamedTuple):

@@ -138,7 +138,7 @@ def enter_behavior(node: Node, behavior: Dynamic, scope: Scope, stack: Stack, st
     the one that invokes it.
     """
     body: s.Block = behavior.definition.body  # type: ignore[attr-defined]
-    frame = Invoked(behavior, scope, state.sigma)
+    frame = Invoked(behavior, scope, state.sigma, node)
     return Next("D-Do", Config(body_as_statement(body), (frame, stack), state._replace(sigma=scope, depth=state.depth + 1)), node)
 
 

@@ -131,13 +131,14 @@ PASS = Value(None)
 
 class Abrupt(NamedTuple):
     """A statement left its block: by `break`, `continue`, `return` (with a value), `abort`, `terminate`, or an exception (with the draw that
-    it depends on).
+    it depends on). `caller` is where the program called the library module in which an exception was raised.
     """
 
     kind: Literal["break", "continue", "return", "raise", "abort", "terminate"]
     value: object = None
     span: Span = NOWHERE
     origin: Origin | None = None
+    caller: Span = NOWHERE
 
 
 OBJECTS = State._fields.index("objects")
