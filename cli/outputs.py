@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 try:
     import fcntl
@@ -25,14 +25,11 @@ from ..semantics.kernel.errors import UsageError
 from .drawing import DrawnScene
 
 if TYPE_CHECKING:
-    from ..formats.tables import Columns
     from .portions import Form, Portion
 
 BINARY = getattr(os, "O_BINARY", 0)
 AT_ONCE = 1 << 16
 """Bytes of whole lines that are written at a time: as much as a pipe holds."""
-AT_MOST_KEPT = 1000
-"""How many scenes wait to become columns."""
 KNOWN = 32
 """For how many scenes of a resumed file the attempts are kept, for a picture of them."""
 
@@ -200,7 +197,6 @@ class ArrowPipe(Output):
         if sys.stdout.isatty():
             raise UsageError("a stream of Arrow is not shown on a terminal", hint="write it to a file or a pipe")
         self.stream = ArrowStream(sys.stdout.buffer)
-        self.scenes: list[dict[str, Any]] = []
 
     @property
     def form(self) -> Form:
@@ -209,29 +205,18 @@ class ArrowPipe(Output):
 
     def write(self, drawn: DrawnScene) -> None:
         """The objects of a scene, soon."""
-        self.scenes.append(json.loads(drawn.line))
-        if len(self.scenes) == AT_MOST_KEPT:
-            self._flush()
+        self._sent(self.stream.add, json.loads(drawn.line))
 
     def write_many(self, portion: Portion) -> None:
         """The objects of all scenes, soon."""
-        self._flush()
         if portion.columns is not None:
             self._sent(self.stream.add_columns, portion.columns)
 
     def finish(self) -> None:
         """What is left, and the end of the stream."""
-        self._flush()
         self._sent(self.stream.finish)
 
-    def _flush(self) -> None:
-        from ..formats.tables import columns_of
-
-        if self.scenes:
-            columns, self.scenes = columns_of(self.scenes), []
-            self._sent(self.stream.add_columns, columns)
-
-    def _sent(self, send: Callable[..., None], *what: Columns) -> None:
+    def _sent(self, send: Callable[..., None], *what: object) -> None:
         with uninterrupted():
             try:
                 send(*what)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from ..interpreter.extras import needed
@@ -89,6 +90,11 @@ class ArrowStream:
         self.groups = Groups()
         self.made: Arrow | None = None
         self.writer: Any = None
+
+    def add(self, scene: Mapping[str, Any]) -> None:
+        """The objects of a scene, given in the scene format."""
+        for group in self.groups.add_scene(scene):
+            self.write(group)
 
     def add_columns(self, columns: Columns) -> None:
         """The objects of further scenes."""

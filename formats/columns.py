@@ -6,13 +6,13 @@ The type of a column depends on the values in it only, not on the pieces in whic
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import reduce
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from .scenes import in_json
+from .scenes import SURROGATE, in_json
 
 NOTHING, BOOL, INT53, INT64, FLOAT, TEXT, JSON = "nothing", "bool", "int53", "int64", "float64", "text", "json"
 """The types but for lists of numbers: n of them are `vector(n)`. An `int53` is a float64 without loss, and joins numbers that are none."""
@@ -60,7 +60,7 @@ def kind_of(value: object) -> str:
         case float():
             return FLOAT
         case str():
-            return TEXT
+            return JSON if SURROGATE.search(value) else TEXT  # half a character can only be written as JSON escapes it
         case {"repr": str(name), **others} if name in NOT_FINITE and not others:
             return FLOAT
         case [_, *_] if all(kind_of(v) in (INT53, FLOAT) and not isinstance(v, dict) for v in value):
@@ -143,12 +143,11 @@ def dtype_of(kind: str) -> np.dtype[Any]:
 
 def constant(value: object, count: int) -> TypedColumn:
     """A value of the scene format in each row."""
-    return repeated(column_of([value]), count)
+    return taken(column_of([value]), np.zeros(count, dtype=np.int64))
 
 
-def repeated(column: TypedColumn, count: int) -> TypedColumn:
-    """One row, so many times."""
-    rows = np.zeros(count, dtype=np.int64)
+def taken(column: TypedColumn, rows: np.ndarray) -> TypedColumn:
+    """Some rows, any number of times."""
     return column._replace(values=column.values[rows], valid=None if column.valid is None else column.valid[rows])
 
 
@@ -181,33 +180,37 @@ def as_kind(column: TypedColumn, kind: str) -> TypedColumn:
         case "text":
             return column._replace(kind=JSON, texts=[in_json(text) for text in column.texts])
         case "int53" | "int64" | "float64":
-            values, codes = np.unique(column.values, return_inverse=True)
-            return TypedColumn(JSON, codes, [number_text(v) for v in values.tolist()], column.valid)
+            bits, codes = np.unique(column.values.view(np.int64), return_inverse=True)  # by their bits, since -0.0 equals 0.0
+            return TypedColumn(JSON, codes, [number_text(v) for v in bits.view(column.values.dtype).tolist()], column.valid)
         case _:
             return TypedColumn(JSON, np.arange(column.rows), [list_text(row) for row in column.values.tolist()], column.valid)
 
 
 def joined(columns: Sequence[TypedColumn]) -> TypedColumn:
     """The rows of some columns after those of others."""
-    if len(columns) == 1:
-        return columns[0]
-    kind = reduce(joint, (c.kind for c in columns))
-    same = [as_kind(c, kind) for c in columns]
-    values, texts = same_texts(same)
-    valid = None if all(c.valid is None for c in same) else np.concatenate([valid_in(c) for c in same])
-    return TypedColumn(kind, np.concatenate(values), texts, valid)
+    return put_together(columns, np.concatenate)
 
 
 def interleaved(columns: Sequence[TypedColumn]) -> TypedColumn:
     """The first row of each column, then the second of each, ..."""
+    return put_together(columns, in_turn)
+
+
+def in_turn(arrays: Sequence[np.ndarray]) -> np.ndarray:
+    """The first row of each array, then the second of each, ..."""
+    stacked = np.stack(arrays, axis=1)
+    return stacked.reshape(-1, *stacked.shape[2:])
+
+
+def put_together(columns: Sequence[TypedColumn], arrange: Callable[[Sequence[np.ndarray]], np.ndarray]) -> TypedColumn:
+    """The rows of all columns in the type of all, `arrange` saying in which order."""
     if len(columns) == 1:
         return columns[0]
     kind = reduce(joint, (c.kind for c in columns))
     same = [as_kind(c, kind) for c in columns]
     values, texts = same_texts(same)
-    valid = None if all(c.valid is None for c in same) else np.stack([valid_in(c) for c in same], axis=1).ravel()
-    stacked = np.stack(values, axis=1)
-    return TypedColumn(kind, stacked.reshape(-1, *stacked.shape[2:]), texts, valid)
+    valid = None if all(c.valid is None for c in same) else arrange([valid_in(c) for c in same])
+    return TypedColumn(kind, arrange(values), texts, valid)
 
 
 def same_texts(columns: Sequence[TypedColumn]) -> tuple[list[np.ndarray], Sequence[str]]:

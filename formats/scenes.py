@@ -35,7 +35,11 @@ SURROGATE = re.compile("[\ud800-\udfff]")
 
 def in_json(value: object, *, allow_nan: bool = False, indent: int | None = None) -> str:
     """The text of a value in JSON, which can always be written in UTF-8. Raises `ValueError` for numbers that JSON does not have, unless allowed."""
-    text = json.dumps(value, allow_nan=allow_nan, ensure_ascii=False, indent=indent)
+    return in_utf8(json.dumps(value, allow_nan=allow_nan, ensure_ascii=False, indent=indent))
+
+
+def in_utf8(text: str) -> str:
+    """A text that can be written in UTF-8: halves of characters are escaped, as JSON does it."""
     return SURROGATE.sub(lambda half: f"\\u{ord(half[0]):04x}", text)
 
 

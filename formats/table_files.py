@@ -22,10 +22,8 @@ from ..semantics.kernel.errors import UsageError
 from .arrow import Arrow, Kinds, arrow_for
 from .columns import BOOL, JSON, NOTHING, TEXT, TypedColumn, as_kind, dtype_of, in_first_order, joint, length_of, nothing, shown_kind, valid_in
 from .scenes import in_json
-from .tables import OWN, SCHEMA, Columns, Groups, columns_of, ordered, rows_in
+from .tables import OWN, SCHEMA, Columns, Groups, ordered, rows_in
 
-SCENES_AT_ONCE = 1000
-"""How many single scenes are kept before they become columns."""
 FEW = 256
 """A number of which the first group has so few values is written as a place among them."""
 
@@ -108,7 +106,6 @@ class TableFile(ABC):
     def __init__(self, path: Path) -> None:
         self.path = path
         self.unfinished = path.with_name(f".{path.name}.{os.getpid()}.unfinished")
-        self.scenes: list[Mapping[str, Any]] = []
         self.groups = Groups()
         if path.exists() and not os.access(path, os.W_OK):
             raise UsageError(f"{path} cannot be written: permission denied")
@@ -119,29 +116,20 @@ class TableFile(ABC):
 
     def add(self, scene: Mapping[str, Any]) -> None:
         """The objects of a scene, given in the scene format."""
-        self.scenes.append(scene)
-        if len(self.scenes) >= SCENES_AT_ONCE:
-            self._flush()
+        self._write(self.groups.add_scene(scene))
 
     def add_columns(self, columns: Columns) -> None:
         """The objects of further scenes."""
-        self._flush()
         self._write(self.groups.add(columns))
 
     def finish(self) -> None:
         """Write the file and give it its name."""
-        self._flush()
         self._write(self.groups.rest())
         try:
             self.complete(self.spool)
             self.unfinished.replace(self.path)
         except OSError as error:
             raise self.unwritable(error) from None
-
-    def _flush(self) -> None:
-        if self.scenes:
-            columns, self.scenes = columns_of(self.scenes), []
-            self._write(self.groups.add(columns))
 
     def _write(self, groups: Iterator[Columns]) -> None:
         for group in groups:
@@ -275,8 +263,6 @@ def cells(column: TypedColumn) -> list[str]:
 
 
 KINDS_OF_FILE: dict[str, type[TableFile]] = {".parquet": ParquetTable, ".arrow": ArrowTable, ".npz": NpzTable, ".csv": CsvTable}
-
-
 SUFFIXES = tuple(KINDS_OF_FILE)
 """Which files are tables."""
 

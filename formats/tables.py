@@ -7,14 +7,18 @@ one by one, or columns of many, from one process or from several.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import islice
 from typing import Any
 
 import numpy as np
 
 from .columns import BOOL, FLOAT, INT64, TEXT, TypedColumn, chosen, column_of, joined, nothing
+from .scenes import in_utf8
 
 ROWS_AT_ONCE = 1 << 16
 """Rows at which a group ends, with the first scene that reaches them."""
+SCENES_AT_ONCE = 1000
+"""How many single scenes become columns together."""
 SCHEMA = "scenic-ref/table/2"
 OWN = {
     "seed": TEXT, "scene": INT64, "attempts": INT64, "weight": FLOAT, "object": INT64, "ego": BOOL, "name": TEXT, "class": TEXT,
@@ -33,6 +37,11 @@ def part_of(name: str) -> tuple[str, str] | None:
     return (part, inner) if part in PARTS else None
 
 
+def column_name(part: str, name: str) -> str:
+    """The column of a property or parameter."""
+    return f"{part}.{in_utf8(name)}"
+
+
 def columns_of(scenes: Iterable[Mapping[str, Any]]) -> Columns:
     """The columns of scenes in the scene format."""
     rows = [row for scene in scenes for row in rows_of(scene)]
@@ -47,12 +56,12 @@ def ordered(names: Iterable[str]) -> list[str]:
 def rows_of(scene: Mapping[str, Any]) -> list[dict[str, object]]:
     """One row per object of a scene in the scene format."""
     shared = {"seed": str(scene["seed"]), "scene": scene["scene"], "attempts": scene["attempts"], "weight": float(scene["weight"])}
-    params = {f"params.{name}": value for name, value in scene["params"].items()}
+    params = {column_name("params", name): value for name, value in scene["params"].items()}
     return [
         {
             **shared, "object": o["id"], "ego": o["id"] == scene["ego"], "name": o["name"], "class": o["class"],
             "x": float(o["position"][0]), "y": float(o["position"][1]), "heading": float(o["heading"]), "width": float(o["width"]),
-            "length": float(o["length"]), **{f"properties.{name}": value for name, value in o["properties"].items()}, **params,
+            "length": float(o["length"]), **{column_name("properties", name): value for name, value in o["properties"].items()}, **params,
         }
         for o in scene["objects"]
     ]
@@ -76,15 +85,36 @@ def some(columns: Columns, rows: slice | np.ndarray) -> Columns:
     return {name: chosen(column, rows) for name, column in columns.items()}
 
 
+def pieces_of(scenes: Iterable[Mapping[str, Any]]) -> Iterator[Columns]:
+    """The columns of scenes in the scene format, of some at a time."""
+    waiting = iter(scenes)
+    while several := list(islice(waiting, SCENES_AT_ONCE)):
+        yield columns_of(several)
+
+
 class Groups:
-    """Rows put together from pieces of whole scenes, and cut into groups."""
+    """Rows put together from single scenes and from pieces of whole ones, and cut into groups."""
 
     def __init__(self) -> None:
+        self.scenes: list[Mapping[str, Any]] = []
         self.pieces: list[Columns] = []
         self.rows = 0
 
+    def add_scene(self, scene: Mapping[str, Any]) -> Iterator[Columns]:
+        """The groups that the objects of one more scene, given in the scene format, complete."""
+        self.scenes.append(scene)
+        if len(self.scenes) >= SCENES_AT_ONCE:
+            yield from self.settled()
+
+    def settled(self) -> Iterator[Columns]:
+        """The groups that the single scenes complete."""
+        if self.scenes:
+            columns, self.scenes = columns_of(self.scenes), []
+            yield from self.add(columns)
+
     def add(self, columns: Columns) -> Iterator[Columns]:
         """The groups that these further rows complete."""
+        yield from self.settled()
         self.pieces.append(columns)
         self.rows += rows_in(columns)
         while self.rows >= ROWS_AT_ONCE:
@@ -94,7 +124,8 @@ class Groups:
             yield some(whole, slice(0, end))
 
     def rest(self) -> Iterator[Columns]:
-        """The last group, if there are rows left."""
+        """The last groups, if there are rows left."""
+        yield from self.settled()
         if self.rows:
             yield together(self.pieces)
 

@@ -10,7 +10,7 @@ import numpy as np
 from ..formats.arrow import arrow_for, arrow_table
 from ..formats.columns import JSON, NOTHING, TEXT, TypedColumn, length_of
 from ..formats.scenes import Scene
-from ..formats.tables import Columns, columns_of, together
+from ..formats.tables import Columns, columns_of, pieces_of, together
 from ..inference.batch import Batch, Block
 from ..inference.batch.jobs.blocks import jobs
 from ..inference.batch.jobs.tables import table_of
@@ -29,8 +29,6 @@ FEW = 10
 """For fewer scenes than this a graph is not worth its time."""
 ToldScenes = Callable[[int], object]
 """Is told how many scenes there are so far."""
-AT_ONCE = 1000
-"""How many scenes of the interpreter become columns together."""
 
 
 class Drawn(Iterator[Scene]):
@@ -39,7 +37,7 @@ class Drawn(Iterator[Scene]):
     Raises, where they are drawn, the program's errors and `AttemptsExhausted`.
     """
 
-    def __init__(self, count: int, scenes: Iterator[Scene], blocks: tuple[Batch, int, Iterator[Block]] | None, tell: ToldScenes) -> None:
+    def __init__(self, count: int, scenes: Iterator[Scene], blocks: tuple[Batch, int, Iterator[Block]] | None, tell: ToldScenes | Bar) -> None:
         self._count = count
         self._scenes = scenes if blocks is None else _scenes_in(*blocks)
         self._blocks = blocks
@@ -50,7 +48,11 @@ class Drawn(Iterator[Scene]):
         return f"<{self._count:,} scenes, {self._done:,} of them drawn>"
 
     def __next__(self) -> Scene:
-        scene = next(self._scenes)
+        try:
+            scene = next(self._scenes)
+        except BaseException:
+            self.close()
+            raise
         self._done += 1
         self._tell(self._done)
         return scene
@@ -59,6 +61,11 @@ class Drawn(Iterator[Scene]):
         """Draw no more."""
         self._scenes = iter(())
         self._blocks = None
+        if isinstance(self._tell, Bar):
+            self._tell.stop()
+
+    def __del__(self) -> None:
+        self.close()
 
     def columns(self) -> dict[str, np.ndarray]:
         """The objects of the scenes that are left, one in each row, as NumPy arrays (rows,): the columns of the table format by name.
@@ -92,8 +99,10 @@ class Drawn(Iterator[Scene]):
 
     def _all(self) -> Columns:
         """The columns of the scenes that are left."""
-        pieces = list(self._by_scene() if self._done or self._blocks is None else self._by_block(*self._blocks))
-        self.close()
+        try:
+            pieces = list(pieces_of(s.to_json() for s in self) if self._done or self._blocks is None else self._by_block(*self._blocks))
+        finally:
+            self.close()
         return together(pieces) if pieces else columns_of([])
 
     def _by_block(self, batch: Batch, seed: int, blocks: Iterator[Block]) -> Iterator[Columns]:
@@ -103,18 +112,8 @@ class Drawn(Iterator[Scene]):
             if len(block.attempts):
                 yield table_of(batch.template, block, seed)
 
-    def _by_scene(self) -> Iterator[Columns]:
-        waiting: list[dict[str, Any]] = []
-        for scene in self:
-            waiting.append(scene.to_json())
-            if len(waiting) == AT_ONCE:
-                yield columns_of(waiting)
-                waiting = []
-        if waiting:
-            yield columns_of(waiting)
 
-
-def drawn(scenario: Scenario, n: int, seed: int, start: int, max_attempts: int, backend: Backend, tell: ToldScenes) -> Drawn:
+def drawn(scenario: Scenario, n: int, seed: int, start: int, max_attempts: int, backend: Backend, tell: ToldScenes | Bar) -> Drawn:
     """What `Scenario.sample_many` returns. Raises as it does."""
     if backend not in ("auto", "interpreter", "batch"):
         raise UsageError(f"there is no backend {backend}", hint="the backends are auto, interpreter and batch")
@@ -162,26 +161,29 @@ def series_of(column: TypedColumn) -> Any:
     return found
 
 
-def progress_of(progress: bool | ToldScenes, count: int) -> ToldScenes:
-    """What is told of the progress: True shows a bar on standard error. Raises `UsageError` for what is neither."""
+class Bar:
+    """A bar on standard error, from the first scene on until it is stopped."""
+
+    def __init__(self, count: int) -> None:
+        from rich.console import Console
+        from rich.progress import Progress
+
+        self.shown = Progress(console=Console(stderr=True))
+        self.task = self.shown.add_task("scenes", total=count)
+
+    def __call__(self, done: int) -> None:
+        self.shown.start()
+        self.shown.update(self.task, completed=done)
+
+    def stop(self) -> None:
+        """Let the terminal be as it was."""
+        self.shown.stop()
+
+
+def progress_of(progress: bool | ToldScenes, count: int) -> ToldScenes | Bar:
+    """What is told of the progress: True shows a bar. Raises `UsageError` for what is neither."""
     if callable(progress):
         return progress
     if not isinstance(progress, bool):
         raise UsageError(f"progress is True, False or a function of the number of scenes, not {progress!r}")
-    if not progress:
-        return lambda done: None
-    from rich.console import Console
-    from rich.progress import Progress
-
-    bar = Progress(console=Console(stderr=True))
-    task = bar.add_task("scenes", total=count)
-
-    def tell(done: int) -> None:
-        if not bar.live.is_started:
-            bar.start()
-        bar.update(task, completed=done)
-        if done >= count:
-            bar.stop()
-
-    return tell
-
+    return Bar(count) if progress else lambda done: None

@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from ..inference.batch.tensors.margins import Margins
     from ..inference.with_pyro import NumberModel, SceneKernel
 
+
 class Scenario(Portable):
     """A loaded program.
 

@@ -55,10 +55,8 @@ def simulate_many(
     if not isinstance(simulator, str):
         raise UsageError("other processes make their own simulators", hint='name it: simulator="package.module:Class", or workers=1')
     by_name(simulator, which.timestep)
-    jobs = (
-        SimulationsJob(data, simulator, which._replace(start=start, stop=stop))
-        for data in (pickle.dumps(scenario),) for start, stop in parts(which.start, which.stop, count)
-    )  # fmt: skip
+    data = pickle.dumps(scenario)
+    jobs = (SimulationsJob(data, simulator, which._replace(start=start, stop=stop)) for start, stop in parts(which.start, which.stop, count))
     return counted(sent(jobs, count), progress)
 
 

@@ -300,3 +300,8 @@ def test_a_class_name_means_one_thing():
                 homes.setdefault(node.name, []).append(str(path.relative_to(ROOT)))
     assert len(homes) > 300
     assert not {name: places for name, places in homes.items() if len(places) > 1}
+
+
+def test_links_lead_to_places_within_the_repository():
+    links = [path for path in (ROOT / ".link").iterdir() if path.is_symlink()]
+    assert [(path.name, str(path.readlink())) for path in links] == [("scenic_ref", "..")]

@@ -6,6 +6,7 @@ import json
 import os
 import re
 import signal
+import subprocess
 import sys
 from pathlib import Path
 
@@ -112,6 +113,28 @@ def test_an_unfinished_parquet_table_leaves_nothing(ask):
     found = ask("run", "never.scenic", "-o", "scenes.parquet", "--max-attempts", 5)
     assert found.code == 3
     assert not list(Path().glob("*.parquet")) + list(Path().glob(".*unfinished"))
+
+
+@pytest.mark.extra("parquet")
+@pytest.mark.parametrize(("count", "backend"), [(3, "interpreter"), (40, "batch")])
+def test_a_stream_of_arrow_goes_to_standard_output(count, backend, ask):
+    from pyarrow import ipc
+
+    command = [sys.executable, "-m", "scenic_ref", "run", "random.scenic", "-n", str(count), "--backend", backend, "--format", "arrow"]
+    read = ipc.open_stream(subprocess.run(command, capture_output=True, check=True).stdout).read_all()
+    lines = ask("run", "random.scenic", "-n", count).out.splitlines()
+    assert read["x"].to_pylist() == [o["position"][0] for s in map(json.loads, lines) for o in s["objects"]]
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [(("--format", "nope"), "there is no format nope"), (("--format", "arrow", "-o", "x.arrow"), "told by its ending"),
+     (("--format", "arrow", "--backend", "enumerate"), "written as JSON")],
+)  # fmt: skip
+def test_a_format_that_cannot_be_had_is_refused(more, message, ask):
+    found = ask("run", "ok.scenic", *more)
+    assert found.code == 2
+    assert message in found.err
 
 
 def test_parquet_without_pyarrow_says_what_to_install(ask, monkeypatch):

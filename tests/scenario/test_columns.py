@@ -32,7 +32,7 @@ from scenic_ref.formats.columns import (
 )
 from scenic_ref.formats.table_files import open_table
 from scenic_ref.formats.tables import columns_of
-from scenic_ref.semantics.kernel.errors import UsageError
+from scenic_ref.semantics.kernel.errors import AttemptsExhausted, UsageError
 
 data = pytest.mark.extra("data")
 PROGRAM = """
@@ -74,6 +74,25 @@ def test_the_type_of_a_column_and_its_values_do_not_depend_on_the_pieces(values,
     parts = joined([joined(pieces[:2]), *pieces[2:]])
     assert parts.kind == whole.kind
     assert told(parts) == told(whole) == [None if v is None else json_text(v) for v in values]
+
+
+def test_zeros_of_both_signs_stay_apart_whatever_the_pieces():
+    assert told(joined([column_of([0.0, -0.0, 0]), column_of(["x"])])) == told(column_of([0.0, -0.0, 0, "x"])) == ["0", "-0.0", "0", '"x"']
+
+
+@data
+@pytest.mark.parametrize("suffix", table_files.SUFFIXES)
+@pytest.mark.parametrize("backend", ["batch", "interpreter"])
+def test_halves_of_characters_are_written_as_json_escapes_them(backend, suffix, tmp_path):
+    scenario = scenic_ref.loads("ego = Object at (Range(0, 1), 0), with word Uniform('a\\ud800', 'b')\nparam '\\ud801' = 1\n")
+    table = open_table(tmp_path / f"x{suffix}")
+    for one in scenario.sample_many(20, backend=backend):
+        table.add(one.to_json())
+    table.finish()
+    table.close()
+    found = scenario.sample_many(20, backend=backend).to_arrow()
+    assert {row["word"] for row in found["properties"].to_pylist()} == {'"a\\ud800"', '"b"'}
+    assert found["params"].to_pylist()[0] == {"\\ud801": 1}
 
 
 @settings(deadline=None, derandomize=True, max_examples=200)
@@ -135,8 +154,26 @@ def test_progress_is_told():
         seen: list[int] = []
         scenic_ref.loads(PROGRAM).sample_many(20, backend=backend, progress=seen.append).columns()
         assert seen == sorted(seen) and seen[-1] == 20
-    with pytest.raises(UsageError, match="progress is True, False or a function"):
+    with pytest.raises(UsageError, match="progress is True, False or a function"):  # a bar: below
         scenic_ref.loads(PROGRAM).sample_many(20, progress=3)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("backend", ["batch", "interpreter"])
+def test_a_bar_is_shown_and_stops_however_the_drawing_ends(backend, capsys):
+    whole = scenic_ref.loads(PROGRAM).sample_many(20, backend=backend, progress=True)
+    next(whole)
+    assert whole._tell.shown.live.is_started
+    whole.columns()
+    rare = scenic_ref.loads("ego = Object at (Range(0, 1), 0)\nrequire ego.position.x < 0.1\n")
+    failing = rare.sample_many(50, 1, backend=backend, max_attempts=12, progress=True)
+    with pytest.raises(AttemptsExhausted):
+        failing.columns()
+    left = scenic_ref.loads(PROGRAM).sample_many(20, backend=backend, progress=True)
+    next(left)
+    bar = left._tell
+    del left
+    assert not any(one.shown.live.is_started for one in (whole._tell, failing._tell, bar))
+    assert "100%" in capsys.readouterr().err
 
 
 def scene(number: int, **properties: object) -> dict[str, object]:
@@ -160,7 +197,7 @@ def small_groups(monkeypatch):
 def test_types_are_those_of_all_scenes_though_they_come_in_groups(suffix, at_once, small_groups, tmp_path, monkeypatch):
     import polars
 
-    monkeypatch.setattr(table_files, "SCENES_AT_ONCE", at_once)
+    monkeypatch.setattr(tables, "SCENES_AT_ONCE", at_once)
     table = open_table(tmp_path / f"x{suffix}")
     for one in WIDENING:
         table.add(one)

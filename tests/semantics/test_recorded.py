@@ -21,9 +21,12 @@ from scenic_ref.conformance.implementation import NeverAccepted, Refused
 from scenic_ref.conformance.ourselves import Ourselves, load, loaded, traced
 from scenic_ref.conformance.programs import ProgramSettings, random_programs
 from scenic_ref.conformance.vector import ConformanceVector
+from scenic_ref.interpreter import tracing
 from scenic_ref.interpreter.printer import to_source
 from scenic_ref.scenario import loads
+from scenic_ref.semantics import step
 from scenic_ref.semantics.kernel.errors import ScenicError
+from scenic_ref.semantics.space.distributions import continuous
 
 RECORDED = Path(__file__).with_name("recorded.json")
 STEPS = 6
@@ -99,6 +102,21 @@ def test_the_program_gives_what_it_gave(name: str, found: Callable[[], str]) -> 
     if recorded()["python"] != f"{sys.version_info[0]}.{sys.version_info[1]}":
         pytest.skip(f"recorded with Python {recorded()['python']}")
     assert found() == recorded()[name]
+
+
+@pytest.mark.parametrize("rival", ["other words", "another number", "other rules"])
+def test_what_is_given_otherwise_is_noticed(rival: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = "ego = Object at (Range(0, 1), 1 + 2)\nx = [1][5]\n" if rival == "other words" else "ego = Object at (Range(0, 1), 1 + 2)\n"
+    before = of_text(text)
+    assert before == of_text(text)
+    match rival:
+        case "other words":
+            monkeypatch.setattr(step, "said", lambda exception: "something else")
+        case "another number":
+            monkeypatch.setattr(continuous.Range, "sample", lambda self, uniform: self.low + (self.high - self.low) * uniform() ** 2)
+        case _:
+            monkeypatch.setattr(tracing.Trace, "witness", lambda self, outcome, drawn: None)
+    assert of_text(text) != before
 
 
 if __name__ == "__main__":

@@ -9,10 +9,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ....formats.columns import EXACT, TypedColumn, column_of, constant, interleaved, nothing, numbers, vector
+from ....formats.columns import EXACT, TypedColumn, column_of, constant, interleaved, nothing, numbers, taken, vector
 from ....formats.scenes import json_value
 from ....formats.tables import Columns as TableColumns
-from ....formats.tables import columns_of, ordered, some, together
+from ....formats.tables import column_name, columns_of, ordered, some, together
 from ....semantics.kernel.values import Random
 from ....semantics.space.vectors import Vector
 from ..evaluate.rows import Columns
@@ -38,13 +38,13 @@ def _table(template: Template, block: Block, seed: int) -> TableColumns:
     by_object: list[TableColumns] = []
     shared = {"seed": constant(str(seed), count), "scene": numbers(block.rows), "attempts": numbers(attempts_of(block))}
     shared["weight"] = constant(1.0, count)
-    params = {f"params.{name}": typed(value, columns, count) for name, value in template.params.items()}
+    params = {column_name("params", name): typed(value, columns, count) for name, value in template.params.items()}
     for number, o in enumerate(objects):
         own = zip(("x", "y", "heading", "width", "length"), own_fields(o, columns, count), strict=True)
         by_object.append({
             **shared, "object": constant(number, count), "ego": constant(number == template.ego_id, count), "name": constant(o.name, count),
             "class": constant(o.class_name, count), **{name: numbers(np.array(values, dtype=float)) for name, values in own},
-            **{f"properties.{name}": typed(value, columns, count) for name, value in others(o).items()}, **params,
+            **{column_name("properties", name): typed(value, columns, count) for name, value in others(o).items()}, **params,
         })  # fmt: skip
     names = ordered({name for made in by_object for name in made})
     return {name: interleaved([made[name] if name in made else nothing(count) for made in by_object] or [nothing(0)]) for name in names}
@@ -67,11 +67,6 @@ def typed(value: object, columns: Columns, count: int) -> TypedColumn:
         case list() | tuple() if type(value) in (list, tuple) and (parts := floats(value, columns, count)) is not None:
             return parts
     return column_of([json_value(v) for v in listed(value, columns, count)])
-
-
-def taken(column: TypedColumn, rows: np.ndarray) -> TypedColumn:
-    """Some rows, any number of times."""
-    return column._replace(values=column.values[rows], valid=None if column.valid is None else column.valid[rows])
 
 
 def floats(values: Sequence[object], columns: Columns, count: int) -> TypedColumn | None:
