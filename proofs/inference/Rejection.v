@@ -640,7 +640,7 @@ Proof.
 Qed.
 
 (** Where a table is balanced point by point, its moves are [reversible]. *)
-Theorem pointwise_detailed_balance_is_reversibility
+Theorem pointwise_detailed_balance_implies_reversibility
     A (space : list A) (target : A -> Q) (move : A -> A -> Q) :
   (forall a b, In a space -> In b space -> target a * move a b == target b * move b a) ->
   reversible (table space target) (fun a => table space (move a)).

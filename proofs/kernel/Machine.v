@@ -1279,7 +1279,7 @@ Definition is_accepted (e : ending) : bool := match e with Accepted _ => true | 
 Definition is_rejected (e : ending) : bool := match e with Rejected _ => true | _ => false end.
 Definition is_failed (e : ending) : bool := match e with Failed _ => true | _ => false end.
 
-Theorem a_run_is_done_stuck_or_wrong n c rs :
+Theorem the_masses_of_done_stuck_and_wrong_runs_add_up_to_1 n c rs :
   runs n c = Some rs -> (pr is_accepted (weighted rs) + pr is_rejected (weighted rs) + pr is_failed (weighted rs) == 1)%Q.
 Proof.
   intros H. rewrite <- (the_masses_of_all_runs_add_up_to_1 _ _ _ H). unfold pr, mass. rewrite <- !expect_plus.
@@ -1386,7 +1386,7 @@ Proof.
     - intros (answers & R). apply (the_runs_found_are_the_runs _ _ _ H) in R. exists (answers, Failed e). cbn. auto. }
   unfold meaning. destruct (errors rs) as [|e wrong] eqn:W; [|split; [discriminate|exact E]].
   split; [reflexivity|]. assert (forall answers e, ~ run c answers (Failed e)) as N by (intros answers e R; apply (E e); eauto).
-  split; [exact N|]. rewrite <- (a_run_is_done_stuck_or_wrong _ _ _ H).
+  split; [exact N|]. rewrite <- (the_masses_of_done_stuck_and_wrong_runs_add_up_to_1 _ _ _ H).
   assert (pr is_failed (weighted rs) == 0)%Q as ->; [|ring]. unfold pr. rewrite <- (expect_zero _ (weighted rs)). apply expect_ext_in.
   intros e w I. unfold weighted in I. apply in_map_iff in I as ([answers e'] & [= <- <-] & I). cbn [snd].
   destruct e'; cbn; try reflexivity. destruct (N answers e). now apply (the_runs_found_are_the_runs _ _ _ H).

@@ -18,8 +18,8 @@ TOKEN = re.compile(r"[\[\](){}]|;|,|#|-?\d+|[A-Za-z_][\w.']*|%\w+")
 
 
 def is_there() -> bool:
-    """Whether this system has what `make proofs` needs."""
-    if shutil.which("coqc") is None or shutil.which("coq_makefile") is None:
+    """Whether this system has what `make proofs` needs, and the OCaml that Debian's Coq comes with (`extracted.py`)."""
+    if any(shutil.which(tool) is None for tool in ("coqc", "coq_makefile", "ocamlc", "ocaml")):
         return False
     return subprocess.run(["coqc", "--print-version"], capture_output=True, text=True).stdout.startswith("8.16.")
 

@@ -25,6 +25,7 @@ from scenic_ref.semantics.space.vectors import Vector
 
 from .coq import PROOFS, Term, evaluated, needs_coq
 from .core_programs import NAMES, Both, Program, assigned, binary, discrete, fraction, listed, number, program, truth, variable
+from .extracted import answers
 from .theory import ERRORS, TOLD, Key, bindings, value
 
 pytestmark = pytest.mark.slow
@@ -133,11 +134,16 @@ PROGRAMS = [*telling(), *(program(seed) for seed in range(COUNT))]
 
 
 @pytest.fixture(scope="module")
-def theories(tmp_path_factory: pytest.TempPathFactory) -> list[Answer]:
-    """What the theory says about the programs."""
+def told(tmp_path_factory: pytest.TempPathFactory) -> list[Term]:
+    """What Coq says about the programs."""
     terms = [f"map ({TOLD}) {listed(one.coq for one in PROGRAMS)}"]
-    answers = evaluated(["kernel.Distribution", "kernel.Machine"], terms, tmp_path_factory.mktemp("machine"))
-    return [by_the_theory(told) for told in answers[0]]
+    return evaluated(["kernel.Distribution", "kernel.Machine"], terms, tmp_path_factory.mktemp("machine"))[0]
+
+
+@pytest.fixture(scope="module")
+def theories(told: list[Term]) -> list[Answer]:
+    """What the theory says about the programs."""
+    return [by_the_theory(one) for one in told]
 
 
 def differences(theories: Sequence[Answer], readings: Mapping[str, str] | None = None) -> Iterator[Program]:
@@ -150,6 +156,11 @@ def test_the_machines_agree(theories: list[Answer]) -> None:
     assert len(theories) == len(PROGRAMS) >= COUNT
     wrong = [one.scenic for one in differences(theories)]
     assert not wrong, wrong[0]
+
+
+@needs_coq
+def test_the_extracted_machine_says_what_coq_says(told: list[Term]) -> None:
+    assert answers(TOLD, [one.coq for one in PROGRAMS]) == told
 
 
 @needs_coq

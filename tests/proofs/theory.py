@@ -1,6 +1,6 @@
 """`proofs/kernel/Machine.v` as an implementation: `python -m tests.proofs.theory` serves it by the harness protocol.
 
-Coq itself executes the machine and finds all runs of a program with their probabilities; scenes are drawn among them.
+Coq extracts the machine to OCaml; that finds all runs of a program with their probabilities, and scenes are drawn among them.
 What the static core has not is skipped, with the reason.
 """
 
@@ -10,9 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import lru_cache
 from math import radians
-from pathlib import Path
 from random import Random
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import scenic_ref
@@ -21,8 +19,8 @@ from scenic_ref.conformance.serving import serve
 from scenic_ref.semantics.kernel.errors import ProgramError
 from scenic_ref.semantics.readings import READINGS
 
-from .coq import evaluated
 from .core_programs import fraction
+from .extracted import answers
 from .translation import CLASS, Translation
 
 STEPS = 3000
@@ -48,7 +46,7 @@ TOLD = f"""fun '(at_the_end, program) =>
     match runs {FIVE_DEGREES} no_noise upright_boxes_intersect sees_upright_box at_the_end {STEPS} (begin program) with
     | Some found => map (fun r => ended (snd r) (q (weight (fst r)))) found
     | None => [] end"""
-"""What Coq is asked about a program: how each of its runs ends, and its probability, as lists of numbers."""
+"""What the machine is asked about a program: how each of its runs ends, and its probability, as lists of numbers."""
 ERRORS = [
     ("RunError", "E-Variable"), ("RunError", "E-Variable"), ("AttributeError", ""), ("TypeError", ""), ("ZeroDivisionError", ""),
     ("RunError", "O-VectorOf"), ("RunError", "E-Distributions"), ("RunError", "P-At"), ("SpecifiedTwice", "R-SpecifiedTwice"),
@@ -61,7 +59,7 @@ ERRORS = [
 
 Key = tuple[Any, ...]
 KINDS = {1: "require", 2: "collision", 3: "visibility"}
-"""How runs are rejected, by what Coq is told to answer."""
+"""How runs are rejected, by what the machine is told to answer."""
 
 
 def bindings(told: Sequence[int]) -> Iterator[tuple[int, Key]]:
@@ -133,14 +131,13 @@ def found_runs(task: Task) -> tuple[Sequence[Any], Translation]:
 
 @lru_cache(maxsize=64)
 def runs_of(text: str, at_the_end: bool) -> tuple[Sequence[Any], Translation]:
-    """The same, of a text, which Coq runs once."""
+    """The same, of a text, which the machine runs once."""
     translation = Translation()
     try:
         term = translation.program(scenic_ref.loads(text).program)
     except ProgramError as error:
         raise Unsupported(f"the core has no such program: {error.message}") from error
-    with TemporaryDirectory() as folder:
-        [told] = evaluated(["kernel.Distribution", "kernel.Machine"], [f"({TOLD}) ({str(at_the_end).lower()}, {term})"], Path(folder))
+    [told] = answers(TOLD, [f"({str(at_the_end).lower()}, {term})"])
     if not told:
         raise Unsupported("the machine ran out of steps")
     for (kind, detail, *_), *content in told:

@@ -103,7 +103,7 @@ class Translation:
                 case SoftRequire(probability=Constant(value=int() | float() as p), condition=condition) if 0 <= p <= 1:
                     yield f"SoftRequire {statement.span.line}%nat {rational(p)} {self.expression(condition)}"
                 case Mutate(objects=objects, scale=scale):
-                    by = "(Constant (Number 1))" if scale is None else self.expression(scale)
+                    by = f"(Constant (Number {fraction(Fraction(1))}))" if scale is None else self.expression(scale)
                     self.noise |= scale is None or scale != Constant(value=0)
                     yield f"Mutate {listed(self.expression(o) for o in objects)} {by}"
                 case _:
