@@ -154,6 +154,7 @@ def test_a_scene_without_ego_is_an_error_of_both(ask: Asking) -> None:
     assert "the scene has no ego" in str(verdict["detail"])
 
 
+@pytest.mark.slow
 def test_programs_without_scenes(ask: Asking) -> None:
     never = COIN + "require ego.position.x > 5\n"
     code, verdict = ask(never, ask.other())
@@ -164,6 +165,7 @@ def test_programs_without_scenes(ask: Asking) -> None:
     assert (code, verdict["kind"]) == (1, "acceptance"), "no scene there"
 
 
+@pytest.mark.slow
 def test_other_actions(ask: Asking) -> None:
     code, verdict = ask(DYNAMIC, ask.other(run='run["steps"][2]["actions"]["0"] = ["elsewhere"]'))
     assert code == 1 and verdict["kind"] in ("support", "actions") and "step 2, object 0" in str(verdict["detail"])
