@@ -69,7 +69,7 @@ def test_the_alternatives_of_a_reading_are_told_apart(name: str) -> None:
 
     class Other(Ourselves):
         def scenes(self, task, count, *, seed, attempts):
-            return super().scenes(swapped(task, name), count, seed=seed, attempts=attempts)
+            return super().scenes(swapped(task, name), count, seed=seed, attempts=min(attempts, 1000))
 
         def enumerated(self, task):
             return super().enumerated(swapped(task, name))
