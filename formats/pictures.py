@@ -16,6 +16,7 @@ from ..maps.network import MapWorkspace
 from ..semantics.kernel.errors import UsageError
 from ..semantics.space.geometry import corners, direction
 from ..semantics.space.regions import Region, everywhere
+from ..semantics.space.vectors import Vector
 from .maps import Window, draw_map, polygons_in
 
 if TYPE_CHECKING:
@@ -153,7 +154,7 @@ def draw(axes: Axes, scene: Scene, roads: Region | None, colours: Mapping[str, s
 
 def window_of(scene: Scene) -> Window:
     """A square around all objects and a little of what surrounds them. Raises `UsageError` where no picture can be drawn."""
-    points = [c for o in scene.objects for c in corners(o.position, o.heading, o.width, o.length)]
+    points = [c for o in scene.objects for c in corners(o.position, o.heading, o.width, o.length)] or [Vector(0, 0)]
     if not all(abs(p.x) < FARTHEST and abs(p.y) < FARTHEST for p in points):
         raise UsageError(f"scene {scene.index} cannot be drawn: it has coordinates of {FARTHEST:g} m or more")
     west, east = min(p.x for p in points), max(p.x for p in points)

@@ -8,6 +8,7 @@ import pickle
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from ..semantics.kernel.config import State
 from ..semantics.kernel.errors import UsageError
@@ -22,7 +23,12 @@ from ..semantics.space.geometry import normalise_heading
 from ..semantics.space.regions import CircularRegion, RectangularRegion, Region, SectorRegion, everywhere
 from ..semantics.space.regions.region import Everywhere
 from ..semantics.space.vectors import Vector
+from .notebooks import line_of_object, line_of_scene, page_of_scene, plotted
+from .pictures import picture
 from .programs import program_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 SCHEMA = "scenic-ref/scene/1"
 LARGEST_NUMBER_BITS = 10_000
@@ -115,6 +121,9 @@ class SceneObject:
         """Any property by name; KeyError if the object has none of that name."""
         return getattr(self, name) if name in OWN_FIELDS else self.properties[name]
 
+    def __repr__(self) -> str:
+        return line_of_object(self)
+
     def __reduce__(self) -> tuple[Callable[..., SceneObject], tuple[object, ...]]:
         """For `pickle`: what is no plain data (behaviors, fields, other objects) is the text that stands for it in a file."""
         values = tuple(getattr(self, name) for name in tuple(self.__slots__)[:-2])
@@ -174,10 +183,22 @@ class Scene:
         """One line of a JSON Lines file."""
         return in_json(self.to_json())
 
-    def _repr_png_(self) -> bytes:
-        """A picture, for notebooks."""
-        from .pictures import picture
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the scene, seen from above in metres, and return the axes: `ax`, or those of a new figure of `matplotlib.pyplot`.
 
+        Raises `UsageError` for what are no axes, and for coordinates that cannot be drawn.
+        """
+        return plotted(self, ax)
+
+    def __repr__(self) -> str:
+        return line_of_scene(self)
+
+    def _repr_html_(self) -> str:
+        """The picture and a table of the objects, for notebooks."""
+        return page_of_scene(self)
+
+    def _repr_png_(self) -> bytes:
+        """A picture, for notebooks. Raises `UsageError` for coordinates that cannot be drawn."""
         return picture([self])
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from ..semantics.kernel.errors import UsageError
 
 
@@ -10,3 +12,11 @@ def check_whole(*named: tuple[str, object, int | None]) -> None:
     for what, number, least in named:
         if type(number) is not int or (least is not None and number < least):
             raise UsageError(f"{what} is a whole number{'' if least is None else f' of at least {least}'}, not {number!r}")
+
+
+def check_settings(readings: object, params: object, fuel: object) -> None:
+    """What a scenario is loaded with. Raises `UsageError` for what is not what it should be."""
+    for what, given, example in (("readings", readings, '{"soft": "scene"}'), ("params", params, '{"time": 12}')):
+        if given is not None and not (isinstance(given, Mapping) and all(isinstance(name, str) for name in given)):
+            raise UsageError(f"{what} maps names to values, as in {example}, and is not {given!r:.60}")
+    check_whole(("fuel", fuel, 1))

@@ -8,6 +8,7 @@ from pathlib import Path
 from ..interpreter.modules import read_text
 from ..interpreter.parser import parse
 from ..interpreter.running import DEFAULT_FUEL
+from ..semantics.kernel.errors import UsageError
 from .scenario import Scenario
 
 
@@ -17,6 +18,8 @@ def loads(
     fuel: int = DEFAULT_FUEL, scenario: str | None = None,
 ) -> Scenario:
     """The scenario of a program text. Raises `ParseError`, `CheckError`, `UsageError`."""
+    if not isinstance(text, str):
+        raise UsageError(f"a program is a text, not {text!r:.60}", hint="`load` takes the path of a file")
     program = parse(text, file, dialect)
     return Scenario(
         program, profile=profile, readings=readings, params=params, model=model, trust=trust, directory=directory, fuel=fuel, scenario=scenario
@@ -28,7 +31,9 @@ def load(
     params: Mapping[str, object] | None = None, model: str | None = None, trust: bool = False, fuel: int = DEFAULT_FUEL,
     scenario: str | None = None,
 ) -> Scenario:
-    """The scenario of a program file; modules next to it can be imported."""
+    """The scenario of a program file; modules next to it can be imported. Raises `ParseError`, `CheckError`, `UsageError`, `OSError`."""
+    if not isinstance(path, (str, Path)):
+        raise UsageError(f"a path is a text or a `pathlib.Path`, not {path!r:.60}", hint="`loads` takes the text of a program")
     where = Path(path)
     return loads(
         read_text(where), file=str(path), dialect=dialect, profile=profile, readings=readings, params=params, model=model, trust=trust,

@@ -43,12 +43,13 @@ from ..simulators import by_name
 from ..simulators.protocol import Simulator
 from ..simulators.simulating import Failed
 from ..simulators.worlds import WORLDS, driving
-from .checking import check_whole
+from .checking import check_settings, check_whole
 from .conditioning import conditioned
 from .constants import constants_of, facts_of
 from .drawn import Backend, Drawn, ToldScenes, drawn, progress_of
 from .for_pyro import pyro_for
 from .pickling import Condition, Portable
+from .showing import Shown
 from .simulating import SimulationRange, Told, replayed, simulate_many
 
 if TYPE_CHECKING:
@@ -58,7 +59,7 @@ if TYPE_CHECKING:
     from ..inference.with_pyro import NumberModel, SceneKernel
 
 
-class Scenario(Portable):
+class Scenario(Portable, Shown):
     """A loaded program.
 
     `profile` and `readings` choose among the readings of the paper; `params` are global parameters that win over the
@@ -70,6 +71,7 @@ class Scenario(Portable):
         self, program: Program, *, profile: str = "paper", readings: Mapping[str, str] | None = None, params: Mapping[str, object] | None = None,
         model: str | None = None, trust: bool = False, directory: Path | None = None, fuel: int = DEFAULT_FUEL, scenario: str | None = None,
     ) -> None:
+        check_settings(readings, params, fuel)
         self.program = program
         self.readings = select(profile, readings)
         self.params = dict(params or {})
