@@ -11,6 +11,7 @@ import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Protocol
 
 from ..semantics.kernel.errors import UsageError
 from .own_sampler import SamplingTask
@@ -82,7 +83,21 @@ class Released:
         return replace(self, script=str(script), world=str(world))
 
 
-Contender = Ours | Released
+class Contender(Protocol):
+    """Who draws: `Ours`, `Released`, or the whole command (`end_to_end.RunToFile`)."""
+
+    @property
+    def name(self) -> str:
+        """What tables call it."""
+        ...
+
+    def command(self, program: MeasuredProgram, seed: int) -> list[str]:
+        """Starts its process."""
+        ...
+
+    def environment(self) -> Mapping[str, str]:
+        """The variables of its process."""
+        ...
 
 
 def released(text: str) -> Released:

@@ -10,12 +10,14 @@ from pathlib import Path
 
 from ..interpreter.extras import is_installed
 from ..semantics.kernel.errors import UsageError
-from .contenders import Contender, MeasuredProgram, Ours, released
+from .contenders import Contender, MeasuredProgram, Ours, Released, released
+from .end_to_end import FORMATS, NEED_ARROW, RunToFile
 from .figures import Cell, Figures, load
 from .growth import WHAT, contenders, programs
 from .processes import Process
 
 NO_NUMBA = "numba is not installed: the compiled evaluator is not measured (pip install 'scenic-ref[fast]')"
+NO_ARROW = "pyarrow is not installed: Parquet and Arrow are not measured (pip install 'scenic-ref[parquet]')"
 NO_TORCH = "torch is not installed: the evaluation by torch is not measured (pip install 'scenic-ref[torch]')"
 
 Tell = Callable[[str], None]
@@ -34,10 +36,12 @@ class CourseRequest:
     prune: bool = False
     growth: bool = False
     seed: int = 0
+    end_to_end: bool = False
+    trust: bool = False
 
     def json(self) -> dict[str, object]:
         """The options that decide the figures."""
-        return {"seconds": self.seconds, "repeat": self.repeat, "prune": self.prune, "seed": self.seed}
+        return {"seconds": self.seconds, "repeat": self.repeat, "prune": self.prune, "seed": self.seed, "end to end": self.end_to_end}
 
 
 def measure(request: CourseRequest, tell: Tell, finish: Callable[[Figures], None]) -> None:
@@ -50,12 +54,12 @@ def measure(request: CourseRequest, tell: Tell, finish: Callable[[Figures], None
         others = [released(text).at(Path(directory)) for text in request.against]
         if len({other.name for other in others}) < len(others):
             raise UsageError("--against names the same implementation twice")
-        numba, torch = is_installed("numba"), is_installed("torch")
-        for there, missing in ((numba, NO_NUMBA), (torch, NO_TORCH)):
+        numba, torch, arrow = is_installed("numba"), is_installed("torch"), is_installed("pyarrow")
+        for there, missing in ((numba, NO_NUMBA), (arrow, NO_ARROW) if request.end_to_end else (torch, NO_TORCH)):
             if not there:
                 tell(missing)
-        rivals: list[Contender] = [*ours(numba, torch, request.prune), *others]
-        figures = Figures(tuple(r.name for r in rivals), others[0].name if others else "interpreter", load={"before": load()})
+        rivals: list[Contender] = [*(written(numba, arrow) if request.end_to_end else ours(numba, torch, request.prune)), *others]
+        figures = Figures(tuple(r.name for r in rivals), others[0].name if others else rivals[0].name, load={"before": load()})
         try:
             for number, program in enumerate(todo, 1):
                 tell(f"[{number}/{len(todo)}] {program.name}")
@@ -81,6 +85,12 @@ def ours(numba: bool, torch: bool, prune: bool) -> Iterator[Ours]:
             yield Ours("torch")
 
 
+def written(numba: bool, arrow: bool) -> Iterator[Contender]:
+    """The fastest backend, which draws only, and the command with a file in each format that can be written here."""
+    yield Ours("numba" if numba else "numpy")
+    yield from (RunToFile(format) for format in FORMATS if arrow or format not in NEED_ARROW)
+
+
 def programs_of(request: CourseRequest) -> list[MeasuredProgram]:
     """The programs, which are there and have different names. Raises `UsageError`."""
     found: list[MeasuredProgram] = []
@@ -90,7 +100,7 @@ def programs_of(request: CourseRequest) -> list[MeasuredProgram]:
         name = Path(path).stem
         if any(name == other.name for other in found):
             raise UsageError(f"two programs are called {name}")
-        found.append(MeasuredProgram(name, str(Path(path).resolve()), translation(path, request.released)))
+        found.append(MeasuredProgram(name, str(Path(path).resolve()), translation(path, request.released), request.trust))
     if found and request.released is not None and not any(p.released for p in found):
         raise UsageError(f"--released: {request.released} holds none of the programs", hint=f"it should hold {found[0].name}.scenic, for example")
     return found
@@ -109,7 +119,7 @@ def take_turns(program: MeasuredProgram, rivals: Sequence[Contender], request: C
         for rival in rivals:
             cell = Cell(program.name, rival.name)
             cells.append(cell)
-            if not isinstance(rival, Ours) and program.released is None:
+            if isinstance(rival, Released) and program.released is None:
                 cell.skipped = f"there is no {program.name}.scenic for this implementation"
                 continue
             process = stack.enter_context(Process(rival, program, request.seed))

@@ -13,6 +13,8 @@ from pathlib import Path
 from typing import Any
 
 SCHEMA = "scenic-ref/bench/1"
+KEPT = ("scenes", "attempts", "seconds")
+"""What is written of each sample."""
 PACKAGES = ("numpy", "scipy", "shapely", "numba", "llvmlite", "torch")
 
 
@@ -45,8 +47,16 @@ class Cell:
 
     @property
     def attempts(self) -> float | None:
-        """Attempts per scene, all times together."""
-        return sum(s["attempts"] for s in self.samples) / sum(s["scenes"] for s in self.samples) if self.samples else None
+        """Attempts per scene, all times together; None if they were not counted."""
+        if not self.samples or "attempts" not in self.samples[0]:
+            return None
+        return sum(s["attempts"] for s in self.samples) / sum(s["scenes"] for s in self.samples)
+
+    @property
+    def prepare(self) -> float | None:
+        """The seconds before the first scene."""
+        starts = [s["start"] for s in self.samples if "start" in s]
+        return statistics.median(starts) if starts else self.ready.get("prepare")
 
     @property
     def peak(self) -> float | None:
@@ -59,12 +69,40 @@ class Cell:
         if self.samples:
             found |= {
                 "scenes per second": {"median": rounded(self.rate), "min": rounded(min(self.rates)), "max": rounded(max(self.rates))},
-                "attempts per scene": rounded(self.attempts), "prepare seconds": rounded(self.ready.get("prepare")),
+                "attempts per scene": rounded(self.attempts), "prepare seconds": rounded(self.prepare),
                 "prepare parts": {name: rounded(value) for name, value in self.ready.get("parts", {}).items()},
                 "peak MiB": rounded(self.peak), "scenes per block": self.samples[-1].get("block", 1),
-                "samples": [{"scenes": s["scenes"], "attempts": s["attempts"], "seconds": rounded(s["seconds"])} for s in self.samples],
+                "samples": [{**s, "seconds": rounded(s["seconds"])} for s in ({k: s[k] for k in KEPT if k in s} for s in self.samples)],
             }
+            if "numbers" in self.ready:
+                found["numbers per scene"] = self.ready["numbers"]
         return found | ({"skipped": self.skipped} if self.skipped is not None else {})
+
+
+@dataclass(frozen=True, slots=True)
+class WritingCost:
+    """The seconds of the processor for drawing a scene and for writing it, and the numbers that it has in a table."""
+
+    drawing: float
+    writing: float
+    numbers: float
+
+    @property
+    def share(self) -> float:
+        """WritingCost by drawing."""
+        return self.writing / self.drawing
+
+    @property
+    def per_number(self) -> float:
+        """Nanoseconds that writing takes for a number."""
+        return 1e9 * self.writing / self.numbers
+
+    def json(self) -> dict[str, object]:
+        """All figures."""
+        return {
+            "drawing us/scene": rounded(1e6 * self.drawing), "writing us/scene": rounded(1e6 * self.writing), "writing/drawing": rounded(self.share),
+            "ns per number": rounded(self.per_number),
+        }
 
 
 @dataclass
@@ -93,6 +131,14 @@ class Figures:
             return None
         return cell.rate / other.rate
 
+    def writing(self, cell: Cell) -> WritingCost | None:
+        """What writing costs, of a command that writes a file; None for what only draws."""
+        other = self.cell(cell.program, self.standard)
+        if "numbers" not in cell.ready or cell.rate is None or other is None or other.rate is None:
+            return None
+        drawing = 1 / other.rate
+        return WritingCost(drawing, 1 / cell.rate - drawing, cell.ready["numbers"])
+
     def means(self) -> dict[str, tuple[float, int]]:
         """The geometric mean of an implementation's ratios, and over how many programs it goes."""
         found = {}
@@ -104,7 +150,7 @@ class Figures:
 
     def json(self, options: Mapping[str, object]) -> dict[str, object]:
         """All of it, with the machine that it was measured on."""
-        cells = [cell.json() | {"ratio": rounded(self.ratio(cell))} for cell in self.cells]
+        cells = [cell.json() | {"ratio": rounded(self.ratio(cell))} | (w.json() if (w := self.writing(cell)) else {}) for cell in self.cells]
         return {
             "schema": SCHEMA, "versions": versions(), "machine": machine(), "load": self.load, "options": dict(options),
             "interrupted": self.interrupted, "ratios to": self.standard,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from statistics import geometric_mean
 from typing import TYPE_CHECKING
 
 from .figures import Cell, Figures, fitted
@@ -25,6 +26,8 @@ def show(figures: Figures) -> None:
     if figures.cells:
         console.print(table_of(figures))
         console.print(table_of_means(figures))
+    if any(figures.writing(cell) for cell in figures.cells):
+        console.print(table_of_writing(figures))
     for kind, cells in figures.growth.items():
         console.print(table_of_growth(kind, cells))
     for line in reasons(figures):
@@ -61,7 +64,7 @@ def row(cell: Cell) -> tuple[str, ...]:
     if not cell.samples:
         return ("-",) * 6
     least, most = min(cell.rates), max(cell.rates)
-    return (*(short(x) for x in (cell.rate, least, most, cell.attempts, cell.ready.get("prepare"))), short(cell.peak, digits=3))
+    return (*(short(x) for x in (cell.rate, least, most, cell.attempts, cell.prepare)), short(cell.peak, digits=3))
 
 
 def table_of_means(figures: Figures) -> Table:
@@ -69,6 +72,22 @@ def table_of_means(figures: Figures) -> Table:
     table = empty_table(f"geometric means of the ratios to {figures.standard}", ("implementation",), ("ratio", "programs"))
     for name, (mean, count) in figures.means().items():
         table.add_row(name, times(mean), str(count))
+    return table
+
+
+def table_of_writing(figures: Figures) -> Table:
+    """What it costs to write the scenes that were drawn: a row for each program and format, then one for each format."""
+    numbers = ("drawing, µs/scene", "writing, µs/scene", "writing/drawing", "numbers/scene", "writing, ns/number")
+    table = empty_table("writing beside drawing, in time of the processor for each further scene", ("program", "implementation"), numbers)
+    shares: dict[str, list[float]] = {}
+    for cell in figures.cells:
+        if (found := figures.writing(cell)) is not None:
+            row = (1e6 * found.drawing, 1e6 * found.writing, found.share, found.numbers, found.per_number)
+            table.add_row(cell.program, cell.contender, *(short(x, digits=3) for x in row))
+            shares.setdefault(cell.contender, []).append(found.share)
+    table.add_section()
+    for name, found in shares.items():
+        table.add_row("geometric mean", name, "-", "-", short(geometric_mean(max(share, 1e-3) for share in found), digits=3), "-", "-")
     return table
 
 

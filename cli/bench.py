@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .options import DebugOption
+from .options import DebugOption, TrustOption
 
 if TYPE_CHECKING:
     from ..benchmarks.course import CourseRequest
@@ -38,6 +38,10 @@ def bench(
     ] = None,
     prune: Annotated[bool, typer.Option("--prune", help="Also measure the batch backend with pruning.")] = False,
     growth: Annotated[bool, typer.Option("--growth", help="Measure how cost grows with the number of objects and of polygons.")] = False,
+    end_to_end: Annotated[
+        bool, typer.Option("--end-to-end", help="Measure what `run` to a file takes, in each format, beside drawing by the fastest backend.")
+    ] = False,
+    trust: TrustOption = False,
     seed: Annotated[int, typer.Option("--seed", metavar="S", help="The seed of the scenes.")] = 0,
     output: Annotated[str | None, typer.Option("--json", metavar="PATH", help="Write all figures as JSON.")] = None,
     plot: Annotated[str | None, typer.Option("--plot", metavar="PATH", help="Draw scenes per second as bars, as .png, .pdf or .svg.")] = None,
@@ -56,12 +60,14 @@ def bench(
     context.obj.seed = seed
     if not programs and not growth:
         raise UsageError("there is nothing to measure", hint="give programs, or --growth")
+    if end_to_end and (prune or growth or against):
+        raise UsageError("--end-to-end measures the command itself, and goes with none of --prune, --growth and --against")
     if plot is not None and not programs:
         raise UsageError("--plot draws the figures of programs, so it needs some")
     if not 0 < seconds < float("inf"):
         raise UsageError("--seconds must be a positive number")
     check_outputs(programs or (), output, plot)
-    request = CourseRequest(tuple(programs or ()), seconds, repeat, tuple(against or ()), released, prune, growth, seed)
+    request = CourseRequest(tuple(programs or ()), seconds, repeat, tuple(against or ()), released, prune, growth, seed, end_to_end, trust)
     measure(request, tell, lambda figures: finish(figures, request, output, plot))
 
 

@@ -10,6 +10,7 @@ import pytest
 from scenic_ref.benchmarks import course
 from scenic_ref.benchmarks.bars import bars
 from scenic_ref.benchmarks.contenders import Ours
+from scenic_ref.benchmarks.end_to_end import FIRST, LARGEST, TimedCommand, WritingTask, numbers_of
 from scenic_ref.benchmarks.figures import Cell, Figures, fitted
 from scenic_ref.benchmarks.growth import many_objects, many_polygons
 from scenic_ref.benchmarks.own_sampler import SamplingTask, TimedSampler, prepare
@@ -127,6 +128,8 @@ def test_wrong_usage_is_told_before_anything_is_measured(ask: Ask, fake: Path, t
         (("ok.scenic", "--json", "ok.scenic"), "is the program ok"),
         (("ok.scenic", "--plot", "out.gif"), "pictures are written as .png, .pdf or .svg"),
         (("--growth", "--plot", "out.png"), "--plot draws the figures of programs"),
+        (("--end-to-end",), "there is nothing to measure"),
+        (("p.scenic", "--end-to-end", "--growth"), "goes with none of --prune, --growth and --against"),
     ):
         answer = ask("bench", *arguments)
         assert answer.code == 2, answer
@@ -194,3 +197,53 @@ def test_each_measurement_draws_other_scenes():
     assert (first["scenes"], first["attempts"]) == (1, 2)
     sampler.sample(0.0)
     assert asked == [1, 2]
+
+
+@pytest.mark.slow
+def test_what_the_whole_command_takes_is_measured_in_each_format(ask: Ask, tmp_path: Path):
+    (tmp_path / "trusting.scenic").write_text("import colorsys\nego = Object at Range(0, colorsys.ONE_THIRD) @ 0\n")
+    assert "so it needs --trust" in ask("bench", "trusting.scenic", *QUICK, "--end-to-end").out
+    answer = ask("bench", "trusting.scenic", *QUICK, "--end-to-end", "--trust", "--json", "out.json")
+    assert answer.code == 0 and "writing, ns/number" in answer.out, answer.err
+    cells = cells_of(tmp_path / "out.json")
+    written = [name for _, name in cells if name.startswith("run to ")]
+    assert {"run to jsonl", "run to npz", "run to csv"} <= set(written) and len(cells) == len(written) + 1
+    for name in written:
+        cell = cells["trusting", name]
+        assert "skipped" not in cell and cell["numbers per scene"] > 4 and cell["peak MiB"] > 20
+        assert cell["prepare seconds"] > 0.1, "the start of the command is no part of a scene"
+        assert cell["writing us/scene"] + cell["drawing us/scene"] == pytest.approx(1e6 / cell["scenes per second"]["median"], rel=1e-3)
+    assert not list(tmp_path.glob("scenes.*")), "the files are gone"
+
+
+def test_further_scenes_are_told_from_the_start():
+    asked: list[int] = []
+
+    def cost(count: int) -> float:
+        asked.append(count)
+        return 3 + count / 100_000
+
+    sampler = TimedCommand(cost)
+    found = sampler.sample(0.1)
+    assert found["scenes"] == 16_000 and found["seconds"] == pytest.approx(0.16) and found["start"] == pytest.approx(3)
+    assert asked == [FIRST, 2 * FIRST, 4 * FIRST, 8 * FIRST, 16 * FIRST, 32 * FIRST]
+    assert sampler.sample(9)["scenes"] == 16_000, "later measurements are of the same number"
+    assert TimedCommand(lambda count: 3.0).sample(1)["scenes"] <= LARGEST, "an end where a scene costs nothing"
+
+
+def test_numbers_are_counted(tmp_path: Path):
+    (tmp_path / "p.scenic").write_text("ego = Object at Range(0, 1) @ 0\n")
+    one = numbers_of(WritingTask(str(tmp_path / "p.scenic"), "npz"))
+    (tmp_path / "p.scenic").write_text("ego = Object at Range(0, 1) @ 0, with foo 3, with bar 'x', with baz (1, 2, 3)\n")
+    assert numbers_of(WritingTask(str(tmp_path / "p.scenic"), "npz")) == one + 4
+
+
+def test_what_writing_costs_is_what_the_command_takes_beside_drawing():
+    figures = Figures(("numba", "run to npz"), "numba")
+    draws, writes = Cell("p", "numba"), Cell("p", "run to npz", {"numbers": 50})
+    draws.take({"scenes": 1000, "attempts": 1000, "seconds": 0.002})
+    writes.take({"scenes": 1000, "seconds": 0.005, "start": 2.0})
+    figures.cells = [draws, writes]
+    found = figures.writing(writes)
+    assert found is not None and (found.share, found.per_number) == (pytest.approx(1.5), pytest.approx(60))
+    assert figures.writing(draws) is None and writes.attempts is None and writes.prepare == 2.0

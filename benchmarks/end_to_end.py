@@ -1,0 +1,142 @@
+"""`scenic-ref run` as a user starts it, with a file at its end: the seconds of the processor that it uses for each further scene.
+
+Each measurement runs the command twice, for n and for 2 n scenes. What the second takes more is n scenes, drawn and written; the rest of the first is
+the start, with what it compiles. The process answers as `own_sampler` does.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TextIO
+
+from ..scenario import load
+from ..semantics.kernel.errors import ScenicError
+from .contenders import ONE_THREAD, MeasuredProgram
+from .own_sampler import Skipped
+
+try:
+    import resource
+except ImportError:  # pragma: no cover (Windows)
+    resource = None
+
+FORMATS = ("jsonl", "npz", "parquet", "arrow", "csv")
+NEED_ARROW = ("parquet", "arrow")
+FIRST, LARGEST, GROWTH = 1_000, 1_024_000, 4
+COUNTED = 100
+"""Scenes of which the numbers are counted."""
+
+Cost = Callable[[int], float]
+"""The seconds of the processor that a run of so many scenes takes."""
+
+
+@dataclass(frozen=True, slots=True)
+class RunToFile:
+    """The command, with a file in this format."""
+
+    format: str
+
+    @property
+    def name(self) -> str:
+        """What tables call it."""
+        return f"run to {self.format}"
+
+    def command(self, program: MeasuredProgram, seed: int) -> list[str]:
+        """Starts the process that starts the command."""
+        task = WritingTask(program.path, self.format, program.trust, seed)
+        code = f"import sys; sys.path[:] = {sys.path!r}; from {__name__} import main; main()"
+        return [sys.executable, "-c", code, json.dumps(asdict(task))]
+
+    def environment(self) -> Mapping[str, str]:
+        """The variables of its process."""
+        return {**os.environ, **ONE_THREAD}
+
+
+@dataclass(frozen=True, slots=True)
+class WritingTask:
+    """What a process measures."""
+
+    program: str
+    format: str
+    trust: bool = False
+    seed: int = 0
+
+
+def run(task: WritingTask, count: int, folder: str) -> float:
+    """The seconds of the processor that the command takes, with the processes that it starts. Raises `Skipped`."""
+    code = f"import sys; sys.path[:] = {sys.path!r}; from {__name__.rpartition('.benchmarks')[0]}.cli import main; main()"
+    path = Path(folder) / f"scenes.{task.format}"
+    words = ["run", task.program, "-n", str(count), "--seed", str(task.seed), "-o", str(path), *(["--trust"] if task.trust else [])]
+    before = os.times()
+    done = subprocess.run([sys.executable, "-c", code, *words], stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
+    after = os.times()
+    path.unlink(missing_ok=True)
+    if done.returncode:
+        said = [line.strip() for line in done.stderr.splitlines() if line.strip()]
+        raise Skipped(said[0][:300] if said else f"the command ended with {done.returncode}")
+    return after.children_user + after.children_system - before.children_user - before.children_system
+
+
+class TimedCommand:
+    """Runs for n and 2 n scenes; n grows until n scenes take long enough."""
+
+    def __init__(self, cost: Cost) -> None:
+        self.cost = cost
+        self.count = FIRST
+        self.growing = True
+
+    def sample(self, seconds: float) -> dict[str, object]:
+        """What the further scenes took, at least `seconds` seconds if there is an end to it."""
+        while True:
+            once, twice = self.cost(self.count), self.cost(2 * self.count)
+            took = twice - once
+            if took >= seconds or self.count >= LARGEST or not self.growing:
+                self.growing = False
+                return {"scenes": self.count, "seconds": max(took, 1e-9), "start": once - took, "peak": peak_of_children()}
+            self.count *= GROWTH
+
+
+def peak_of_children() -> int:
+    """The most memory of any of the commands, in bytes; 0 where the system does not tell."""
+    if resource is None:
+        return 0
+    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
+
+
+def numbers_of(task: WritingTask) -> float:
+    """The numbers, truth values included, in the rows of the table of a scene."""
+    columns = load(task.program, trust=task.trust).sample_columns(COUNTED, task.seed)
+    return sum(column.size for column in columns.values() if column.dtype.kind in "bif") / COUNTED
+
+
+def serve(task: WritingTask, out: TextIO) -> None:
+    """Answer the lines of standard input."""
+
+    def say(answer: object) -> None:
+        print(json.dumps(answer), file=out, flush=True)
+
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            begun = time.process_time()
+            say({"numbers": numbers_of(task), "prepare": time.process_time() - begun})
+            sampler = TimedCommand(lambda count: run(task, count, folder))
+            for line in sys.stdin:
+                say(sampler.sample(float(line)))
+        except Skipped as reason:
+            say({"skipped": str(reason)})
+        except ScenicError as error:
+            say({"skipped": f"{error.kind}: {error.message}"})
+
+
+def main() -> None:
+    """The process; the task is its argument."""
+    out = os.fdopen(os.dup(1), "w")
+    os.dup2(2, 1)  # what the program prints is not an answer
+    serve(WritingTask(**json.loads(sys.argv[1])), out)
