@@ -12,6 +12,7 @@ from ....semantics.kernel.errors import ScenicError
 from ....semantics.kernel.host import DoorStuck, HostException
 from ....semantics.kernel.outcome import Requirement
 from ....semantics.kernel.values import Bound, Native
+from ....semantics.python.calls import invoke
 from ....semantics.space.absence import Absent
 from ....semantics.space.fields import OutsideField, PolygonalVectorField, VectorField
 from ....semantics.space.numeric import Elementary, is_macro, position_in
@@ -21,7 +22,7 @@ from ....semantics.space.vectors import Vector
 from ....semantics.syntax.nodes import NOWHERE
 from .graph import AsFloat, Graph, GraphEvent, GraphNode, Kind, Lookup, Macro, Part, PartialRun, RowCall, Search, Site, bounds_of, decided
 from .structures import in_row, symbols_in
-from .symbols import OPERATORS, Choice, Opaque, Scalar, Traced
+from .symbols import OPERATORS, Choice, Opaque, Retry, Scalar, Traced
 
 AS_FLOAT = AsFloat()
 LARGEST_PRODUCT = 256
@@ -32,8 +33,8 @@ TRUTH = frozenset({
 PLAIN = (bool, int, float, str, type(None))
 
 
-class Retry(Exception):
-    """The run that is traced got stuck where no value can go on: another run must be traced."""
+class Mistaken(NotLifted):
+    """The run that was traced ends with an error of the program; others may not."""
 
 
 class Recorder:
@@ -264,12 +265,12 @@ class Recorder:
         except (OutsideField, EmptyRegion, Absent) as stuck:
             raise Retry(str(stuck)) from None
         except (ScenicError, HostException, DoorStuck, Exception) as problem:
-            raise NotLifted(f"{name_of(function)}: {problem}") from None
+            raise Mistaken(f"{name_of(arguments[0] if function is invoke else function)}: {problem}") from None
         if symbols_in(example):
             raise NotLifted("a function gives a random value that it has hidden")
         if result is float and type(example) is not bool:
             example = float(example)  # type: ignore[arg-type]
-        text = name_of(function)
+        text = name_of(arguments[0] if function is invoke else function)
         call = RowCall(function, arguments, dict(keywords), type(example), result is float, text, self.budget)
         kind: Kind = "float" if type(example) is float else "bool" if type(example) is bool else "object"
         key = self.key_of(function, arguments, keywords)
@@ -358,6 +359,8 @@ class Recorder:
 
 def name_of(function: object) -> str:
     """A function as reports call it."""
+    if isinstance(function, Traced):
+        return name_of(function.example)
     owner = getattr(function, "__self__", function)
     return owner.name if isinstance(owner, (Native, Bound)) else getattr(function, "__qualname__", repr(function))
 
@@ -376,4 +379,4 @@ def bounds_of_field(subject: object = None, *rest: object) -> tuple[float, float
     return min(headings), max(headings)
 
 
-__all__ = ["Recorder", "Retry"]
+__all__ = ["Mistaken", "Recorder"]

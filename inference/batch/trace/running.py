@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import textwrap
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any, NamedTuple
 
 from ....interpreter.choosers import AS_THEY_ARE, PER_SCENE, Draws, replaced
+from ....interpreter.printer import to_source
 from ....interpreter.streams import Stream
 from ....interpreter.walls import within
-from ....semantics.kernel.config import Abrupt, Config, State, Value
-from ....semantics.kernel.driving import drive_machine
+from ....semantics.kernel.config import Abrupt, Config, Stack, State, Value
+from ....semantics.kernel.driving import End, drive_machine
 from ....semantics.kernel.errors import RandomBranch
 from ....semantics.kernel.outcome import Done, Draw, Fault, Next, Outcome, Requirement, Stuck
 from ....semantics.kernel.scopes import target_names
@@ -36,13 +38,13 @@ from ....semantics.space.vectors import Vector
 from ....semantics.step import place, step
 from ....semantics.syntax import python_expressions as p
 from ....semantics.syntax import statements as s
-from ....semantics.syntax.nodes import Statement
+from ....semantics.syntax.nodes import Node, Statement
 from ..evaluate.plan import only_rejects
 from .graph import Graph, GraphEvent, RowDraw, Site
 from .lifting import lift
-from .recording import Recorder, Retry
+from .recording import Mistaken, Recorder
 from .structures import in_row
-from .symbols import Traced
+from .symbols import Retry, Traced
 
 TRIES = 200
 """Runs that are tried until one is found in which all vector fields and regions have values."""
@@ -50,12 +52,10 @@ MAPPED = (Range, Normal, TruncatedNormal, Uniform, Discrete, Coin)
 MAPPED_REGIONS = (CircularRegion, SectorRegion, RectangularRegion, PolygonalRegion, PolylineRegion, PointSetRegion)
 PURE = (s.Return, s.If, s.While, s.For)
 """Statements that change nothing but what they contain does."""
+LONGEST = 80
+"""Letters of a construct that a reason shows."""
 FEW = 5
 """How many of these may end with an error of the program."""
-
-
-class Mistaken(NotLifted):
-    """The run that was traced ends with an error of the program; others may not."""
 
 
 class Impossible(NotLifted):
@@ -101,27 +101,50 @@ def trace_run(config: Config, attempt: int, fuel: int, draws: Draws = AS_THEY_AR
     door = config.state.settings.door
     made = Recorder(number_at, door.budget)
     door.lift = partial(lift, made)
-    traced = SymbolicRun(made, draws, config)
+    traced, beginning = SymbolicRun(made, draws, config), config
     try:
         end, _ = drive_machine(traced.step, config, traced.answer, fuel, witness=traced.watch, beyond=traced.beyond)
-        match end:
-            case Done(state=state):
-                return Lifted(made.graph, state)
-            case Fault(error=RandomBranch()):
-                raise NotLifted("what is drawn decides what happens in the condition of a requirement")
-            case Fault(error=error):
-                raise Mistaken(f"{error}")
-            case Stuck(requirement=requirement):
-                raise Retry(requirement.text)
-            case _:
-                raise NotLifted("the program does not end")
+    except Impossible:
+        raise
     except NotLifted as problem:
         if made.imagined:
             raise Retry(str(problem)) from None
-        raise
+        raise type(problem)(with_place(str(problem), traced.config, beginning)) from None
     finally:
         made.open = False
         door.lift = None
+    if isinstance(end, Done):
+        return Lifted(made.graph, end.state)
+    reason = no_graph(end)
+    raise Retry(str(reason)) if made.imagined else reason
+
+
+def no_graph(end: End) -> BaseException:
+    """What to raise for a run that has not come to its end."""
+    match end:
+        case Fault(error=RandomBranch(span=span)):
+            return NotLifted(f"{span}: what is drawn decides what happens in the condition of a requirement")
+        case Fault(error=error):
+            return Mistaken(f"{error}")
+        case Stuck(requirement=requirement):
+            return Retry(requirement.text)
+        case _:
+            return NotLifted("the program does not end")
+
+
+def with_place(problem: str, config: Config, beginning: Config) -> str:
+    """Why there is no graph, with the construct and its place: in the program itself, if what was reduced was in a library."""
+    nodes = [config.control, *(getattr(frame, "node", None) for frame in frames_of(config.stack))]
+    found = [n for n in nodes if isinstance(n, Node) and n.span.line > 0]
+    here = next((n for n in found if n.span.file == place(beginning).file), next(iter(found), None))
+    return problem if here is None else f"{here.span}: {problem}, in `{textwrap.shorten(to_source(here), LONGEST, placeholder=' ...')}`"
+
+
+def frames_of(stack: Stack) -> Iterator[object]:
+    """The frames of a stack, the innermost first."""
+    while stack:
+        frame, stack = stack
+        yield frame
 
 
 class SymbolicRun:

@@ -29,6 +29,10 @@ OPERATORS: dict[Callable[..., object], np.ufunc] = {
 """Python's operators as they act on floats and truth values."""
 
 
+class Retry(BaseException):
+    """The run that is traced got stuck where no value can go on: another run must be traced. No program can take it for an error of its own."""
+
+
 def _binary(operation: Callable[..., object], *, swapped: bool = False) -> Callable[[Any, object], object]:
     def method(self: Any, other: object) -> object:
         pair = (other, self) if swapped else (self, other)
@@ -159,12 +163,23 @@ class Choice(Traced):
 
     def always(self, predicate: Callable[[Any], bool]) -> bool:
         answers = {predicate(v) for v in self.values}
-        if len(answers) != 1:
-            raise NotLifted("a choice among values of different types")
-        return answers.pop()
+        if len(answers) == 1:
+            return answers.pop()
+        there = [v is not None for v in self.values]
+        of_those = {predicate(v) for v in self.values if v is not None}
+        if all(there) or len(of_those) != 1:
+            raise NotLifted("a choice among values of different types is used as one of them")
+        if self.example is None:
+            raise Retry("a value is None that is used as something else")
+        self.trace.guard(self.trace.table(self.node, np.array(there)))
+        return of_those.pop()
 
     def each(self, function: Callable[[Any], object]) -> Any:
-        return self.trace.merge(self.node, [function(v) for v in self.values])
+        try:
+            results = [function(v) for v in self.values]
+        except Exception:  # of some of them: found row by row
+            return self.trace.call(function, (self,), {})
+        return self.trace.merge(self.node, results)
 
     def number(self) -> Any:
         return self.trace.as_float(self)
@@ -179,6 +194,8 @@ class Choice(Traced):
         return iter([self.each(operator.itemgetter(i)) for i in range(lengths.pop())])
 
     def __getitem__(self, index: object) -> object:
+        if isinstance(index, Traced):
+            return self.trace.call(operator.getitem, (self, index), {})
         return self.each(operator.itemgetter(index))
 
 
