@@ -151,6 +151,7 @@ RESUME: Mapping[type, Resumption] = {
     functions.InScope: functions.resume_in_scope,
     comprehensions.Comprehending: comprehensions.resume_comprehension,
     elementwise.Selecting: elementwise.resume_selecting,
+    elementwise.SelectingInCases: elementwise.resume_selecting_in_cases,
     object_definitions.ClassOf: object_definitions.resume_class,
     object_definitions.Construction: object_definitions.construct,
     operations.Settling: operations.resume_settling,

@@ -9,7 +9,7 @@ Section "Data Types"). A `Reader` makes these interpretations and remembers whet
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from numbers import Real
 from typing import Any, NamedTuple
@@ -182,6 +182,18 @@ def always(predicate: Callable[[Any], bool], value: object) -> bool:
 def spread(container: object) -> list[object] | None:
     """What stands for the items of a container that differs from run to run, where a distribution chooses among them; None for any other."""
     return [Spread(container)] if isinstance(container, Symbol) else None
+
+
+def cases(value: object) -> Sequence[tuple[object, object]] | None:
+    """The values of something that differs from run to run, each with its condition; None for any other. Raises `NotLifted` for too many."""
+    return value.cases() if isinstance(value, Symbol) else None
+
+
+def of_cases(value: Any, results: Sequence[object], *, drawn: bool) -> object:
+    """What the results of the `cases` of a value make up. Raises `NotLifted` if there were draws, whose numbers depend on the case."""
+    if drawn:
+        raise NotLifted("a function with draws, or with `and` or `or` of something random, filters a container that differs from run to run")
+    return value.of_cases(results)
 
 
 def is_vector(value: object) -> bool:

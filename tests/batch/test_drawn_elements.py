@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import random
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.kernel.errors import AttemptsExhausted
+from scenic_ref.semantics.kernel.errors import AttemptsExhausted, ScenicError
 
 MODEL = "model scenic.domains.driving.model\n"
 PLACES = (
@@ -39,6 +40,30 @@ def invented(seed: int) -> str:
     return MODEL + start + "\n".join(["ego = Car at spot", *numbers.sample(FURTHER, numbers.randint(0, 2))]) + "\n"
 
 
+FILTERS = (
+    "lambda m: m.type is ManeuverType.LEFT_TURN", "lambda m: m.type is not ManeuverType.STRAIGHT and len(m.conflictingManeuvers) > 2",
+    "lambda m: m.startLane.trafficLight.stateAt(t) == 'red'", "lambda m: m.startLane.sections[0].laneToLeft is not None", "short", "None",
+    "lambda m: m.reverseManeuvers[n].type is ManeuverType.STRAIGHT", "lambda m: t > 20", "lambda m: Range(0, 1) < 0.7", "lambda m: t > 20 or m.type",
+)  # fmt: skip
+RESULTS = (
+    "m = Uniform(*found)\nego = Car on m.startLane.centerline", "m = Uniform(*found)\nego = Car at m.connectingLane.centerline.pointAlongBy(1)",
+    "ego = Car on inter, with many len(found)", "m = Uniform(*found, inter.maneuvers[0])\nego = Car on m.endLane",
+    "m = Uniform(*Uniform(*found).conflictingManeuvers)\nego = Car on m.startLane", "ego = Car on found[0].startLane",
+    "ego = Car on inter, with v found[-1].type",
+)  # fmt: skip
+
+
+def filtering(seed: int) -> str:
+    """A program that filters a container of a random length, and draws from what is left."""
+    numbers = random.Random(seed)
+    among = numbers.choice(["network.intersections", "network.intersections[2:5]", "filter(lambda i: i.is4Way, network.intersections)"])
+    return (
+        f"{MODEL}inter = Uniform(*{among})\nt = Range(0, 60)\nn = {numbers.randint(0, 1)}\n"
+        "def short(m):\n    found = m.startLane.centerline.length\n    return found < 90\n"
+        f"found = filter({numbers.choice(FILTERS)}, inter.maneuvers)\n{numbers.choice(RESULTS)}\nOther = Range(0, 1)\nparam after = Other\n"
+    )
+
+
 def drawn(text: str, backend: str, seed: int) -> list[str] | str:
     """The scenes, or the error that drawing them ends with."""
     try:
@@ -47,6 +72,32 @@ def drawn(text: str, backend: str, seed: int) -> list[str] | str:
         return exhausted.message.partition(":")[0]  # another requirement may be checked first
     except Exception as problem:
         return f"{type(problem).__name__}: {problem}"
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_what_is_left_of_a_random_container_is_what_the_interpreter_leaves(seed):
+    assert drawn(filtering(seed), "batch", seed) == drawn(filtering(seed), "interpreter", seed), filtering(seed)
+
+
+def test_most_of_these_programs_have_a_graph():
+    texts = [*map(invented, range(30)), *map(filtering, range(30))]
+    without = 0
+    for text in texts:
+        with contextlib.suppress(ScenicError):
+            without += scenic_ref.loads(text).not_lifted is not None
+    assert without < len(texts) / 3
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("i = Uniform(*network.intersections)\nm = i.maneuvers\nn = filter(lambda m: Range(0, 1) < 0.5, m)\nego = Car on i", "4:5: a function"),
+        ("i = Uniform(*network.intersections)\nm = Uniform(*i.maneuvers)\nn = filter(None, m.conflictingManeuvers)\nego = Car on i", "4:5: which"),
+        ("f = Uniform(*network.lanes)\nprint(f.uid)\nego = Car on f", "3:1: the text of a random value is needed, in `print(f.uid)`"),
+    ],
+)  # fmt: skip
+def test_why_there_is_no_graph_names_the_construct_and_its_line(text, reason):
+    assert reason in scenic_ref.loads(MODEL + text + "\n").not_lifted
 
 
 @pytest.mark.parametrize("seed", range(80))

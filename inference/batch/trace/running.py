@@ -19,6 +19,7 @@ from ....semantics.kernel.scopes import target_names
 from ....semantics.kernel.values import unwrap
 from ....semantics.kernel.versions import STORED
 from ....semantics.python.assignment import written
+from ....semantics.python.elementwise import SelectingInCases
 from ....semantics.space.absence import Absent
 from ....semantics.space.distributions import Coin, Discrete, Distribution, Normal, PointIn, Range, TruncatedNormal, Uniform
 from ....semantics.space.regions import (
@@ -155,7 +156,7 @@ class SymbolicRun:
         self.draws = draws
         self.config = config  # the one that makes the latest step, and how many events there were before it
         self.events = 0
-        self.partial_runs: list[tuple[object, State]] = []  # where what is evaluated in some runs only ends, and the state at its beginning
+        self.partial_runs: list[tuple[Any, State]] = []  # where what is evaluated in some runs only ends, and the state at its beginning
         made.place = lambda text: Requirement("field", place(self.config), text)
 
     def step(self, config: Config) -> Outcome:
@@ -208,13 +209,23 @@ class SymbolicRun:
     def beyond(self, outcome: Stuck) -> Config | None:
         """Where a run goes on whose requirement became an event, or fails whatever is drawn. Raises `Impossible`, `Retry`."""
         if outcome.beyond is None:
-            return None
+            return self.rejected_in_case(outcome)
         events = self.made.graph.events
         if len(events) == self.events:  # it fails in all runs that come here
             never_holds(outcome.requirement, self.made)
         elif events[-1].requirement is not outcome.requirement:
             return None
         return outcome.beyond
+
+
+    def rejected_in_case(self, outcome: Stuck) -> Config | None:
+        """Where a run goes on that is rejected in one case of a container that is filtered: after this case."""
+        end, state = self.partial_runs[-1] if self.partial_runs else ((None, ()), None)
+        if state is None or not isinstance(end[0], SelectingInCases):
+            return None
+        assert self.made.condition is not None
+        self.made.graph.events.append(GraphEvent("require", self.made.condition, False, outcome.requirement))
+        return Config(Value([]), end, state)
 
 
 def never_holds(requirement: Requirement, made: Recorder) -> None:
@@ -227,9 +238,11 @@ def never_holds(requirement: Requirement, made: Recorder) -> None:
 def check_pure(outcome: Next) -> None:
     """Refuse statements and calls that change something in what is not evaluated in every run, and exceptions, which leave it."""
     node, control = outcome.node, outcome.config.control
+    if isinstance(control, Abrupt) and control.kind == "raise":
+        raise NotLifted("an exception is raised in what is evaluated only in some runs")
     pure = not isinstance(node, Statement) or isinstance(node, PURE) or is_local(outcome)
     stores = isinstance(node, p.Call) and isinstance(node.function, p.Attribute) and node.function.name in STORED
-    if not pure or stores or (isinstance(control, Abrupt) and control.kind == "raise"):
+    if not pure or stores:
         raise NotLifted("what is evaluated only in some runs changes something")
 
 

@@ -133,6 +133,13 @@ class Traced(Symbol):
     __neg__, __pos__, __abs__, __invert__ = (_unary(o) for o in (operator.neg, operator.pos, operator.abs, operator.invert))
 
 
+    def cases(self) -> Sequence[tuple[Any, object]]:
+        raise NotLifted("which values this may have is known only row by row")
+
+    def of_cases(self, results: Sequence[object]) -> Any:
+        raise NotLifted("which values this may have is known only row by row")
+
+
 class Scalar(Traced):
     """A float or a truth value."""
 
@@ -180,6 +187,22 @@ class Choice(Traced):
         except Exception:  # of some of them: found row by row
             return self.trace.call(function, (self,), {})
         return self.trace.merge(self.node, results)
+
+    def cases(self) -> Sequence[tuple[Any, object]]:
+        found: list[tuple[Any, object]] = []
+        for position, value in enumerate(self.values):
+            here = self.trace.table(self.node, np.arange(len(self.values)) == position)
+            inner = value.cases() if isinstance(value, Choice) else [(True, value)]
+            found += [(here if condition is True else here & condition, one) for condition, one in inner]
+        return found
+
+    def of_cases(self, results: Sequence[object]) -> Any:
+        rest, merged = list(results), []
+        for value in self.values:
+            count = len(value.cases()) if isinstance(value, Choice) else 1
+            merged.append(value.of_cases(rest[:count]) if isinstance(value, Choice) else rest[0])
+            rest = rest[count:]
+        return self.trace.merge(self.node, merged)
 
     def number(self) -> Any:
         return self.trace.as_float(self)
