@@ -354,5 +354,5 @@ def each(function: Callable[..., Any], value: object, *arguments: object) -> Any
     def of_one(one: object) -> object:
         return each(function, one, *arguments)
 
-    of_one.__qualname__ = function.__qualname__
+    of_one.__qualname__ = getattr(function, "__qualname__", of_one.__qualname__)
     return value.each(of_one)
