@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import random
+from collections import Counter
 
 import pytest
 import scenic_ref
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted, ScenicError
+from scenic_ref.semantics.kernel.outcome import Requirement
 
 MODEL = "model scenic.domains.driving.model\n"
 PLACES = (
@@ -98,6 +100,34 @@ def test_most_of_these_programs_have_a_graph():
 )  # fmt: skip
 def test_why_there_is_no_graph_names_the_construct_and_its_line(text, reason):
     assert reason in scenic_ref.loads(MODEL + text + "\n").not_lifted
+
+
+REJECTIONS = {
+    "one of none": "inter = Uniform(*network.intersections)\nm = Uniform(*filter(lambda m: len(m.conflictingManeuvers) > 5, inter.maneuvers))\n"
+    "ego = Car on m.startLane",
+    "one of none, row by row": "lane = Uniform(*network.lanes)\nlong = filter(lambda s: s.centerline.length > 25, lane.sections)\n"
+    "ego = Car on Uniform(*Uniform(*long).lane.adjacentLanes)",
+    "no lane there": "x = Range(-300, 300)\nlane = network.laneAt(x @ Range(-200, 200), reject=True)\nego = Car on lane",
+    "words of the program": "x = Range(-300, 300)\nlane = network.laneAt(x @ 0, reject=Uniform('far', 'away'))\nego = Car on lane",
+    "of some of a few": "lane = Uniform(*network.lanes[::4])\nego = Car on lane.sections[0].laneToLeft",
+    "of the rows": "lane = network.laneAt((Range(-300, 300), 0), reject=True)\nego = Car on lane.sections[0].laneToLeft",
+}
+
+
+def rejected(text: str, backend: str) -> Counter[Requirement]:
+    """What failed how often in the attempts at a scene that there is not."""
+    with pytest.raises(AttemptsExhausted) as exhausted:
+        list(scenic_ref.loads(text).sample_many(1, seed=3, backend=backend, max_attempts=150))  # type: ignore[arg-type]
+    return Counter(dict(exhausted.value.stuck))
+
+
+@pytest.mark.parametrize("name", REJECTIONS)
+def test_what_is_rejected_is_said_in_the_words_of_the_interpreter(name):
+    text = f"{MODEL}{REJECTIONS[name]}\nrequire ego.position.x > 9999\n"
+    assert scenic_ref.loads(text).not_lifted is None
+    found = rejected(text, "batch")
+    assert len(found) > 1
+    assert found == rejected(text, "interpreter")
 
 
 @pytest.mark.parametrize("seed", range(80))

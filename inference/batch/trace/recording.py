@@ -11,12 +11,11 @@ from ....semantics.kernel.budget import Budget
 from ....semantics.kernel.errors import ScenicError
 from ....semantics.kernel.host import DoorStuck, HostException
 from ....semantics.kernel.outcome import Requirement
+from ....semantics.kernel.unmet import UNMET
 from ....semantics.kernel.values import Bound, Native
 from ....semantics.python.calls import invoke
-from ....semantics.space.absence import Absent
 from ....semantics.space.fields import OutsideField, PolygonalVectorField, VectorField
 from ....semantics.space.numeric import Elementary, is_macro, position_in
-from ....semantics.space.regions import EmptyRegion
 from ....semantics.space.symbols import NotLifted
 from ....semantics.space.vectors import Vector
 from ....semantics.syntax.nodes import NOWHERE
@@ -262,7 +261,7 @@ class Recorder:
         example_of = lambda node: node.example  # noqa: E731
         try:
             example = function(*in_row(arguments, example_of), **in_row(dict(keywords), example_of))  # type: ignore[misc]
-        except (OutsideField, EmptyRegion, Absent) as stuck:
+        except UNMET as stuck:
             raise Retry(str(stuck)) from None
         except (ScenicError, HostException, DoorStuck, Exception) as problem:
             raise Mistaken(f"{name_of(arguments[0] if function is invoke else function)}: {problem}") from None

@@ -16,11 +16,11 @@ from ....semantics.kernel.driving import End, drive_machine
 from ....semantics.kernel.errors import RandomBranch
 from ....semantics.kernel.outcome import Done, Draw, Fault, Next, Outcome, Requirement, Stuck
 from ....semantics.kernel.scopes import target_names
+from ....semantics.kernel.unmet import NothingToDraw
 from ....semantics.kernel.values import unwrap
 from ....semantics.kernel.versions import STORED
 from ....semantics.python.assignment import written
 from ....semantics.python.elementwise import SelectingInCases
-from ....semantics.space.absence import Absent
 from ....semantics.space.distributions import Coin, Discrete, Distribution, Normal, PointIn, Range, TruncatedNormal, Uniform
 from ....semantics.space.regions import (
     CircularRegion,
@@ -217,7 +217,6 @@ class SymbolicRun:
             return None
         return outcome.beyond
 
-
     def rejected_in_case(self, outcome: Stuck) -> Config | None:
         """Where a run goes on that is rejected in one case of a container that is filtered: after this case."""
         end, state = self.partial_runs[-1] if self.partial_runs else ((None, ()), None)
@@ -294,10 +293,10 @@ def has_spread(distribution: Distribution) -> bool:
 
 
 def one_of(distribution: Uniform, number: float) -> object:
-    """What a distribution over all items of some containers gives in one run. Raises `Absent` if there are none."""
+    """What a distribution over all items of some containers gives in one run. Raises `NothingToDraw` if there are none."""
     values = [item for v in distribution.values for item in (v.container if isinstance(v, Spread) else (v,))]
     if not values:
-        raise Absent("a distribution over no values")
+        raise NothingToDraw(distribution.name)
     return Uniform(tuple(values)).sample(lambda: number)
 
 

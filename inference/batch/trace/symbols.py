@@ -132,7 +132,6 @@ class Traced(Symbol):
     __eq__, __ne__ = _binary(operator.eq), _binary(operator.ne)  # type: ignore[assignment]
     __neg__, __pos__, __abs__, __invert__ = (_unary(o) for o in (operator.neg, operator.pos, operator.abs, operator.invert))
 
-
     def cases(self) -> Sequence[tuple[Any, object]]:
         raise NotLifted("which values this may have is known only row by row")
 
