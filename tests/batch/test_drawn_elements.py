@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import contextlib
+import operator
 import random
 from collections import Counter
 
 import pytest
 import scenic_ref
+from scenic_ref.inference.batch.trace import running
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted, ScenicError
 from scenic_ref.semantics.kernel.outcome import Requirement
+from scenic_ref.semantics.space.symbols import NotLifted
 
 MODEL = "model scenic.domains.driving.model\n"
 PLACES = (
@@ -31,6 +34,9 @@ FURTHER = (
     "param road = network.roadAt(spot, reject=True).lanes[0].uid", "param section = lane.road.laneSectionAt(spot)._laneToRight is None",
     "require lane.centerline.heading_at(spot) > 0", "param wrong = lane.centerline.equallySpacedPoints(n - 1)[0]",
     "param far = lane.distanceTo(0 @ x)",
+    "either = Uniform(fixed, network.laneAt(spot, reject=True))\nparam side = either.sections[0].laneToLeft.uid",
+    "either = Uniform(network.laneAt(0 @ x), fixed, lane)\nparam side = either.group._opposite is None",
+    "either = Uniform(lane.sections[0]._laneToLeft, fixed.sections[0], lane.sections[-1])\nparam side = either.lane.group.sidewalk.uid",
 )  # fmt: skip
 
 
@@ -95,6 +101,9 @@ def test_most_of_these_programs_have_a_graph():
     [
         ("i = Uniform(*network.intersections)\nm = i.maneuvers\nn = filter(lambda m: Range(0, 1) < 0.5, m)\nego = Car on i", "4:5: a function"),
         ("i = Uniform(*network.intersections)\nm = Uniform(*i.maneuvers)\nn = filter(None, m.conflictingManeuvers)\nego = Car on i", "4:5: which"),
+        ("i = Uniform(*network.intersections)\nn = filter(lambda m: m.startLane.centerline.start, i.maneuvers)\nego = Car on i", "3:5: what is"),
+        ("i = Uniform(*network.intersections)\nn = filter(lambda m: m.type is i and m.startLane, i.maneuvers)\nego = Car on i", "3:5: a function"),
+        ("d = {Uniform('a', 'b'): 1}\nego = Car with d d", "a dictionary with random keys"),
         ("f = Uniform(*network.lanes)\nprint(f.uid)\nego = Car on f", "3:1: the text of a random value is needed, in `print(f.uid)`"),
     ],
 )  # fmt: skip
@@ -103,8 +112,8 @@ def test_why_there_is_no_graph_names_the_construct_and_its_line(text, reason):
 
 
 REJECTIONS = {
-    "one of none": "inter = Uniform(*network.intersections)\nm = Uniform(*filter(lambda m: len(m.conflictingManeuvers) > 5, inter.maneuvers))\n"
-    "ego = Car on m.startLane",
+    "one of none": "inter = Uniform(*network.intersections)\nhere = network.intersections[0]\n"
+    "m = Uniform(*filter(lambda m: m.intersection is here, inter.maneuvers))\nego = Car on m.startLane",
     "one of none, row by row": "lane = Uniform(*network.lanes)\nlong = filter(lambda s: s.centerline.length > 25, lane.sections)\n"
     "ego = Car on Uniform(*Uniform(*long).lane.adjacentLanes)",
     "no lane there": "x = Range(-300, 300)\nlane = network.laneAt(x @ Range(-200, 200), reject=True)\nego = Car on lane",
@@ -112,6 +121,34 @@ REJECTIONS = {
     "of some of a few": "lane = Uniform(*network.lanes[::4])\nego = Car on lane.sections[0].laneToLeft",
     "of the rows": "lane = network.laneAt((Range(-300, 300), 0), reject=True)\nego = Car on lane.sections[0].laneToLeft",
 }
+
+
+def test_a_program_cannot_catch_what_rejects_a_run_or_ends_a_trace():
+    text = f"{MODEL}lane = network.lanes[0]\ntry:\n    lane = network.laneAt(Range(-300, 300) @ 0, reject=True).sections[0].laneToLeft.lane\n"
+    text += "except BaseException:\n    lane = network.lanes[1]\nfinally:\n    found = lane.uid\nego = Car on lane, with found found\n"
+    assert scenic_ref.loads(text).not_lifted is None
+    assert drawn(text, "batch", 5) == drawn(text, "interpreter", 5)
+
+
+@pytest.mark.parametrize(("owner", "name"), [(running.Recorder, "call"), (running, "draw_symbol")])
+def test_an_interrupt_ends_a_trace_and_nothing_else(owner, name, monkeypatch):
+    def interrupted(*ignored: object) -> None:
+        raise KeyboardInterrupt
+
+    scenario = scenic_ref.loads(invented(0))
+    with monkeypatch.context() as patch:
+        patch.setattr(owner, name, interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            scenario.batch  # noqa: B018
+    assert scenario.not_lifted is None
+
+
+def test_after_its_run_nobody_is_asked_to_try_another():
+    batch = scenic_ref.loads(MODEL + "lane = Uniform(*network.lanes)\nego = Car on lane, with left lane.sections[0]._laneToLeft\n").batch
+    left = batch.template.objects[0].properties["left"]
+    for use in (lambda: left.always(lambda value: hasattr(value, "lane")), lambda: left.trace.call(operator.attrgetter("lane.group.sidewalk"), (left,), {})):
+        with pytest.raises(NotLifted, match="outlived"):
+            use()
 
 
 def rejected(text: str, backend: str) -> Counter[Requirement]:

@@ -43,9 +43,9 @@ from ....semantics.syntax.nodes import Node, Statement
 from ..evaluate.plan import only_rejects
 from .graph import Graph, GraphEvent, RowDraw, Site
 from .lifting import lift
-from .recording import Mistaken, Recorder
+from .recording import Recorder
 from .structures import in_row
-from .symbols import Retry, Traced
+from .symbols import Mistaken, Retry, Traced
 
 TRIES = 200
 """Runs that are tried until one is found in which all vector fields and regions have values."""
@@ -254,7 +254,7 @@ def is_local(outcome: Next) -> bool:
 def check_unchanged(before: State, after: State) -> None:
     """Refuse changes of the scene by what is evaluated only in some runs."""
     if any(getattr(before, name) is not getattr(after, name) for name in ("scene", "params", "ego", "workspace", "late", "dynamic", "objects")):
-        raise NotLifted("what is evaluated only in some runs changes the scene")
+        raise NotLifted("what is evaluated only in some runs makes an object or point, or changes the scene")
 
 
 def numbers_of(draw: Draw, made: Recorder) -> Callable[[], Any]:

@@ -33,6 +33,10 @@ class Retry(BaseException):
     """The run that is traced got stuck where no value can go on: another run must be traced. No program can take it for an error of its own."""
 
 
+class Mistaken(NotLifted):
+    """The run that was traced ends with an error of the program; others may not."""
+
+
 def _binary(operation: Callable[..., object], *, swapped: bool = False) -> Callable[[Any, object], object]:
     def method(self: Any, other: object) -> object:
         pair = (other, self) if swapped else (self, other)
@@ -175,15 +179,20 @@ class Choice(Traced):
         of_those = {predicate(v) for v in self.values if v is not None}
         if all(there) or len(of_those) != 1:
             raise NotLifted("a choice among values of different types is used as one of them")
+        is_there = self.trace.table(self.node, np.array(there))
         if self.example is None:
             raise Retry("a value is None that is used as something else")
-        self.trace.guard(self.trace.table(self.node, np.array(there)))
+        self.trace.guard(is_there)
         return of_those.pop()
 
     def each(self, function: Callable[[Any], object]) -> Any:
+        events = len(self.trace.graph.events)
         try:
             results = [function(v) for v in self.values]
-        except Exception:  # of some of them: found row by row
+        except (Exception, Mistaken, Retry):  # of some of them, perhaps of none that is chosen: found row by row
+            results = None
+        if results is None or len(self.trace.graph.events) > events:  # what becomes of one value decides only the runs in which that is chosen
+            self.trace.forget(events)
             return self.trace.call(function, (self,), {})
         return self.trace.merge(self.node, results)
 
@@ -191,7 +200,7 @@ class Choice(Traced):
         found: list[tuple[Any, object]] = []
         for position, value in enumerate(self.values):
             here = self.trace.table(self.node, np.arange(len(self.values)) == position)
-            inner = value.cases() if isinstance(value, Choice) else [(True, value)]
+            inner = value.cases() if isinstance(value, Traced) else [(True, value)]
             found += [(here if condition is True else here & condition, one) for condition, one in inner]
         return found
 
