@@ -146,7 +146,8 @@ def test_an_interrupt_ends_a_trace_and_nothing_else(owner, name, monkeypatch):
 def test_after_its_run_nobody_is_asked_to_try_another():
     batch = scenic_ref.loads(MODEL + "lane = Uniform(*network.lanes)\nego = Car on lane, with left lane.sections[0]._laneToLeft\n").batch
     left = batch.template.objects[0].properties["left"]
-    for use in (lambda: left.always(lambda value: hasattr(value, "lane")), lambda: left.trace.call(operator.attrgetter("lane.group.sidewalk"), (left,), {})):
+    asked = operator.attrgetter("lane.group.sidewalk")
+    for use in (lambda: left.always(lambda value: hasattr(value, "lane")), lambda: left.trace.call(asked, (left,), {})):
         with pytest.raises(NotLifted, match="outlived"):
             use()
 
