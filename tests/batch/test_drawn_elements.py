@@ -123,6 +123,15 @@ REJECTIONS = {
 }
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("backend", ["importance", "smc", "mcmc"])
+def test_other_backends_draw_elements_and_ask_them_too(backend):
+    text = "lane = Uniform(*network.lanes[:9])\nspot = lane.centerline.pointAlongBy(5)\nego = Car at spot\nrequire spot.x > 0\n"
+    found = scenic_ref.loads(MODEL + text).infer(backend, 4, 1)
+    assert len(found.scenes) == 4
+    assert all(scene.objects[0].position.x > 0 for scene in found.scenes)
+
+
 def test_a_program_cannot_catch_what_rejects_a_run_or_ends_a_trace():
     text = f"{MODEL}lane = network.lanes[0]\ntry:\n    lane = network.laneAt(Range(-300, 300) @ 0, reject=True).sections[0].laneToLeft.lane\n"
     text += "except BaseException:\n    lane = network.lanes[1]\nfinally:\n    found = lane.uid\nego = Car on lane, with found found\n"
