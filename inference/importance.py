@@ -20,7 +20,7 @@ from ..formats.scenes import Scene, scene_of
 from ..interpreter.streams import fold
 from ..semantics.kernel.outcome import Requirement
 from .batch import Batch
-from .batch.evaluate.rows import FailedRows
+from .batch.evaluate.rows import FailedRows, note
 from .batch.trace.templates import scenes_of
 from .diagnostics import Diagnosis
 from .inferred import LEVEL, Inferred, Probability
@@ -68,8 +68,7 @@ class Weighing:
             lost = lost & ~unsure
             if lost.any() or unsure.any():
                 weights[rows[lost]] = 0.0
-                if event.requirement is not None:
-                    self.stuck[event.requirement] += int(lost.sum())
+                note(self.stuck, event, lost, going.failed)
                 going.keep(~(lost | unsure))
         for condition, share in self.coins.items():
             weights[violated[condition] & ~left] *= 1.0 - share

@@ -14,8 +14,9 @@ from .kernel.config import Abrupt, Config, Reduction, Resumption, Stack, State, 
 from .kernel.errors import GuardViolation, NeedsElements, NeedsPosition, RunError, ScenicError, UncaughtException
 from .kernel.host import DoorStuck, HostException
 from .kernel.nesting import too_deep
-from .kernel.outcome import Draw, Fault, Next, Outcome, Requirement, Stuck, dated
+from .kernel.outcome import Draw, Fault, Next, Outcome, Stuck, dated
 from .kernel.scenic_classes import DefaultIn, ScenicClass
+from .kernel.unmet import unmet
 from .kernel.values import Random
 from .kernel.waiting import Waiting
 from .python import (
@@ -151,6 +152,7 @@ RESUME: Mapping[type, Resumption] = {
     functions.InScope: functions.resume_in_scope,
     comprehensions.Comprehending: comprehensions.resume_comprehension,
     elementwise.Selecting: elementwise.resume_selecting,
+    elementwise.SelectingInCases: elementwise.resume_selecting_in_cases,
     object_definitions.ClassOf: object_definitions.resume_class,
     object_definitions.Construction: object_definitions.construct,
     operations.Settling: operations.resume_settling,
@@ -271,15 +273,13 @@ def stopped(problem: Exception, config: Config) -> Outcome:
         case HostException():
             return control.raised(problem, place(config), config.stack, config.state)
         case OutsideField():
-            return Stuck("O-At", Requirement("field", place(config), problem.premise))
+            return Stuck("O-At", unmet(problem, place(config)))
         case DoorStuck():
             return problem.outcome._replace(beyond=None)
         case BadField() | BadRegion() | BadParameters() | UnboundedRegion():
             return Fault(RunError(str(problem), place(config), rule="E-Call-Host"))
-        case EmptyRegion():
-            return Stuck("E-Call-Host", Requirement("region", place(config), str(problem)))
-        case Absent():
-            return Stuck("E-Call-Host", Requirement("element", place(config), str(problem)))
+        case EmptyRegion() | Absent():
+            return Stuck("E-Call-Host", unmet(problem, place(config)))
         case RecursionError():
             return Fault(too_deep(place(config)))
         case OverflowError():

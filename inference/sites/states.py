@@ -135,7 +135,7 @@ class Evaluation:
         """Leave out the runs where `kept` is False."""
         self.numbers.keep(kept)
         self.columns = {name: values[kept] for name, values in self.columns.items()}
-        self.failed = {name: FailedRows(f.rejected[kept], f.left[kept]) for name, f in self.failed.items()}
+        self.failed = {name: f.at(kept) for name, f in self.failed.items()}
 
 
 class StateNumbers(Numbers):

@@ -28,7 +28,7 @@ from ...semantics.kernel.outcome import Requirement
 from ..batch.evaluate.features import features_by_name
 from ..batch.evaluate.margins import decisive, violation
 from ..batch.evaluate.plan import PlanStep, cone, only_rejects, plan
-from ..batch.evaluate.rows import Columns, FailedRows
+from ..batch.evaluate.rows import Columns, FailedRows, note
 from ..batch.evaluate.sampling import COMPILE_LEAST, COMPILE_NODE, LARGEST_COMPILED, Batch
 from ..batch.trace.graph import GraphEvent, GraphNode
 from ..batch.trace.structures import nodes_in
@@ -194,8 +194,8 @@ class Target:
             lost = self._look_at(event, going.columns, going.failed, total, left, rows, seen)
             lost |= (total[rows] > level[rows]) | (left[rows] & (total[rows] > 0))
             if lost.any() or left[rows].any():
-                if stuck is not None and event.requirement is not None:
-                    stuck[event.requirement] += int(lost.sum())
+                if stuck is not None:
+                    note(stuck, event, lost, going.failed)
                 total[rows[lost]] = np.inf
                 going.keep(~(lost | left[rows]))
         self.left += int(np.count_nonzero(left & (total == 0)))

@@ -10,6 +10,7 @@ from ..syntax.nodes import Node, Span
 from .config import Abrupt, Config, Stack, State, Value
 from .errors import RunError
 from .outcome import Draw, Next, Outcome, Requirement, Stuck
+from .unmet import NothingToDraw, unmet
 from .values import Constructor, Origin, Random, unwrap
 
 
@@ -50,7 +51,7 @@ def maker(constructor: Constructor, state: State) -> Callable[..., Distribution]
 
 def of_nothing(constructor: Constructor, span: Span) -> Stuck:
     """A distribution over the values of a container of random length has no value where that is empty (reading `random-length`)."""
-    return Stuck("E-Distributions", Requirement("parameters", span, f"{constructor.name} of an empty list"))
+    return Stuck("E-Distributions", unmet(NothingToDraw(constructor.name), span))
 
 
 def invalid(rule: str, bad: BadParameters, span: Span, state: State) -> Stuck:

@@ -12,7 +12,8 @@ from ..space.regions import EmptyRegion, UnboundedRegion
 from .config import Config
 from .errors import RunError
 from .nesting import too_deep
-from .outcome import Act, Done, Draw, Fault, Finish, Next, Observe, Outcome, Requirement, Stuck, in_version
+from .outcome import Act, Done, Draw, Fault, Finish, Next, Observe, Outcome, Stuck, in_version
+from .unmet import unmet
 
 Machine = Callable[[Config], Outcome]
 """What one step of the machine says: `step`, or what does something besides."""
@@ -63,7 +64,7 @@ def drive_machine(
             try:
                 drawn = choose(outcome)  # type: ignore[arg-type]
             except EmptyRegion as empty:
-                outcome = Stuck(outcome.rule, Requirement("region", outcome.node.span, str(empty)))  # type: ignore[union-attr]
+                outcome = Stuck(outcome.rule, unmet(empty, outcome.node.span))  # type: ignore[union-attr]
             except UnboundedRegion as unbounded:
                 raise RunError(str(unbounded), outcome.node.span, rule=outcome.rule) from None  # type: ignore[union-attr]
             else:

@@ -9,10 +9,10 @@ Section "Data Types"). A `Reader` makes these interpretations and remembers whet
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from numbers import Real
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..space.fields import VectorField
 from ..space.numeric import is_finite_number, number
@@ -174,9 +174,26 @@ def is_a(value: object, kind: type) -> bool:
         return False
 
 
+def always(predicate: Callable[[Any], bool], value: object) -> bool:
+    """Whether the predicate, about its type and the like, holds of a value that is not wrapped, in every run. Raises `NotLifted` if that differs."""
+    return value.always(predicate) if isinstance(value, Symbol) else predicate(value)
+
+
 def spread(container: object) -> list[object] | None:
     """What stands for the items of a container that differs from run to run, where a distribution chooses among them; None for any other."""
     return [Spread(container)] if isinstance(container, Symbol) else None
+
+
+def cases(value: object) -> Sequence[tuple[object, object]] | None:
+    """The values of something that differs from run to run, each with its condition; None for any other. Raises `NotLifted` for too many."""
+    return value.cases() if isinstance(value, Symbol) else None
+
+
+def of_cases(value: Any, results: Sequence[object], *, drawn: bool) -> object:
+    """What the results of the `cases` of a value make up. Raises `NotLifted` if there were draws, whose numbers depend on the case."""
+    if drawn:
+        raise NotLifted("a function with draws, or with `and` or `or` of something random, filters a container that differs from run to run")
+    return value.of_cases(results)
 
 
 def is_vector(value: object) -> bool:
@@ -291,6 +308,8 @@ def kind_name(value: object) -> str:
         return f"the {type(value.definition).__name__.removesuffix('Definition').lower()} {value!r}"
     if isinstance(value, (tuple, list)):
         return f"a {type(value).__name__} of {len(value)}"
+    if isinstance(value, Symbol):
+        return "a random value"
     return f"a {type(value).__name__}"
 
 

@@ -348,4 +348,11 @@ def is_hashable(value: object) -> bool:
 
 def each(function: Callable[..., Any], value: object, *arguments: object) -> Any:
     """`function(value, *arguments)` for the value of something random; where that stands for many, of every one, as such a value again."""
-    return value.each(lambda one: each(function, one, *arguments)) if isinstance(value, Symbol) else function(value, *arguments)
+    if not isinstance(value, Symbol):
+        return function(value, *arguments)
+
+    def of_one(one: object) -> object:
+        return each(function, one, *arguments)
+
+    of_one.__qualname__ = getattr(function, "__qualname__", of_one.__qualname__)
+    return value.each(of_one)

@@ -12,7 +12,7 @@ from ..kernel.config import Stack, State, Value, value
 from ..kernel.draws import draw, of_nothing
 from ..kernel.errors import RunError
 from ..kernel.host import HostException, host, raw
-from ..kernel.kinds import FLAT, is_scalar, kind_name
+from ..kernel.kinds import FLAT, always, is_a, is_scalar, kind_name
 from ..kernel.nesting import check_written
 from ..kernel.outcome import Next, Outcome
 from ..kernel.positions import specified
@@ -138,7 +138,7 @@ def apply(node: Node, function: object, arguments: tuple[object, ...], keywords:
             return call_member(node, function, arguments, keywords, stack, state)
         case Instance():
             raise HostException(TypeError(f"an instance of {function.class_.name} is not callable"))
-        case Random() if isinstance(function.value, (Function, Method, Constructor, Special)):
+        case Random() if any(is_a(function.value, kind) for kind in (Function, Method, Constructor, Special)):
             raise random_branch(function, node, "which function is called")
         case type() if is_user_class(function):
             return instantiate(node, function, arguments, keywords, stack, state)
@@ -162,7 +162,7 @@ def invocation(dynamic: Dynamic, arguments: tuple[object, ...], keywords: Mappin
 
 def call_host(node: Node, function: object, arguments: tuple[object, ...], keywords: Mapping[str, object], stack: Stack, state: State) -> Outcome:
     """Call library code with plain values; the result is random if anything that went in was."""
-    if not callable(plain(function)):
+    if not always(callable, plain(function)):
         raise HostException(TypeError(f"{kind_name(function)} is not callable"))
     check_call(plain(function), arguments, keywords, state)
     note_call(state.settings.door.budget, plain(function), arguments)
@@ -174,7 +174,7 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
         if type(function) is not Random:
             return returned(node, call_container_method(node, function, arguments, keywords, state), stack, state)  # type: ignore[arg-type]
     function = on_plain_elements(function)
-    if is_geometric(plain(function)):
+    if always(is_geometric, plain(function)):
         arguments = tuple(as_positions(a, state) for a in arguments)
         keywords = {k: as_positions(v, state) for k, v in keywords.items()}
 

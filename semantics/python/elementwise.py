@@ -11,13 +11,14 @@ from types import BuiltinFunctionType
 from typing import Any, Literal, NamedTuple
 
 from ..kernel.budget import Metered, whole
-from ..kernel.config import Stack, State, value
+from ..kernel.config import Config, Stack, State, value
 from ..kernel.generators import EXHAUSTED, Generator
 from ..kernel.host import HostException, host, raw
-from ..kernel.kinds import kind_name
-from ..kernel.outcome import Outcome
+from ..kernel.kinds import cases, kind_name, of_cases
+from ..kernel.outcome import Next, Outcome
 from ..kernel.scopes import Scope
 from ..kernel.values import Bound, Native, Origin, Random, plain, unwrap, wrap
+from ..space.numeric import is_needed
 from ..syntax import python_expressions as p
 from ..syntax.nodes import Node
 from .functions import InScope, returned
@@ -229,9 +230,12 @@ def filter_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Sta
     """`filter(f, xs)` is `[x for x in xs if f(x)]`, a list as in the released implementations, perhaps a random one."""
     if len(arguments) != 2:
         raise HostException(TypeError("filter() takes a function and an iterable"))
-    items, origin = elements_in_this_run(arguments[1], node, state)
-    test = _X if arguments[0] is None else p.Call(function=_F, arguments=(_X,), span=node.span)
-    return comprehend(node, arguments[0], items, test, "list", (Selecting(node, items, origin), stack), state)
+    function, among = arguments
+    if type(among) is Random and known_elements(among, state) is None and (possible := cases(among.value)) is not None:
+        return select_next(SelectingInCases(node, function, among, tuple(possible), state.address), stack, state)
+    items, origin = elements_in_this_run(among, node, state)
+    test = _X if function is None else p.Call(function=_F, arguments=(_X,), span=node.span)
+    return comprehend(node, function, items, test, "list", (Selecting(node, items, origin), stack), state)
 
 
 class Selecting(NamedTuple):
@@ -250,6 +254,36 @@ def resume_selecting(frame: Selecting, truths: list[object], stack: Stack, state
         return value("", [item for item, t in zip(items, holds, strict=True) if t], stack, state)
     chosen, origin = unwrap(host(door, state, select, items, holds))
     return value("", wrap(chosen, frame.origin or origin), stack, state)
+
+
+class SelectingInCases(NamedTuple):
+    """Frame of `filter` of a container that differs from run to run: it is filtered in every case, each needed in the runs with its condition."""
+
+    node: Node
+    function: object
+    container: Random
+    cases: tuple[tuple[object, object], ...]
+    address: tuple[int, ...]
+    """That of the next draw: a function that draws would change it."""
+    found: tuple[object, ...] = ()
+
+
+def select_next(frame: SelectingInCases, stack: Stack, state: State) -> Outcome:
+    """Filter the container of the next case, or put together what they gave."""
+    if len(frame.found) == len(frame.cases):
+        chosen = of_cases(frame.container.value, frame.found, drawn=state.address != frame.address)
+        return value("", wrap(unwrap(chosen)[0], frame.container.origin), stack, state)
+    condition, container = frame.cases[len(frame.found)]
+    items = [wrap(item, frame.container.origin) for item in elements(container, frame.node, state)]
+    filtering = p.Call(function=p.Constant(value=LISTING["filter"]), arguments=(p.Constant(value=frame.function), p.Constant(value=items)))
+    end = (frame, stack)
+    is_needed(condition, True, end)
+    return Next("", Config(filtering, end, state))
+
+
+def resume_selecting_in_cases(frame: SelectingInCases, result: object, stack: Stack, state: State) -> Outcome:
+    """One more case is done."""
+    return select_next(frame._replace(found=(*frame.found, result)), stack, state)
 
 
 def select(items: list[object], truths: list[bool]) -> list[object]:

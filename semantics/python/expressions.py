@@ -164,7 +164,12 @@ def conclude_attribute(node: p.Attribute, values: list[object], stack: Stack, st
     shared = shared_method(subject, node.name, state)
     if shared is not None:
         return attribute_is(node, shared, stack, state)
-    inner, origin = unwrap(each(get_attribute, subject.value, node, state))
+
+    def of_one(one: object) -> object:
+        return get_attribute(one, node, state)
+
+    of_one.__qualname__ = f"there is {node.name}"
+    inner, origin = unwrap(each(of_one, subject.value))
     return attribute_is(node, wrap(inner, subject.origin or origin), stack, state)
 
 

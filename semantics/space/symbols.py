@@ -52,6 +52,14 @@ class Symbol(ABC):
         """`values[int(this)]`."""
 
     @abstractmethod
+    def cases(self) -> Sequence[tuple[Any, object]]:
+        """The values that this may be, each with its condition, a truth value. Raises `NotLifted` if they cannot be listed."""
+
+    @abstractmethod
+    def of_cases(self, results: Sequence[object]) -> Any:
+        """The result that stands where the value of `cases` that this is stands there."""
+
+    @abstractmethod
     def met(self, requirement: Any) -> bool:
         """Note that the truth of this decides a requirement, and give its truth in the scene that is looked at."""
 

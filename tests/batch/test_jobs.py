@@ -97,7 +97,7 @@ def test_sample_many_gives_the_same_scenes_by_every_backend_and_says_why_not():
     assert scenario.not_lifted is None
     printing = scenic_ref.loads("x = Range(0, 1)\nprint(1)\nego = Object at (x, 0)\n")
     assert [s.index for s in printing.sample_many(12, backend="batch")] == list(range(12))
-    assert (printing.batch, printing.not_lifted) == (None, "the program prints")
+    assert (printing.batch, printing.not_lifted) == (None, "<string>:2:1: the program prints, in `print(1)`")
     with pytest.raises(scenic_ref.errors.UsageError, match="no backend magic"):
         scenario.sample_many(1, backend="magic")  # type: ignore[arg-type]
 

@@ -110,8 +110,8 @@ def test_the_report_says_why_a_program_cannot_be_drawn_from_many_at_a_time(ask):
     for backend in ((), ("--backend", "batch")):
         found = ask("run", "says.scenic", "-n", 12, *backend)
         assert found.code == 0
-        assert found.err.count("hello") == 12
-        assert "drawn by the interpreter, since the batch backend cannot draw from this program: the program prints" in found.err
+        assert found.err.count("hello\n") == 12
+        assert "drawn by the interpreter, since the batch backend cannot draw from this program: says.scenic:1:1: the program prints" in found.err
 
 
 @pytest.mark.parametrize("workers", [1, 2])

@@ -195,7 +195,7 @@ def test_margins_of_nothing_and_of_no_states() -> None:
 
 
 def test_what_has_no_margins_is_told() -> None:
-    with pytest.raises(UsageError, match="there are no margins of this program: the text of a random value"):
+    with pytest.raises(UsageError, match="there are no margins of this program: <string>:2:1: the text of a random value"):
         scenic_ref.loads("x = Range(0, 1)\nprint(x)\nego = Object at x @ 0\n").margins()
     with pytest.raises(UsageError, match="soft=scene"):
         scenic_ref.loads("x = Range(0, 1)\nego = Object at x @ 0\nrequire[0.5] x > 1\n", readings={"soft": "scene"}).margins()

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ....semantics.space.absence import Absent
-from ....semantics.space.fields import OutsideField
+from ....semantics.kernel.outcome import Requirement
+from ....semantics.kernel.unmet import UNMET, unmet
 from ....semantics.space.numeric import Elementary
-from ....semantics.space.regions import EmptyRegion
 from ....semantics.space.symbols import NotLifted
+from ....semantics.syntax.nodes import NOWHERE
 from ..trace.graph import AsFloat, Graph, GraphNode, Lookup, Macro, Part, RowCall, RowDraw, Search, Site
 from ..trace.structures import row_maker, symbols_in
 from .clipped import Clipped, curve_tests, largest_radius
@@ -26,10 +26,14 @@ ACCEPTED, LEFT = -1, -2
 
 
 class Evaluated(NamedTuple):
-    """What became of each row, and the columns of those that were accepted (in order); rounding might have decided `doubtful` rows on tensors."""
+    """What became of each row, and the columns of those that were accepted (in order); rounding might have decided `doubtful` rows on tensors.
+
+    `reasons` says what rejected rows failed whose step cannot tell, since it depends on the row.
+    """
 
     fate: np.ndarray
     columns: Columns
+    reasons: Mapping[int, Requirement] = MappingProxyType({})
     doubtful: int = 0
 
 
@@ -40,6 +44,7 @@ def evaluate(steps: Sequence[PlanStep], seed: int, scenes: np.ndarray, attempts:
     numbers = Numbers(seed, scenes, attempts)
     columns = dict(known)
     failed: dict[int, FailedRows] = {}
+    reasons: dict[int, Requirement] = {}
     for number, step in enumerate(steps):
         for node in step.nodes:
             columns[node.number] = column(node, columns, numbers, failed)
@@ -57,6 +62,7 @@ def evaluate(steps: Sequence[PlanStep], seed: int, scenes: np.ndarray, attempts:
                 left = found.left & applies
                 lost = (found.rejected & applies) | left
                 fate[rows[left]] = LEFT
+                reasons |= {int(rows[k]): reason for k, reason in found.reasons_of(lost, event).items()}
         else:
             lost = (columns[event.node.number] != event.expected) & applies
             if event.kind == "guard":
@@ -69,8 +75,8 @@ def evaluate(steps: Sequence[PlanStep], seed: int, scenes: np.ndarray, attempts:
             rows = rows[kept]
             numbers.keep(kept)
             columns = {name: values[kept] for name, values in columns.items()}
-            failed = {name: FailedRows(f.rejected[kept], f.left[kept]) for name, f in failed.items()}
-    return Evaluated(fate, columns)
+            failed = {name: f.at(kept) for name, f in failed.items()}
+    return Evaluated(fate, columns, reasons)
 
 
 def without_value(column: np.ndarray) -> FailedRows | None:
@@ -199,16 +205,16 @@ def rows_of(
 ) -> np.ndarray:
     """A column made by calling a Python function for one row after the other, or for some rows."""
     result: Any = np.empty(count, dtype={"float": float, "bool": bool}.get(node.kind, object))
-    rejected, left = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)
+    rejected, left, reasons = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool), np.full(count, None)
     for row in range(count) if rows is None else rows:
         try:
             result[row] = function(lambda child, row=row: _item(columns[child.number][row]), row)
-        except (OutsideField, EmptyRegion, Absent):
-            rejected[row], result[row] = True, node.example
+        except UNMET as problem:
+            rejected[row], result[row], reasons[row] = True, node.example, unmet(problem, NOWHERE)
         except (NotLifted, Exception):  # whatever it is, the interpreter will say it where it belongs
             left[row], result[row] = True, node.example
     if rejected.any() or left.any():
-        failed[node.number] = FailedRows(rejected, left)
+        failed[node.number] = FailedRows(rejected, left, reasons if rejected.any() else None)
     return result
 
 

@@ -1,6 +1,7 @@
 """Tests of many points and boxes against polygons at a time, by grids of squares that hold the edges or polygons near them.
 
-They agree with shapely, which the interpreter asks: what lies within `TIE` metres of an edge is left to shapely itself.
+They agree with shapely, which the interpreter asks: what lies within `TIE` metres of an edge is left to shapely itself, whose shapes
+are prepared there and here, since what it says of ties may depend on that.
 """
 
 from __future__ import annotations
@@ -73,6 +74,7 @@ class PolygonTests:
     """Points and boxes in one polygon or multipolygon."""
 
     def __init__(self, shape: BaseGeometry) -> None:
+        shapely.prepare(shape)
         self.shape = shape
         self.edges = edges_of(shape)
         self.lines: np.ndarray = shapely.linestrings(self.edges.reshape(-1, 2, 2))  # type: ignore[assignment]

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
+from ....semantics.kernel.outcome import Requirement
 from ....semantics.space.fields import PolygonalVectorField
 from ....semantics.space.regions.polygons import PolygonalRegion
 from ....semantics.space.vectors import Vector
-from ..trace.graph import GraphNode, RowCall, RowDraw
+from ..trace.graph import GraphEvent, GraphNode, RowCall, RowDraw
 from ..trace.structures import symbols_in
 from ..trace.symbols import Traced
 from .clipped import Clipped, clipped_curve, largest_radius
@@ -23,10 +25,35 @@ Columns = Mapping[int, np.ndarray]
 
 
 class FailedRows(NamedTuple):
-    """Rows of a node that is computed row by row: where a requirement failed, and where the interpreter must see what happens."""
+    """Rows of a node that is computed row by row: where a requirement failed, and where the interpreter must see what happens.
+
+    `reasons` holds what rows failed, if that is known row by row: requirements, whose place is that of the node's event.
+    """
 
     rejected: np.ndarray
     left: np.ndarray
+    reasons: np.ndarray | None = None
+
+    def at(self, kept: np.ndarray) -> FailedRows:
+        """Only the rows where `kept` is True."""
+        return FailedRows(self.rejected[kept], self.left[kept], None if self.reasons is None else self.reasons[kept])
+
+    def reasons_of(self, rows: np.ndarray, event: GraphEvent) -> dict[int, Requirement]:
+        """What those of these rows failed that are rejected, by their position, where it is known row by row."""
+        if self.reasons is None or event.requirement is None:
+            return {}
+        rejected = np.flatnonzero(rows & self.rejected & ~self.left).tolist()
+        return {row: self.reasons[row]._replace(span=event.requirement.span) for row in rejected}
+
+
+def note(stuck: Counter[Requirement], event: GraphEvent, lost: np.ndarray, failed: Mapping[int, FailedRows]) -> None:
+    """Count what rows failed that an event ends."""
+    if event.requirement is None:
+        return
+    own = failed[event.node.number].reasons_of(lost, event) if event.node.number in failed else {}
+    stuck.update(own.values())
+    if rest := int(np.count_nonzero(lost)) - len(own):
+        stuck[event.requirement] += rest
 
 
 Fast = Callable[[GraphNode, RowCall, Columns, dict[int, FailedRows], int], np.ndarray]

@@ -30,7 +30,7 @@ from ..devices import check_device
 from ..trace.running import trace
 from ..trace.structures import nodes_in
 from ..trace.templates import Template, scenes_of, template_of
-from .columns import ACCEPTED, LEFT, evaluate, rejection_rates
+from .columns import ACCEPTED, LEFT, Evaluated, evaluate, rejection_rates
 from .components import Component, Stage, components, report, stages, worthwhile
 from .rows import Columns
 
@@ -245,7 +245,7 @@ class BlockDrawing:
         self.tried[number] += len(scenes)
         self.found[number] += has.sum()
         self.runs += len(scenes)
-        self.count(stage, fate[np.arange(width) < used[:, None]])
+        self.count(stage, result, (np.arange(width) < used[:, None]).ravel())
         self.again(stage, scenes_at[~has])
         found[alive], left[alive] = has, has & (fate[np.arange(count), first] == LEFT)
         kept = np.isin(np.flatnonzero(result.fate == ACCEPTED), np.flatnonzero(has) * width + first[has])
@@ -275,9 +275,12 @@ class BlockDrawing:
             for inner in part.all:
                 self.next[inner.number, places] += 1
 
-    def count(self, stage: Stage, steps: np.ndarray) -> None:
-        """Attempts at a stage were rejected at these steps."""
-        for number, often in enumerate(np.bincount(steps).tolist()):
+    def count(self, stage: Stage, result: Evaluated, rejected: np.ndarray) -> None:
+        """These attempts at a stage were rejected."""
+        own = [row for row in result.reasons if rejected[row]]
+        self.stuck.update(result.reasons[row] for row in own)
+        rejected[own] = False
+        for number, often in enumerate(np.bincount(result.fate[rejected]).tolist()):
             event = stage.steps[number].event
             if often and event is not None and event.requirement is not None:
                 self.stuck[event.requirement] += often

@@ -124,7 +124,7 @@ class TensorColumns(dict[int, Rounded]):
         """Leave out the rows where `kept` is False."""
         self.numbers.keep(kept)
         self.beside = {number: values[kept] for number, values in self.beside.items()}
-        self.failed = {number: FailedRows(f.rejected[kept], f.left[kept]) for number, f in self.failed.items()}
+        self.failed = {number: f.at(kept) for number, f in self.failed.items()}
         rows = torch.from_numpy(np.flatnonzero(kept)).to(self.kit.device)
         self.drawn.keep(rows)
         self.doubts.keep(rows)

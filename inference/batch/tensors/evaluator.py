@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 import torch
 
+from ....semantics.kernel.outcome import Requirement
 from ..evaluate import columns
 from ..evaluate.columns import ACCEPTED, LEFT, Evaluated
 from ..evaluate.numbers import Numbers
@@ -39,23 +40,27 @@ class TensorEvaluator:
     def evaluate(self, steps: Sequence[PlanStep], seed: int, scenes: np.ndarray, attempts: np.ndarray) -> Evaluated:
         """As `evaluate.columns.evaluate`; the columns are those of the outputs."""
         with torch.inference_mode():
-            fate, rows, made = self.first(steps, seed, scenes, attempts)
+            fate, rows, made, reasons = self.first(steps, seed, scenes, attempts)
         doubtful = np.flatnonzero(fate == DOUBTFUL)
         if not len(doubtful):
-            return Evaluated(fate, made)
+            return Evaluated(fate, made, reasons)
         again = columns.evaluate(steps, seed, scenes[doubtful], attempts[doubtful])
         fate[doubtful] = again.fate
+        reasons |= {int(doubtful[row]): reason for row, reason in again.reasons.items()}
         order = np.argsort(np.concatenate([rows, doubtful[again.fate == ACCEPTED]]))
         both = {number: np.concatenate([values, again.columns[number]])[order] for number, values in made.items()}
-        return Evaluated(fate, both, len(doubtful))
+        return Evaluated(fate, both, reasons, len(doubtful))
 
-    def first(self, steps: Sequence[PlanStep], seed: int, scenes: np.ndarray, attempts: np.ndarray) -> tuple[np.ndarray, np.ndarray, Columns]:
-        """What becomes of each row as far as tensors tell, the rows that are accepted, and their outputs."""
+    def first(
+        self, steps: Sequence[PlanStep], seed: int, scenes: np.ndarray, attempts: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, Columns, dict[int, Requirement]]:
+        """What becomes of each row as far as tensors tell, the rows that are accepted, their outputs, and the `Evaluated.reasons`."""
         fate, rows = np.full(len(scenes), ACCEPTED, dtype=np.int32), np.arange(len(scenes))
         numbers = Numbers(seed, scenes, attempts)
         device = self.kit.device
         drawn = DeviceNumbers(seed, scenes, attempts, device) if self.draws_there else MovedNumbers(numbers, device)
         going = TensorColumns(self.kit, numbers, drawn)
+        reasons: dict[int, Requirement] = {}
         for number, step in enumerate(steps):
             going.compute(step.nodes)
             if step.event is None:
@@ -66,11 +71,14 @@ class TensorEvaluator:
                 going.forget(step.forget)
             doubtful = numpy_of(going.doubts.rows)
             fate[rows[lost]], fate[rows[left]], fate[rows[doubtful]] = number, LEFT, DOUBTFUL
+            if step.event is not None and step.event.node.number in going.failed:
+                own = going.failed[step.event.node.number].reasons_of(lost & ~doubtful, step.event)
+                reasons |= {int(rows[k]): reason for k, reason in own.items()}
             kept = ~(lost | left | doubtful)
             if not kept.all():
                 rows = rows[kept]
                 going.keep(kept)
-        return fate, rows, {node.number: going.as_numpy(node.number) for node in self.outputs}
+        return fate, rows, {node.number: going.as_numpy(node.number) for node in self.outputs}, reasons
 
     def round(self, going: TensorColumns) -> None:
         """Doubt the rows whose outputs might be further than `ROUNDING` from those of the columns."""

@@ -9,8 +9,10 @@ from functools import partial, reduce
 
 from ....semantics.kernel.scenic_classes import ScenicClass
 from ....semantics.kernel.values import Bound, Dynamic, Function, Instance, Method, Module, Random
+from ....semantics.kernel.versions import STORED
 from ....semantics.python.arithmetic import BINARY, UNARY
 from ....semantics.python.calls import invoke, vector
+from ....semantics.python.specials import container_method
 from ....semantics.space.numeric import negation
 from ....semantics.space.regions import CircularRegion, RectangularRegion, Region, SectorRegion, Workspace
 from ....semantics.space.symbols import NotLifted
@@ -42,8 +44,10 @@ def lift(trace: Recorder, operation: Callable[..., object], arguments: list[obje
     found = symbols_in((arguments, keywords))
     if not found:
         return operation(*arguments, **keywords)
-    if operation is invoke and not isinstance(arguments[0], Traced):
-        operation, *arguments = arguments  # type: ignore[assignment]
+    if operation is invoke:
+        check_method(arguments[0])
+        if not symbols_in(arguments[0]) or is_direct(arguments[0]):
+            operation, *arguments = arguments  # type: ignore[assignment]
     if isinstance(operation, Bound):
         operation = operation.afresh
     keywords = {name: value.afresh if isinstance(value, Bound) else value for name, value in keywords.items()}
@@ -105,7 +109,17 @@ def is_direct(function: object) -> bool:
     """Whether a function of the library is made of liftable operations itself: constructors of vectors and closed forms, methods of regions."""
     if isinstance(function, type):
         return function in DIRECT
-    return function is vector or isinstance(getattr(function, "__self__", None), Region)
+    owner = function if isinstance(function, Traced) else getattr(function, "__self__", None)
+    return function is vector or (isinstance(owner, Region) and hasattr(Region, function.__name__))  # type: ignore[attr-defined]
+
+
+def check_method(function: object) -> None:
+    """Refuse a function that differs from run to run if what it does is the program's, or changes something."""
+    for value in _entries(function) if isinstance(function, Choice) else (function.example,) if isinstance(function, Traced) else ():
+        if isinstance(value, STATEFUL):
+            raise NotLifted("which function is called differs from run to run")
+        if container_method(value) and value.__name__ in STORED:  # type: ignore[attr-defined]
+            raise NotLifted("which container is changed differs from run to run")
 
 
 def _few(choices: dict[int, Choice]) -> bool:

@@ -11,17 +11,17 @@ from ....semantics.kernel.budget import Budget
 from ....semantics.kernel.errors import ScenicError
 from ....semantics.kernel.host import DoorStuck, HostException
 from ....semantics.kernel.outcome import Requirement
+from ....semantics.kernel.unmet import UNMET
 from ....semantics.kernel.values import Bound, Native
-from ....semantics.space.absence import Absent
+from ....semantics.python.calls import invoke
 from ....semantics.space.fields import OutsideField, PolygonalVectorField, VectorField
 from ....semantics.space.numeric import Elementary, is_macro, position_in
-from ....semantics.space.regions import EmptyRegion
 from ....semantics.space.symbols import NotLifted
 from ....semantics.space.vectors import Vector
 from ....semantics.syntax.nodes import NOWHERE
 from .graph import AsFloat, Graph, GraphEvent, GraphNode, Kind, Lookup, Macro, Part, PartialRun, RowCall, Search, Site, bounds_of, decided
 from .structures import in_row, symbols_in
-from .symbols import OPERATORS, Choice, Opaque, Scalar, Traced
+from .symbols import OPERATORS, Choice, Mistaken, Opaque, Retry, Scalar, Traced
 
 AS_FLOAT = AsFloat()
 LARGEST_PRODUCT = 256
@@ -30,10 +30,6 @@ TRUTH = frozenset({
     np.equal, np.not_equal, np.less, np.less_equal, np.greater, np.greater_equal, np.logical_and, np.logical_or, np.logical_xor, np.logical_not,
 })  # fmt: skip
 PLAIN = (bool, int, float, str, type(None))
-
-
-class Retry(Exception):
-    """The run that is traced got stuck where no value can go on: another run must be traced."""
 
 
 class Recorder:
@@ -54,8 +50,7 @@ class Recorder:
 
     def node(self, function: object, arguments: tuple[object, ...], kind: Kind, example: object, key: object = None) -> GraphNode:
         """The node of `function(*arguments)`: a known one if there is one."""
-        if not self.open:
-            raise NotLifted("a random value outlived its run")
+        self.check_open()
         key = (function, *(a if isinstance(a, GraphNode) else (type(a), a) for a in arguments)) if key is None else key
         found = self.known.get(key)
         if found is None:
@@ -63,6 +58,11 @@ class Recorder:
             self.graph.nodes.append(found)
             self.known[key] = found
         return found
+
+    def check_open(self) -> None:
+        """Refuse operations after the run: nobody would try another one."""
+        if not self.open:
+            raise NotLifted("a random value outlived its run")
 
     def site(self, address: tuple[int, ...], index: int, per_scene: bool) -> Scalar:
         """The `index`-th number of a draw site."""
@@ -258,18 +258,19 @@ class Recorder:
         self, function: Callable[..., object], arguments: tuple[object, ...], keywords: Mapping[str, object], result: type | None = None
     ) -> Any:
         """`function(*arguments, **keywords)`, row by row."""
+        self.check_open()
         example_of = lambda node: node.example  # noqa: E731
         try:
             example = function(*in_row(arguments, example_of), **in_row(dict(keywords), example_of))  # type: ignore[misc]
-        except (OutsideField, EmptyRegion, Absent) as stuck:
+        except UNMET as stuck:
             raise Retry(str(stuck)) from None
         except (ScenicError, HostException, DoorStuck, Exception) as problem:
-            raise NotLifted(f"{name_of(function)}: {problem}") from None
+            raise Mistaken(f"{name_of(arguments[0] if function is invoke else function)}: {problem}") from None
         if symbols_in(example):
             raise NotLifted("a function gives a random value that it has hidden")
         if result is float and type(example) is not bool:
             example = float(example)  # type: ignore[arg-type]
-        text = name_of(function)
+        text = name_of(arguments[0] if function is invoke else function)
         call = RowCall(function, arguments, dict(keywords), type(example), result is float, text, self.budget)
         kind: Kind = "float" if type(example) is float else "bool" if type(example) is bool else "object"
         key = self.key_of(function, arguments, keywords)
@@ -333,6 +334,12 @@ class Recorder:
             return bool(truth.example)
         return truth
 
+    def forget(self, number: int) -> None:
+        """Take back the events after so many."""
+        events = self.graph.events
+        self.counted -= {(event.node.number, event.condition) for event in events[number:]}
+        del events[number:]
+
     # What is evaluated in some runs only
 
     def begin(self, condition: GraphNode, expected: bool) -> None:
@@ -358,6 +365,8 @@ class Recorder:
 
 def name_of(function: object) -> str:
     """A function as reports call it."""
+    if isinstance(function, Traced):
+        return name_of(function.example)
     owner = getattr(function, "__self__", function)
     return owner.name if isinstance(owner, (Native, Bound)) else getattr(function, "__qualname__", repr(function))
 
@@ -376,4 +385,4 @@ def bounds_of_field(subject: object = None, *rest: object) -> tuple[float, float
     return min(headings), max(headings)
 
 
-__all__ = ["Recorder", "Retry"]
+__all__ = ["Recorder"]

@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import textwrap
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any, NamedTuple
 
 from ....interpreter.choosers import AS_THEY_ARE, PER_SCENE, Draws, replaced
+from ....interpreter.printer import to_source
 from ....interpreter.streams import Stream
 from ....interpreter.walls import within
-from ....semantics.kernel.config import Abrupt, Config, State, Value
-from ....semantics.kernel.driving import drive_machine
+from ....semantics.kernel.config import Abrupt, Config, Stack, State, Value
+from ....semantics.kernel.driving import End, drive_machine
 from ....semantics.kernel.errors import RandomBranch
 from ....semantics.kernel.outcome import Done, Draw, Fault, Next, Outcome, Requirement, Stuck
 from ....semantics.kernel.scopes import target_names
+from ....semantics.kernel.unmet import NothingToDraw
 from ....semantics.kernel.values import unwrap
 from ....semantics.kernel.versions import STORED
 from ....semantics.python.assignment import written
-from ....semantics.space.absence import Absent
+from ....semantics.python.elementwise import SelectingInCases
 from ....semantics.space.distributions import Coin, Discrete, Distribution, Normal, PointIn, Range, TruncatedNormal, Uniform
 from ....semantics.space.regions import (
     CircularRegion,
@@ -36,13 +39,13 @@ from ....semantics.space.vectors import Vector
 from ....semantics.step import place, step
 from ....semantics.syntax import python_expressions as p
 from ....semantics.syntax import statements as s
-from ....semantics.syntax.nodes import Statement
+from ....semantics.syntax.nodes import Node, Statement
 from ..evaluate.plan import only_rejects
 from .graph import Graph, GraphEvent, RowDraw, Site
 from .lifting import lift
-from .recording import Recorder, Retry
+from .recording import Recorder
 from .structures import in_row
-from .symbols import Traced
+from .symbols import Mistaken, Retry, Traced
 
 TRIES = 200
 """Runs that are tried until one is found in which all vector fields and regions have values."""
@@ -50,12 +53,10 @@ MAPPED = (Range, Normal, TruncatedNormal, Uniform, Discrete, Coin)
 MAPPED_REGIONS = (CircularRegion, SectorRegion, RectangularRegion, PolygonalRegion, PolylineRegion, PointSetRegion)
 PURE = (s.Return, s.If, s.While, s.For)
 """Statements that change nothing but what they contain does."""
+LONGEST = 80
+"""Letters of a construct that a reason shows."""
 FEW = 5
 """How many of these may end with an error of the program."""
-
-
-class Mistaken(NotLifted):
-    """The run that was traced ends with an error of the program; others may not."""
 
 
 class Impossible(NotLifted):
@@ -101,27 +102,50 @@ def trace_run(config: Config, attempt: int, fuel: int, draws: Draws = AS_THEY_AR
     door = config.state.settings.door
     made = Recorder(number_at, door.budget)
     door.lift = partial(lift, made)
-    traced = SymbolicRun(made, draws, config)
+    traced, beginning = SymbolicRun(made, draws, config), config
     try:
         end, _ = drive_machine(traced.step, config, traced.answer, fuel, witness=traced.watch, beyond=traced.beyond)
-        match end:
-            case Done(state=state):
-                return Lifted(made.graph, state)
-            case Fault(error=RandomBranch()):
-                raise NotLifted("what is drawn decides what happens in the condition of a requirement")
-            case Fault(error=error):
-                raise Mistaken(f"{error}")
-            case Stuck(requirement=requirement):
-                raise Retry(requirement.text)
-            case _:
-                raise NotLifted("the program does not end")
+    except Impossible:
+        raise
     except NotLifted as problem:
         if made.imagined:
             raise Retry(str(problem)) from None
-        raise
+        raise type(problem)(with_place(str(problem), traced.config, beginning)) from None
     finally:
         made.open = False
         door.lift = None
+    if isinstance(end, Done):
+        return Lifted(made.graph, end.state)
+    reason = no_graph(end)
+    raise Retry(str(reason)) if made.imagined else reason
+
+
+def no_graph(end: End) -> BaseException:
+    """What to raise for a run that has not come to its end."""
+    match end:
+        case Fault(error=RandomBranch(span=span)):
+            return NotLifted(f"{span}: what is drawn decides what happens in the condition of a requirement")
+        case Fault(error=error):
+            return Mistaken(f"{error}")
+        case Stuck(requirement=requirement):
+            return Retry(requirement.text)
+        case _:
+            return NotLifted("the program does not end")
+
+
+def with_place(problem: str, config: Config, beginning: Config) -> str:
+    """Why there is no graph, with the construct and its place: in the program itself, if what was reduced was in a library."""
+    nodes = [config.control, *(getattr(frame, "node", None) for frame in frames_of(config.stack))]
+    found = [n for n in nodes if isinstance(n, Node) and n.span.line > 0]
+    here = next((n for n in found if n.span.file == place(beginning).file), next(iter(found), None))
+    return problem if here is None else f"{here.span}: {problem}, in `{textwrap.shorten(to_source(here), LONGEST, placeholder=' ...')}`"
+
+
+def frames_of(stack: Stack) -> Iterator[object]:
+    """The frames of a stack, the innermost first."""
+    while stack:
+        frame, stack = stack
+        yield frame
 
 
 class SymbolicRun:
@@ -132,7 +156,7 @@ class SymbolicRun:
         self.draws = draws
         self.config = config  # the one that makes the latest step, and how many events there were before it
         self.events = 0
-        self.partial_runs: list[tuple[object, State]] = []  # where what is evaluated in some runs only ends, and the state at its beginning
+        self.partial_runs: list[tuple[Any, State]] = []  # where what is evaluated in some runs only ends, and the state at its beginning
         made.place = lambda text: Requirement("field", place(self.config), text)
 
     def step(self, config: Config) -> Outcome:
@@ -185,13 +209,22 @@ class SymbolicRun:
     def beyond(self, outcome: Stuck) -> Config | None:
         """Where a run goes on whose requirement became an event, or fails whatever is drawn. Raises `Impossible`, `Retry`."""
         if outcome.beyond is None:
-            return None
+            return self.rejected_in_case(outcome)
         events = self.made.graph.events
         if len(events) == self.events:  # it fails in all runs that come here
             never_holds(outcome.requirement, self.made)
         elif events[-1].requirement is not outcome.requirement:
             return None
         return outcome.beyond
+
+    def rejected_in_case(self, outcome: Stuck) -> Config | None:
+        """Where a run goes on that is rejected in one case of a container that is filtered: after this case."""
+        end, state = self.partial_runs[-1] if self.partial_runs else ((None, ()), None)
+        if state is None or not isinstance(end[0], SelectingInCases):
+            return None
+        assert self.made.condition is not None
+        self.made.graph.events.append(GraphEvent("require", self.made.condition, False, outcome.requirement))
+        return Config(Value([]), end, state)
 
 
 def never_holds(requirement: Requirement, made: Recorder) -> None:
@@ -207,7 +240,7 @@ def check_pure(outcome: Next) -> None:
     pure = not isinstance(node, Statement) or isinstance(node, PURE) or is_local(outcome)
     stores = isinstance(node, p.Call) and isinstance(node.function, p.Attribute) and node.function.name in STORED
     if not pure or stores or (isinstance(control, Abrupt) and control.kind == "raise"):
-        raise NotLifted("what is evaluated only in some runs changes something")
+        raise NotLifted("what is evaluated only in some runs changes something, or raises an exception")
 
 
 def is_local(outcome: Next) -> bool:
@@ -221,7 +254,7 @@ def is_local(outcome: Next) -> bool:
 def check_unchanged(before: State, after: State) -> None:
     """Refuse changes of the scene by what is evaluated only in some runs."""
     if any(getattr(before, name) is not getattr(after, name) for name in ("scene", "params", "ego", "workspace", "late", "dynamic", "objects")):
-        raise NotLifted("what is evaluated only in some runs changes the scene")
+        raise NotLifted("what is evaluated only in some runs makes an object or point, or changes the scene")
 
 
 def numbers_of(draw: Draw, made: Recorder) -> Callable[[], Any]:
@@ -260,10 +293,10 @@ def has_spread(distribution: Distribution) -> bool:
 
 
 def one_of(distribution: Uniform, number: float) -> object:
-    """What a distribution over all items of some containers gives in one run. Raises `Absent` if there are none."""
+    """What a distribution over all items of some containers gives in one run. Raises `NothingToDraw` if there are none."""
     values = [item for v in distribution.values for item in (v.container if isinstance(v, Spread) else (v,))]
     if not values:
-        raise Absent("a distribution over no values")
+        raise NothingToDraw(distribution.name)
     return Uniform(tuple(values)).sample(lambda: number)
 
 

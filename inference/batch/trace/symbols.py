@@ -29,6 +29,14 @@ OPERATORS: dict[Callable[..., object], np.ufunc] = {
 """Python's operators as they act on floats and truth values."""
 
 
+class Retry(BaseException):
+    """The run that is traced got stuck where no value can go on: another run must be traced. No program can take it for an error of its own."""
+
+
+class Mistaken(NotLifted):
+    """The run that was traced ends with an error of the program; others may not."""
+
+
 def _binary(operation: Callable[..., object], *, swapped: bool = False) -> Callable[[Any, object], object]:
     def method(self: Any, other: object) -> object:
         pair = (other, self) if swapped else (self, other)
@@ -128,6 +136,12 @@ class Traced(Symbol):
     __eq__, __ne__ = _binary(operator.eq), _binary(operator.ne)  # type: ignore[assignment]
     __neg__, __pos__, __abs__, __invert__ = (_unary(o) for o in (operator.neg, operator.pos, operator.abs, operator.invert))
 
+    def cases(self) -> Sequence[tuple[Any, object]]:
+        raise NotLifted("which values this may have is known only row by row")
+
+    def of_cases(self, results: Sequence[object]) -> Any:
+        raise NotLifted("which values this may have is known only row by row")
+
 
 class Scalar(Traced):
     """A float or a truth value."""
@@ -159,12 +173,44 @@ class Choice(Traced):
 
     def always(self, predicate: Callable[[Any], bool]) -> bool:
         answers = {predicate(v) for v in self.values}
-        if len(answers) != 1:
-            raise NotLifted("a choice among values of different types")
-        return answers.pop()
+        if len(answers) == 1:
+            return answers.pop()
+        there = [v is not None for v in self.values]
+        of_those = {predicate(v) for v in self.values if v is not None}
+        if all(there) or len(of_those) != 1:
+            raise NotLifted("a choice among values of different types is used as one of them")
+        is_there = self.trace.table(self.node, np.array(there))
+        if self.example is None:
+            raise Retry("a value is None that is used as something else")
+        self.trace.guard(is_there)
+        return of_those.pop()
 
     def each(self, function: Callable[[Any], object]) -> Any:
-        return self.trace.merge(self.node, [function(v) for v in self.values])
+        events = len(self.trace.graph.events)
+        try:
+            results = [function(v) for v in self.values]
+        except (Exception, Mistaken, Retry):  # of some of them, perhaps of none that is chosen: found row by row
+            results = None
+        if results is None or len(self.trace.graph.events) > events:  # what becomes of one value decides only the runs in which that is chosen
+            self.trace.forget(events)
+            return self.trace.call(function, (self,), {})
+        return self.trace.merge(self.node, results)
+
+    def cases(self) -> Sequence[tuple[Any, object]]:
+        found: list[tuple[Any, object]] = []
+        for position, value in enumerate(self.values):
+            here = self.trace.table(self.node, np.arange(len(self.values)) == position)
+            inner = value.cases() if isinstance(value, Traced) else [(True, value)]
+            found += [(here if condition is True else here & condition, one) for condition, one in inner]
+        return found
+
+    def of_cases(self, results: Sequence[object]) -> Any:
+        rest, merged = list(results), []
+        for value in self.values:
+            count = len(value.cases()) if isinstance(value, Choice) else 1
+            merged.append(value.of_cases(rest[:count]) if isinstance(value, Choice) else rest[0])
+            rest = rest[count:]
+        return self.trace.merge(self.node, merged)
 
     def number(self) -> Any:
         return self.trace.as_float(self)
@@ -179,6 +225,8 @@ class Choice(Traced):
         return iter([self.each(operator.itemgetter(i)) for i in range(lengths.pop())])
 
     def __getitem__(self, index: object) -> object:
+        if isinstance(index, Traced):
+            return self.trace.call(operator.getitem, (self, index), {})
         return self.each(operator.itemgetter(index))
 
 

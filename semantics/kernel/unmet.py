@@ -1,0 +1,33 @@
+"""What rules and the library raise where a run cannot go on, and the requirement of which it is then said that it failed."""
+
+from __future__ import annotations
+
+from ..space.absence import Absent
+from ..space.fields import OutsideField
+from ..space.regions import EmptyRegion
+from ..syntax.nodes import Span
+from .outcome import Requirement
+
+
+class NothingToDraw(Exception):
+    """A distribution over the values of a container of random length has no value where that is empty (reading `random-length`)."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(f"{name} of an empty list")
+
+
+Unmet = OutsideField | EmptyRegion | Absent | NothingToDraw
+UNMET = (OutsideField, EmptyRegion, Absent, NothingToDraw)
+
+
+def unmet(problem: Unmet, span: Span) -> Requirement:
+    """The requirement that the run fails."""
+    match problem:
+        case OutsideField():
+            return Requirement("field", span, problem.premise)
+        case EmptyRegion():
+            return Requirement("region", span, str(problem))
+        case Absent():
+            return Requirement("element", span, str(problem))
+        case NothingToDraw():
+            return Requirement("parameters", span, str(problem))
