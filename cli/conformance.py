@@ -111,10 +111,9 @@ def selected(vectors: Sequence[ConformanceVector], chapter: str | None, names: l
 
 def nearest(name: str, known: Iterable[str]) -> str:
     """A hint with the most similar name."""
-    from difflib import get_close_matches
+    from ..semantics.kernel.suggestions import did_you_mean
 
-    near = get_close_matches(name, list(known), n=1, cutoff=0.4)
-    return f"did you mean {near[0]}?" if near else "`scenic-ref conformance -v` lists them"
+    return did_you_mean(name, known, "`scenic-ref conformance -v` lists them")
 
 
 def check_dialect(dialect: str | None) -> None:

@@ -110,13 +110,14 @@ def run(
     Where few runs are accepted, smc and mcmc look for scenes step by step; these are other scenes, from the same distribution.
     """
     from ..semantics.kernel.errors import UsageError
+    from ..semantics.kernel.suggestions import did_you_mean
     from .production import SceneRequest, produce
 
     session = context.obj
     session.seed = seed
     backend = None if backend == "auto" else backend
     if backend not in (None, *BACKENDS):
-        raise UsageError(f"there is no backend {backend}", hint=f"the backends are {', '.join(BACKENDS[:-1])} and {BACKENDS[-1]}")
+        raise UsageError(f"there is no backend {backend}", hint=did_you_mean(backend, BACKENDS, f"the backends are {', '.join(BACKENDS[:-1])} and {BACKENDS[-1]}"))
     if backend == "enumerate" and (count != 1 or scene is not None or resume or workers != 1 or cluster is not None):
         raise UsageError("an enumeration gives all outcomes at once: -n, --scene, --resume, --workers and --cluster cannot be given with it")
     if backend == "enumerate" and prune:
