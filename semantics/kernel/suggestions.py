@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-MOST_SLIPS = 3
+MOST_SLIPS, SWAPPED = 3, 2
 LONG = 5
 """Of shorter names that no model of the program has, none but one in other letters is taken for one of a world model."""
 SHORTEST_BEGINNING = 3
@@ -56,16 +56,15 @@ def did_you_mean(name: str, known: Iterable[str], otherwise: str = "") -> str:
     return f"did you mean {near}?" if near is not None else otherwise
 
 
-def slips_between(one: str, other: str) -> int | None:
-    """How many slips lie between two names, None for too many: more than one for every four letters of the longer, but for two that are swapped."""
-    shorter, longer = sorted((one, other), key=len)
-    if SHORTEST_BEGINNING <= len(shorter) < len(longer) <= 2 * len(shorter) and longer.startswith(shorter):
-        return len(longer) - len(shorter)
-    most = min(len(longer) // 4, MOST_SLIPS)
-    if len(longer) - len(shorter) > most:
+def slips_between(name: str, known: str) -> int | None:
+    """How many slips make a known name this one, None for too many: more than one for every four letters, but where letters are only swapped."""
+    if SHORTEST_BEGINNING <= len(name) < len(known) <= 2 * len(name) and known.startswith(name):
+        return len(known) - len(name)
+    most = min(max(len(name), len(known)) // 4, MOST_SLIPS)
+    if abs(len(known) - len(name)) > most:
         return None
-    slips = distance(one, other)
-    return slips if slips <= most or (slips == 1 and sorted(one) == sorted(other)) else None
+    slips = distance(name, known)
+    return slips if slips <= most or (slips <= SWAPPED and sorted(name) == sorted(known)) else None
 
 
 def distance(one: str, other: str) -> int:
