@@ -7,6 +7,7 @@ Library modules are not warned about.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterator
 from typing import NamedTuple
 
@@ -94,7 +95,7 @@ def _mentioned(nodes: list[Node]) -> Iterator[str]:
 
 def _unused_imports(program: Program, nodes: list[Node], library: Library) -> Iterator[ProgramWarning]:
     """Names that imports at the top level bind and nothing uses, of modules that do nothing but define."""
-    used = {node.name for node in nodes if isinstance(node, Name)} | {n for node in nodes if isinstance(node, s.Global | s.Nonlocal) for n in node.names}
+    used = {node.name for node in nodes if isinstance(node, Name)}
     if "__all__" in used:
         return
     for statement in program.statements:
@@ -105,8 +106,13 @@ def _unused_imports(program: Program, nodes: list[Node], library: Library) -> It
         else:
             continue
         for one, name, module in named:
-            if name not in used and not name.startswith("_") and _only_defines(module, library):
+            if name not in used and not name.startswith("_") and not _said_again(name, program.text) and _only_defines(module, library):
                 yield ProgramWarning(UNUSED, f"nothing uses the import {name}", one.span, "remove it")
+
+
+def _said_again(name: str, text: str) -> bool:
+    """Whether the text has a name more than once: in an annotation, say, of which the tree knows nothing."""
+    return len(re.findall(rf"\b{re.escape(name)}\b", text)) > 1
 
 
 def _only_defines(name: str, library: Library) -> bool:
