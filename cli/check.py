@@ -41,14 +41,14 @@ def check(
     samples: Annotated[
         str | None, typer.Option("--samples", metavar="PATH", help="Scenes of any implementation: JSON Lines in the scene format, or .csv.")
     ] = None,
-    alpha: Annotated[float, typer.Option("--alpha", metavar="A", help="The risk of a false alarm.")] = 1e-9,
+    alpha: Annotated[float, typer.Option("--alpha", metavar="RISK", help="The risk of a false alarm.")] = 1e-9,
     detect_tv: Annotated[
-        float, typer.Option("--detect-tv", metavar="E", help="The difference, in total variation of a feature, that must not be missed.")
+        float, typer.Option("--detect-tv", metavar="DISTANCE", help="The difference, in total variation of a feature, that must not be missed.")
     ] = 0.01,
     tolerance: Annotated[
         float,
         typer.Option(
-            "--tolerance", metavar="T", help="Numbers are equal if they differ by at most T, relative to the larger of 1 and the program's number."
+            "--tolerance", metavar="NUMBER", help="Numbers are equal if they differ by at most this, relative to the larger of 1 and the program's number."
         ),
     ] = 5e-6,
     ignore: Annotated[
@@ -64,10 +64,10 @@ def check(
     junit: Annotated[str | None, typer.Option("--junit", metavar="PATH", help="Write the verdict as JUnit XML.")] = None,
     strict: Annotated[bool, typer.Option("--strict", help="Take warnings for errors: with any, the exit code is 1.")] = False,
     form: Annotated[
-        str, typer.Option("--format", metavar="F", help="How to tell what is wrong with the program: text, json, github or sarif.")
+        str, typer.Option("--format", metavar="FORMAT", help="How to tell what is wrong with the program: text, json, github or sarif.")
     ] = "text",
-    seed: Annotated[int, typer.Option("--seed", metavar="S", help="The seed of the scenes that the samples are compared with.")] = DEFAULT_SEED,
-    workers: Annotated[int, typer.Option("--workers", metavar="K", min=1, help="Draw with K processes.")] = 1,
+    seed: Annotated[int, typer.Option("--seed", metavar="SEED", help="The seed of the scenes that the samples are compared with.")] = DEFAULT_SEED,
+    workers: Annotated[int, typer.Option("--workers", metavar="PROCESSES", min=1, help="Draw with so many processes.")] = 1,
     profile: ProfileOption = "paper",
     reading: ReadingOption = None,
     dialect: DialectOption = None,

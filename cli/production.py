@@ -68,6 +68,8 @@ def produce(source: Source, request: SceneRequest, session: Session) -> None:
     if source.prune:
         for line in pruning_lines(drawing):
             tell(line)
+    if request.start == request.stop:
+        tell("no scenes were asked for, and none was drawn; the program has no error")
     if earlier.count:
         tell(f"{earlier.count:,} scenes were there already")
     for line in summary(tally, request.seed, time.perf_counter() - begun, session.texts, backend_lines(interpreted, tally, drawing)):
