@@ -8,7 +8,7 @@ PLAIN ?= .venv-plain
 TESTS ?=
 MARK ?=
 
-.PHONY: demo test test-all test-plain nightly mutants results check docs proofs bench bench-roads clean
+.PHONY: demo test test-all test-plain nightly mutants results check docs man proofs bench bench-roads clean
 
 $(VENV)/.core: pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit("scenic-ref needs Python 3.11 or later" if sys.version_info < (3, 11) else 0)'
@@ -85,6 +85,10 @@ docs: $(VENV)/.docs
 	$(BIN)/python docs/generate.py
 	$(BIN)/mkdocs build --strict --quiet
 
+## The manual page, scenic-ref.1, from the same source as --help; `man ./scenic-ref.1` shows it
+man: $(VENV)/.core
+	$(BIN)/python docs/manual.py scenic-ref.1
+
 ## The theorems of proofs/, checked by Coq 8.16 (Debian: apt-get install coq)
 proofs:
 	@for tool in coqc coq_makefile; do command -v $$tool > /dev/null || { echo "make proofs needs Coq 8.16, and there is no $$tool (Debian: apt-get install coq)" >&2; exit 1; }; done
@@ -104,4 +108,4 @@ bench-roads: $(VENV)/.test
 
 clean:
 	rm -rf $(VENV) $(PLAIN) .venv-3.12 .venv-3.13 .venv-scenic-3 .venv-scenic-2.1 demo site build dist *.egg-info
-	rm -f proofs/CoqMakefile* proofs/.CoqMakefile.d proofs/*/*.vo* proofs/*/*.glob proofs/*/.*.aux
+	rm -f scenic-ref.1 proofs/CoqMakefile* proofs/.CoqMakefile.d proofs/*/*.vo* proofs/*/*.glob proofs/*/.*.aux

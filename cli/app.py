@@ -23,7 +23,7 @@ from .trace import trace
 
 EXIT_CODES = {
     0: "ok",
-    1: "program error, samples that differ, or a vector that failed",
+    1: "program error, a warning under check --strict, samples that differ, or a vector that failed",
     2: "wrong usage",
     3: "attempts exhausted",
     4: "internal error",
@@ -32,13 +32,15 @@ EXIT_CODES = {
 }
 """What the exit codes of all commands mean."""
 
+WIDEST = 1000
+"""Columns of help: as many as the terminal has, up to these."""
+
 app = typer.Typer(
     name="scenic-ref",
-    add_completion=False,
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"]},
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": WIDEST},
 )
 """The command line as a Typer application."""
 
@@ -65,7 +67,7 @@ def show_version(wanted: bool) -> None:
 
 @app.callback(epilog=f"Exit codes: {'; '.join(f'{code} {meaning}' for code, meaning in EXIT_CODES.items())}.")
 def scenic_ref(
-    version: Annotated[bool, typer.Option("--version", callback=show_version, is_eager=True, help="Show the version.")] = False,
+    version: Annotated[bool, typer.Option("--version", "-V", callback=show_version, is_eager=True, help="Show the version.")] = False,
     debug: DebugOption = False,
 ) -> None:
     """The executable reference of the Scenic language: run, trace and question its rules."""

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 def bench(
     context: typer.Context,
     programs: Annotated[list[str] | None, typer.Argument(metavar="PROGRAM", help="The Scenic programs.", show_default=False)] = None,
-    seconds: Annotated[float, typer.Option("--seconds", metavar="S", help="Seconds of the processor for each measurement.")] = 1.0,
-    repeat: Annotated[int, typer.Option("--repeat", metavar="R", min=1, help="How many times each is measured, in turns.")] = 3,
+    seconds: Annotated[float, typer.Option("--seconds", metavar="SECONDS", help="Seconds of the processor for each measurement.")] = 1.0,
+    repeat: Annotated[int, typer.Option("--repeat", metavar="TIMES", min=1, help="How many times each is measured, in turns.")] = 3,
     against: Annotated[
         list[str] | None,
         typer.Option(
@@ -42,7 +42,7 @@ def bench(
         bool, typer.Option("--end-to-end", help="Measure what `run` to a file takes, in each format, beside drawing by the fastest backend.")
     ] = False,
     trust: TrustOption = False,
-    seed: Annotated[int, typer.Option("--seed", metavar="S", help="The seed of the scenes.")] = 0,
+    seed: Annotated[int, typer.Option("--seed", metavar="SEED", help="The seed of the scenes.")] = 0,
     output: Annotated[str | None, typer.Option("--json", metavar="PATH", help="Write all figures as JSON.")] = None,
     plot: Annotated[str | None, typer.Option("--plot", metavar="PATH", help="Draw scenes per second as bars, as .png, .pdf or .svg.")] = None,
     debug: DebugOption = False,

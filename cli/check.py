@@ -41,14 +41,14 @@ def check(
     samples: Annotated[
         str | None, typer.Option("--samples", metavar="PATH", help="Scenes of any implementation: JSON Lines in the scene format, or .csv.")
     ] = None,
-    alpha: Annotated[float, typer.Option("--alpha", metavar="A", help="The risk of a false alarm.")] = 1e-9,
+    alpha: Annotated[float, typer.Option("--alpha", metavar="RISK", help="The risk of a false alarm.")] = 1e-9,
     detect_tv: Annotated[
-        float, typer.Option("--detect-tv", metavar="E", help="The difference, in total variation of a feature, that must not be missed.")
+        float, typer.Option("--detect-tv", metavar="DISTANCE", help="The difference, in total variation of a feature, that must not be missed.")
     ] = 0.01,
     tolerance: Annotated[
         float,
         typer.Option(
-            "--tolerance", metavar="T", help="Numbers are equal if they differ by at most T, relative to the larger of 1 and the program's number."
+            "--tolerance", metavar="NUMBER", help="Numbers are equal if they differ by at most this, relative to the larger of 1 and the program's number."
         ),
     ] = 5e-6,
     ignore: Annotated[
@@ -62,8 +62,12 @@ def check(
     ] = None,
     report: Annotated[str | None, typer.Option("--report", metavar="PATH", help="Write the comparison as a page, .html.")] = None,
     junit: Annotated[str | None, typer.Option("--junit", metavar="PATH", help="Write the verdict as JUnit XML.")] = None,
-    seed: Annotated[int, typer.Option("--seed", metavar="S", help="The seed of the scenes that the samples are compared with.")] = DEFAULT_SEED,
-    workers: Annotated[int, typer.Option("--workers", metavar="K", min=1, help="Draw with K processes.")] = 1,
+    strict: Annotated[bool, typer.Option("--strict", help="Take warnings for errors: with any, the exit code is 1.")] = False,
+    form: Annotated[
+        str, typer.Option("--format", metavar="FORMAT", help="How to tell what is wrong with the program: text, json, github or sarif.")
+    ] = "text",
+    seed: Annotated[int, typer.Option("--seed", metavar="SEED", help="The seed of the scenes that the samples are compared with.")] = DEFAULT_SEED,
+    workers: Annotated[int, typer.Option("--workers", metavar="PROCESSES", min=1, help="Draw with so many processes.")] = 1,
     profile: ProfileOption = "paper",
     reading: ReadingOption = None,
     dialect: DialectOption = None,
@@ -78,13 +82,13 @@ def check(
 ) -> None:
     """Check a program, or compare samples with it.
 
-    The program is parsed, checked and run once; the answer is "ok" or the error.
+    The program is parsed, checked and run once; the answer is "ok" or the error, and warnings: properties that nothing reads though their names
+    are nearly those of others, imports that nothing uses. Exit codes: 0 ok, 1 an error, or with --strict a warning.
 
     With --samples: were these scenes drawn from the program's distribution? Exit codes: 0 equivalent, 1 different, 2 wrong usage, 5
     inconclusive (too few samples for --detect-tv).
     """
     from ..semantics.kernel.errors import UsageError
-    from .drawing import tell_notes
     from .session import escaped
 
     session = context.obj
@@ -98,11 +102,11 @@ def check(
         given = [f"--{name.replace('_', '-').replace('mapped', 'map')}" for name in options if is_given(context, name)]
         if given:
             raise UsageError(f"{given[0]} needs --samples", hint="scenic-ref check FILE --samples PATH")
-        program = source.load()
-        program.rehearse()
-        tell_notes(program)
-        print("ok")
-        return
+        from .checking import check_program
+
+        raise typer.Exit(check_program(source, form, session, strict=strict))
+    if strict or form != "text":
+        raise UsageError("--strict and --format are about the program alone: they cannot be given with --samples", hint="--report writes a page")
     asked = Compared(samples, reference, alpha, detect_tv, tolerance, tuple(ignore or ()), dict(pairs(mapped, "--map", "A=B")), seed, workers)
     verdict = compared(source, asked, report, junit)
     print(escaped(str(verdict)))

@@ -23,16 +23,16 @@ HEADING = ("vectors", "passed", "failed", "skipped", "errored", "chapter")
 
 
 def conformance(
-    chapter: Annotated[str | None, typer.Option("--chapter", metavar="C", help="Only the chapters whose title contains C.")] = None,
+    chapter: Annotated[str | None, typer.Option("--chapter", metavar="TITLE", help="Only the chapters whose title contains this.")] = None,
     vector: Annotated[list[str] | None, typer.Option("--vector", metavar="NAME", help="Only the vector of that name; may be repeated.")] = None,
     dialect: Annotated[
-        str | None, typer.Option("--dialect", metavar="D", help="Run the programs in that dialect: paper, pldi19, scenic-2.1 or scenic-3.")
+        str | None, typer.Option("--dialect", metavar="DIALECT", help="Run the programs in that dialect: paper, pldi19, scenic-2.1 or scenic-3.")
     ] = None,
     impl: Annotated[
         str | None,
-        typer.Option("--impl", metavar="I", help="Another implementation: scenic==3.1.1, scenic==2.1.0, or a command of the harness protocol."),
+        typer.Option("--impl", metavar="IMPLEMENTATION", help="Another implementation: scenic==3.1.1, scenic==2.1.0, or a command of the harness protocol."),
     ] = None,
-    seconds: Annotated[float, typer.Option("--seconds", metavar="T", help="How long an answer of it may take.")] = 60.0,
+    seconds: Annotated[float, typer.Option("--seconds", metavar="SECONDS", help="How long an answer of it may take.")] = 60.0,
     known: Annotated[
         str | None, typer.Option("--known", metavar="PATH", help="The differences that are known of it, .toml; by default the ones that ship.")
     ] = None,
@@ -40,7 +40,7 @@ def conformance(
     against: Annotated[str | None, typer.Option("--against", metavar="PATH", help="Compare with such a file: what changed fails.")] = None,
     output: Annotated[str | None, typer.Option("--json", metavar="PATH", help="Write the results as JSON; - for stdout.")] = None,
     verbose: Annotated[bool, typer.Option("-v", "--verbose", help="List every vector, not only those that did not pass.")] = False,
-    seed: Annotated[int, typer.Option("--seed", metavar="S", help="The seed of the statistical vectors; a nightly run takes a fresh one.")] = 20,
+    seed: Annotated[int, typer.Option("--seed", metavar="SEED", help="The seed of the statistical vectors; a nightly run takes a fresh one.")] = 20,
     debug: DebugOption = False,
 ) -> None:
     """Run the conformance vectors.
@@ -111,10 +111,9 @@ def selected(vectors: Sequence[ConformanceVector], chapter: str | None, names: l
 
 def nearest(name: str, known: Iterable[str]) -> str:
     """A hint with the most similar name."""
-    from difflib import get_close_matches
+    from ..semantics.kernel.suggestions import did_you_mean
 
-    near = get_close_matches(name, list(known), n=1, cutoff=0.4)
-    return f"did you mean {near[0]}?" if near else "`scenic-ref conformance -v` lists them"
+    return did_you_mean(name, known, "`scenic-ref conformance -v` lists them")
 
 
 def check_dialect(dialect: str | None) -> None:

@@ -45,19 +45,19 @@ EXIT_CODES = {"differ": 1, "inconclusive": 5, "skipped": 5, "agree": 0}
 def diff(
     context: typer.Context,
     file: Annotated[str, typer.Argument(metavar="FILE|DIR", help="A Scenic program, or a folder of them.")],
-    impl: Annotated[str, typer.Option("--impl", metavar="I", help="scenic==3.1.1, scenic==2.1.0, or a command of the harness protocol.")],
-    budget: Annotated[float, typer.Option("--budget", metavar="T", help="About how long a program may take, in seconds.")] = DEFAULT_BUDGET,
-    seconds: Annotated[float, typer.Option("--seconds", metavar="T", help="How long an answer of the implementation may take.")] = 60.0,
+    impl: Annotated[str, typer.Option("--impl", metavar="IMPLEMENTATION", help="scenic==3.1.1, scenic==2.1.0, or a command of the harness protocol.")],
+    budget: Annotated[float, typer.Option("--budget", metavar="SECONDS", help="About how long a program may take, in seconds.")] = DEFAULT_BUDGET,
+    seconds: Annotated[float, typer.Option("--seconds", metavar="SECONDS", help="How long an answer of the implementation may take.")] = 60.0,
     alpha: Annotated[float, typer.Option("--alpha", help="The risk of a false alarm, for each program.")] = DEFAULT_RISK,
     detect_tv: Annotated[
         float, typer.Option("--detect-tv", help="The difference, in total variation, that is to show before two distributions are called equal.")
     ] = DEFAULT_FINENESS,
-    steps: Annotated[int, typer.Option("--steps", metavar="N", min=1, help="Time steps of the simulations of dynamic programs.")] = DEFAULT_STEPS,
+    steps: Annotated[int, typer.Option("--steps", metavar="STEPS", min=1, help="Time steps of the simulations of dynamic programs.")] = DEFAULT_STEPS,
     ignore: Annotated[
         list[str] | None, typer.Option("--ignore", metavar="FEATURE", help="Do not compare it, where programs have it; may be repeated.")
     ] = None,
     output: Annotated[str | None, typer.Option("--json", metavar="PATH", help="Write a line of JSON for each program; - for stdout.")] = None,
-    seed: Annotated[int, typer.Option("--seed", metavar="S", help="The seed of everything that is drawn, here and there.")] = 0,
+    seed: Annotated[int, typer.Option("--seed", metavar="SEED", help="The seed of everything that is drawn, here and there.")] = 0,
     profile: ProfileOption = "paper",
     reading: ReadingOption = None,
     dialect: DialectOption = None,
@@ -130,11 +130,12 @@ def watched(places: list[str]) -> Iterator[str]:
     if not sys.stderr.isatty():
         yield from places
         return
-    from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
+    from .session import console
+
     columns = (TextColumn("programs"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("{task.fields[name]}", markup=False))
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+    with Progress(*columns, console=console(sys.stderr), transient=True) as bar:
         task = bar.add_task("", total=len(places), name="")
         for place in places:
             bar.update(task, name=place)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from ..formats.scenes import Scene, scene_of
 from ..interpreter.choosers import from_stream
 from ..interpreter.running import Accepted, Witness, run
+from ..scenario.noticing import warnings_about
 from ..semantics.kernel.conditions import bool_of
 from ..semantics.kernel.config import Config, Value
 from ..semantics.kernel.driving import Arrived, drive_machine
@@ -163,9 +164,15 @@ class Drawing:
 
 
 def tell_notes(scenario: Scenario) -> None:
-    """Tell what the program's model stands for, and what is strange about its map."""
+    """Tell what the program's model stands for and what is strange about its map."""
     for note in notes(scenario.settings.library):
         tell(escaped(note))
+
+
+def tell_warnings(scenario: Scenario) -> None:
+    """Tell what looks like a slip in the program, a line for each."""
+    for warning in warnings_about(scenario):
+        tell(f"warning: {warning.span}: {warning.message}: {warning.hint}")
 
 
 def listen(outcome: Outcome, printed: list[str]) -> None:

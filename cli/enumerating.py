@@ -18,7 +18,7 @@ from .drawing import drawing_of
 from .files import PICTURES, check_ending, check_file, check_place, write
 from .options import Source
 from .production import rehearse
-from .session import Session, escaped, tell
+from .session import Session, console, escaped, tell
 
 if TYPE_CHECKING:
     from rich.status import Status
@@ -83,9 +83,7 @@ class Life:
 
     def __enter__(self) -> Life:
         if sys.stderr.isatty():
-            from rich.console import Console
-
-            self.status = Console(stderr=True).status("enumerating")
+            self.status = console(sys.stderr).status("enumerating")
             self.status.start()
         return self
 
@@ -144,7 +142,6 @@ def fraction(p: Fraction) -> str:
 def show(found: Enumeration) -> None:
     """The outcomes as a table: their probabilities, and the features in which they differ."""
     from rich.box import SIMPLE_HEAD
-    from rich.console import Console
     from rich.markup import escape
     from rich.table import Table
 
@@ -159,7 +156,7 @@ def show(found: Enumeration) -> None:
     more = [f"{len(found.outcomes) - MOST_ROWS:,} more outcomes"] if len(found.outcomes) > MOST_ROWS else []
     more += [f"{len(columns) - MOST_COLUMNS:,} more features that differ"] if len(columns) > MOST_COLUMNS else []
     table.caption = f"... and {' and '.join(more)}; -o PATH.json writes all of them" if more else None
-    Console().print(table)
+    console(sys.stdout).print(table)
 
 
 def plot(found: Enumeration, path: str, name: str) -> None:

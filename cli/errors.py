@@ -6,7 +6,7 @@ import errno
 import sys
 import traceback
 import unicodedata
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,11 +14,12 @@ from ..semantics.kernel.errors import AttemptsExhausted, InternalError, RunError
 from .session import coloured, escaped, tell
 
 if TYPE_CHECKING:
+    from ..interpreter.warnings import ProgramWarning
     from ..semantics.syntax.nodes import Span
     from .session import Session
 
 Paint = Callable[[str, str], str]
-RED, BLUE, BOLD, PLAIN = "\x1b[1;31m", "\x1b[1;34m", "\x1b[1m", "\x1b[0m"
+RED, YELLOW, BLUE, BOLD, PLAIN = "\x1b[1;31m", "\x1b[1;33m", "\x1b[1;34m", "\x1b[1m", "\x1b[0m"
 WIDEST = 150
 WORST = 5
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
@@ -56,23 +57,36 @@ def internal(error: Exception, session: Session) -> str:
 
 def render(error: ScenicError, texts: Mapping[str, str], *, colours: bool = False) -> str:
     """The whole message. `texts` holds the sources that were read already, by file."""
-    paint = _painter(colours)
-    margin = " " * max(1, len(str(error.span.line)))
-    lines = [f"{paint(RED, error.kind)}{paint(BOLD, ': ' + error.message)}"]
-    if error.span.line > 0:
-        lines += _excerpt(error.span, texts, margin, paint)
-    notes = [("expected", ", ".join(getattr(error, "expected", ()))), ("hint", error.hint), ("rule", _rule(error.rule))]
-    lines += [f"{margin} {paint(BLUE, '=')} {paint(BOLD, name)}: {escaped(text)}" for name, text in notes if text]
+    expected = ", ".join(getattr(error, "expected", ()))
+    notes = [("expected", expected), ("hint", error.hint), ("rule", rule_named(error.rule))]
+    lines = message_lines((error.kind, RED), error.message, error.span, notes, texts, colours=colours)
     if isinstance(error, AttemptsExhausted):
         lines += map(escaped, _worst(error, texts))
     return "\n".join(lines)
+
+
+def render_warning(warning: ProgramWarning, texts: Mapping[str, str], *, colours: bool = False) -> str:
+    """The whole message of a warning."""
+    return "\n".join(message_lines(("warning", YELLOW), warning.message, warning.span, [("hint", warning.hint)], texts, colours=colours))
+
+
+def message_lines(
+    kind: tuple[str, str], message: str, span: Span, notes: Iterable[tuple[str, str]], texts: Mapping[str, str], *, colours: bool
+) -> list[str]:
+    """What is wrong, the place with the line, and the notes that have a text; `kind` is the word for it, and its colour."""
+    paint = _painter(colours)
+    margin = " " * max(1, len(str(span.line)))
+    lines = [f"{paint(kind[1], kind[0])}{paint(BOLD, ': ' + message)}"]
+    if span.line > 0:
+        lines += _excerpt(span, texts, margin, paint, kind[1])
+    return [*lines, *(f"{margin} {paint(BLUE, '=')} {paint(BOLD, name)}: {escaped(text)}" for name, text in notes if text)]
 
 
 def _painter(colours: bool) -> Paint:
     return (lambda colour, text: f"{colour}{escaped(text)}{PLAIN}") if colours else (lambda colour, text: escaped(text))
 
 
-def _excerpt(span: Span, texts: Mapping[str, str], margin: str, paint: Paint) -> list[str]:
+def _excerpt(span: Span, texts: Mapping[str, str], margin: str, paint: Paint, colour: str) -> list[str]:
     """`--> place`, the source line, and carets under the span."""
     bar = paint(BLUE, "|")
     found = [f"{margin}{paint(BLUE, '-->')} {escaped(str(span))}"]
@@ -86,7 +100,7 @@ def _excerpt(span: Span, texts: Mapping[str, str], margin: str, paint: Paint) ->
     lead = "".join("\t" if char == "\t" else " " * _columns(char) for char in before)
     carets = "^" * max(1, sum(_columns(char) for char in marked))
     number = paint(BLUE, str(span.line))
-    return [*found, f"{margin} {bar}", f"{number} {bar} {line}", f"{margin} {bar} {lead}{paint(RED, carets)}"]
+    return [*found, f"{margin} {bar}", f"{number} {bar} {line}", f"{margin} {bar} {lead}{paint(colour, carets)}"]
 
 
 def _columns(char: str) -> int:
@@ -131,7 +145,8 @@ def source_text(file: str, texts: Mapping[str, str]) -> str | None:
         return None
 
 
-def _rule(identifier: str) -> str:
+def rule_named(identifier: str) -> str:
+    """The id of a rule with its name, \"\" without one."""
     if not identifier:
         return ""
     from ..semantics.rules import RULES

@@ -26,24 +26,24 @@ UNITS = {"s": 1, "m": 60, "h": 3600}
 
 def fuzz(
     context: typer.Context,
-    impl: Annotated[str, typer.Option("--impl", metavar="I", help="scenic==3.1.1, scenic==2.1.0, or a command of the harness protocol.")],
+    impl: Annotated[str, typer.Option("--impl", metavar="IMPLEMENTATION", help="scenic==3.1.1, scenic==2.1.0, or a command of the harness protocol.")],
     output: Annotated[str, typer.Option("-o", "--output", metavar="DIR", help="The folder of the campaign: its journal and its reports.")],
     time: Annotated[
-        str, typer.Option("--time", metavar="T", help="How long: in seconds, or as 90m or 2h. 0, with --resume, only writes the reports anew.")
+        str, typer.Option("--time", metavar="TIME", help="How long: in seconds, or as 90m or 2h. 0, with --resume, only writes the reports anew.")
     ] = "10m",
-    seed: Annotated[int, typer.Option("--seed", metavar="S", help="The seed of the programs and of all that is drawn.")] = 0,
+    seed: Annotated[int, typer.Option("--seed", metavar="SEED", help="The seed of the programs and of all that is drawn.")] = 0,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with the campaign of that folder.")] = False,
-    workers: Annotated[int, typer.Option("--workers", metavar="K", min=1, help="Examine K programs at a time.")] = 2,
-    alpha: Annotated[float, typer.Option("--alpha", metavar="A", help="The risk of a false alarm in the whole campaign.")] = 1e-3,
+    workers: Annotated[int, typer.Option("--workers", metavar="PROCESSES", min=1, help="Examine so many programs at a time.")] = 2,
+    alpha: Annotated[float, typer.Option("--alpha", metavar="RISK", help="The risk of a false alarm in the whole campaign.")] = 1e-3,
     detect_tv: Annotated[
-        float, typer.Option("--detect-tv", metavar="E", help="The difference, in total variation, that is to show before distributions agree.")
+        float, typer.Option("--detect-tv", metavar="DISTANCE", help="The difference, in total variation, that is to show before distributions agree.")
     ] = 0.3,
-    steps: Annotated[int, typer.Option("--steps", metavar="N", min=1, help="Time steps of the simulations of dynamic programs.")] = 4,
-    budget: Annotated[float, typer.Option("--budget", metavar="T", help="About how long the comparison of a program may take, in seconds.")] = 6.0,
-    answer: Annotated[float, typer.Option("--seconds", metavar="T", help="How long an answer of the implementation may take.")] = 10.0,
-    shrinking: Annotated[float, typer.Option("--shrinking", metavar="T", help="How long a finding may be made smaller, in seconds.")] = 90.0,
+    steps: Annotated[int, typer.Option("--steps", metavar="STEPS", min=1, help="Time steps of the simulations of dynamic programs.")] = 4,
+    budget: Annotated[float, typer.Option("--budget", metavar="SECONDS", help="About how long the comparison of a program may take, in seconds.")] = 6.0,
+    answer: Annotated[float, typer.Option("--seconds", metavar="SECONDS", help="How long an answer of the implementation may take.")] = 10.0,
+    shrinking: Annotated[float, typer.Option("--shrinking", metavar="SECONDS", help="How long a finding may be made smaller, in seconds.")] = 90.0,
     profile: Annotated[
-        str, typer.Option("--profile", metavar="P", help="The readings under which both are compared; by default those that it is known to follow.")
+        str, typer.Option("--profile", metavar="PROFILE", help="The readings under which both are compared; by default those that it is known to follow.")
     ] = OF_THE_OTHER,
     debug: DebugOption = False,
 ) -> None:
@@ -114,6 +114,7 @@ def seconds_in(text: str, at_least: float) -> float:
 @contextmanager
 def watched(examined: Sequence[FuzzedProgram], seconds: float) -> Iterator[Callable[[FuzzedProgram], None]]:
     """Says what is found: on a terminal with a bar of the time, elsewhere a line for each finding."""
+    from .session import console
     from .session import tell as told
 
     def line(found: FuzzedProgram) -> None:
@@ -123,11 +124,10 @@ def watched(examined: Sequence[FuzzedProgram], seconds: float) -> Iterator[Calla
     if not sys.stderr.isatty():
         yield line
         return
-    from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
     columns = (BarColumn(), TimeElapsedColumn(), TextColumn("{task.fields[said]}", markup=False))
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+    with Progress(*columns, console=console(sys.stderr), transient=True) as bar:
         task = bar.add_task("", total=seconds, said="")
         began = bar.get_time()
 

@@ -21,7 +21,7 @@ from .files import LINES, PICTURES, check_ending, check_file, check_place, write
 from .options import Source
 from .outputs import open_output
 from .production import rehearse
-from .session import Session, tell
+from .session import Session, console, tell
 
 if TYPE_CHECKING:
     from rich.status import Status
@@ -123,9 +123,7 @@ class Sign:
 
     def __enter__(self) -> Sign:
         if sys.stderr.isatty():
-            from rich.console import Console
-
-            self.status = Console(stderr=True).status(self.backend)
+            self.status = console(sys.stderr).status(self.backend)
             self.status.start()
         return self
 

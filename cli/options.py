@@ -26,28 +26,28 @@ def set_debug(context: typer.Context, wanted: bool) -> None:
 
 DebugOption = Annotated[bool, typer.Option("--debug", callback=set_debug, help="Show the traceback of an internal error.")]
 FileArgument = Annotated[str, typer.Argument(metavar="FILE", help="The Scenic program.")]
-SeedOption = Annotated[int, typer.Option("--seed", metavar="S", help="The seed: scene K of seed S is always the same scene.")]
-ProfileOption = Annotated[str, typer.Option("--profile", metavar="P", help="A profile of readings; see `scenic-ref readings`.")]
+SeedOption = Annotated[int, typer.Option("--seed", metavar="SEED", help="The seed: a scene follows from the program, the seed and its number.")]
+ProfileOption = Annotated[str, typer.Option("--profile", metavar="PROFILE", help="A profile of readings; see `scenic-ref readings`.")]
 ReadingOption = Annotated[list[str] | None, typer.Option("--reading", metavar="ID=ALT", help="One reading of the paper, whatever the profile says.")]
 DialectOption = Annotated[
-    str | None, typer.Option("--dialect", metavar="D", help="The program's syntax: paper, pldi19, scenic-2.1 or scenic-3.")
+    str | None, typer.Option("--dialect", metavar="DIALECT", help="The program's syntax: paper, pldi19, scenic-2.1 or scenic-3.")
 ]
-ModelOption = Annotated[str | None, typer.Option("--model", metavar="M", help="The world model, in place of the program's.")]
+ModelOption = Annotated[str | None, typer.Option("--model", metavar="MODEL", help="The world model, in place of the program's.")]
 ScenarioOption = Annotated[
     str | None, typer.Option("--scenario", metavar="NAME", help="The modular scenario to begin with.", show_default="Main, if there is one")
 ]
 ParamOption = Annotated[
     list[str] | None, typer.Option("-p", "--param", metavar="NAME=VALUE", help="A global parameter; wins over the program's.")
 ]
-AttemptsOption = Annotated[int, typer.Option("--max-attempts", metavar="M", min=1, help="Give up on a scene after M attempts.")]
-FuelOption = Annotated[int, typer.Option("--fuel", metavar="F", min=1, help="The most steps that one attempt may take.")]
+AttemptsOption = Annotated[int, typer.Option("--max-attempts", metavar="ATTEMPTS", min=1, help="Give up on a scene after so many attempts.")]
+FuelOption = Annotated[int, typer.Option("--fuel", metavar="STEPS", min=1, help="The most steps that one attempt may take.")]
 LimitMemoryOption = Annotated[
     str, typer.Option("--limit-memory", metavar="SIZE", help="The memory for a program without --trust, such as 512M or 4G; none: no limit.")
 ]
 LimitSecondsOption = Annotated[
     str,
     typer.Option(
-        "--limit-seconds", metavar="S", help="The processor time for one attempt, or one time step, of a program without --trust; none: no limit."
+        "--limit-seconds", metavar="SECONDS", help="The processor time for one attempt, or one time step, of a program without --trust; none: no limit."
     ),
 ]
 DEFAULT_MEMORY, DEFAULT_SECONDS = "4G", "60"

@@ -12,7 +12,7 @@ from ..inference.batch.jobs.blocks import Workers, cluster, processes
 from ..inference.batch.jobs.failures import FailedDraw
 from ..scenario import FEW
 from ..semantics.kernel.errors import ScenicError, UsageError
-from .drawing import Drawing, drawing_of, tell_notes
+from .drawing import Drawing, drawing_of, tell_notes, tell_warnings
 from .files import LINES, PICTURES, check_ending, check_file, check_place
 from .options import Source
 from .outputs import Output, Resumed, open_output
@@ -68,6 +68,8 @@ def produce(source: Source, request: SceneRequest, session: Session) -> None:
     if source.prune:
         for line in pruning_lines(drawing):
             tell(line)
+    if request.start == request.stop:
+        tell("no scenes were asked for, and none was drawn; the program has no error")
     if earlier.count:
         tell(f"{earlier.count:,} scenes were there already")
     for line in summary(tally, request.seed, time.perf_counter() - begun, session.texts, backend_lines(interpreted, tally, drawing)):
@@ -195,7 +197,7 @@ def produce_one_by_one(
 
 
 def rehearse(drawing: Drawing) -> None:
-    """Raise the program's error, if it has one, before anything is written; what it printed comes first. Then tell what its model stands for."""
+    """Raise the program's error, if it has one, before anything is written; what it printed comes first. Then tell what its model stands for, and warnings."""
     printed: list[str] = []
     try:
         drawing.rehearse(printed)
@@ -204,6 +206,7 @@ def rehearse(drawing: Drawing) -> None:
             tell(text)
         raise
     tell_notes(drawing.scenario)
+    tell_warnings(drawing.scenario)
 
 
 class Printing(Protocol):

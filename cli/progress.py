@@ -8,7 +8,7 @@ import time
 from types import TracebackType
 from typing import TYPE_CHECKING, Protocol
 
-from .session import escaped, tell
+from .session import console, escaped, tell
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar
@@ -56,12 +56,11 @@ class Progress:
             self.timer.daemon = True
             self.timer.start()
         if sys.stderr.isatty() and self.total > 1:
-            from rich.console import Console
             from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
             from rich.progress import Progress as Bar
 
             columns = (TextColumn(self.what), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"), TimeRemainingColumn(compact=True))
-            self.bar = Bar(*columns, console=Console(stderr=True), transient=True)
+            self.bar = Bar(*columns, console=console(sys.stderr), transient=True)
             self.bar.start()
             self.task = self.bar.add_task("", total=self.total, completed=self.scenes, rate="")
         return self

@@ -48,12 +48,10 @@ def answers(reading: Reading, selected: str) -> str:
 
 def unknown(name: str, known: tuple[str, ...]) -> Exception:
     """The error for an unknown id."""
-    from difflib import get_close_matches
-
     from ..semantics.kernel.errors import UsageError
+    from ..semantics.kernel.suggestions import did_you_mean
 
-    near = get_close_matches(name, known, n=1, cutoff=0.4)
-    return UsageError(f"there is no reading {name}", hint=f"did you mean {near[0]}?" if near else "`scenic-ref readings` lists them")
+    return UsageError(f"there is no reading {name}", hint=did_you_mean(name, known, "`scenic-ref readings` lists them"))
 
 
 def record(reading: Reading, selected: Mapping[str, str]) -> dict[str, object]:

@@ -40,13 +40,10 @@ def rules(
 
 def unknown(name: str, known: tuple[str, ...]) -> Exception:
     """The error for an unknown id."""
-    from difflib import get_close_matches
-
     from ..semantics.kernel.errors import UsageError
+    from ..semantics.kernel.suggestions import did_you_mean
 
-    near = get_close_matches(name.lower(), [k.lower() for k in known], n=1, cutoff=0.4)
-    meant = next((k for k in known if near and k.lower() == near[0]), "")
-    return UsageError(f"there is no rule {name}", hint=f"did you mean {meant}?" if meant else "`scenic-ref rules` lists them")
+    return UsageError(f"there is no rule {name}", hint=did_you_mean(name, known, "`scenic-ref rules` lists them"))
 
 
 def record(rule: Rule) -> dict[str, object]:

@@ -37,14 +37,14 @@ RARE = ("importance", "smc", "mcmc")
 def run(
     context: typer.Context,
     file: FileArgument,
-    count: Annotated[int, typer.Option("-n", metavar="N", min=0, help="How many scenes.")] = 1,
+    count: Annotated[int, typer.Option("-n", metavar="COUNT", min=0, help="How many scenes.")] = 1,
     seed: SeedOption = 0,
-    scene: Annotated[int | None, typer.Option("--scene", metavar="K", min=0, help="Draw just scene K of the seed.")] = None,
+    scene: Annotated[int | None, typer.Option("--scene", metavar="NUMBER", min=0, help="Draw just this scene of the seed, counted from 0.")] = None,
     output: Annotated[
         str | None,
         typer.Option("-o", "--output", metavar="PATH", help="Write JSON Lines (PATH.jsonl) or a table (.parquet, .arrow, .npz, .csv); -: stdout."),
     ] = None,
-    stream: Annotated[str, typer.Option("--format", metavar="F", help="What goes to stdout: jsonl, or arrow, a stream of Arrow tables.")] = "jsonl",
+    stream: Annotated[str, typer.Option("--format", metavar="FORMAT", help="What goes to stdout: jsonl, or arrow, a stream of Arrow tables.")] = "jsonl",
     plot: Annotated[str | None, typer.Option("--plot", metavar="PATH", help="Draw the scenes (or the probabilities), as .png, .pdf or .svg.")] = None,
     profile: ProfileOption = "paper",
     reading: ReadingOption = None,
@@ -54,12 +54,12 @@ def run(
     param: ParamOption = None,
     max_attempts: AttemptsOption = DEFAULT_ATTEMPTS,
     fuel: FuelOption = DEFAULT_FUEL,
-    workers: Annotated[int, typer.Option("--workers", metavar="K", min=1, help="Use K processes; the scenes stay the same.")] = 1,
+    workers: Annotated[int, typer.Option("--workers", metavar="PROCESSES", min=1, help="Use so many processes; the scenes stay the same.")] = 1,
     resume: Annotated[bool, typer.Option("--resume", help="Continue an interrupted run to the same PATH.")] = False,
     backend: Annotated[
         str | None,
         typer.Option(
-            "--backend", metavar="B", show_default=False,
+            "--backend", metavar="BACKEND", show_default=False,
             help="batch: draw many scenes at a time (the default for 10 or more); interpreter: draw the same scenes one by one; "
             "enumerate: all outcomes with their exact probabilities; smc, mcmc, importance: where few runs are accepted.",
         ),
@@ -74,7 +74,7 @@ def run(
     device: Annotated[
         str | None,
         typer.Option(
-            "--device", metavar="D", show_default=False,
+            "--device", metavar="DEVICE", show_default=False,
             help="Let torch draw the scenes, on the cpu or on cuda (a GPU): the same ones, but for the last digits of numbers (extra torch).",
         ),
     ] = None,
@@ -85,10 +85,10 @@ def run(
             help="Draw from smaller regions, and independent parts separately, where that is safe: other scenes, from the same distribution.",
         ),
     ] = False,
-    max_runs: Annotated[int, typer.Option("--max-runs", metavar="M", min=1, help="enumerate: give up after M runs.")] = 20_000,
+    max_runs: Annotated[int, typer.Option("--max-runs", metavar="RUNS", min=1, help="enumerate: give up after so many runs.")] = 20_000,
     discretize: Annotated[
         int | None,
-        typer.Option("--discretize", metavar="N", min=1, help="enumerate: replace each continuous draw by N values, an approximation."),
+        typer.Option("--discretize", metavar="VALUES", min=1, help="enumerate: replace each continuous draw by so many values, an approximation."),
     ] = None,
     report: Annotated[
         str | None, typer.Option("--report", metavar="PATH", help="Write how likely a run is accepted, and what the scenes are worth, as PATH.json.")
@@ -110,13 +110,14 @@ def run(
     Where few runs are accepted, smc and mcmc look for scenes step by step; these are other scenes, from the same distribution.
     """
     from ..semantics.kernel.errors import UsageError
+    from ..semantics.kernel.suggestions import did_you_mean
     from .production import SceneRequest, produce
 
     session = context.obj
     session.seed = seed
     backend = None if backend == "auto" else backend
     if backend not in (None, *BACKENDS):
-        raise UsageError(f"there is no backend {backend}", hint=f"the backends are {', '.join(BACKENDS[:-1])} and {BACKENDS[-1]}")
+        raise UsageError(f"there is no backend {backend}", hint=did_you_mean(backend, BACKENDS, f"the backends are {', '.join(BACKENDS[:-1])} and {BACKENDS[-1]}"))
     if backend == "enumerate" and (count != 1 or scene is not None or resume or workers != 1 or cluster is not None):
         raise UsageError("an enumeration gives all outcomes at once: -n, --scene, --resume, --workers and --cluster cannot be given with it")
     if backend == "enumerate" and prune:

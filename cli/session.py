@@ -6,6 +6,10 @@ import os
 import re
 import sys
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, TextIO
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 CONTROL = re.compile("[\\x00-\\x08\\x0b-\\x1f\\x7f-\\x9f\\u061c\\u200e\\u200f\\u2028-\\u202e\\u2066-\\u2069]")
 """Control characters except tabs and ends of lines, and those that change the direction of writing."""
@@ -34,6 +38,13 @@ def coloured(stream: object) -> bool:
     """Whether colours may be written to `stream`: a terminal, with neither NO_COLOR set nor a dumb terminal."""
     is_terminal = getattr(stream, "isatty", lambda: False)()
     return bool(is_terminal) and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
+
+
+def console(stream: TextIO) -> Console:
+    """A console on standard output or standard error; without colours, and anything of their kind, where none may be written."""
+    from rich.console import Console
+
+    return Console(file=stream, color_system="auto" if coloured(stream) else None)
 
 
 def escaped(text: str) -> str:

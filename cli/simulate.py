@@ -44,16 +44,16 @@ def simulate(
             "package.module:Class, from the current folder or installed.",
         ),
     ] = "still",
-    steps: Annotated[int, typer.Option("--steps", metavar="N", min=0, help="The time limit, in time steps.")] = 100,
+    steps: Annotated[int, typer.Option("--steps", metavar="STEPS", min=0, help="The time limit, in time steps.")] = 100,
     timestep: Annotated[
         float | None,
         typer.Option(
-            "--dt", metavar="S", help="The time step in seconds.", show_default="1 for still, 0.1 for others; with --replay, that of RUNS"
+            "--dt", metavar="SECONDS", help="The time step in seconds.", show_default="1 for still, 0.1 for others; with --replay, that of RUNS"
         ),
     ] = None,
-    count: Annotated[int, typer.Option("-n", metavar="N", min=1, help="How many simulations.")] = 1,
+    count: Annotated[int, typer.Option("-n", metavar="COUNT", min=1, help="How many simulations.")] = 1,
     seed: SeedOption = 0,
-    run: Annotated[int | None, typer.Option("--run", metavar="K", min=0, help="Run only simulation K of the seed.")] = None,
+    run: Annotated[int | None, typer.Option("--run", metavar="NUMBER", min=0, help="Run only this simulation of the seed, counted from 0.")] = None,
     scenario: ScenarioOption = None,
     output: Annotated[
         str | None, typer.Option("-o", "--output", metavar="PATH", help="Write one simulation per line as JSON (- for standard output).")
@@ -70,7 +70,7 @@ def simulate(
             "--replay", metavar="RUNS", help="Take the actions recorded in RUNS (simulations of FILE, as -o writes them), in place of the program's."
         ),
     ] = None,
-    workers: Annotated[int, typer.Option("--workers", metavar="K", min=1, help="Use K processes; the simulations stay the same.")] = 1,
+    workers: Annotated[int, typer.Option("--workers", metavar="PROCESSES", min=1, help="Use so many processes; the simulations stay the same.")] = 1,
     profile: ProfileOption = "paper",
     reading: ReadingOption = None,
     dialect: DialectOption = None,

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import math
+import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from .drawing import DrawnScene
 from .outputs import Output
-from .session import escaped
+from .session import console, escaped
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -41,13 +42,11 @@ class Terminal(Output):
 
     def close(self) -> None:
         """Show the scenes that were drawn."""
-        from rich.console import Console
-
-        console = Console()
+        shown_on = console(sys.stdout)
         for scene in self.scenes:
-            console.print(table_of(scene))
+            shown_on.print(table_of(scene))
         if self.more:
-            console.print(f"... and {self.more:,} more; -o PATH writes all of them", style="dim")
+            shown_on.print(f"... and {self.more:,} more; -o PATH writes all of them", style="dim")
 
 
 def table_of(scene: dict[str, Any]) -> Table:

@@ -34,18 +34,18 @@ def trace(
     context: typer.Context,
     file: FileArgument,
     seed: SeedOption = 0,
-    scene: Annotated[int, typer.Option("--scene", metavar="K", min=0, help="Trace a run for scene K of the seed.")] = 0,
+    scene: Annotated[int, typer.Option("--scene", metavar="NUMBER", min=0, help="Trace a run for this scene of the seed, counted from 0.")] = 0,
     attempt: Annotated[
-        int | None, typer.Option("--attempt", metavar="A", min=1, help="Trace attempt A, counting from 1, rather than the accepted one.")
+        int | None, typer.Option("--attempt", metavar="NUMBER", min=1, help="Trace this attempt, counted from 1, rather than the accepted one.")
     ] = None,
     everything: Annotated[bool, typer.Option("--all", help="Also show the rules inherited from Python, and those for default values.")] = False,
     html: Annotated[str | None, typer.Option("--html", metavar="PATH", help="Write a page to step through the run instead.")] = None,
     steps: Annotated[
-        int | None, typer.Option("--steps", metavar="N", min=0, help="Go on after the scene: the policy's rules in at most N time steps.")
+        int | None, typer.Option("--steps", metavar="STEPS", min=0, help="Go on after the scene: the policy's rules in at most so many time steps.")
     ] = None,
     simulator: Annotated[str, typer.Option("--simulator", metavar="NAME", help="With --steps: as for simulate.")] = "still",
     timestep: Annotated[
-        float | None, typer.Option("--dt", metavar="S", help="With --steps: the time step in seconds.", show_default="1 for still, 0.1 for others")
+        float | None, typer.Option("--dt", metavar="SECONDS", help="With --steps: the time step in seconds.", show_default="1 for still, 0.1 for others")
     ] = None,
     scenario: ScenarioOption = None,
     profile: ProfileOption = "paper",

@@ -151,7 +151,9 @@ def _probability_faults(statement: s.SoftRequire) -> Iterator[CheckError]:
         return
     value = node.value
     if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= sign * value <= 1:
-        yield CheckError("the probability of a soft requirement must be a number from 0 to 1", statement.probability.span)
+        is_percentage = isinstance(value, int | float) and not isinstance(value, bool) and 1 < sign * value <= 100
+        hint = f"write {value / 100:g} for {value} %" if is_percentage else ""
+        yield CheckError("the probability of a soft requirement must be a number from 0 to 1", statement.probability.span, hint=hint)
 
 
 def _expression_faults(root: Node, place: StatementPlace) -> Iterator[CheckError]:

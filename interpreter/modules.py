@@ -13,13 +13,13 @@ import random
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..semantics.kernel.budget import refuse_too_long
 from ..semantics.kernel.errors import ImportRefused, ScenicError, UsageError
 from ..semantics.kernel.scopes import descendants
+from ..semantics.kernel.suggestions import did_you_mean
 from ..semantics.python.imports import beside, key_of, member_key, package_of
 from ..semantics.python.library import MODULES
 from ..semantics.syntax import Program
@@ -130,11 +130,9 @@ def absent(name: str, worlds: Mapping[str, World]) -> ModuleNotFoundError:
     theirs = name.startswith("scenic.")
     outside = f"the module {name} of the released implementations is outside this reference: {why_outside(name)}"
     error = ModuleNotFoundError(outside if theirs else f"there is no module {name}")
-    near = get_close_matches(name, [*worlds, *HARMLESS], n=1, cutoff=0.95 if theirs else 0.6)
-    if near:
-        error.add_note(f"did you mean {near[0]}?")
-    elif theirs:
-        error.add_note(f"of theirs there are: {', '.join(key for key in worlds if key.startswith('scenic.'))}")
+    otherwise = f"of theirs there are: {', '.join(key for key in worlds if key.startswith('scenic.'))}" if theirs else ""
+    if hint := did_you_mean(name, [*worlds, *HARMLESS], otherwise):
+        error.add_note(hint)
     return error
 
 

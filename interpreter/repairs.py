@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from dataclasses import dataclass
 
+from ..semantics.kernel.suggestions import nearest
 from .formulas import HINT, MESSAGE
 
 SPECIFIERS = (
@@ -39,11 +39,12 @@ CONDITION_START = r"^\s*(?:require|if|elif|while|assert|until|terminate\s+when|i
 
 @dataclass(frozen=True, slots=True)
 class Situation:
-    """Where parsing stopped: the line, the 0-based column in it, the word there ("" at the end of the line)."""
+    """Where parsing stopped: the line, the 0-based column in it, the word there ("" at the end of the line), and the line above."""
 
     line: str
     column: int
     word: str
+    above: str = ""
 
     @property
     def before(self) -> str:
@@ -58,18 +59,25 @@ class Situation:
 
 @dataclass(frozen=True, slots=True)
 class Repair:
-    """What is wrong and how to write it."""
+    """What is wrong and how to write it; `place` is the mistake in the line, from one 0-based column to another, if parsing stopped later."""
 
     message: str
     hint: str
+    place: tuple[int, int] | None = None
 
 
-# (pattern, message, hint): the pattern is looked for in the line, and must touch the place where parsing stopped.
+RESERVED = (
+    "and|as|assert|async|await|break|class|continue|def|del|elif|else|except|finally|for|from|global|if|import|in|is|lambda|nonlocal|not|or|pass"
+    "|raise|return|try|while|with|yield|True|False|None"
+)
+# (pattern, message, hint): the pattern is looked for in the line, and must touch the place where parsing stopped; its group `here` is the mistake.
 TABLE: tuple[tuple[str, str, str], ...] = (
+    (rf"^\s*(?P<here>{RESERVED})\s*=(?!=)", r"`\g<here>` is a word of the language, and no name for a variable", r"write another name, such as `\g<here>_`"),
     (r"\byield\b", "`yield` is not part of the language", "return a list, or write a behavior"),
     (r"^\s*with\b.*", "Python's `with` statement is not part of the language", "use try and finally"),
     (r"\b(?:async|await)\b", "`async` and `await` are not part of the language", "write a behavior"),
     (r"^\s*match\s+.*:\s*$", "Python's `match` statement is not part of the language", "use if and elif"),
+    (r"^\s*\w+\s*:=", "`:=` does not assign", "write `=`"),
     (r":=", "assignment expressions (`:=`) are not part of the language", "assign in a statement of its own"),
     (r"\b(?:above|below)\s+[\w(]", "`above` and `below` are three-dimensional; this reference is two-dimensional", "write `ahead of` or `at`"),
     (r"\baltitude\s+(?:to|from)\b", "`altitude` is three-dimensional; this reference is two-dimensional", "leave it out: it is 0"),
@@ -89,28 +97,41 @@ TABLE: tuple[tuple[str, str, str], ...] = (
     ),
     (r"\belse\s+if\b", "`else if` is spelt `elif`", "write `elif`"),
     (r"^\s*(?:elsif|elseif)\b.*", "`elsif` is spelt `elif`", "write `elif`"),
-    (r"&&", "`&&` is not an operator", "write `and`"),
-    (r"\|\|", "`||` is not an operator", "write `or`"),
+    (r"(?P<here>&&)", "`&&` is not an operator", "write `and`"),
+    (r"(?P<here>\|\|)", "`||` is not an operator", "write `or`"),
     (r"!(?!=)", "`!` is not an operator", "write `not`"),
-    (r"(?:\+\+|--)\s*(?:;|#.*)?$", "there is no increment operator", "write `+= 1` or `-= 1`"),
-    (r"\bfacing\s+towards\b.*", "`facing towards` is spelt `facing toward`", "write `facing toward`"),
+    (r"(?P<here>\+\+|--)\s*(?:;|#.*)?$", "there is no increment operator", "write `+= 1` or `-= 1`"),
+    (r"\b(?i:facing)\s+(?P<here>towards)\b.*", "`facing towards` is spelt `facing toward`", "write `facing toward`"),
     (r"\bfacing\s+away\b(?!\s+from\b).*", "`facing away` needs `from`", "write `facing away from ...`"),
     (r"\boffset\s*(?!by\b|along\b)(?=[\s(]).", "`offset` needs `by` or `along`", "write `offset by ...`"),
-    (r"\b(?:distance|angle)\s+between\b.*", "there is no `between`", "write `from ... to ...`"),
-    (r"^\s*require\s+(\d*\.?\d+)\s+\S*", "the probability of a soft requirement stands in brackets", r"write `require[\1] ...`"),
+    (r"\b(?:distance|angle)\s+(?P<here>between)\b.*", "there is no `between`", "write `from ... to ...`"),
+    (r"\[\s*(?P<here>[\d.]+\s*%)\s*\]", "a probability is a number from 0 to 1, without `%`", "write `require[0.5] ...` for 50 %"),
+    (r"^\s*require\s+(?P<here>\d*\.?\d+)\s+\S*", "the probability of a soft requirement stands in brackets", r"write `require[\g<here>] ...`"),
     (r"^\s*mutate\b.*,\s*by\b.*", "there is no comma before `by`", "remove the comma"),
-    (r"^\s*param\s+\w+\s*:", "a parameter is set with `=`", "write `param name = value`"),
+    (r"^\s*param\s+\w+\s*(?P<here>:)", "a parameter is set with `=`", "write `param name = value`"),
+    (r"^\s*param\s+\w+\s+(?P<here>[\w.\"'(]+)", "a parameter is set with `=`", "write `param name = value`"),
     (r"\bwith\s+(\w+)\s*[=:]", "`with` takes the property and its value without `=`", r"write `with \1 ...`"),
     (CONDITION_START + r"[^=]*[^=!<>]=(?!=)", "`=` assigns", "write `==` to compare"),
     (r"\b(?:degrees?|degs)\b", "the unit of angles is spelt `deg`", "write `deg`"),
     (r"\b(?:secs?|second)\b", "the unit of time is spelt `seconds`", "write `seconds`"),
     (r"\bstep\b", "the unit of time steps is spelt `steps`", "write `steps`"),
+    (r"(?P<here>°)", "the unit of angles is spelt `deg`", "write `deg`"),
+    (r"\d\s*(?P<here>(?:km/?h|kmph|mph|m/s)\b)", "speeds are in metres per second and have no unit", "leave out the unit"),
+    (r"\d\s*(?P<here>(?:m|km|cm|mm|ft|feet)\b)", "lengths are in metres and have no unit", "leave out the unit"),
     (r"\b(?:metres?|meters?)\b", "lengths are in metres and have no unit", "leave out the unit"),
     (r"\b(left\s+of|right\s+of|ahead\s+of|behind)\s+(\S+)\s+(-?[\d.]+)", "the distance needs `by`", r"write `\1 \2 by \3`"),
     (r"\bbeyond\s+\S+\s+\(", "the offset needs `by`", "write `beyond ... by ...`"),
-    (r"^\s*print\s+\S.*", "`print` is a function", "write `print(...)`"),
-    (r"^\s*(?:var|let|const|function|func)\s+\w.*", "there are no declarations", "write `name = value` or `def name():`"),
+    (r"^\s*(?P<here>print)\s+\S.*", "`print` is a function", "write `print(...)`"),
+    (r"^\s*(?P<here>var|let|const|function|func)\s+\w.*", "there are no declarations", "write `name = value` or `def name():`"),
     (r"^\s*(behavior|monitor|scenario)\s+(\w+)\s*$", "a `:` is missing at the end of the line", r"write `\1 \2():`"),
+    (r"\b(?P<here>in\s+front\s+of)\s.*", "`in front of` is spelt `ahead of`", "write `ahead of X by S`"),
+    (r"\b(?P<here>(?:next|close|near)\s+to)\b", r"there is no `\g<here>`", "write `left of X by S`, `right of X by S`, `ahead of X by S` or `behind X by S`"),
+    (r"\b(?P<here>distance|angle)\s+(?!(?:from|to|of|past)\b)[\w(]\S*", r"`\g<here>` needs `from` or `to`", r"write `\g<here> from ... to ...`"),
+    (r"\(\s*-?[\d.]+\s+(?P<here>-?[\d.]+)\s*\)", "a comma is missing between two numbers", "write `(x, y)`"),
+    (r"^\s*(?:if|elif|while|for)\b.*\s(?P<here>then|do)\b", r"`\g<here>` is not part of the language", "write `:`"),
+    (r"^\s*(?P<here>else|elif|except|finally)\b", r"no block above goes on with `\g<here>` here", "align it with the statement that it belongs to"),
+    (r"(?P<here>,)\s*(?:#.*)?$", "a comma stands at the end of the statement", "remove it"),
+    (r"(?P<here>;)\s*;", "a statement is missing between two `;`", "remove one"),
     (r"[“”‘’«»]", "these quotation marks are not those of the language", "write \" or '"),
     (r"[\u00a0\u2000-\u200b\u3000\ufeff]", "this white space is not that of the language", "write an ordinary space"),
     (r"[−–—]", "this dash is not a minus sign", "write -"),
@@ -126,11 +147,18 @@ NEEDS_ARGUMENT = re.compile(
 
 def find(place: Situation) -> Repair | None:
     """The repair of the mistake at `place`, if it is a known one."""
+    if place.above.split("#")[0].rstrip().endswith(",") and re.match(rf"{SPECIFIER_START}\s*\S", place.line):
+        return Repair("a specifier that goes on with an object definition is not indented", "indent the line")
     for pattern, message, hint in TABLE:
         for match in re.finditer(pattern, place.line):
             if match.start() <= place.column <= match.end():
-                return Repair(message, match.expand(hint) if "\\" in hint else hint)
-    return _ended(place) or _unknown_specifier(place)
+                return Repair(*(match.expand(text) if "\\" in text else text for text in (message, hint)), _here(match))
+    return _ended(place) or _unknown_statement(place) or _unknown_specifier(place)
+
+
+def _here(match: re.Match[str]) -> tuple[int, int] | None:
+    """Where the pattern says that the mistake is."""
+    return match.span("here") if "here" in match.re.groupindex and match["here"] is not None else None
 
 
 def _ended(place: Situation) -> Repair | None:
@@ -145,23 +173,43 @@ def _ended(place: Situation) -> Repair | None:
     return None
 
 
+def _unknown_statement(place: Situation) -> Repair | None:
+    """A line whose first word is like that of a statement, and parsing stopped right behind it."""
+    first = re.match(r"\s*([^\W\d]\w*)\s+$", place.before)
+    near = nearest(first[1], STATEMENTS) if first else None
+    if first is None or near is None or re.match(SPECIFIER_START, place.after):
+        return None
+    return Repair(f"`{first[1]}` is not a statement", f"did you mean `{near}`?", first.span(1))
+
+
 def _unknown_specifier(place: Situation) -> Repair | None:
     """A word where a specifier or an operator could stand."""
     if re.match(SPECIFIER_START, place.after) and re.search(r"\S\s*$", place.before):
         return Repair(f"a comma is missing before `{place.word}`", "separate specifiers with commas")
     earlier = re.search(r",\s*([^\W\d]\w*)\s+$", place.before)
-    if earlier and _nearest(earlier.group(1)) and not re.match(SPECIFIER_START, earlier.group(1)):
-        return Repair(f"`{earlier.group(1)}` is not a specifier", f"did you mean `{_nearest(earlier.group(1))}`?")
+    if earlier and (near := _nearest(earlier[1])) and not re.match(SPECIFIER_START, earlier[1]):
+        return Repair(f"`{earlier[1]}` is not a specifier", f"did you mean `{near}`?", earlier.span(1))
+    before = re.search(r"([^\W\d]\w*)\s+$", place.before)
+    if before and (near := nearest(before[1], PREFIXES)):
+        return Repair(f"`{before[1]}` is not an operator", f"did you mean `{near}`?", before.span(1))
     if not re.match(r"[^\W\d]\w*$", place.word) or not re.search(r"[\w)\]]\s*$|,\s*$", place.before):
         return None
     if re.match(BLOCK_START, place.line) and place.line.lstrip().split()[0] not in ("if", "elif", "while", "for"):
         return Repair("the head of this definition is malformed", "write `name(parameters):`")
-    near = _nearest(place.word)
+    near = _nearest(place.word) or nearest(place.word, INFIX)
     return Repair(f"`{place.word}` is not a specifier or operator", f"did you mean `{near}`?") if near else None
+
+
+STATEMENTS = (
+    "require", "param", "model", "mutate", "terminate", "record", "import", "from", "behavior", "monitor", "scenario", "class", "def", "return",
+    "while", "for", "raise", "assert", "global", "nonlocal", "take", "override", "del",
+)
+PREFIXES = ("distance", "angle", "relative", "apparent", "follow", "visible")
+INFIX = ("from", "for", "until", "and", "not", "else", "relative", "offset", "deg", "seconds", "steps")
 
 
 def _nearest(word: str) -> str | None:
     """The specifier whose first word is most like `word`, if one is."""
     first_words = {specifier.split()[0]: specifier for specifier in reversed(SPECIFIERS)}
-    near = difflib.get_close_matches(word, list(first_words), n=1, cutoff=0.6)
-    return first_words[near[0]] if near else None
+    near = nearest(word, first_words)
+    return first_words[near] if near is not None else None

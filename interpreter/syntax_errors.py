@@ -62,7 +62,11 @@ def explain(fault: UnexpectedInput, source: str, origin: TextOrigin) -> ParseErr
     kind = fault.token.type if isinstance(fault, UnexpectedToken) else ""
     if kind == "_INDENT":
         return ParseError("unexpected indentation", span, hint="align the line with the one before")
-    repair = repairs.find(repairs.Situation(text, column - 1 if word else len(text.rstrip()), word))
+    above = lines[line - 2] if line > 1 else ""
+    repair = repairs.find(repairs.Situation(text, column - 1 if word else len(text.rstrip()), word, above))
+    if repair is not None and repair.place is not None:
+        start, stop = repair.place
+        return ParseError(repair.message, origin.span(line, start + 1, line, stop + 1), hint=repair.hint)
     if repair is not None:
         return ParseError(repair.message, span, expected=expected, hint=repair.hint)
     if expected == ("an indented block",):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..semantics.kernel.errors import ParseError
 from ..semantics.syntax import Expression
-from ..semantics.syntax.expressions import IntervalOrPair
+from ..semantics.syntax.expressions import IntervalOrPair, ObjectDefinition, ObjectOrOperator
 from ..semantics.syntax.python_expressions import Attribute, Call, Comparison, Constant, ListDisplay, Name, Starred, Subscript, TupleDisplay
 
 NESTING_LIMIT = 50
@@ -32,6 +32,8 @@ def target(node: Expression, *, starred: bool = False, depth: int = 0) -> Expres
             return Starred(span=node.span, value=target(node.value, depth=depth + 1))
         case _:
             hint = "write == to compare" if isinstance(node, Comparison | Call | Constant) else ""
+            if isinstance(node, ObjectDefinition | ObjectOrOperator):
+                hint = "specifiers take their values without `=`, and a vector is written `(x, y)`"
             raise ParseError("this cannot be assigned to", node.span, hint=hint)
 
 

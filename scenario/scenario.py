@@ -43,6 +43,7 @@ from ..simulators import by_name
 from ..simulators.protocol import Simulator
 from ..simulators.simulating import Failed
 from ..simulators.worlds import WORLDS, driving
+from ..simulators.worlds.names import MODELS_BY_NAME
 from .checking import check_settings, check_whole
 from .conditioning import conditioned
 from .constants import constants_of, facts_of
@@ -100,7 +101,9 @@ class Scenario(Portable, Shown):
         world = None if self.model is None else module_named(self.model, library)
         if isinstance(world, Exception):
             raise UsageError(f"the world model: {world}", hint=getattr(world, "hint", "") or "; ".join(getattr(world, "__notes__", ())))
-        return make_settings(self.readings, library, self.params, self.model, self.scenario, trusted=self.trust, given=self.given)  # type: ignore[arg-type]
+        return make_settings(
+            self.readings, library, self.params, self.model, self.scenario, trusted=self.trust, given=self.given, elsewhere=MODELS_BY_NAME  # type: ignore[arg-type]
+        )
 
     def start(self) -> Config:
         """The configuration that every run begins with."""

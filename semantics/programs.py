@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 from .dynamics.initial import Finishing
@@ -17,7 +18,7 @@ from .python.functions import enter
 from .python.generators import expand
 from .python.imports import dunders
 from .step import step
-from .syntax import Program
+from .syntax import Program, Span
 from .syntax.python_expressions import Constant
 from .syntax.statements import Block, If, Model
 
@@ -26,12 +27,12 @@ NOTHING_GIVEN = GivenValues()
 
 def make_settings(
     readings: dict[str, str], library: dict[str, object], params: dict[str, object], model: str | None, scenario: str | None = None,
-    *, trusted: bool = False, given: GivenValues = NOTHING_GIVEN,
+    *, trusted: bool = False, given: GivenValues = NOTHING_GIVEN, elsewhere: Mapping[str, tuple[str, ...]] | None = None,
 ) -> Settings:  # fmt: skip
     """What stays the same in every run of a program; its door is of no run (see `initial`)."""
     return Settings(
         readings=readings, library=library, machine=step, door=Door(enter, expand), params=params, model=model, scenario=scenario, trusted=trusted,  # type: ignore[arg-type]
-        given=given,
+        given=given, elsewhere=elsewhere or {},
     )  # fmt: skip
 
 
@@ -50,7 +51,8 @@ def initial(program: Program, settings: Settings) -> Config:
         if not any(isinstance(s, Model) for s in statements):
             statements = (Model(name=chosen), *statements)
     whole = If(test=Constant(value=True), then=statements)
-    return Config(whole, (Finishing(), ()), State(scope, settings, budget.versions.current, params=dict(settings.params)))
+    empty = None if statements else Span(program.file, 1, 1, 1, 1)
+    return Config(whole, (Finishing(empty), ()), State(scope, settings, budget.versions.current, params=dict(settings.params)))
 
 
 def ego_of(state: State, *, simulated: bool = False) -> Instance | None:

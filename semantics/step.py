@@ -271,7 +271,7 @@ def stopped(problem: Exception, config: Config) -> Outcome:
     """What the machine says where a rule cannot go on. Raises what is no matter of the program."""
     match problem:
         case HostException():
-            return control.raised(problem, place(config), config.stack, config.state)
+            return control.raised(problem, problem.span or place(config, problem.exception), config.stack, config.state)
         case OutsideField():
             return Stuck("O-At", unmet(problem, place(config)))
         case DoorStuck():
@@ -370,12 +370,13 @@ def notes(exception: BaseException) -> Sequence[str]:
     return getattr(exception, "__notes__", ())
 
 
-def place(config: Config) -> Span:
-    """Where in the source the control stands: its node, or the innermost frame that has one."""
-    control_, stack, _ = config
-    span = getattr(control_, "span", NOWHERE)
-    while (span == NOWHERE or span.line == 0) and stack:
+def place(config: Config, exception: Exception | None = None) -> Span:
+    """Where in the source the control stands: its node, or the innermost frame that has one; the name of an attribute that is not there."""
+    node, stack, _ = config
+    while not (isinstance(node, Node) and node.span.line) and stack:
         frame, stack = stack
         node = getattr(frame, "node", None)
-        span = node.span if isinstance(node, Node) else NOWHERE
+    span = getattr(node, "span", NOWHERE)
+    if isinstance(node, p.Attribute) and isinstance(exception, AttributeError):
+        return span._replace(line=span.end_line, column=span.end_column - len(node.name))
     return span

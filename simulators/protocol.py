@@ -19,6 +19,9 @@ from ..semantics.syntax.nodes import NOWHERE, Span
 
 Given = TypeVar("Given")
 
+PROPERTIES_READ = frozenset({"drives", "walks", "color"})
+"""Properties that the simulators, or pictures of others, read of a body, beside those of the built-in classes."""
+
 
 class Surroundings(NamedTuple):
     """What a simulator is told of a scene beside its objects; nothing of it that can be changed is shared with the program or with other runs.

@@ -6,7 +6,6 @@ import math
 import shlex
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from difflib import get_close_matches
 from itertools import chain
 from pathlib import Path
 
@@ -26,6 +25,7 @@ from ..inference.statistics.samples import AnyScene
 from ..inference.statistics.samples import Samples as Given
 from ..scenario import Scenario
 from ..semantics.kernel.errors import RunsExhausted, UsageError
+from ..semantics.kernel.suggestions import did_you_mean
 from ..semantics.readings import select
 
 REFERENCE_SEED = 20_190_625
@@ -96,8 +96,7 @@ def check_columns(first: AnyScene, scenario: Scenario, names: SampleNames) -> No
         called = {names.feature(name): name for name in columns if name not in ("weight", "seed") and not names.ignored(name)}
         wrong = [name for name in called if name not in known]
         if wrong:
-            near = get_close_matches(wrong[0], list(known), n=1)
-            hint = f"did you mean {near[0]}?" if near else f"--ignore {called[wrong[0]]} leaves it out"
+            hint = did_you_mean(wrong[0], known, f"--ignore {called[wrong[0]]} leaves it out")
             raise UsageError(f"scenes of the program have no {wrong[0]}", hint=hint)
 
 

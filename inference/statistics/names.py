@@ -9,11 +9,11 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from fnmatch import fnmatchcase
 
 from ...formats.scenes import OWN_FIELDS
 from ...semantics.kernel.errors import UsageError
+from ...semantics.kernel.suggestions import nearest
 from .betting import Array
 from .columns import OTHERWISE, FeatureTable, last_part
 
@@ -111,5 +111,5 @@ def unknown(option: str, name: str, there: Sequence[str]) -> UsageError:
     """The error for a name that does not occur."""
     place = long_name(name).partition(".")[0] if "." in name else ""
     ends = {last_part(n): n for n in reversed(there) if n.startswith(place)}
-    near = get_close_matches(last_part(long_name(name)), list(ends), n=1)
-    return UsageError(f"{option} {name}: neither the samples nor the program have that", hint=f"did you mean {ends[near[0]]}?" if near else "")
+    near = nearest(last_part(long_name(name)), ends)
+    return UsageError(f"{option} {name}: neither the samples nor the program have that", hint=f"did you mean {ends[near]}?" if near is not None else "")

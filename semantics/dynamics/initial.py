@@ -10,13 +10,14 @@ from ..kernel.errors import RunError, UsageError
 from ..kernel.kinds import Reader
 from ..kernel.outcome import Outcome, Requirement
 from ..kernel.scopes import Scope
-from ..kernel.values import Dynamic, plain
+from ..kernel.suggestions import nearest
+from ..kernel.values import Dynamic, Instance, plain
 from ..python.calls import invocation
 from ..python.functions import InScope
 from ..scenes.statements import observed, require
 from ..scenes.termination import apply_termination_rules
 from ..syntax import dynamics as d
-from ..syntax.nodes import NOWHERE, Node
+from ..syntax.nodes import NOWHERE, Node, Span
 from .scenarios import setup
 
 MAIN = "Main"
@@ -99,7 +100,10 @@ def enter_initial(frame: OpeningGuards, definition: d.ScenarioDefinition, stack:
 
 
 class Finishing(NamedTuple):
-    """Frame at the bottom of the program: when its statements are reduced to `pass`, the termination rules begin."""
+    """Frame at the bottom of the program: when its statements are reduced to `pass`, the termination rules begin. `empty` is the place of a
+    program without any."""
+
+    empty: Span | None = None
 
 
 def resume_finishing(frame: Finishing, result: object, stack: Stack, state: State) -> Outcome:
@@ -109,11 +113,11 @@ def resume_finishing(frame: Finishing, result: object, stack: Stack, state: Stat
         if main is not None:
             return begin_initial(main, (frame, stack), state)
     if state.ego is None and not may_come_later(state):
-        check_without_ego(state)
+        check_without_ego(state, frame.empty)
     return apply_termination_rules(stack, in_order(state))
 
 
-def check_without_ego(state: State) -> None:
+def check_without_ego(state: State, empty: Span | None) -> None:
     """Reading `no-ego`: it is an error, or only where an object must be visible from it."""
     if state.reading("no-ego") == "allowed":
         seen = next((o for o in state.scene if Reader(state).property(o, "requireVisible")), None)
@@ -122,9 +126,13 @@ def check_without_ego(state: State) -> None:
         return
     scenarios = scenarios_in(state)
     other = f"begin with a scenario: --scenario {' or '.join(scenarios)}, or call it Main"
-    hint = other if scenarios and state.initial is None else "write ego = Object ..."
     text = "the program never assigns ego, the object from whose point of view the scene is"
-    raise RunError(text, NOWHERE, rule="T-Mutate", hint=hint)
+    if empty is not None:
+        raise RunError(f"the program is empty, and so {text.removeprefix('the program ')}", empty, rule="T-Mutate", hint="write ego = Object ...")
+    near = nearest("ego", [name for name, found in state.sigma.bindings.items() if isinstance(plain(found), Instance)])
+    hint = f"write ego in place of {near}" if near else "write ego = Object ..."
+    place = state.scene[0].span if state.scene else NOWHERE
+    raise RunError(text, place, rule="T-Mutate", hint=other if scenarios and state.initial is None else hint)
 
 
 def in_order(state: State) -> State:

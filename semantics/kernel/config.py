@@ -23,7 +23,8 @@ Properties = Mapping[str, object]
 class Settings(NamedTuple):
     """What stays the same during a run: readings, importable modules, the machine itself (for calls from host code).
 
-    A `trusted` program may hold and ask anything (`allowed`), since it imports Python code that can do anything.
+    `elsewhere` has the world models in which a name can be found, for suggestions. A `trusted` program may hold and ask
+    anything (`allowed`), since it imports Python code that can do anything.
     """
 
     readings: Mapping[str, str]
@@ -36,6 +37,7 @@ class Settings(NamedTuple):
     scenario: str | None = None
     trusted: bool = False
     given: GivenValues = GivenValues()
+    elsewhere: Mapping[str, tuple[str, ...]] = {}
 
 
 class Captured(NamedTuple):

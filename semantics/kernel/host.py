@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterator, Mapping
 import numpy as np
 
 from ..space.absence import Absent
+from ..syntax.nodes import Span
 from .allowed import is_value
 from .budget import PLAIN, STEP, Budget
 from .config import PASS, Abrupt, Config, State, Value
@@ -34,12 +35,16 @@ NUMBERS_PER_CALL = 1_000_000
 
 
 class HostException(Exception):
-    """An exception that belongs to the program: host code raised it on the program's behalf; whether it did may be random."""
+    """An exception that belongs to the program: host code raised it on the program's behalf; whether it did may be random.
 
-    def __init__(self, exception: Exception, origin: Origin | None = None) -> None:
+    `span` is where the mistake stands, if that is known more narrowly than by what is being reduced.
+    """
+
+    def __init__(self, exception: Exception, origin: Origin | None = None, span: Span | None = None) -> None:
         super().__init__(str(exception))
         self.exception = exception
         self.origin = origin
+        self.span = span
 
 
 class Misapplied(HostException):

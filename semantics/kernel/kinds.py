@@ -9,8 +9,7 @@ Section "Data Types"). A `Reader` makes these interpretations and remembers whet
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from difflib import get_close_matches
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from numbers import Real
 from typing import Any, NamedTuple
 
@@ -25,6 +24,7 @@ from .classes import view_distance
 from .config import State
 from .errors import RunError
 from .scenic_classes import ScenicClass
+from .suggestions import did_you_mean
 from .values import Dynamic, Instance, Origin, Random, each, plain, unwrap, wrap
 from .waiting import Waiting
 
@@ -243,6 +243,39 @@ def has_kind(value: object, kind: str) -> bool:
             raise AssertionError(kind)
 
 
+def misfit(values: Sequence[object], kinds: Sequence[Sequence[str]]) -> int | None:
+    """Which of the values no row of kinds accepts in its place; None if there is not exactly one."""
+    wrong = [place for place, value in enumerate(values) if not any(has_kind(value, row[place]) for row in kinds)]
+    return wrong[0] if len(wrong) == 1 else None
+
+
+def repair(value: object, kinds: Collection[str]) -> str:
+    """What to write where one of these kinds is expected and a value is none of them; "" where nothing is likely."""
+    match value:
+        case type() if value in AS_IN_SCENIC:
+            return f"did you mean {AS_IN_SCENIC[value]}?"
+        case str() if HEADING in kinds:
+            return "write an angle without quotation marks, as in `30 deg`"
+        case str() if VECTOR in kinds:
+            return "write a vector without quotation marks, as in `(1, 2)`"
+        case str() if SCALAR in kinds:
+            return "write a number without quotation marks"
+        case (low, high) if SCALAR in kinds and is_scalar(low) and is_scalar(high):
+            return f"for a random number write `Range({low}, {high})`" if isinstance(value, tuple) else "for one of them write `Uniform(*values)`"
+        case list() if SCALAR in kinds:
+            return "for one of them write `Uniform(*values)`"
+        case _ if VECTOR in kinds and is_scalar(value):
+            return "a vector has two coordinates: write `(x, y)`"
+        case Vector() | Instance() if REGION in kinds:
+            return "a region is a set of points: write `at` for one point, or `CircularRegion(center, radius)`"
+        case ScenicClass() if OBJECT in kinds or VECTOR in kinds:
+            return f"that is the class; name an object of it: x = {value.name} ..."
+        case _:
+            return ""
+
+
+AS_IN_SCENIC: Mapping[type, str] = {object: "Object"}
+"""Types of Python that are written like a class of Scenic, but for the case."""
 SPATIAL = frozenset({
     "BoxRegion", "SpheroidRegion", "MeshRegion", "MeshVolumeRegion", "MeshSurfaceRegion", "PathRegion", "PolygonalFootprintRegion", "VoxelRegion",
     "ViewRegion", "SurfaceCollisionTrimesh", "Shape", "BoxShape", "CylinderShape", "ConeShape", "SpheroidShape", "MeshShape", "Orientation",
@@ -262,18 +295,29 @@ FLAT = "is three-dimensional; this reference is two-dimensional"
 def no_attribute(subject: str, name: str, known: Iterable[str], what: str = "attribute") -> AttributeError:
     """The exception where a value has no such attribute or property, with the nearest of those that it has."""
     error = AttributeError(f"{subject} has no {what} {name}" + (f", which {FLAT}" if name in SPATIAL_ATTRIBUTES else ""))
-    near = [] if name in SPATIAL_ATTRIBUTES else get_close_matches(name, sorted(known), n=1)
-    if near:
-        error.add_note(f"did you mean {near[0]}?")
+    hint = "" if name in SPATIAL_ATTRIBUTES else did_you_mean(name, sorted(known))
+    if hint:
+        error.add_note(hint)
     if name == "yaw":
         error.add_note("ask for its heading")
     return error
 
 
-def lacking(module: str, error: Exception) -> Exception:
-    """The error that a module has no such member, with what to write for those of `random`."""
+INSTEAD_OF_RANDOM: Mapping[str, str] = {
+    "uniform": "Range(low, high)", "random": "Range(0, 1)", "randint": "DiscreteRange(low, high)", "randrange": "DiscreteRange(0, n - 1)",
+    "choice": "Uniform(*values)", "choices": "Discrete({value: weight, ...})", "gauss": "Normal(mean, stdDev)",
+    "normalvariate": "Normal(mean, stdDev)",
+}
+"""What draws in Scenic as a function of Python's module `random` does."""
+
+
+def lacking(module: str, member: str, error: Exception, known: Iterable[str]) -> Exception:
+    """The error that a module has no such member, with the nearest that it has, or what to write for those of `random`."""
     if module == "random":
-        error.add_note("what Python draws by itself does not follow from the seed: draw with Range, Uniform or Normal, or from random.Random(1)")
+        instead = f"write {INSTEAD_OF_RANDOM[member]}" if member in INSTEAD_OF_RANDOM else "draw with Range, Uniform or Normal"
+        error.add_note(f"{instead}: what Python draws by itself does not follow from the seed; random.Random(1) does")
+    elif hint := did_you_mean(member, known):
+        error.add_note(hint)
     return error
 
 
@@ -281,7 +325,7 @@ def refuse_third_dimension(what: str, operands: Iterable[object], span: Span, ru
     """Raises `RunError` if one of the operands has three coordinates or angles."""
     for operand in operands:
         if isinstance(operand, (tuple, list)) and len(operand) == 3 and all(map(is_scalar, operand)):
-            raise RunError(f"{what} is given three numbers, which {FLAT}", span, rule=rule)
+            raise RunError(f"{what} is given three numbers, which {FLAT}", span, rule=rule, hint="leave out the third")
 
 
 def kind_name(value: object) -> str:

@@ -7,7 +7,6 @@ left to right and hands their values to the rule. Constants and variables are ax
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from difflib import get_close_matches
 from typing import NamedTuple
 
 from ..syntax.dynamics import Do
@@ -22,6 +21,7 @@ from .kinds import FLAT, SPATIAL
 from .outcome import Next, Outcome
 from .positions import remaining, specified, wait
 from .scopes import MISSING, Scope
+from .suggestions import meant
 from .values import Bound, Origin, Random, Special, plain
 from .versions import changes_its_owner
 
@@ -160,8 +160,9 @@ def unknown_variable(node: Name, state: State) -> RunError:
         return RunError("there is no workspace", node.span, rule="E-Variable", hint="set it first: workspace = Workspace(REGION)")
     if node.name in SPATIAL:
         return RunError(f"{node.name} {FLAT}", node.span, rule="E-Variable")
-    near = get_close_matches(node.name, [name for name in known if not name.startswith("__")], n=1)
-    hint = f"did you mean {near[0]}?" if near else "import it, or choose a world model with `model NAME`" if node.name[:1].isupper() else ""
+    if state.ego is not None:
+        known.append("ego")
+    hint = meant(node.name, [name for name in known if not name.startswith("__")], state.settings.elsewhere)
     return RunError(f"{node.name} is not defined", node.span, rule="E-Variable", hint=hint)
 
 

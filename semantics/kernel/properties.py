@@ -8,7 +8,7 @@ from ..syntax.nodes import Span
 from .classes import BOOLEAN_PROPERTIES, NON_NEGATIVE_PROPERTIES, SCALAR_PROPERTIES, VECTOR_PROPERTIES
 from .config import State
 from .errors import RunError
-from .kinds import Reader, has_kind, is_finite, kind_name
+from .kinds import Reader, has_kind, is_finite, kind_name, repair
 from .nesting import check_nesting
 from .values import Instance, Random, unwrap
 
@@ -47,5 +47,8 @@ def checked_property(name: str, assigned: object, place: Span, source: str, stat
 def _bad(name: str, expected: str, found: object, place: Span, source: str) -> RunError:
     is_number = isinstance(found, (int, float, Vector)) and not isinstance(found, bool)
     shown = str(found) if is_number else kind_name(found)
-    hint = "write one number, the standard deviation of each coordinate" if name == "positionStdDev" and isinstance(found, (tuple, list)) else ""
+    if name == "positionStdDev" and isinstance(found, (tuple, list)):
+        hint = "write one number, the standard deviation of each coordinate"
+    else:
+        hint = repair(found, {"heading" if name == "heading" else expected.removeprefix("a ")})
     return RunError(f"the property {name} must be {expected}, not {shown} (from `{source}`)", place, rule="E-ObjectDefinition", hint=hint)

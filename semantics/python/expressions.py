@@ -23,6 +23,7 @@ from ..kernel.queries import Clock, Closest, Parameters, attribute_of_clock
 from ..kernel.scenic_classes import Above, ScenicClass
 from ..kernel.scopes import MISSING, Scope
 from ..kernel.sets import Set
+from ..kernel.suggestions import did_you_mean
 from ..kernel.values import Bound, Dynamic, Function, Instance, Method, Module, Native, Random, each, plain, unwrap, with_random_keys, wrap
 from ..kernel.versions import note_call, note_item
 from ..kernel.waiting import Waiting, needs_position
@@ -202,14 +203,17 @@ def get_attribute(subject: object, node: p.Attribute, state: State) -> object:
             if name not in state.params and name in ("get", "keys", "values", "items"):
                 return get_attribute(dict(state.params), node, state)
             if name not in state.params:
-                raise HostException(AttributeError(f"there is no global parameter {name}"))
+                error = AttributeError(f"there is no global parameter {name}")
+                error.add_note(did_you_mean(name, state.params, "set it first: param NAME = VALUE"))
+                raise HostException(error)
             return state.params[name]
         case Instance():
             return instance_attribute(subject, name, state)
         case Module():
             result = subject.scope.bindings.get(name, MISSING)
             if result is MISSING:
-                raise HostException(lacking(subject.name, AttributeError(f"module {subject.name} has no {name}")))
+                known = [n for n in subject.scope.bindings if not n.startswith("_")]
+                raise HostException(lacking(subject.name, name, AttributeError(f"module {subject.name} has no {name}"), known))
             return result
         case ScenicClass():
             found = subject.method(name)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from difflib import get_close_matches
 from typing import NamedTuple
 
 from ..kernel.config import Abrupt, Config, Stack, State
@@ -20,7 +19,7 @@ from ..kernel.scopes import MISSING, Scope
 from ..kernel.values import Module
 from ..syntax import Program
 from ..syntax import statements as s
-from ..syntax.nodes import NOWHERE, Node
+from ..syntax.nodes import NOWHERE, Node, Span
 from ..syntax.statements import Block
 from .control import block
 from .library import bound
@@ -144,7 +143,7 @@ def import_from(node: s.ImportFrom, stack: Stack, state: State) -> Outcome:
         if found is MISSING and member == "ego" and state.ego is not None:
             continue  # all modules share it
         if found is MISSING:
-            raise unknown(member, name, module)
+            raise unknown(member, name, module, next((n.span for n in node.names if n.name == member), None))
         state.sigma.bind(alias, found)
     return imported(node, stack, state)
 
@@ -177,13 +176,10 @@ def member_of(module: object, name: str) -> object:
     return MISSING if name.startswith("_") else getattr(module, name, MISSING)
 
 
-def unknown(member: str, name: str, module: object) -> HostException:
+def unknown(member: str, name: str, module: object, span: Span | None) -> HostException:
     """The exception of a name that a module has not, with the nearest one that it has."""
-    error = lacking(name, ImportError(f"the module {name} has no {member} in this reference"))
-    near = get_close_matches(member, members(module), n=1)
-    if near:
-        error.add_note(f"did you mean {near[0]}?")
-    return HostException(error)
+    error = lacking(name, member, ImportError(f"the module {name} has no {member} in this reference"), members(module))
+    return HostException(error, span=span)
 
 
 # Loading

@@ -13,7 +13,7 @@ from ..kernel.budget import LARGEST_SEQUENCE
 from ..kernel.conditions import random_branch
 from ..kernel.config import State
 from ..kernel.errors import RunError
-from ..kernel.host import host, raw
+from ..kernel.host import HostException, host, raw
 from ..kernel.kinds import is_vector, spread
 from ..kernel.sets import FrozenSet, Set
 from ..kernel.values import Origin, Random, plain, wrap
@@ -33,7 +33,13 @@ def elements(iterable: object, node: Node, state: State) -> list[object]:
         raise RunError(f"{len(iterable)} elements are too many", node.span)
     if type(iterable) is Waiting:
         raise needs_position(iterable)
-    result = raw(state.settings.door, state, list, iterable)
+    try:
+        result = raw(state.settings.door, state, list, iterable)
+    except HostException as problem:
+        problem.span = problem.span or node.span
+        if isinstance(iterable, int):
+            problem.exception.add_note(f"write range({iterable})")
+        raise
     state.settings.door.budget.made(plain(result))
     if type(result) is Random:  # an iterator of the program gave something random
         raise random_branch(result, node, "what its iterator gives")

@@ -9,9 +9,9 @@ and `scenic-3` do what the released implementations do. A reading of one alterna
 from __future__ import annotations
 
 from collections.abc import Mapping
-from difflib import get_close_matches
 
 from ..kernel.errors import UsageError
+from ..kernel.suggestions import did_you_mean
 from .loading import load
 from .reading import PROFILES, Probe, Reading
 
@@ -26,21 +26,16 @@ def always_decided() -> tuple[str, ...]:
 def select(profile: str = "paper", chosen: Mapping[str, str] | None = None) -> dict[str, str]:
     """The alternative of every reading: that of the profile, unless `chosen` names another. Raises `UsageError`."""
     if profile not in PROFILES:
-        raise UsageError(f"there is no profile {profile}", hint=_nearest(profile, PROFILES))
+        raise UsageError(f"there is no profile {profile}", hint=did_you_mean(profile, PROFILES, f"there are {', '.join(PROFILES)}"))
     selected = {name: reading.under(profile) for name, reading in READINGS.items()}
     for name, alternative in (chosen or {}).items():
         if name not in READINGS:
-            raise UsageError(f"there is no reading {name}", hint=_nearest(name, tuple(READINGS)))
+            raise UsageError(f"there is no reading {name}", hint=did_you_mean(name, READINGS, f"there are {', '.join(READINGS)}"))
         if alternative not in READINGS[name].alternatives:
             known = ", ".join(READINGS[name].alternatives)
             raise UsageError(f"the reading {name} has no alternative {alternative}", hint=f"it has {known}")
         selected[name] = alternative
     return selected
-
-
-def _nearest(name: str, known: tuple[str, ...]) -> str:
-    near = get_close_matches(name, known, n=1)
-    return f"did you mean {near[0]}?" if near else f"there are {', '.join(known)}"
 
 
 __all__ = ["PROFILES", "READINGS", "Probe", "Reading", "always_decided", "select"]

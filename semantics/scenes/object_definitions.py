@@ -153,7 +153,8 @@ def assign(rule: str, v: Mapping[str, object], stack: Stack, state: State) -> Ne
     """σ_i[self.p_i / v_i(p_i)] for the properties p_i that Algorithm 1 gave to s_i, by whose rule ⟨s_i, ...⟩ → v_i; then the next s_i."""
     frame, rest = stack
     specification, names = frame.order[frame.i]
-    place = frame.node.span if specification.is_default else specification.node.span
+    node = specification.node
+    place = frame.node.span if specification.is_default else node.value.span if isinstance(node, q.WithSpecifier) else node.span
     chosen = {n: checked_property(n, v[n], place, specification.name, state) for n in names if n in v}
     if "heading" in chosen and state.reading("heading-property") == "wrapped":
         reader = Reader(state)

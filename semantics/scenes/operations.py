@@ -9,7 +9,7 @@ from ..kernel.classes import ORIENTED_POINT_CLASS, built_in_defaults, view_dista
 from ..kernel.config import Config, Stack, State, Value, value
 from ..kernel.errors import RunError, ScenicError
 from ..kernel.host import DoorStuck, HostException
-from ..kernel.kinds import OrientedPointAt, Reader, has_kind, is_oriented, kind_name, refuse_third_dimension
+from ..kernel.kinds import OrientedPointAt, Reader, has_kind, is_oriented, kind_name, misfit, refuse_third_dimension, repair
 from ..kernel.outcome import Next, Outcome, Requirement, Stuck
 from ..kernel.positions import expression_of, specified, specifying, wait
 from ..kernel.premises import premises
@@ -107,9 +107,13 @@ def select(node: Node, equations: Sequence[o.Equation], operands: list[object]) 
         if all(has_kind(v, kind) for v, kind in zip(operands, equation.kinds, strict=True)):
             return equation
     expected = " or ".join(dict.fromkeys("(" + ", ".join(q.kinds) + ")" for q in equations))
-    refuse_third_dimension(operator_name(node), operands, node.span, equations[0].rule)
+    wrong = misfit(operands, [q.kinds for q in equations])
+    nodes = [node.object] if isinstance(node, e.SideOf) else [getattr(node, name) for name in released.EQUATIONS.get(type(node), ((),))[0]]
+    place = nodes[wrong].span if wrong is not None and wrong < len(nodes) else node.span
+    refuse_third_dimension(operator_name(node), operands, place, equations[0].rule)
     found = ", ".join(kind_name(v) for v in operands)
-    raise RunError(f"{operator_name(node)} expects {expected}, not ({found})", node.span, rule=equations[0].rule)
+    hint = "" if wrong is None else repair(operands[wrong], {q.kinds[wrong] for q in equations})
+    raise RunError(f"{operator_name(node)} expects {expected}, not ({found})", place, rule=equations[0].rule, hint=hint)
 
 
 def operator_name(node: Node) -> str:

@@ -12,7 +12,7 @@ from functools import lru_cache
 from ..kernel.classes import canonical
 from ..kernel.config import State
 from ..kernel.errors import RunError
-from ..kernel.kinds import has_kind, kind_name, refuse_third_dimension
+from ..kernel.kinds import has_kind, kind_name, misfit, refuse_third_dimension, repair
 from ..kernel.positions import waits
 from ..kernel.premises import axiom
 from ..kernel.scenic_classes import ScenicClass
@@ -64,9 +64,12 @@ def choose_form(node: Node, forms: tuple[sp.Form, ...], arguments: Sequence[obje
         if all(has_kind(v, kind) for v, kind in zip(operands, form.kinds, strict=True)):
             return form, tuple(arguments)
     expected = " or ".join(dict.fromkeys("(" + ", ".join(f.kinds) + ")" for f in forms))
-    refuse_third_dimension(f"`{sp.specifier_name(node)}`", operands, node.span, forms[0].rule)
+    wrong, nodes = misfit(operands, [form.kinds for form in forms]), arguments_of(node)
+    place = nodes[wrong].span if wrong is not None and wrong < len(nodes) else node.span
+    refuse_third_dimension(f"`{sp.specifier_name(node)}`", operands, place, forms[0].rule)
     found = ", ".join(kind_name(v) for v in operands)
-    raise RunError(f"`{sp.specifier_name(node)}` expects {expected}, not ({found})", node.span, rule=forms[0].rule)
+    hint = "" if wrong is None else repair(operands[wrong], {form.kinds[wrong] for form in forms})
+    raise RunError(f"`{sp.specifier_name(node)}` expects {expected}, not ({found})", place, rule=forms[0].rule, hint=hint)
 
 
 def default_specification(name: str, expression: Node, owner: ScenicClass, state: State) -> Specification:

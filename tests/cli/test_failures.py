@@ -102,6 +102,7 @@ program error: nosuch is not defined
   |
 2 | ego = Object at (nosuch, 0)
   |                  ^^^^^^
+  = hint: assign it first, or import it; a text stands in quotation marks
   = rule: E-Variable (variables)
 """
 

@@ -1,0 +1,110 @@
+"""What `check` finds wrong with a program, as editors and continuous integration read it: JSON, GitHub's annotations, SARIF."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+from .. import __version__
+from ..interpreter.warnings import KINDS, ProgramWarning
+from ..semantics.kernel.errors import ScenicError
+from ..semantics.syntax.nodes import Span
+from .session import escaped
+
+SCHEMA = "scenic-ref/diagnostics/1"
+SARIF = "https://json.schemastore.org/sarif-2.1.0.json"
+
+
+class Diagnostic(NamedTuple):
+    """One error or warning; `line` is 0 where it has no place."""
+
+    severity: str
+    kind: str
+    message: str
+    span: Span
+    hint: str = ""
+    rule: str = ""
+    expected: tuple[str, ...] = ()
+
+    @property
+    def text(self) -> str:
+        """The sentence with its hint."""
+        return f"{self.message}; {self.hint}" if self.hint else self.message
+
+
+def of_error(error: ScenicError, file: str) -> Diagnostic:
+    """An error; one without a place is one of the whole file."""
+    span = error.span if error.span.line > 0 else Span(file, 0, 0, 0, 0)
+    return Diagnostic("error", error.kind, error.message, span, error.hint, error.rule, tuple(getattr(error, "expected", ())))
+
+
+def of_warning(warning: ProgramWarning) -> Diagnostic:
+    """A warning."""
+    return Diagnostic("warning", warning.kind, warning.message, warning.span, warning.hint)
+
+
+def as_json(found: list[Diagnostic]) -> str:
+    """One JSON object; lines and columns begin with 1, the end is one past the last character."""
+    return json.dumps({"schema": SCHEMA, "diagnostics": [record(one) for one in found]}, ensure_ascii=False, indent=2)
+
+
+def record(one: Diagnostic) -> dict[str, object]:
+    """A diagnostic in JSON; without a place it has a file alone."""
+    span = one.span
+    place = {"line": span.line, "column": span.column, "end_line": span.end_line, "end_column": span.end_column} if span.line else {}
+    return {
+        "severity": one.severity, "kind": one.kind, "message": one.message, "file": span.file, **place, "hint": one.hint, "rule": one.rule,
+        "expected": list(one.expected),
+    }  # fmt: skip
+
+
+def as_github(found: list[Diagnostic]) -> str:
+    """Workflow commands, one a line, which GitHub shows beside the lines of a pull request."""
+    return "\n".join(map(annotation, found))
+
+
+def annotation(one: Diagnostic) -> str:
+    """`::error file=...,line=...::message`; the columns only where the place is in one line, as GitHub asks."""
+    span = one.span
+    place: dict[str, object] = {"file": span.file}
+    if span.line:
+        place |= {"line": span.line, "endLine": span.end_line}
+    if span.line and span.line == span.end_line:
+        place |= {"col": span.column, "endColumn": max(span.column, span.end_column - 1)}
+    place["title"] = one.kind
+    properties = ",".join(f"{name}={percented(str(value)).replace(':', '%3A').replace(',', '%2C')}" for name, value in place.items())
+    return f"::{one.severity} {properties}::{percented(one.text)}"
+
+
+def percented(text: str) -> str:
+    """A text as a workflow command holds it."""
+    return escaped(text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A"))
+
+
+def as_sarif(found: list[Diagnostic]) -> str:
+    """One run in the Static Analysis Results Interchange Format 2.1.0; the kinds are its rules."""
+    kinds = list(dict.fromkeys(one.kind for one in found))
+    rules = [{"id": identifier(kind), "shortDescription": {"text": KINDS.get(kind, kind)}} for kind in kinds]
+    driver = {"name": "scenic-ref", "version": __version__, "rules": rules}
+    results = [result(one, kinds.index(one.kind)) for one in found]
+    run = {"tool": {"driver": driver}, "columnKind": "unicodeCodePoints", "results": results}
+    return json.dumps({"$schema": SARIF, "version": "2.1.0", "runs": [run]}, ensure_ascii=False, indent=2)
+
+
+def result(one: Diagnostic, rule: int) -> dict[str, object]:
+    """A diagnostic as SARIF has it."""
+    span = one.span
+    region = {"startLine": span.line, "startColumn": span.column, "endLine": span.end_line, "endColumn": span.end_column}
+    place: dict[str, object] = {"artifactLocation": {"uri": span.file.replace("\\", "/")}, **({"region": region} if span.line else {})}
+    where = [{"physicalLocation": place}]
+    return {"ruleId": identifier(one.kind), "ruleIndex": rule, "level": one.severity, "message": {"text": one.text}, "locations": where}
+
+
+def identifier(kind: str) -> str:
+    """The kind in one word."""
+    return kind.replace(" ", "-")
+
+
+FORMATS: Mapping[str, Callable[[list[Diagnostic]], str]] = {"json": as_json, "github": as_github, "sarif": as_sarif}
+"""The formats beside text, each a function to the text of a document."""

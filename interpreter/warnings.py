@@ -1,0 +1,126 @@
+"""Warnings: what in a program does no harm and is still, most likely, a mistake: a property that nothing reads, an import that nothing uses.
+
+Every property of an object is written with the scene, so that one that nothing reads may be meant for whoever reads scenes. It is warned about
+where its name is nearly that of a property that is read; where a class gives it a default, only if letters are swapped or in another case.
+Library modules are not warned about.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterator
+from typing import NamedTuple
+
+from ..semantics.kernel.classes import BUILT_IN_CLASSES, SPELLINGS
+from ..semantics.kernel.kinds import SPATIAL_PROPERTIES
+from ..semantics.kernel.scopes import descendants
+from ..semantics.kernel.suggestions import nearest
+from ..semantics.syntax import Node, Program, Span
+from ..semantics.syntax import dynamics as d
+from ..semantics.syntax import statements as s
+from ..semantics.syntax.python_expressions import Attribute, Constant, Name
+from ..semantics.syntax.specifiers import WithSpecifier
+from .modules import HARMLESS, Library, module_named
+
+
+class ProgramWarning(NamedTuple):
+    """One warning: of which kind it is, its sentence, its place, and how to mend it."""
+
+    kind: str
+    message: str
+    span: Span
+    hint: str
+
+
+UNREAD, UNUSED = "unread property", "unused import"
+KINDS = {
+    UNREAD: "nothing reads a property, and its name is nearly that of one that is read",
+    UNUSED: "nothing uses what an import gives, and the module does nothing else",
+}
+"""The kinds of warnings, and when each is given."""
+
+
+def warnings_of(program: Program, library: Library, read: Collection[str], *, trust: bool) -> list[ProgramWarning]:
+    """The warnings about a program, in the order of its text. `read` are the properties that simulators read; Python code may read any."""
+    nodes = [node for statement in program.statements for node in descendants(statement)]
+    found = [*_unused_imports(program, nodes, library), *([] if trust else _unread_properties(program.text, nodes, library, read))]
+    return sorted(found, key=lambda warning: (warning.span.line, warning.span.column))
+
+
+# Properties
+
+
+def _unread_properties(text: str, nodes: list[Node], library: Library, read: Collection[str]) -> Iterator[ProgramWarning]:
+    """Properties that are given in the program and read nowhere, with the one that each is nearly called."""
+    inside = [n for module in library.values() if isinstance(module, Program) for st in module.statements for n in descendants(st)]
+    known = {name for class_ in BUILT_IN_CLASSES.values() for name in class_.defaults}
+    known |= {*SPELLINGS, *SPATIAL_PROPERTIES, *read, *_declared(inside)}
+    mentioned = set(_mentioned(nodes)) | set(_mentioned(inside))
+    declared = set(_declared(nodes))
+    lines = text.splitlines()
+    for node in nodes:
+        if isinstance(node, WithSpecifier) and node.property not in declared:
+            name, meant = node.property, known | declared
+        elif isinstance(node, s.PropertyDefault):
+            name, meant = node.name, [one for one in known if sorted(one.casefold()) == sorted(node.name.casefold())]
+        else:
+            continue
+        near = nearest(name, meant) if name not in known | mentioned else None
+        if near is not None:
+            yield ProgramWarning(UNREAD, f"nothing reads the property {name}", place_of(name, node.span, lines), f"did you mean {near}?")
+
+
+def place_of(name: str, span: Span, lines: list[str]) -> Span:
+    """The first place of a name in a stretch of the text."""
+    column = lines[span.line - 1].find(name, span.column - 1) if span.line <= len(lines) else -1
+    return span if column < 0 else span._replace(column=column + 1, end_line=span.line, end_column=column + 1 + len(name))
+
+
+def _declared(nodes: list[Node]) -> Iterator[str]:
+    """The properties to which classes give a default value."""
+    return (node.name for node in nodes if isinstance(node, s.PropertyDefault))
+
+
+def _mentioned(nodes: list[Node]) -> Iterator[str]:
+    """The names of attributes, and the texts, by which a property may be read."""
+    for node in nodes:
+        if isinstance(node, Attribute):
+            yield node.name
+        elif isinstance(node, Constant) and isinstance(node.value, str):
+            yield node.value
+
+
+# Imports
+
+
+def _unused_imports(program: Program, nodes: list[Node], library: Library) -> Iterator[ProgramWarning]:
+    """Names that imports at the top level bind and nothing uses, of modules that do nothing but define."""
+    used = {node.name for node in nodes if isinstance(node, Name)}
+    if "__all__" in used:
+        return
+    for statement in program.statements:
+        if isinstance(statement, s.Import):
+            named = [(one, one.alias or one.name.partition(".")[0], one.name) for one in statement.names]
+        elif isinstance(statement, s.ImportFrom) and statement.module != "__future__":
+            named = [(one, one.alias or one.name, "." * statement.level + statement.module) for one in statement.names]
+        else:
+            continue
+        for one, name, module in named:
+            if name not in used and not name.startswith("_") and not _said_again(name, program.text) and _only_defines(module, library):
+                yield ProgramWarning(UNUSED, f"nothing uses the import {name}", one.span, "remove it")
+
+
+def _said_again(name: str, text: str) -> bool:
+    """Whether the text has a name more than once: in an annotation, say, of which the tree knows nothing."""
+    return len(re.findall(rf"\b{re.escape(name)}\b", text)) > 1
+
+
+def _only_defines(name: str, library: Library) -> bool:
+    """Whether nothing but its names would be missed of a module."""
+    if name in HARMLESS:
+        return True
+    found = module_named(name, library)
+    return isinstance(found, Program) and all(isinstance(statement, DEFINITIONS) for statement in found.statements)
+
+
+DEFINITIONS = s.ClassDefinition | s.FunctionDefinition | d.BehaviorDefinition | d.ScenarioDefinition

@@ -1,0 +1,90 @@
+"""Warnings name what is most likely a slip, and nothing else: no example has one, and no vector without reason."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from scenic_ref.conformance import load_vectors
+from scenic_ref.scenario import load, loads
+from scenic_ref.scenario.noticing import warnings_about
+from scenic_ref.semantics.kernel.errors import ScenicError
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+def warned(text: str, directory: Path | None = None) -> list[tuple[int, int, str, str]]:
+    """The places, sentences and hints of the warnings about a program."""
+    return [(w.span.line, w.span.column, w.message, w.hint) for w in warnings_about(loads(text, file="p.scenic", directory=directory))]
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("ego = Object with widht 5\n", (1, 19, "nothing reads the property widht", "did you mean width?")),
+        ("ego = Object at (0, 0),\n    with  lenght 5\n", (2, 11, "nothing reads the property lenght", "did you mean length?")),
+        ("class A:\n    viewdistance: 5\nego = A\n", (2, 5, "nothing reads the property viewdistance", "did you mean viewDistance?")),
+        ("class A:\n    taste: 5\nego = A with tatse 3\n", (3, 14, "nothing reads the property tatse", "did you mean taste?")),
+        ("behavior B():\n    take 1\nego = Object with behaviour B()\n", (3, 19, "nothing reads the property behaviour", "did you mean behavior?")),
+        ("import math\nego = Object\n", (1, 8, "nothing uses the import math", "remove it")),
+        ("from math import sin, cos\nego = Object with width cos(0)\n", (1, 18, "nothing uses the import sin", "remove it")),
+        ("import math as m\nmath = 3\nego = Object with width math\n", (1, 8, "nothing uses the import m", "remove it")),
+    ],
+)
+def test_a_slip_is_warned_about(text: str, expected: tuple[int, int, str, str]) -> None:
+    assert warned(text) == [expected]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "ego = Object with color 'red'\n",
+        "ego = Object with taste 3\n",  # whoever reads the scene may want it
+        "ego = Object with widht 5\nparam x = ego.widht\n",
+        "ego = Object with widht 5\nparam x = getattr(ego, 'widht')\n",
+        "class A:\n    widht: 5\n    width: self.widht\nego = A with widht 3\n",
+        "ego = Object with height 3\nObject at (9, 9), with visibleDistance 3\n",
+        "import math\nego = Object with width math.pi\n",
+        "import math as _m\nego = Object\n",
+        "from math import *\nego = Object\n",
+        "from __future__ import annotations\nego = Object\n",
+        "class A:\n    weight: 3\nego = A\n",
+        "import mars\nego = Object\n",  # it makes a workspace
+    ],
+)
+def test_what_may_be_meant_is_not_warned_about(text: str) -> None:
+    assert warned(text) == []
+
+
+def test_a_module_beside_the_program_is_not_warned_about_and_one_that_does_something_is_used(tmp_path: Path) -> None:
+    (tmp_path / "acts.scenic").write_text("import math\nparam a = 1\nObject at (9, 9), with widht 3\n")
+    (tmp_path / "defines.scenic").write_text("import math\nclass Bus:\n    widths: 3\n")
+    assert warned("import acts\nego = Object\n", tmp_path) == []
+    (tmp_path / "defines.scenic").write_text("class Bus:\n    widths: 3\n")
+    assert warned("import defines\nego = Object\n", tmp_path) == [(1, 8, "nothing uses the import defines", "remove it")]
+
+
+@pytest.mark.parametrize("path", sorted(EXAMPLES.rglob("*.scenic")), ids=lambda path: str(path.relative_to(EXAMPLES)))
+def test_no_example_is_warned_about(path: Path) -> None:
+    try:
+        assert warnings_about(load(path)) == []
+    except ScenicError:
+        pytest.fail("the example cannot be read") if "released" not in path.parts else None
+
+
+
+
+def test_vectors_are_warned_about_imports_that_they_do_not_use_alone() -> None:
+    wrong = []
+    for vector in load_vectors():
+        for dialect, text in vector.texts.items():
+            try:
+                warnings = warnings_about(loads(text, dialect=dialect))
+            except ScenicError:
+                continue
+            for warning in warnings:
+                name = warning.message.removeprefix("nothing uses the import ")
+                if len(re.findall(rf"\b{name}\b", text)) != 1:
+                    wrong.append((vector.name, dialect, warning.message))
+    assert wrong == []
