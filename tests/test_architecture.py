@@ -35,7 +35,7 @@ ONLY_IN = {
         "formats/chains.py", "formats/comparisons.py", "formats/maps.py", "formats/pictures.py", "formats/map_pictures.py", "formats/movies.py",
         "formats/sheets.py", "benchmarks/bars.py",
     },
-    "PIL": {"formats/movies.py"}, "pyarrow": {"formats/arrow.py", "formats/table_files.py", "scenario/drawn.py"},
+    "PIL": {"formats/movies.py"}, "pygments": {"formats/highlighting.py"}, "pyarrow": {"formats/arrow.py", "formats/table_files.py", "scenario/drawn.py"},
     "pandas": {"scenario/drawn.py"}, "polars": {"scenario/drawn.py"},
     "distributed": {"inference/batch/jobs/blocks.py"}, "hypothesis": {"conformance/programs/strategies.py"},
     "pymunk": {"simulators/physics.py"}, "sumo": {"simulators/traffic.py"}, "traci": {"simulators/traffic.py"},
