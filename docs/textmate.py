@@ -24,7 +24,8 @@ def grammar() -> dict[str, object]:
     texts = [
         {"name": "string.quoted.triple.scenic", "begin": rf"(?i:[rbuf]{{0,2}}){quote}", "end": quote, "patterns": escapes} for quote in ('"""', "'''")
     ]
-    texts += [{"name": "string.quoted.scenic", "begin": rf"(?i:[rbuf]{{0,2}}){quote}", "end": f"{quote}|$", "patterns": escapes} for quote in ('"', "'")]
+    one_line = "string.quoted.scenic"
+    texts += [{"name": one_line, "begin": rf"(?i:[rbuf]{{0,2}}){quote}", "end": f"{quote}|$", "patterns": escapes} for quote in ('"', "'")]
     function, type_ = {"name": "entity.name.function.scenic"}, {"name": "entity.name.type.scenic"}
     keyword, property_ = {"name": "keyword.control.scenic"}, {"name": "variable.other.property.scenic"}
     words = [{"name": SCOPES[word.kind], "match": word.pattern} for word in keywords()]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
 from pygments.lexer import RegexLexer, bygroups
@@ -24,9 +24,9 @@ class ScenicLexer(RegexLexer):
 
     name = "Scenic"
     url = "https://scenic-lang.org"
-    aliases: ClassVar[list[str]] = ["scenic"]
-    filenames: ClassVar[list[str]] = ["*.scenic"]
-    mimetypes: ClassVar[list[str]] = ["text/x-scenic"]
+    aliases: ClassVar[Sequence[str]] = ["scenic"]
+    filenames: ClassVar[Sequence[str]] = ["*.scenic"]
+    mimetypes: ClassVar[Sequence[str]] = ["text/x-scenic"]
     flags = re.MULTILINE
 
     tokens: ClassVar[dict[str, list[object]]] = {
