@@ -20,7 +20,7 @@ KINDS = {
 CONSTANTS = ("TRUE", "FALSE", "NONE")
 
 
-class Keyword(NamedTuple):
+class LanguageWord(NamedTuple):
     """A terminal that is a word or a phrase: its kind, and the pattern by which it is known, which may look at what follows."""
 
     name: str
@@ -61,10 +61,10 @@ def pattern(name: str) -> str:
 
 
 @cache
-def keywords() -> tuple[Keyword, ...]:
+def keywords() -> tuple[LanguageWord, ...]:
     """The words and phrases of the language, those that the parser prefers, and longer ones, first."""
     found = [
-        Keyword(name, "constant" if name in CONSTANTS else KINDS[heading], f"{NOT_AFTER}{pattern}{NOT_BEFORE}", priority)
+        LanguageWord(name, "constant" if name in CONSTANTS else KINDS[heading], f"{NOT_AFTER}{pattern}{NOT_BEFORE}", priority)
         for name, (heading, pattern, priority) in terminals().items()
         if heading in KINDS and (WORD.match(pattern) or name in CONSTANTS)
     ]
