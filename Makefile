@@ -83,6 +83,7 @@ check: $(VENV)/.test
 ## The documentation as a site in site/
 docs: $(VENV)/.docs
 	$(BIN)/python docs/generate.py
+	$(BIN)/python docs/textmate.py
 	$(BIN)/mkdocs build --strict --quiet
 
 ## The manual page, scenic-ref.1, from the same source as --help; `man ./scenic-ref.1` shows it

@@ -48,7 +48,8 @@ def check(
     tolerance: Annotated[
         float,
         typer.Option(
-            "--tolerance", metavar="NUMBER", help="Numbers are equal if they differ by at most this, relative to the larger of 1 and the program's number."
+            "--tolerance", metavar="NUMBER",
+            help="Numbers are equal if they differ by at most this, relative to the larger of 1 and the program's number."
         ),
     ] = 5e-6,
     ignore: Annotated[

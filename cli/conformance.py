@@ -30,7 +30,7 @@ def conformance(
     ] = None,
     impl: Annotated[
         str | None,
-        typer.Option("--impl", metavar="IMPLEMENTATION", help="Another implementation: scenic==3.1.1, scenic==2.1.0, or a command of the harness protocol."),
+        typer.Option("--impl", metavar="IMPLEMENTATION", help="Another one: scenic==3.1.1, scenic==2.1.0, or a command of the harness protocol."),
     ] = None,
     seconds: Annotated[float, typer.Option("--seconds", metavar="SECONDS", help="How long an answer of it may take.")] = 60.0,
     known: Annotated[

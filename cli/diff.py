@@ -45,7 +45,7 @@ EXIT_CODES = {"differ": 1, "inconclusive": 5, "skipped": 5, "agree": 0}
 def diff(
     context: typer.Context,
     file: Annotated[str, typer.Argument(metavar="FILE|DIR", help="A Scenic program, or a folder of them.")],
-    impl: Annotated[str, typer.Option("--impl", metavar="IMPLEMENTATION", help="scenic==3.1.1, scenic==2.1.0, or a command of the harness protocol.")],
+    impl: Annotated[str, typer.Option("--impl", metavar="IMPLEMENTATION", help="scenic==3.1.1, scenic==2.1.0, or a command of the protocol.")],
     budget: Annotated[float, typer.Option("--budget", metavar="SECONDS", help="About how long a program may take, in seconds.")] = DEFAULT_BUDGET,
     seconds: Annotated[float, typer.Option("--seconds", metavar="SECONDS", help="How long an answer of the implementation may take.")] = 60.0,
     alpha: Annotated[float, typer.Option("--alpha", help="The risk of a false alarm, for each program.")] = DEFAULT_RISK,

@@ -26,7 +26,7 @@ UNITS = {"s": 1, "m": 60, "h": 3600}
 
 def fuzz(
     context: typer.Context,
-    impl: Annotated[str, typer.Option("--impl", metavar="IMPLEMENTATION", help="scenic==3.1.1, scenic==2.1.0, or a command of the harness protocol.")],
+    impl: Annotated[str, typer.Option("--impl", metavar="IMPLEMENTATION", help="scenic==3.1.1, scenic==2.1.0, or a command of the protocol.")],
     output: Annotated[str, typer.Option("-o", "--output", metavar="DIR", help="The folder of the campaign: its journal and its reports.")],
     time: Annotated[
         str, typer.Option("--time", metavar="TIME", help="How long: in seconds, or as 90m or 2h. 0, with --resume, only writes the reports anew.")
@@ -39,11 +39,12 @@ def fuzz(
         float, typer.Option("--detect-tv", metavar="DISTANCE", help="The difference, in total variation, that is to show before distributions agree.")
     ] = 0.3,
     steps: Annotated[int, typer.Option("--steps", metavar="STEPS", min=1, help="Time steps of the simulations of dynamic programs.")] = 4,
-    budget: Annotated[float, typer.Option("--budget", metavar="SECONDS", help="About how long the comparison of a program may take, in seconds.")] = 6.0,
+    budget: Annotated[float, typer.Option("--budget", metavar="SECONDS", help="About how long the comparison of a program may take.")] = 6.0,
     answer: Annotated[float, typer.Option("--seconds", metavar="SECONDS", help="How long an answer of the implementation may take.")] = 10.0,
     shrinking: Annotated[float, typer.Option("--shrinking", metavar="SECONDS", help="How long a finding may be made smaller, in seconds.")] = 90.0,
     profile: Annotated[
-        str, typer.Option("--profile", metavar="PROFILE", help="The readings under which both are compared; by default those that it is known to follow.")
+        str,
+        typer.Option("--profile", metavar="PROFILE", help="The readings under which both are compared; by default those that it is known to follow.")
     ] = OF_THE_OTHER,
     debug: DebugOption = False,
 ) -> None:

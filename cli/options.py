@@ -47,7 +47,8 @@ LimitMemoryOption = Annotated[
 LimitSecondsOption = Annotated[
     str,
     typer.Option(
-        "--limit-seconds", metavar="SECONDS", help="The processor time for one attempt, or one time step, of a program without --trust; none: no limit."
+        "--limit-seconds", metavar="SECONDS",
+        help="The processor time for one attempt, or one time step, of a program without --trust; none: no limit."
     ),
 ]
 DEFAULT_MEMORY, DEFAULT_SECONDS = "4G", "60"

@@ -197,7 +197,7 @@ def produce_one_by_one(
 
 
 def rehearse(drawing: Drawing) -> None:
-    """Raise the program's error, if it has one, before anything is written; what it printed comes first. Then tell what its model stands for, and warnings."""
+    """Raise the program's error, if it has one, before anything is written; what it printed comes first. Then tell notes and warnings."""
     printed: list[str] = []
     try:
         drawing.rehearse(printed)

@@ -44,7 +44,7 @@ def run(
         str | None,
         typer.Option("-o", "--output", metavar="PATH", help="Write JSON Lines (PATH.jsonl) or a table (.parquet, .arrow, .npz, .csv); -: stdout."),
     ] = None,
-    stream: Annotated[str, typer.Option("--format", metavar="FORMAT", help="What goes to stdout: jsonl, or arrow, a stream of Arrow tables.")] = "jsonl",
+    stream: Annotated[str, typer.Option("--format", metavar="FORMAT", help="What goes to stdout: jsonl, or arrow, a stream of tables.")] = "jsonl",
     plot: Annotated[str | None, typer.Option("--plot", metavar="PATH", help="Draw the scenes (or the probabilities), as .png, .pdf or .svg.")] = None,
     profile: ProfileOption = "paper",
     reading: ReadingOption = None,
@@ -117,7 +117,8 @@ def run(
     session.seed = seed
     backend = None if backend == "auto" else backend
     if backend not in (None, *BACKENDS):
-        raise UsageError(f"there is no backend {backend}", hint=did_you_mean(backend, BACKENDS, f"the backends are {', '.join(BACKENDS[:-1])} and {BACKENDS[-1]}"))
+        known = f"the backends are {', '.join(BACKENDS[:-1])} and {BACKENDS[-1]}"
+        raise UsageError(f"there is no backend {backend}", hint=did_you_mean(backend, BACKENDS, known))
     if backend == "enumerate" and (count != 1 or scene is not None or resume or workers != 1 or cluster is not None):
         raise UsageError("an enumeration gives all outcomes at once: -n, --scene, --resume, --workers and --cluster cannot be given with it")
     if backend == "enumerate" and prune:

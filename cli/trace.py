@@ -45,7 +45,7 @@ def trace(
     ] = None,
     simulator: Annotated[str, typer.Option("--simulator", metavar="NAME", help="With --steps: as for simulate.")] = "still",
     timestep: Annotated[
-        float | None, typer.Option("--dt", metavar="SECONDS", help="With --steps: the time step in seconds.", show_default="1 for still, 0.1 for others")
+        float | None, typer.Option("--dt", metavar="SECONDS", help="With --steps: the time step.", show_default="1 for still, 0.1 for others")
     ] = None,
     scenario: ScenarioOption = None,
     profile: ProfileOption = "paper",

@@ -151,8 +151,8 @@ def _probability_faults(statement: s.SoftRequire) -> Iterator[CheckError]:
         return
     value = node.value
     if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= sign * value <= 1:
-        is_percentage = isinstance(value, int | float) and not isinstance(value, bool) and 1 < sign * value <= 100
-        hint = f"write {value / 100:g} for {value} %" if is_percentage else ""
+        is_number = isinstance(value, int | float) and not isinstance(value, bool)
+        hint = f"write {value / 100:g} for {value} %" if is_number and 1 < sign * value <= 100 else ""  # type: ignore[operator]
         yield CheckError("the probability of a soft requirement must be a number from 0 to 1", statement.probability.span, hint=hint)
 
 

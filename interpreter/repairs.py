@@ -72,7 +72,10 @@ RESERVED = (
 )
 # (pattern, message, hint): the pattern is looked for in the line, and must touch the place where parsing stopped; its group `here` is the mistake.
 TABLE: tuple[tuple[str, str, str], ...] = (
-    (rf"^\s*(?P<here>{RESERVED})\s*=(?!=)", r"`\g<here>` is a word of the language, and no name for a variable", r"write another name, such as `\g<here>_`"),
+    (
+        rf"^\s*(?P<here>{RESERVED})\s*=(?!=)",
+        r"`\g<here>` is a word of the language, and no name for a variable", r"write another name, such as `\g<here>_`",
+    ),
     (r"\byield\b", "`yield` is not part of the language", "return a list, or write a behavior"),
     (r"^\s*with\b.*", "Python's `with` statement is not part of the language", "use try and finally"),
     (r"\b(?:async|await)\b", "`async` and `await` are not part of the language", "write a behavior"),
@@ -125,7 +128,7 @@ TABLE: tuple[tuple[str, str, str], ...] = (
     (r"^\s*(?P<here>var|let|const|function|func)\s+\w.*", "there are no declarations", "write `name = value` or `def name():`"),
     (r"^\s*(behavior|monitor|scenario)\s+(\w+)\s*$", "a `:` is missing at the end of the line", r"write `\1 \2():`"),
     (r"\b(?P<here>in\s+front\s+of)\s.*", "`in front of` is spelt `ahead of`", "write `ahead of X by S`"),
-    (r"\b(?P<here>(?:next|close|near)\s+to)\b", r"there is no `\g<here>`", "write `left of X by S`, `right of X by S`, `ahead of X by S` or `behind X by S`"),
+    (r"\b(?P<here>(?:next|close|near)\s+to)\b", r"there is no `\g<here>`", "write `left of X by S`, `ahead of X by S`, ..."),
     (r"\b(?P<here>distance|angle)\s+(?!(?:from|to|of|past)\b)[\w(]\S*", r"`\g<here>` needs `from` or `to`", r"write `\g<here> from ... to ...`"),
     (r"\(\s*-?[\d.]+\s+(?P<here>-?[\d.]+)\s*\)", "a comma is missing between two numbers", "write `(x, y)`"),
     (r"^\s*(?:if|elif|while|for)\b.*\s(?P<here>then|do)\b", r"`\g<here>` is not part of the language", "write `:`"),
@@ -152,7 +155,8 @@ def find(place: Situation) -> Repair | None:
     for pattern, message, hint in TABLE:
         for match in re.finditer(pattern, place.line):
             if match.start() <= place.column <= match.end():
-                return Repair(*(match.expand(text) if "\\" in text else text for text in (message, hint)), _here(match))
+                said, repair = (match.expand(text) if "\\" in text else text for text in (message, hint))
+                return Repair(said, repair, _here(match))
     return _ended(place) or _unknown_statement(place) or _unknown_specifier(place)
 
 

@@ -112,4 +112,5 @@ def unknown(option: str, name: str, there: Sequence[str]) -> UsageError:
     place = long_name(name).partition(".")[0] if "." in name else ""
     ends = {last_part(n): n for n in reversed(there) if n.startswith(place)}
     near = nearest(last_part(long_name(name)), ends)
-    return UsageError(f"{option} {name}: neither the samples nor the program have that", hint=f"did you mean {ends[near]}?" if near is not None else "")
+    hint = f"did you mean {ends[near]}?" if near is not None else ""
+    return UsageError(f"{option} {name}: neither the samples nor the program have that", hint=hint)

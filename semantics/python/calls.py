@@ -184,15 +184,11 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
     except HostException as problem:
         if isinstance(problem.exception, (BadField, BadRegion, BadParameters)):
             raise RunError(without_addresses(str(problem.exception)), node.span, rule="E-Call-Host") from None
-        if isinstance(problem.exception, TypeError) and is_geometric(plain(function)) and isinstance(plain(function), type):
-            problem.exception.add_note(f"write {plain(function).__name__}({', '.join(parameters_of(plain(function)))})")
+        class_ = plain(function)
+        if isinstance(problem.exception, TypeError) and isinstance(class_, type) and is_geometric(class_):
+            problem.exception.add_note(f"write {class_.__name__}({', '.join(inspect.signature(class_).parameters)})")
         raise
     return returned(node, result, stack, state)
-
-
-def parameters_of(class_: type) -> list[str]:
-    """The names of what the constructor of a class takes."""
-    return [name for name in inspect.signature(class_).parameters]
 
 
 def check_call(function: object, arguments: tuple[object, ...], keywords: Mapping[str, object], state: State) -> None:

@@ -1,4 +1,4 @@
-"""Sixty wrong programs of the first hour (`first_hour.toml`): each message names the mistake, its caret stands on it, and it offers a repair that works.
+"""Sixty wrong programs of the first hour (`first_hour.toml`): each message names the mistake, marks it, and offers a repair that works.
 
 Run as a script it gives the score, a point for each of the three.
 """
