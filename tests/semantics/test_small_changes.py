@@ -8,8 +8,9 @@ from itertools import repeat
 import pytest
 import scenic_ref
 from scenic_ref.semantics.kernel.errors import ProgramError, RunError
+from scenic_ref.semantics.readings.loading import probe_of
 from scenic_ref.semantics.space.distributions import Normal, TruncatedNormal
-from scenic_ref.semantics.space.regions import intervals
+from scenic_ref.semantics.space.regions import PolylineRegion, intervals
 from scenic_ref.semantics.space.vectors import Vector
 
 EGO = "ego = Object at (0, 0)\n"
@@ -66,3 +67,15 @@ def test_a_segment_of_length_0_is_within_a_disc_or_not() -> None:
 def test_a_step_that_is_given_for_one_way_changes_no_other() -> None:
     program = "F = VectorField('F', lambda p: p.x)\na = F.followFrom((1, 0), 2)\nb = F.followFrom((1, 0), 2, steps=2)\nparam r = [F.followFrom((1, 0), 2) == a, a == b]\n"
     assert scenic_ref.loads(EGO + program).sample().params["r"] == [True, False]
+
+
+def test_a_polyline_that_covers_its_middle_again_is_drawn_from_once() -> None:
+    corners = [(1.0, 0.0), (2.0, 0.0), (2.0, 1.0), (0.0, 1.0), (0.0, 0.0), (3.0, 0.0)]
+    segments = list(PolylineRegion(corners).segments())
+    assert math.isclose(sum(math.dist(start, end) for start, end in segments), 7.0)
+    assert max(end.x for _, end in segments) == 3.0
+
+
+def test_what_a_probe_shows_are_texts() -> None:
+    with pytest.raises(ValueError, match="place: shows: '' is not a text"):
+        probe_of({"program": "ego = Object", "shows": {"yes": ""}}, {"yes": "it is"}, "place")
