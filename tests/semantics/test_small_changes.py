@@ -11,7 +11,6 @@ from scenic_ref.semantics.kernel.errors import ProgramError, RunError
 from scenic_ref.semantics.readings.loading import probe_of
 from scenic_ref.semantics.space.distributions import Normal, TruncatedNormal
 from scenic_ref.semantics.space.regions import PolylineRegion, intervals
-from scenic_ref.semantics.space.vectors import Vector
 
 EGO = "ego = Object at (0, 0)\n"
 
@@ -65,7 +64,8 @@ def test_a_segment_of_length_0_is_within_a_disc_or_not() -> None:
 
 
 def test_a_step_that_is_given_for_one_way_changes_no_other() -> None:
-    program = "F = VectorField('F', lambda p: p.x)\na = F.followFrom((1, 0), 2)\nb = F.followFrom((1, 0), 2, steps=2)\nparam r = [F.followFrom((1, 0), 2) == a, a == b]\n"
+    program = "F = VectorField('F', lambda p: p.x)\na = F.followFrom((1, 0), 2)\nb = F.followFrom((1, 0), 2, steps=2)\n"
+    program += "param r = [F.followFrom((1, 0), 2) == a, a == b]\n"
     assert scenic_ref.loads(EGO + program).sample().params["r"] == [True, False]
 
 
