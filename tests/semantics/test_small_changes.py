@@ -1,0 +1,81 @@
+"""What a small change of the program would break, and no vector says: hints, limits, edges of shapes. Found by `make mutants`."""
+
+from __future__ import annotations
+
+import math
+from itertools import repeat
+
+import pytest
+import scenic_ref
+from scenic_ref.semantics.kernel.errors import ProgramError, RunError
+from scenic_ref.semantics.readings.loading import probe_of
+from scenic_ref.semantics.space.distributions import Normal, TruncatedNormal
+from scenic_ref.semantics.space.regions import PolylineRegion, intervals
+
+EGO = "ego = Object at (0, 0)\n"
+
+
+@pytest.mark.parametrize(
+    ("program", "hint"),
+    [
+        ("class A(object):\n    def total(self): return 1\nx = A().totl", "did you mean total?"),
+        ("x = 'a'.uper()", "did you mean upper?"),
+        ("x = Object at (9, 9), with positionStdDev (1, 1)", "write one number, the standard deviation of each coordinate"),
+        ("x = Object at (9, 9), with width (1, 1)", ""),
+    ],
+)
+def test_the_hint_of_an_error_is(program: str, hint: str) -> None:
+    with pytest.raises(ProgramError) as raised:
+        scenic_ref.loads(EGO + program).sample()
+    assert raised.value.hint == hint
+
+
+@pytest.mark.parametrize(("argument", "got"), [("3", "a scalar"), ("'a'", "a string"), ("Object, Object", "2 arguments"), ("", "0 arguments")])
+def test_the_class_of_the_closest_object_is_named_wrongly(argument: str, got: str) -> None:
+    program = f"behavior B():\n    take self.distanceToClosest({argument})\n{EGO[:-1]}, with behavior B()\n"
+    with pytest.raises(RunError) as raised:
+        scenic_ref.loads(program).simulate(steps=1)
+    assert raised.value.message == f"distanceToClosest expects a class, not {got}"
+
+
+@pytest.mark.parametrize(
+    ("use", "message"),
+    [
+        ("'{:>1500000}{:>1500000}'.format(1, 2)", "3,000,000 elements or characters are too many for one value: at most 2,000,000"),
+        ("('a' * 1000000).replace('a', 'b' * 1000000)", "1,000,000,000,000 elements or characters are too many for one value: at most 2,000,000"),
+        ("pow(2, 2 ** 9000, 7)", "a whole number of 144,016 binary digits is too large: at most 100,000"),
+        ("sorted([range(20000)] * 1000, key=sum)", "the program goes through more, or makes more, than one run may"),
+    ],
+)
+def test_one_value_is_too_large(use: str, message: str) -> None:
+    with pytest.raises(RunError) as raised:
+        scenic_ref.loads(f"{EGO}x = {use}\n").sample()
+    assert message in raised.value.message
+
+
+def test_a_normal_distribution_is_finite_where_the_number_is_0() -> None:
+    for distribution in (Normal(1.0, 2.0), TruncatedNormal(1.0, 2.0, -math.inf, 5.0)):
+        assert math.isfinite(distribution.sample(repeat(0.0).__next__))
+
+
+def test_a_segment_of_length_0_is_within_a_disc_or_not() -> None:
+    assert intervals.where_within_disc(1.0, 0.0, 0.0, 0.0, 1.0) == intervals.ALL
+    assert intervals.where_within_disc(1.2, 0.0, 0.0, 0.0, 1.0) == intervals.NONE
+
+
+def test_a_step_that_is_given_for_one_way_changes_no_other() -> None:
+    program = "F = VectorField('F', lambda p: p.x)\na = F.followFrom((1, 0), 2)\nb = F.followFrom((1, 0), 2, steps=2)\n"
+    program += "param r = [F.followFrom((1, 0), 2) == a, a == b]\n"
+    assert scenic_ref.loads(EGO + program).sample().params["r"] == [True, False]
+
+
+def test_a_polyline_that_covers_its_middle_again_is_drawn_from_once() -> None:
+    corners = [(1.0, 0.0), (2.0, 0.0), (2.0, 1.0), (0.0, 1.0), (0.0, 0.0), (3.0, 0.0)]
+    segments = list(PolylineRegion(corners).segments())
+    assert math.isclose(sum(math.dist(start, end) for start, end in segments), 7.0)
+    assert max(end.x for _, end in segments) == 3.0
+
+
+def test_what_a_probe_shows_are_texts() -> None:
+    with pytest.raises(ValueError, match="place: shows: '' is not a text"):
+        probe_of({"program": "ego = Object", "shows": {"yes": ""}}, {"yes": "it is"}, "place")
