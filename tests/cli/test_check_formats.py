@@ -18,7 +18,8 @@ def written(text: str) -> str:
 
 @pytest.mark.parametrize("form", ["text", "json", "github", "sarif"])
 @pytest.mark.parametrize(
-    ("text", "strict", "code"), [("ego = Object\n", True, 0), (WARNED, False, 0), (WARNED, True, 1), ("ego = Objct\n", False, 1), ("ego = (\n", False, 1)]
+    ("text", "strict", "code"),
+    [("ego = Object\n", True, 0), (WARNED, False, 0), (WARNED, True, 1), ("ego = Objct\n", False, 1), ("ego = (\n", False, 1)],
 )
 def test_the_exit_code_is_the_same_in_every_format(ask, form: str, text: str, strict: bool, code: int) -> None:
     assert ask("check", written(text), "--format", form, *(["--strict"] if strict else [])).code == code
