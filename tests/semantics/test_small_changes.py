@@ -21,7 +21,7 @@ EGO = "ego = Object at (0, 0)\n"
         ("class A(object):\n    def total(self): return 1\nx = A().totl", "did you mean total?"),
         ("x = 'a'.uper()", "did you mean upper?"),
         ("x = Object at (9, 9), with positionStdDev (1, 1)", "write one number, the standard deviation of each coordinate"),
-        ("x = Object at (9, 9), with width (1, 1)", ""),
+        ("x = Object at (9, 9), with width (1, 1)", "for a random number write `Range(1, 1)`"),
     ],
 )
 def test_the_hint_of_an_error_is(program: str, hint: str) -> None:
