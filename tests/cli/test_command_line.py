@@ -33,7 +33,12 @@ def said(*arguments: str, **environment: str) -> str:
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
 def test_completion_can_be_had_for_a_shell(shell: str) -> None:
-    assert "_SCENIC_REF_COMPLETE" in said("--show-completion", shell)
+    assert "_SCENIC_REF_COMPLETE" in said(_SCENIC_REF_COMPLETE=f"source_{shell}")
+
+
+def test_completion_is_offered() -> None:
+    """The shell itself is found out by the processes above this one, which a test does not choose."""
+    assert "--install-completion" in said("--help") and "--show-completion" in said("--help")
 
 
 def test_completion_completes_commands_and_options() -> None:
