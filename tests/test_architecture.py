@@ -32,6 +32,7 @@ ROOMS = ["syntax", "space", "kernel", "readings", "python", "scenes", "dynamics"
 TENSORS = ("arithmetic", "columns", "draws", "evaluator", "kit", "margins", "polygons")
 ONLY_IN = {
     "matplotlib": {
+        "formats/notebooks.py", "formats/scenes.py", "scenario/showing.py",
         "formats/chains.py", "formats/comparisons.py", "formats/maps.py", "formats/pictures.py", "formats/map_pictures.py", "formats/movies.py",
         "formats/sheets.py", "benchmarks/bars.py",
     },
