@@ -22,6 +22,16 @@ FORM = re.compile(r"(?P<name>[\w.-]+)==(?P<version>[\w.+!-]+)=(?P<python>.+)")
 KNOWN = "scenic"
 
 
+def python_that_runs(module: str, *arguments: str) -> list[str]:
+    """Starts a process that calls `main` of a module which this one could import."""
+    return [sys.executable, "-c", f"import sys; sys.path[:] = {sys.path!r}; from {module} import main; main()", *arguments]
+
+
+def on_one_thread() -> Mapping[str, str]:
+    """The variables of this process, for one that computes on one thread."""
+    return {**os.environ, **ONE_THREAD}
+
+
 @dataclass(frozen=True, slots=True)
 class MeasuredProgram:
     """A program to be measured; `released` is the same program for released implementations, if there is one."""
@@ -47,12 +57,11 @@ class Ours:
     def command(self, program: MeasuredProgram, seed: int) -> list[str]:
         """Starts its process."""
         task = SamplingTask(program.path, self.backend, self.prune, program.trust, seed)
-        code = f"import sys; sys.path[:] = {sys.path!r}; from {__package__}.own_sampler import main; main()"
-        return [sys.executable, "-c", code, task.text()]
+        return python_that_runs(f"{__package__}.own_sampler", task.text())
 
     def environment(self) -> Mapping[str, str]:
         """The variables of its process."""
-        return {**os.environ, **ONE_THREAD}
+        return on_one_thread()
 
 
 @dataclass(frozen=True, slots=True)

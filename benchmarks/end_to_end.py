@@ -11,16 +11,14 @@ import os
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TextIO
+from typing import Any
 
 from ..scenario import load
-from ..semantics.kernel.errors import ScenicError
-from .contenders import ONE_THREAD, MeasuredProgram
-from .own_sampler import Skipped
+from .contenders import MeasuredProgram, on_one_thread, python_that_runs
+from .own_sampler import Skipped, serve
 
 try:
     import resource
@@ -51,12 +49,11 @@ class RunToFile:
     def command(self, program: MeasuredProgram, seed: int) -> list[str]:
         """Starts the process that starts the command."""
         task = WritingTask(program.path, self.format, program.trust, seed)
-        code = f"import sys; sys.path[:] = {sys.path!r}; from {__name__} import main; main()"
-        return [sys.executable, "-c", code, json.dumps(asdict(task))]
+        return python_that_runs(__name__, json.dumps(asdict(task)))
 
     def environment(self) -> Mapping[str, str]:
         """The variables of its process."""
-        return {**os.environ, **ONE_THREAD}
+        return on_one_thread()
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,11 +68,11 @@ class WritingTask:
 
 def run(task: WritingTask, count: int, folder: str) -> float:
     """The seconds of the processor that the command takes, with the processes that it starts. Raises `Skipped`."""
-    code = f"import sys; sys.path[:] = {sys.path!r}; from {__name__.rpartition('.benchmarks')[0]}.cli import main; main()"
     path = Path(folder) / f"scenes.{task.format}"
     words = ["run", task.program, "-n", str(count), "--seed", str(task.seed), "-o", str(path), *(["--trust"] if task.trust else [])]
     before = os.times()
-    done = subprocess.run([sys.executable, "-c", code, *words], stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
+    command = python_that_runs(f"{__name__.rpartition('.benchmarks')[0]}.cli", *words)
+    done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
     after = os.times()
     path.unlink(missing_ok=True)
     if done.returncode:
@@ -92,7 +89,7 @@ class TimedCommand:
         self.count = FIRST
         self.growing = True
 
-    def sample(self, seconds: float) -> dict[str, object]:
+    def sample(self, seconds: float) -> dict[str, Any]:
         """What the further scenes took, at least `seconds` seconds if there is an end to it."""
         while True:
             once, twice = self.cost(self.count), self.cost(2 * self.count)
@@ -116,27 +113,8 @@ def numbers_of(task: WritingTask) -> float:
     return sum(column.size for column in columns.values() if column.dtype.kind in "bif") / COUNTED
 
 
-def serve(task: WritingTask, out: TextIO) -> None:
-    """Answer the lines of standard input."""
-
-    def say(answer: object) -> None:
-        print(json.dumps(answer), file=out, flush=True)
-
-    with tempfile.TemporaryDirectory() as folder:
-        try:
-            begun = time.process_time()
-            say({"numbers": numbers_of(task), "prepare": time.process_time() - begun})
-            sampler = TimedCommand(lambda count: run(task, count, folder))
-            for line in sys.stdin:
-                say(sampler.sample(float(line)))
-        except Skipped as reason:
-            say({"skipped": str(reason)})
-        except ScenicError as error:
-            say({"skipped": f"{error.kind}: {error.message}"})
-
-
 def main() -> None:
     """The process; the task is its argument."""
-    out = os.fdopen(os.dup(1), "w")
-    os.dup2(2, 1)  # what the program prints is not an answer
-    serve(WritingTask(**json.loads(sys.argv[1])), out)
+    task = WritingTask(**json.loads(sys.argv[1]))
+    with tempfile.TemporaryDirectory() as folder:
+        serve(lambda: ({"numbers": numbers_of(task)}, TimedCommand(lambda count: run(task, count, folder)).sample))

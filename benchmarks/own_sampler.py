@@ -12,7 +12,7 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from typing import TextIO
+from typing import Any
 
 from ..inference.batch import Batch
 from ..inference.batch.jobs.blocks import GROWTH, LARGEST, QUICK
@@ -22,6 +22,8 @@ from .released_sampler import peak
 
 SMALLEST = 256
 
+Sample = Callable[[float], dict[str, Any]]
+"""Takes seconds of the processor; draws for so long, and gives what it drew."""
 Draw = Callable[[int, int], tuple[int, int]]
 """Takes the number of the first scene and a count; draws the scenes, and gives how many it drew, in how many attempts."""
 
@@ -132,18 +134,25 @@ class TimedSampler:
         return {"scenes": scenes, "attempts": attempts, "seconds": used, "block": self.size, "peak": peak()}
 
 
-def serve(task: SamplingTask, out: TextIO) -> None:
-    """Prepare, then answer the lines of standard input."""
+def ready(task: SamplingTask) -> tuple[dict[str, object], Sample]:
+    """What preparing took, and what draws. Raises `Skipped`, and the program's errors."""
+    draw, times = prepare(task)
+    return {"prepare": sum(times.values()), "parts": times}, TimedSampler(draw, task.backend != "interpreter").sample
+
+
+def serve(begin: Callable[[], tuple[dict[str, object], Sample]]) -> None:
+    """Say that it is ready, then answer the lines of standard input; or why it is skipped."""
+    out = os.fdopen(os.dup(1), "w")
+    os.dup2(2, 1)  # what the program prints is not an answer
 
     def say(answer: object) -> None:
         print(json.dumps(answer), file=out, flush=True)
 
     try:
-        draw, times = prepare(task)
-        say({"prepare": sum(times.values()), "parts": times})
-        sampler = TimedSampler(draw, task.backend != "interpreter")
+        prepared, sample = begin()
+        say(prepared)
         for line in sys.stdin:
-            say(sampler.sample(float(line)))
+            say(sample(float(line)))
     except Skipped as reason:
         say({"skipped": str(reason)})
     except ScenicError as error:
@@ -152,6 +161,5 @@ def serve(task: SamplingTask, out: TextIO) -> None:
 
 def main() -> None:
     """The process; the task is its argument."""
-    out = os.fdopen(os.dup(1), "w")
-    os.dup2(2, 1)  # what the program prints is not an answer
-    serve(SamplingTask(**json.loads(sys.argv[1])), out)
+    task = SamplingTask(**json.loads(sys.argv[1]))
+    serve(lambda: ready(task))
