@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 from .. import __version__
+from ..formats.scenes import in_json, in_utf8
 from ..interpreter.warnings import KINDS, ProgramWarning
 from ..semantics.kernel.errors import ScenicError
 from ..semantics.syntax.nodes import Span
@@ -46,7 +46,7 @@ def of_warning(warning: ProgramWarning) -> Diagnostic:
 
 def as_json(found: list[Diagnostic]) -> str:
     """One JSON object; lines and columns begin with 1, the end is one past the last character."""
-    return json.dumps({"schema": SCHEMA, "diagnostics": [record(one) for one in found]}, ensure_ascii=False, indent=2)
+    return in_json({"schema": SCHEMA, "diagnostics": [record(one) for one in found]}, indent=2)
 
 
 def record(one: Diagnostic) -> dict[str, object]:
@@ -79,7 +79,7 @@ def annotation(one: Diagnostic) -> str:
 
 def percented(text: str) -> str:
     """A text as a workflow command holds it."""
-    return escaped(text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A"))
+    return in_utf8(escaped(text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")))
 
 
 def as_sarif(found: list[Diagnostic]) -> str:
@@ -89,7 +89,7 @@ def as_sarif(found: list[Diagnostic]) -> str:
     driver = {"name": "scenic-ref", "version": __version__, "rules": rules}
     results = [result(one, kinds.index(one.kind)) for one in found]
     run = {"tool": {"driver": driver}, "columnKind": "unicodeCodePoints", "results": results}
-    return json.dumps({"$schema": SARIF, "version": "2.1.0", "runs": [run]}, ensure_ascii=False, indent=2)
+    return in_json({"$schema": SARIF, "version": "2.1.0", "runs": [run]}, indent=2)
 
 
 def result(one: Diagnostic, rule: int) -> dict[str, object]:

@@ -7,6 +7,8 @@ from collections.abc import Iterable, Mapping
 MOST_SLIPS, SWAPPED = 3, 2
 LONG = 5
 """Of shorter names that no model of the program has, none but one in other letters is taken for one of a world model."""
+LONGEST = 100
+"""Of longer names no slips are looked for: the work grows with the square of the letters, and programs are hostile."""
 SHORTEST_BEGINNING = 3
 """A name that is cut short after so many letters, and not before its middle, is known by its beginning."""
 
@@ -61,7 +63,7 @@ def slips_between(name: str, known: str) -> int | None:
     if SHORTEST_BEGINNING <= len(name) < len(known) <= 2 * len(name) and known.startswith(name):
         return len(known) - len(name)
     most = min(max(len(name), len(known)) // 4, MOST_SLIPS)
-    if abs(len(known) - len(name)) > most:
+    if abs(len(known) - len(name)) > most or len(name) > LONGEST:
         return None
     slips = distance(name, known)
     return slips if slips <= most or (slips <= SWAPPED and sorted(name) == sorted(known)) else None

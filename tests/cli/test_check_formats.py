@@ -66,3 +66,9 @@ def test_a_format_that_there_is_not_and_samples_with_a_format_are_wrong_usage(as
     found = ask("check", written("ego = Object\n"), "--format", "jsn")
     assert found.code == 2 and "did you mean json?" in found.err
     assert ask("check", "p.scenic", "--samples", "s.jsonl", "--strict").code == 2
+
+
+@pytest.mark.parametrize("form", ["json", "sarif", "github", "text"])
+def test_half_a_character_can_be_told(ask, form: str) -> None:
+    answer = ask("check", written('raise ValueError("\\ud800 x")\nego = Object\n'), "--format", form)
+    assert answer.code == 1 and "ud800 x" in answer.out + answer.err

@@ -8,6 +8,7 @@ from itertools import repeat
 import pytest
 import scenic_ref
 from scenic_ref.semantics.kernel.errors import ProgramError, RunError
+from scenic_ref.semantics.kernel.suggestions import nearest
 from scenic_ref.semantics.readings.loading import probe_of
 from scenic_ref.semantics.space.distributions import Normal, TruncatedNormal
 from scenic_ref.semantics.space.regions import PolylineRegion, intervals
@@ -79,3 +80,9 @@ def test_a_polyline_that_covers_its_middle_again_is_drawn_from_once() -> None:
 def test_what_a_probe_shows_are_texts() -> None:
     with pytest.raises(ValueError, match="place: shows: '' is not a text"):
         probe_of({"program": "ego = Object", "shows": {"yes": ""}}, {"yes": "it is"}, "place")
+
+
+def test_of_very_long_names_no_slips_are_looked_for() -> None:
+    """Each letter more would cost the square of the letters; a name of a hundred letters is still known."""
+    assert nearest("a" * 99 + "x", ["a" * 100]) == "a" * 100
+    assert nearest("a" * 299_999 + "x", ["a" * 300_000]) is None
