@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from ..scenario import Scenario
 
 MOST_PRINTED = 10_000
+MOST_WARNINGS = 10
 ASIDE_STEPS = 100_000
 
 
@@ -170,9 +171,12 @@ def tell_notes(scenario: Scenario) -> None:
 
 
 def tell_warnings(scenario: Scenario) -> None:
-    """Tell what looks like a slip in the program, a line for each."""
-    for warning in warnings_about(scenario):
+    """Tell what looks like a slip in the program, a line for each of the first."""
+    warnings = warnings_about(scenario)
+    for warning in warnings[:MOST_WARNINGS]:
         tell(f"warning: {warning.span}: {warning.message}: {warning.hint}")
+    if len(warnings) > MOST_WARNINGS:
+        tell(f"and {len(warnings) - MOST_WARNINGS:,} more warnings, which `scenic-ref check` tells")
 
 
 def listen(outcome: Outcome, printed: list[str]) -> None:

@@ -72,3 +72,10 @@ def test_a_format_that_there_is_not_and_samples_with_a_format_are_wrong_usage(as
 def test_half_a_character_can_be_told(ask, form: str) -> None:
     answer = ask("check", written('raise ValueError("\\ud800 x")\nego = Object\n'), "--format", form)
     assert answer.code == 1 and "ud800 x" in answer.out + answer.err
+
+
+def test_run_tells_the_first_warnings_and_how_many_there_are(ask) -> None:
+    text = "ego = Object\n" + "".join(f"Object at (0, {3 * k}), with widht 5\n" for k in range(1, 13))
+    said = ask("run", written(text), "-n", "1").err
+    assert said.count("nothing reads the property widht") == 10 and "and 2 more warnings" in said
+    assert ask("check", written(text)).err.count("nothing reads the property widht") == 12
