@@ -28,6 +28,8 @@ except ImportError:  # pragma: no cover (Windows)
 FORMATS = ("jsonl", "npz", "parquet", "arrow", "csv")
 NEED_ARROW = ("parquet", "arrow")
 FIRST, LARGEST, GROWTH = 1_000, 1_024_000, 4
+LEAST = 1e-9
+"""Seconds that scenes take at least."""
 COUNTED = 100
 """Scenes of which the numbers are counted."""
 
@@ -82,7 +84,7 @@ def run(task: WritingTask, count: int, folder: str) -> float:
 
 
 class TimedCommand:
-    """Runs for n and 2 n scenes; n grows until n scenes take long enough."""
+    """Runs for n and 2 n scenes; n grows until n scenes take long enough, later only where the noise took more than they did."""
 
     def __init__(self, cost: Cost) -> None:
         self.cost = cost
@@ -94,9 +96,9 @@ class TimedCommand:
         while True:
             once, twice = self.cost(self.count), self.cost(2 * self.count)
             took = twice - once
-            if took >= seconds or self.count >= LARGEST or not self.growing:
+            if took >= (seconds if self.growing else LEAST) or self.count >= LARGEST:
                 self.growing = False
-                return {"scenes": self.count, "seconds": max(took, 1e-9), "start": once - took, "peak": peak_of_children()}
+                return {"scenes": self.count, "seconds": max(took, LEAST), "start": once - took, "peak": peak_of_children()}
             self.count *= GROWTH
 
 
