@@ -180,12 +180,12 @@ WRONG_MAPS = {
 
 
 @pytest.mark.parametrize("name", WRONG_MAPS)
-def test_a_wrong_map_is_an_error_at_the_model(name: str, tmp_path: Path) -> None:
+def test_a_wrong_map_is_an_error_where_it_is_named(name: str, tmp_path: Path) -> None:
     (tmp_path / "broken.xodr").write_text("<")
     text, message = WRONG_MAPS[name]
     with pytest.raises(ProgramError, match=message) as told:
         scenic_ref.loads(f"{text}{MODEL}ego = Car\n", directory=tmp_path).sample()
-    assert told.value.span.line >= 1
+    assert (told.value.span.line, told.value.span.column) == (1, len("param map = ") + 1)
 
 
 FORBIDDEN = {
