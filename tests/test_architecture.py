@@ -204,6 +204,7 @@ def test_scripts_are_imported_by_nobody():
     assert not [str(p) for p in modules() for _, module, _ in imports(p) if f"{p.parent.name}.{module}" in names or module.endswith(tuple(names))]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("script", sorted(SCRIPTS))
 def test_scripts_can_be_run_by_their_paths(script):
     code = f"import sys; sys.path[0] = {str(ROOT / 'benchmarks')!r}; import {Path(script).stem}"
@@ -273,6 +274,7 @@ def test_help_loads_the_commands_and_nothing_that_does_their_work():
     assert not {"numpy", "scipy", "shapely", "lark", "asyncio"} & set(loaded.split())
 
 
+@pytest.mark.slow
 def test_the_core_needs_none_of_the_extras():
     code = "import sys, scenic_ref.scenario; print([m for m in ('torch', 'pyro', 'pymunk', 'pyarrow', 'numba', 'matplotlib') if m in sys.modules])"
     assert subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout.strip() == "[]"

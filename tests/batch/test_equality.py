@@ -153,6 +153,7 @@ ALSO_COMPILED = (
 )  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.extra("fast")
 @pytest.mark.parametrize("name", ALSO_COMPILED)
 def test_short_programs_give_the_same_scenes_compiled(name):

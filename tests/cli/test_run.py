@@ -115,6 +115,7 @@ def test_an_unfinished_parquet_table_leaves_nothing(ask):
     assert not list(Path().glob("*.parquet")) + list(Path().glob(".*unfinished"))
 
 
+@pytest.mark.slow
 @pytest.mark.extra("parquet")
 @pytest.mark.parametrize(("count", "backend"), [(3, "interpreter"), (40, "batch")])
 def test_a_stream_of_arrow_goes_to_standard_output(count, backend, ask):

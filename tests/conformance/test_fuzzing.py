@@ -100,6 +100,7 @@ def test_a_smaller_program_differs_alike_in_one_of_two_features(feature: str, ki
     assert alike(ProgramVerdict("p", "differ", kind, "different", 9.0, feature), larger) == same
 
 
+@pytest.mark.slow
 def test_a_planted_fault_is_found_and_made_small(tmp_path: Path) -> None:
     impl = other(tmp_path, refuses="mutate")
     settings = CampaignSettings(impl, seed=2, budget=2.0)
@@ -121,6 +122,7 @@ def runs(text: str) -> bool:
     return True
 
 
+@pytest.mark.slow
 def test_we_do_not_differ_from_ourselves(tmp_path: Path) -> None:
     settings = CampaignSettings(other(tmp_path), seed=8, budget=0.5)
     with implementation(settings.impl, 60.0, print) as there:
@@ -159,6 +161,7 @@ WAYS = {
 """What a broken implementation does with a scene, and the kind of finding that it is."""
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="there are no limits of files")
 def test_a_campaign_goes_on_whatever_breaks_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     hangs, ways = tmp_path / "hangs", list(WAYS)
@@ -262,6 +265,7 @@ def test_what_no_matcher_says_has_no_draft() -> None:
     assert draft_of(Cause(finding(minimal=never_accepted, kind="acceptance"), [0]), "finding-01", CampaignSettings("x")) is None
 
 
+@pytest.mark.slow
 def test_a_campaign_is_reported_and_goes_on(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     folder = tmp_path / "campaign"
     words = ["fuzz", "--impl", other(tmp_path, scene='scene["objects"][0]["width"] = 77'), "-o", str(folder), "--time", "1", "--workers", "1"]
@@ -290,6 +294,7 @@ def test_lengths_of_time(text: str, seconds: float) -> None:
     assert seconds_in(text, at_least=0.01) == seconds
 
 
+@pytest.mark.slow
 def test_what_was_decided_of_a_finding_stays_and_is_reported(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     folder = tmp_path / "campaign"
     impl = other(tmp_path, scene='scene["objects"][0]["position"] = [77.0, 5.0]')

@@ -40,6 +40,7 @@ def wrong(tmp_path: Path) -> str:
     return f"{sys.executable} {path}"
 
 
+@pytest.mark.slow
 def test_a_difference_is_new_then_known_then_stale(capfd: pytest.CaptureFixture[str], tmp_path: Path, wrong: str) -> None:
     code, out, _ = ask(capfd, "--impl", wrong, "--vector", "at-vector", "--vector", "facing-heading")
     assert code == 1 and "differences that are not known: 1" in out
@@ -56,6 +57,7 @@ def test_a_difference_is_new_then_known_then_stale(capfd: pytest.CaptureFixture[
     assert code == 1 and "listed as a difference, and it is none: facing-heading" in out
 
 
+@pytest.mark.slow
 def test_results_are_kept_and_compared(capfd: pytest.CaptureFixture[str], tmp_path: Path, wrong: str) -> None:
     kept = tmp_path / "results.json"
     ask(capfd, "--impl", wrong, "--vector", "at-vector", "--vector", "facing-heading", "--results", str(kept))
@@ -69,6 +71,7 @@ def test_results_are_kept_and_compared(capfd: pytest.CaptureFixture[str], tmp_pa
     assert code == 1 and "changed: facing-heading: was skipped: no; is passed" in out
 
 
+@pytest.mark.slow
 def test_wrong_usage_is_said_before_anything_runs(capfd: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     for arguments, words in (
         (["--known", "x.toml"], "--known needs --impl"),

@@ -294,6 +294,7 @@ NEEDLE = "x = Uniform(*range({}))\nego = Object at 0 @ 0, with requireVisible Fa
 CHOICE = "v = Uniform(*([1] * 9), 0)\nx = Range(0, 1)\nego = Object at 0 @ 0\nrequire max(v, x * 0.5) < 0.005\n"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("text", "exact"), [(NEEDLE.format(100), 1 / 100), (NEEDLE.format(1000), 1 / 1000), (CHOICE, 1 / 1000)])
 def test_a_plateau_of_violations_is_no_dead_end(text: str, exact: float) -> None:
     """Where all that is not accepted is violated alike, splitting is rejection by many states: estimates right on average, none without a scene.
@@ -330,6 +331,7 @@ require z > 1.0001
 """
 
 
+@pytest.mark.slow
 def test_chains_are_compared_by_what_is_in_the_scenes_also_where_an_operation_may_fail() -> None:
     """Without features, R-hat would be 1 and all draws worth as much as independent ones, whatever the chains did."""
     scenario = scenic_ref.loads(ISLANDS)
@@ -339,6 +341,7 @@ def test_chains_are_compared_by_what_is_in_the_scenes_also_where_an_operation_ma
     assert len({str(scene.ego.position) for scene in found.scenes}) > 100
 
 
+@pytest.mark.slow
 def test_chains_draw_something_however_small_the_budget_is() -> None:
     batch = scenic_ref.loads(RARE).batch
     assert batch is not None
@@ -346,6 +349,7 @@ def test_chains_draw_something_however_small_the_budget_is() -> None:
         assert len(mcmc.draw_mcmc(batch, 5, 1, most_runs=most).scenes) == 5
 
 
+@pytest.mark.slow
 def test_as_many_draws_are_kept_as_many_scenes_need() -> None:
     batch = scenic_ref.loads("x, y = Range(0, 1), Range(0, 1)\nego = Object at x @ y\nrequire x > y\n").batch
     assert batch is not None

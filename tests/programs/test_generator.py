@@ -96,6 +96,7 @@ def test_finite_programs_have_all_specifiers_of_position_and_heading():
     assert {name for name in concrete(specifiers, Node) if name not in ("InSpecifier", "VisibleSpecifier", *NEVER)} <= vocabulary(True)
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize(("feature", "word"), FEATURES.items())
 def test_a_feature_that_is_switched_off_is_not_written(feature: str, word: str):
     plain = ProgramSettings(**{feature: 0.0})  # pyright: ignore[reportArgumentType]

@@ -61,6 +61,7 @@ def test_a_wrong_machine_fails_vectors(right: str, wrong: str, monkeypatch: pyte
     runs_of.cache_clear()
 
 
+@pytest.mark.slow
 @needs_coq
 def test_it_is_asked_through_the_harness_protocol() -> None:
     with External(COMMAND) as served:

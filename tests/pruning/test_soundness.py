@@ -195,6 +195,7 @@ def test_pruned_scenes_of_the_gallery_have_the_same_distribution(name):
     assert same_distribution(pruned, scenario, reference=plain).kind != "different"
 
 
+@pytest.mark.slow
 def test_a_smaller_region_that_is_wrong_is_told_from_the_distribution():
     scenario, _, pruning = gallery("single_car")
     (one,) = pruning.pruned

@@ -133,6 +133,7 @@ def test_draws(program: str, expected: object):
     assert result_of(program) == expected
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("program", "kind", "message"), [each[1:] for each in REFUSALS], ids=[each[0] for each in REFUSALS])
 def test_refused(program: str, kind: type[errors.ScenicError], message: str):
     with pytest.raises(kind) as caught:
