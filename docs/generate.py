@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import re
 import textwrap
 import tomllib
@@ -28,8 +29,10 @@ from scenic_ref.formats.sheets import contact_sheet
 from scenic_ref.maps import made_map
 from scenic_ref.maps.making import KINDS
 from scenic_ref.semantics.kernel import allowed
+from scenic_ref.semantics.python.builtins import CONSTRUCTORS, GEOMETRY
 from scenic_ref.semantics.readings import PROFILES, READINGS, Reading, always_decided
 from scenic_ref.semantics.rules import CATALOGUE
+from scenic_ref.semantics.space.regions import Region
 from scenic_ref.semantics.theorems import THEOREMS
 from typer.core import TyperCommand, TyperGroup
 
@@ -227,6 +230,33 @@ def maps_page() -> str:
     return "\n".join(lines) + "\n"
 
 
+def constructors_page() -> str:
+    """Every region, field and distribution that a program can make: how it is called, what it is, and an example."""
+    lines = ["# Regions, fields and distributions", "", "Lengths are in metres, headings in radians to the left of North (`30 deg` writes degrees)."]
+    lines += ["", "## Regions and fields"]
+    for constructor in sorted(made_by_programs(), key=lambda one: one.__name__):
+        parameters = [one.replace(annotation=inspect.Parameter.empty) for one in inspect.signature(constructor).parameters.values()]
+        lines += described(f"{constructor.__name__}{inspect.Signature(parameters)}".replace("<everywhere>", "everywhere"), constructor)
+    lines += ["", "## Distributions"]
+    for name, constructor in CONSTRUCTORS.items():
+        if not name.startswith("Verifai"):
+            lines += described(f"{name}({constructor.takes})", constructor.make)
+    return "\n".join(lines) + "\n"
+
+
+def made_by_programs() -> list[type]:
+    """The classes of regions and fields."""
+    return [found for found in GEOMETRY.values() if isinstance(found, type) and found is not Region]
+
+
+def described(call: str, made: object) -> Iterator[str]:
+    """The docstring of what a call makes, which ends with an example, as a section."""
+    text, _, example = (inspect.getdoc(made) or "").rpartition("\n\nExample: ")
+    paragraphs = [paragraph(" ".join(part.split())) for part in text.split("\n\n")]
+    yield from ("", f"### {call.partition('(')[0]}", "", "```python", call, "```", "", "\n\n".join(paragraphs))
+    yield from ("", "```scenic", example.strip().strip("`"), "```")
+
+
 def differences_page() -> str:
     """What the releases do otherwise: a table by chapter, then each cause with its passage and vectors."""
     kept, known, vectors = results.kept(), shipped(), load_vectors()
@@ -382,7 +412,7 @@ def outcome(counts: Counter[str]) -> str:
 PAGES = {
     "rules.md": rules_page, "proofs.md": proofs_page, "readings.md": readings_page, "commands.md": commands_page, "allowed.md": allowed_page,
     "listings.md": listings_page, "productions.md": productions_page, "differences.md": differences_page, "campaigns.md": campaigns_page,
-    "maps.md": maps_page,
+    "maps.md": maps_page, "constructors.md": constructors_page,
 }  # fmt: skip
 
 

@@ -22,6 +22,7 @@ from .maps import Window, draw_map, polygons_in
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure, SubFigure
+    from shapely.geometry.base import BaseGeometry
 
     from .scenes import Scene, SceneObject
 
@@ -123,7 +124,7 @@ def draw_scenes(figure: Figure | SubFigure, scenes: Sequence[Scene], roads: Regi
     if seen:
         patches.append(Patch(facecolor=(EGO, 0.10), edgecolor=(EGO, 0.45), label="what ego can see"))
     if len(patches) > len(egos):
-        figure.legend(handles=patches, loc="outside lower center", ncols=min(len(patches), 3 * columns), frameon=False, fontsize=8)
+        figure.legend(handles=patches, loc="outside lower center", ncols=min(len(patches), max(5, 3 * columns)), frameon=False, fontsize=8)
 
 
 def colours_of(scenes: Sequence[Scene]) -> dict[str, str]:
@@ -170,6 +171,13 @@ def window_of(scene: Scene) -> Window:
     half = 1e-6 + extent / 2 + min(MARGIN, extent * (2.0 if len(scene.objects) == 1 else 0.25)) if extent else MARGIN / 2
     x, y = (west + east) / 2, (south + north) / 2
     return x - half, y - half, x + half, y + half
+
+
+def bounds_of_shape(shapes: Sequence[BaseGeometry]) -> Window:
+    """What holds all of the shapes, and a little of what surrounds them."""
+    west, south, east, north = (float(x) for x in shapely.total_bounds(np.array(shapes, dtype=object)))
+    margin = 0.04 * max(east - west, north - south) or 1.0
+    return west - margin, south - margin, east + margin, north + margin
 
 
 def draw_land(axes: Axes, region: object, window: Window) -> None:

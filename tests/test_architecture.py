@@ -34,7 +34,7 @@ ONLY_IN = {
     "matplotlib": {
         "formats/notebooks.py", "formats/scenes.py", "scenario/showing.py",
         "formats/chains.py", "formats/comparisons.py", "formats/maps.py", "formats/pictures.py", "formats/map_pictures.py", "formats/movies.py",
-        "formats/sheets.py", "benchmarks/bars.py",
+        "formats/sheets.py", "formats/site_pictures.py", "benchmarks/bars.py",
     },
     "PIL": {"formats/movies.py"},
     "pygments": {"formats/highlighting.py"}, "pyarrow": {"formats/arrow.py", "formats/table_files.py", "scenario/drawn.py"},
@@ -42,6 +42,7 @@ ONLY_IN = {
     "distributed": {"inference/batch/jobs/blocks.py"}, "hypothesis": {"conformance/programs/strategies.py"},
     "pymunk": {"simulators/physics.py"}, "sumo": {"simulators/traffic.py"}, "traci": {"simulators/traffic.py"},
     "arviz": {"formats/chains.py"}, "pyro": {"inference/with_pyro.py"},
+    "pyproj": {"formats/geodata.py"}, "shapefile": {"formats/geodata.py"},
     "torch": {"inference/with_pyro.py", *(f"inference/batch/tensors/{name}.py" for name in TENSORS)},
     "numba": {"inference/batch/compile/kernels.py"}, "llvmlite": {"inference/batch/compile/kernels.py"},
 }
@@ -170,6 +171,7 @@ def components(graph: dict[str, set[str]]) -> list[set[str]]:
     return [{b for b in reach[a] if a in reach.get(b, set())} for a in graph if a in reach[a]]
 
 
+@pytest.mark.slow
 def test_imports_inside_functions_are_of_what_is_slow_to_load():
     """None hides a circle: what is imported late must not import, by whatever way, the module that imports it."""
     graph: dict[str, set[str]] = {}
@@ -296,6 +298,7 @@ TIME = {"simulators/physics.py", "testing/simulators.py"}
 """Their loops go from one time step of a simulator to the next."""
 
 
+@pytest.mark.slow
 def test_a_class_name_means_one_thing():
     homes: dict[str, list[str]] = {}
     for path in modules():

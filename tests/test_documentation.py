@@ -236,3 +236,15 @@ def test_lines_of_generated_pages_are_not_too_long(pages: dict[str, str]):
 def test_a_line_that_is_too_long_is_seen():
     words = "word " * 25
     assert too_long(f"{words}\n- {words}\n```\n{words}\n```\n| {words} |\n[x](http://{'a' * 100})\n") == [words, f"- {words}"]
+
+
+def test_every_region_field_and_distribution_has_an_example_that_runs(pages: dict[str, str]) -> None:
+    """The docstrings end with them."""
+    page = pages["constructors.md"]
+    titles = re.findall(r"^### (\w+)$", page, re.MULTILINE)
+    examples = re.findall(r"^```scenic\n(.+)\n```$", page, re.MULTILINE)
+    assert len(titles) == len(examples) == len(set(titles)) > 15
+    for title, example in zip(titles, examples, strict=True):
+        assert title in example
+        text = example if "ego" in example else f"{example}\nego = Object"
+        assert scenic_ref.loads(text).sample().ego is not None

@@ -141,6 +141,7 @@ SHORT = {
 }
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("name", SHORT)
 def test_short_programs_give_the_same_scenes(name):
     scenario = scenic_ref.loads(SHORT[name])

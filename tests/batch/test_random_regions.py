@@ -55,6 +55,7 @@ def test_the_scenes_are_those_of_the_interpreter(seed):
     assert drawn("batch") == drawn("interpreter"), invented(seed)
 
 
+@pytest.mark.slow
 def test_all_but_one_kind_have_a_graph():
     """Those that have none take the maximum of a random number of arguments."""
     for seed in range(60):

@@ -78,6 +78,7 @@ def test_reference_scenes_can_be_given(files):
     assert files("check", "right.scenic", "--samples", "wrong.jsonl", "--reference", "more.jsonl").code == 1
 
 
+@pytest.mark.slow
 def test_several_workers_give_the_same_verdict(files):
     alone = files("check", "right.scenic", "--samples", "right.jsonl")
     assert files("check", "right.scenic", "--samples", "right.jsonl", "--workers", 2).out == alone.out

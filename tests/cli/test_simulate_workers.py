@@ -40,6 +40,7 @@ def test_output_page_animation_and_report_are_those_of_one_process(ask, tmp_path
     assert [json.loads(line)["run"] for line in (tmp_path / "3.jsonl").read_text().splitlines()] == list(range(count))
 
 
+@pytest.mark.slow
 def test_an_error_comes_after_the_simulations_before_it(ask, tmp_path):
     (tmp_path / "p.scenic").write_text(FAILS)
     found = []
@@ -52,6 +53,7 @@ def test_an_error_comes_after_the_simulations_before_it(ask, tmp_path):
     assert found[0].count("\n") > 0
 
 
+@pytest.mark.slow
 def test_exhausted_attempts_are_told_as_by_one_process(ask, tmp_path):
     (tmp_path / "p.scenic").write_text("ego = Object at (Range(0, 1), 0)\nrequire always simulation.currentTime < 2\n")
     one, two = (ask("simulate", "p.scenic", "-n", 3, "--max-attempts", 5, "--workers", workers, "-o", "runs.jsonl") for workers in (1, 2))

@@ -83,6 +83,7 @@ def ask(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> Asking:
     return Asking(tmp_path, capfd)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("program", [COIN, DYNAMIC, COIN + "require ego.position.x > 1\n", "ego = Object at 3 @ 4\n"])
 def test_we_agree_with_ourselves(ask: Asking, program: str) -> None:
     code, verdict = ask(program, ask.other())
@@ -91,6 +92,7 @@ def test_we_agree_with_ourselves(ask: Asking, program: str) -> None:
     assert verdict["kind"] == ", ".join(parts)
 
 
+@pytest.mark.slow
 def test_scenes_that_cannot_be(ask: Asking) -> None:
     code, verdict = ask(COIN, ask.other(scene='scene["objects"][0]["position"][1] = 1'))
     assert code == 1 and verdict["verdict"] == "differ" and verdict["kind"] == "support" and verdict["evidence"] == "certain"
@@ -114,6 +116,7 @@ def test_how_a_value_without_a_json_form_is_printed_is_no_difference(ask: Asking
     assert (code, verdict["verdict"]) == ((0, "agree") if agree else (1, "differ")), verdict
 
 
+@pytest.mark.slow
 def test_another_acceptance(ask: Asking) -> None:
     program = COIN + "require ego.position.x > 1\n"
     code, verdict = ask(program, ask.other(scene='scene["attempts"] += 0 if task.prune else 3'))

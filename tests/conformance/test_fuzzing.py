@@ -67,6 +67,7 @@ def test_programs_are_functions_of_seed_and_number() -> None:
     assert {program.theme for program in programs} == set(THEMES)
 
 
+@pytest.mark.slow
 def test_aimed_programs_are_programs_and_draw_what_is_rare() -> None:
     texts = [aimed_program(1, number) for number in range(600)]
     wrong = Counter[str]()
@@ -202,6 +203,7 @@ def accepts(text: str) -> bool:
     return True
 
 
+@pytest.mark.slow
 def test_a_program_whose_scene_is_an_error_is_no_fault_of_ours(tmp_path: Path) -> None:
     settings = CampaignSettings(other(tmp_path), budget=1.0)
     text = "scenario Begin():\n    setup:\n        ego = Object\nscenario Main():\n    compose:\n        do Begin()\n"
@@ -366,6 +368,7 @@ def test_a_journal_that_is_none_is_refused(text: str, tmp_path: Path) -> None:
         campaign.Journal(path, CampaignSettings("x"), "other 1", resume=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("words, said", [
     (["--time", "0"], "--time is a length of time such as 600, 90m or 2h, not '0' (0 is for --resume)"),
     (["--time", "2d"], "not '2d'"), (["--time", ""], "not ''"), (["--time", "-1h"], "not '-1h'"), (["--time", "nan"], "not 'nan'"),

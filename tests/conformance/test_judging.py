@@ -184,6 +184,7 @@ EXPLAINED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", EXPLAINED)
 def test_the_reading_that_explains_a_difference_is_found(name: str) -> None:
     profile, reading = EXPLAINED[name]
@@ -242,6 +243,7 @@ def test_pip_says_why_it_failed(tmp_path: Path) -> None:
         environments.install(Path(sys.executable), ("--no-index", "no-such-package-at-all"))
 
 
+@pytest.mark.slow
 def test_this_reference_is_judged_through_its_own_protocol() -> None:
     with External([sys.executable, "-m", "scenic_ref.conformance.serving"]) as served:
         assert served.name == Ourselves.name and served.follows("soft", "scene")

@@ -141,6 +141,7 @@ def test_nuts_draws_from_a_program_in_which_all_runs_are_accepted() -> None:
     assert abs(np.mean([p.y / p.x for p in places]) - 0.5) < 4.9 * np.sqrt(1 / 12 / worth)
 
 
+@pytest.mark.slow
 def test_nuts_keeps_to_a_requirement_but_most_of_its_paths_end_at_the_edge() -> None:
     """It cannot see the edge."""
     import pyro

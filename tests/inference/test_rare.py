@@ -53,6 +53,7 @@ def test_the_interval_holds_the_probability_in_20_of_20_repetitions() -> None:
         assert found.low > EXACT / 6
 
 
+@pytest.mark.slow
 def test_an_estimate_without_the_weight_of_a_level_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
     """The rival forgets the first level below that of any violation."""
     scenario = scenic_ref.loads(RARE)
@@ -84,6 +85,7 @@ def test_levels_fall_to_0_and_their_parts_multiply_to_the_probability() -> None:
     assert seen[-1][0] == 1
 
 
+@pytest.mark.slow
 def test_estimates_are_right_on_average_and_with_levels_of_ones_own_they_are_too_large() -> None:
     """Populations of 30 states, a fourth of what tells one estimate apart from another. The law of the mean: 4.9 standard errors, 1e-6."""
     batch = scenic_ref.loads(RARE).batch
@@ -158,6 +160,7 @@ def test_a_coin_that_seldom_shows_tails_is_as_likely_as_it_is(backend: str) -> N
     assert abs(met / 1_000 - share) < bound < min(share, 1 - share)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_the_same_seed_gives_the_same_scenes(backend: str) -> None:
     scenario = scenic_ref.loads(SOFT)

@@ -269,6 +269,7 @@ def sprinkled(text: str, generator: random.Random, count: int) -> str:
     return text
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("source, target", list(product(DIALECTS, DIALECTS)))
 @pytest.mark.parametrize("seed", range(2))
 def test_comments_anywhere_are_kept_and_change_nothing_else(source: str, target: str, seed: int) -> None:

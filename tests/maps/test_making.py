@@ -104,6 +104,7 @@ def test_ways_through_junctions_neither_loop_nor_turn_round(kind: str, parameter
             assert sum(abs(after(piece)[2]) for piece in road.iter("geometry")) < math.radians(125)
 
 
+@pytest.mark.sampled(8)
 @EACH
 def test_signals_are_for_every_lane_that_comes_to_a_junction(kind: str, parameters: dict[str, float]):
     read = Map(made(kind, **parameters))
@@ -143,6 +144,7 @@ def test_crosswalks_go_from_curb_to_curb_before_junctions(kind: str, parameters:
     assert found == (expected if parameters.get("crosswalks") else {})
 
 
+@pytest.mark.sampled(8)
 @EACH
 def test_bounds_hold_the_map(kind: str, parameters: dict[str, float]):
     read = Map(made(kind, **parameters))

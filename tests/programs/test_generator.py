@@ -81,6 +81,7 @@ def concrete(module: object, base: type[Node]) -> Iterator[str]:
             yield name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("module", [specifiers, expressions, python_expressions, statements])
 def test_every_static_construct_is_written(module: object):
     assert set(concrete(module, Node)) - vocabulary(False) <= set(NEVER)

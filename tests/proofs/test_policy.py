@@ -160,6 +160,7 @@ def without(number: int) -> Callable[[pytest.MonkeyPatch], None]:
     return plant
 
 
+@pytest.mark.slow
 @needs_coq
 @pytest.mark.parametrize("number", [2, 4, 6])
 def test_a_policy_without_one_of_its_steps_is_noticed(number: int, asked: Asked, monkeypatch: pytest.MonkeyPatch) -> None:

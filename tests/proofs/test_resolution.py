@@ -233,6 +233,7 @@ WRONG = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @needs_coq
 @pytest.mark.parametrize("resolve", WRONG.values(), ids=WRONG.keys())
 def test_a_wrong_resolution_is_noticed(resolve: Resolve, answers: list[tuple[Asked, Term]]) -> None:

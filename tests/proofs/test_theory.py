@@ -88,6 +88,7 @@ def test_diff_agrees_with_it_and_finds_a_wrong_machine(condition: str, verdict: 
     assert done.returncode == (verdict == "differ")
 
 
+@pytest.mark.slow
 @needs_coq
 def test_the_law_that_it_enumerates_is_that_of_the_rule() -> None:
     found = Theory().enumerated(Task(COIN, "paper"))

@@ -161,6 +161,7 @@ def test_every_backend_draws_them():
     assert [scene.to_line() for scene in scenario.sample_many(40, backend="batch")] == expected
 
 
+@pytest.mark.slow
 def test_a_configuration_can_be_stepped_again():
     """What a generator gave is given again, and what its body did is done again, whatever it gave in between (`docs/machine.md`)."""
     for claim, program in AS_IN_PYTHON.items():

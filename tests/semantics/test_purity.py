@@ -227,6 +227,7 @@ def run_twice(program: str, watching: Again, readings: dict[str, str] | None = N
     watching.compare_all()
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("capture", ["statement", "end"])
 @pytest.mark.parametrize("change", CHANGES)
 def test_every_kind_of_change_is_taken_back(change: str, capture: str) -> None:

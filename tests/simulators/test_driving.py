@@ -46,6 +46,7 @@ def scenario(text: str, **more: object) -> scenic_ref.Scenario:
     return scenic_ref.loads(MODEL + text, **more)  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_scenes_are_the_same_by_the_interpreter_and_by_the_batch_backend(name: str) -> None:
     program = scenario(PROGRAMS[name])
