@@ -16,7 +16,6 @@ from .options import (
     FuelOption,
     LimitMemoryOption,
     LimitSecondsOption,
-    MapOption,
     ModelOption,
     ParamOption,
     ProfileOption,
@@ -76,7 +75,6 @@ def check(
     model: ModelOption = None,
     scenario: ScenarioOption = None,
     param: ParamOption = None,
-    map_file: MapOption = None,
     fuel: FuelOption = DEFAULT_FUEL,
     limit_memory: LimitMemoryOption = DEFAULT_MEMORY,
     limit_seconds: LimitSecondsOption = DEFAULT_SECONDS,
@@ -97,7 +95,7 @@ def check(
     session = context.obj
     session.seed = seed
     source = read_source(
-        session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, map=map_file, fuel=fuel, trust=trust,
+        session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, fuel=fuel, trust=trust,
         limits=limits_of(limit_memory, limit_seconds), scenario=scenario,
     )
     if samples is None:

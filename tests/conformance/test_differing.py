@@ -99,6 +99,7 @@ def test_scenes_that_cannot_be(ask: Asking) -> None:
     assert "objects[0].position[1] is always 0, but 1 in sample 1" in str(verdict["detail"]) and verdict["reading"] is None
 
 
+@pytest.mark.slow
 def test_another_distribution(ask: Asking) -> None:
     code, verdict = ask(COIN, ask.other(scene='scene["objects"][0]["position"][0] = 2 - (scene["scene"] > 4)'))
     assert code == 1 and (verdict["kind"], verdict["feature"]) == ("distribution", "objects[0].position[0]")

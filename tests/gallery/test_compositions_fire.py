@@ -17,6 +17,7 @@ from scenic_ref.simulators.worlds.driving import default_network
 
 from .listed import FOLDER, SIMULATORS, apart, avenue, boxes, doing, place, simulated, speed, within
 
+pytestmark = pytest.mark.slow
 both_simulators = pytest.mark.parametrize("simulator", SIMULATORS)
 RUNNER, JAYWALKER, PARKED = "RedLightRunner", "Jaywalker", "ParkedCar"
 
