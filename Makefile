@@ -85,6 +85,7 @@ docs: $(VENV)/.docs
 	$(BIN)/python docs/generate.py
 	$(BIN)/python docs/textmate.py
 	$(BIN)/mkdocs build --strict --quiet
+	@! grep -rlE '<(script|link)[^>]*(src|href)="https?://' site --include='*.html' || { echo "these pages need a network"; exit 1; }
 
 ## The manual page, scenic-ref.1, from the same source as --help; `man ./scenic-ref.1` shows it
 man: $(VENV)/.core
