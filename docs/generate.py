@@ -44,6 +44,8 @@ MARK, JOIN = re.compile(r"\s+(?=([-+*>#]+|\d+[.)])(\s|$))"), "\0"
 """The space before what would be a mark of Markdown at the beginning of a line, and what stands for it while lines are broken."""
 THEOREM = re.compile(r"(?:\(\*\* (?!\*)(?P<comment>(?:(?!\*\)).)*)\*\)\s*)?^\s*Theorem (?P<name>\w+)", re.DOTALL | re.MULTILINE)
 """A theorem of Coq, with the comment right before it."""
+WITHOUT_CONTENTS = "---\nhide: [toc]\n---\n"
+"""Of pages whose tables need the place."""
 MOST_NAMED, LONGEST_EXAMPLE = 3, 40
 VALUES = "| parameter | default | values | meaning |\n| --- | --- | --- | --- |"
 
@@ -73,7 +75,7 @@ def rules_page() -> str:
         "`scenic-ref conformance --vector NAME` runs one."
     )
     lines = [
-        "# Rules, functions, tests", "", paragraph(about), "",
+        WITHOUT_CONTENTS, "# Rules, functions, tests", "", paragraph(about), "",
         "| rule | the paper's name or left-hand side | place in the paper | function | vectors |", "| --- | --- | --- | --- | --- |",
     ]
     named_by: dict[str, list[str]] = {}
@@ -84,7 +86,8 @@ def rules_page() -> str:
         names = named_by.get(rule.id, ["tests/semantics/test_resolution.py"])
         more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
         named = ", ".join(f"`{name}`" for name in names[:MOST_NAMED]) + more
-        lines.append(f"| `{rule.id}` | {cell(rule.name)} | {cell(rule.place)} | `{rule.code}` | {named} |")
+        code = rule.code.replace(".", ".<wbr>")
+        lines.append(f"| `{rule.id}` | {cell(rule.name)} | {cell(rule.place)} | <code>{code}</code> | {named} |")
     return "\n".join(lines) + "\n"
 
 

@@ -5,15 +5,18 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import inspect
+import io
 import re
 from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 from typing import get_args
 
+import numpy as np
 import pytest
 import scenic_ref
 import typer
+from PIL import Image
 from scenic_ref import semantics
 from scenic_ref.cli import INTERRUPTED
 from scenic_ref.cli.app import EXIT_CODES, app
@@ -86,7 +89,7 @@ def test_a_new_command_gets_its_help(generate: ModuleType):
 def test_every_rule_has_its_row(pages: dict[str, str]):
     rows = {line.split("`")[1]: line for line in pages["rules.md"].splitlines() if line.startswith("| `")}
     assert set(rows) == {rule.id for rule in CATALOGUE}
-    assert all(f"`{rule.code}`" in rows[rule.id] for rule in CATALOGUE)
+    assert all(f"<code>{rule.code}</code>" in rows[rule.id].replace("<wbr>", "") for rule in CATALOGUE)
 
 
 def test_every_reading_has_its_section_with_every_alternative(pages: dict[str, str]):
@@ -248,3 +251,31 @@ def test_every_region_field_and_distribution_has_an_example_that_runs(pages: dic
         assert title in example
         text = example if "ego" in example else f"{example}\nego = Object"
         assert scenic_ref.loads(text).sample().ego is not None
+
+
+@pytest.mark.slow
+def test_the_pictures_of_the_readme_are_current() -> None:
+    """Texts exactly, pictures but for what another version of a library draws otherwise."""
+    found = importlib.util.spec_from_file_location("showcase", ROOT / "docs" / "showcase.py")
+    assert found is not None and found.loader is not None
+    showcase = importlib.util.module_from_spec(found)
+    found.loader.exec_module(showcase)
+    for name, make in showcase.MADE.items():
+        old, new = (ROOT / "docs" / "images" / name).read_bytes(), make()
+        assert f"docs/images/{name}" in (ROOT / "README.md").read_text() and len(new) < 700_000
+        if name.endswith(".svg"):
+            assert old == new, f"`make showcase` writes another {name}"
+        else:
+            before, after = (pixels(data) for data in (old, new))
+            assert before.shape == after.shape and abs(before - after).mean() < 1, f"`make showcase` writes another {name}"
+
+
+def pixels(data: bytes) -> np.ndarray:
+    """The colours of the last picture, and of the first one of a GIF, by how many pictures there are."""
+    image = Image.open(io.BytesIO(data))
+    count = getattr(image, "n_frames", 1)
+    frames = []
+    for number in (0, count - 1):
+        image.seek(number)
+        frames.append(np.asarray(image.convert("RGB"), dtype=float))
+    return np.stack([*frames, np.full_like(frames[0], count)])
