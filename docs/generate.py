@@ -207,13 +207,33 @@ def productions_page() -> str:
 
 
 def commands_page(application: typer.Typer = app) -> str:
-    """What `--help` says of every command that the application has, then the exit codes."""
-    command = cast(TyperGroup, typer.main.get_command(application))  # what Typer draws its commands from is click, or a copy of it
-    lines = ["# Command line", ""]
-    for name, text in helps(command, "scenic-ref"):
-        lines += [f"## `{name}`", "", "```text", text, "```", ""]
-    lines += ["## Exit codes", "", "| code | meaning |", "| --- | --- |", *(f"| {code} | {cell(text)} |" for code, text in EXIT_CODES.items())]
+    """What `--help` says of the application, its commands with their pages, and the exit codes."""
+    (_, text), *commands = helps_of(application)
+    lines = ["# Command line", "", "```text", text, "```", "", "| command | what it does |", "| --- | --- |"]
+    lines += [f"| [`{name}`]({page_of(name)}) | {cell(first_words(text))} |" for name, text in commands]
+    lines += ["", "## Exit codes", "", "| code | meaning |", "| --- | --- |", *(f"| {code} | {cell(text)} |" for code, text in EXIT_CODES.items())]
     return "\n".join(lines) + "\n"
+
+
+def command_pages(application: typer.Typer = app) -> dict[str, str]:
+    """A page for each command: what its `--help` says."""
+    _, *commands = helps_of(application)
+    return {page_of(name): f"# `{name}`\n\n```text\n{text}\n```\n\n[All commands](../commands.md)\n" for name, text in commands}
+
+
+def first_words(text: str) -> str:
+    """What a command does: the first paragraph below its usage."""
+    return " ".join(text.split("\n\n")[1].split())
+
+
+def page_of(name: str) -> str:
+    """The place of a command's page."""
+    return f"commands/{name.partition(' ')[2].replace(' ', '-')}.md"
+
+
+def helps_of(application: typer.Typer) -> list[tuple[str, str]]:
+    """What `--help` says of the application, then of each of its commands."""
+    return list(helps(cast(TyperGroup, typer.main.get_command(application)), "scenic-ref"))  # typer draws them from click, or a copy of it
 
 
 def helps(command: TyperCommand | TyperGroup, name: str) -> Iterator[tuple[str, str]]:
@@ -422,8 +442,9 @@ PAGES = {
 def main() -> None:
     """Write all pages."""
     HERE.mkdir(exist_ok=True)
-    for name, page in PAGES.items():
-        (HERE / name).write_text(page(), encoding="utf-8")
+    (HERE / "commands").mkdir(exist_ok=True)
+    for name, text in {**{name: page() for name, page in PAGES.items()}, **command_pages()}.items():
+        (HERE / name).write_text(text, encoding="utf-8")
     for name, drawn in pictures():
         (HERE / name).parent.mkdir(exist_ok=True)
         (HERE / name).write_bytes(drawn())

@@ -49,7 +49,7 @@ def generate() -> ModuleType:
 @pytest.fixture(scope="module")
 def pages(generate: ModuleType) -> dict[str, str]:
     """The generated pages."""
-    return {name: page() for name, page in generate.PAGES.items()}
+    return {**{name: page() for name, page in generate.PAGES.items()}, **generate.command_pages()}
 
 
 def sections(page: str) -> dict[str, str]:
@@ -63,10 +63,10 @@ def commands() -> dict[str, TyperCommand]:
 
 
 def test_every_command_has_its_help_with_every_option(pages: dict[str, str]):
-    found = sections(pages["commands.md"])
     assert {"run", "simulate", "bench"} < set(commands())
     for name, command in commands().items():
-        text = found[f"scenic-ref {name}"]
+        text = pages[f"commands/{name}.md"]
+        assert f"[`scenic-ref {name}`](commands/{name}.md)" in pages["commands.md"]
         for parameter in command.params:
             assert all(option in text for option in parameter.opts if option.startswith("-")), parameter.name
         for option in ("--debug", "--help"):
@@ -81,9 +81,8 @@ def test_a_new_command_gets_its_help(generate: ModuleType):
     def newest(colour: str = "red") -> None:
         """Paint it."""
 
-    text = sections(generate.commands_page(grown))["scenic-ref newest"]
-    assert "Paint it." in text
-    assert "--colour" in text
+    assert "| [`scenic-ref newest`](commands/newest.md) | Paint it. |" in generate.commands_page(grown)
+    assert "--colour" in generate.command_pages(grown)["commands/newest.md"]
 
 
 def test_every_rule_has_its_row(pages: dict[str, str]):
