@@ -226,6 +226,9 @@ class Network(Fixed):
         found = self.first((*self.intersections, *self.roads, *self.shoulders), point, reject)
         return () if found is None else found.nominalDirectionsAt(point)
 
+    def show(self, labelIncomingLanes: bool = False) -> None:
+        """Nothing: in a program nobody looks. `scenic-ref map FILE --plot PICTURE` draws a map (of the released library)."""
+
     def findPointIn(self, point: object, elems: Sequence[T], reject: bool | str) -> T | None:
         """`first`, under the released library's name."""
         return self.first(elems, point, reject)

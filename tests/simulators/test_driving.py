@@ -191,6 +191,18 @@ def test_a_wrong_map_is_an_error_where_it_is_named(name: str, tmp_path: Path) ->
     assert (told.value.span.line, told.value.span.column) == (1, len("param map = ") + 1)
 
 
+def test_mixins_make_objects_take_the_actions_of_vehicles_or_pedestrians() -> None:
+    tug = "class Tug(DrivingObject{}):\n    width: 2\nego = Tug on road, with regionContainedIn None, with behavior Push\n"
+    push = "behavior Push():\n    take SetThrottleAction(1)\n    take SetWalkingSpeedAction(1)\n"
+    with pytest.raises(ProgramError, match="SetThrottleAction"):
+        scenario(push + tug.format("")).simulate("kinematic", 2)
+    with pytest.raises(ProgramError, match="SetWalkingSpeedAction"):
+        scenario(push + tug.format(", Steers")).simulate("kinematic", 2)
+    assert scenario(push + tug.format(", Steers, Walks")).simulate("kinematic", 2).simulation.moments[-1].step == 2
+    found = scenario("ego = Car on road\nparam steers = isinstance(ego, Steers), walks = isinstance(ego, Walks), shown = network.show()\n").sample().params
+    assert (found["steers"], found["walks"], found["shown"]) == (True, False, None)
+
+
 FORBIDDEN = {
     "network.lanes[0].road = None": "road|immutable", "x = Lane(uid='a')": "a Lane is made by reading a map", "x = network.by_uid": "by_uid",
     "x = network.lanes[0].polygon.wkt": "may not have a value of type Polygon",

@@ -130,7 +130,14 @@ def reach(object, direction):
     turned = direction - object.heading
     return (abs(math.cos(turned)) * object.length + abs(math.sin(turned)) * object.width) / 2
 
-class Vehicle(DrivingObject):
+# What makes an object take the actions of vehicles, or of pedestrians, as a further superclass.
+class Steers:
+    drives: True
+
+class Walks:
+    walks: True
+
+class Vehicle(DrivingObject, Steers):
     drives: True
     regionContainedIn: roadOrShoulder
     position: Point on road
@@ -151,7 +158,7 @@ class Car(Vehicle):
 class NPCCar(Car):
     pass
 
-class Pedestrian(DrivingObject):
+class Pedestrian(DrivingObject, Walks):
     walks: True
     regionContainedIn: network.walkableRegion
     position: Point on network.walkableRegion
