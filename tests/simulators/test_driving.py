@@ -199,8 +199,8 @@ def test_mixins_make_objects_take_the_actions_of_vehicles_or_pedestrians() -> No
     with pytest.raises(ProgramError, match="SetWalkingSpeedAction"):
         scenario(push + tug.format(", Steers")).simulate("kinematic", 2)
     assert scenario(push + tug.format(", Steers, Walks")).simulate("kinematic", 2).simulation.moments[-1].step == 2
-    found = scenario("ego = Car on road\nparam steers = isinstance(ego, Steers), walks = isinstance(ego, Walks), shown = network.show()\n").sample().params
-    assert (found["steers"], found["walks"], found["shown"]) == (True, False, None)
+    found = scenario("ego = Car on road\nparam a = isinstance(ego, Steers), b = isinstance(ego, Walks), c = network.show()\n").sample().params
+    assert (found["a"], found["b"], found["c"]) == (True, False, None)
 
 
 FORBIDDEN = {

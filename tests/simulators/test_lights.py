@@ -164,6 +164,13 @@ def test_only_lights_have_the_three_states() -> None:
             run(SETS.format(f"setClosestTrafficLightStatus(self, {wrong})"), "kinematic", 2)
 
 
+def test_a_colour_that_is_none_is_refused_where_no_light_is_near() -> None:
+    far = "behavior Set():\n    setClosestTrafficLightStatus(self, 'pink', distance=-1)\n    wait\nego = Car on road, with behavior Set\n"
+    with pytest.raises(UncaughtException, match="green, yellow or red, not pink"):
+        scenic_ref.loads(f"model scenic.domains.driving.model\n{far}").simulate("kinematic", 2)
+
+
+
 def test_a_map_without_lights_has_none() -> None:
     network = made_map("crossing")
     assert not network.signals and all(lane._trafficLight is None for lane in network.lanes)

@@ -25,8 +25,11 @@ def staysRed(signal, seconds):
     later = [signal.stateAt(timeOfLights() + k * seconds / 20) for k in range(21)]
     return getTrafficLightStatus(signal) == 'red' and all([state == 'red' for state in later])
 
-def setTrafficLightStatus(signal, color):
+def checkColor(color):
     assert color in STATES, f'a traffic light is green, yellow or red, not {color}'
+
+def setTrafficLightStatus(signal, color):
+    checkColor(color)
     assert signal.isTrafficLight, f'{signal} is no traffic light'
     given[signal] = (signal.changesUntil(timeOfLights()), color)
 
@@ -57,7 +60,9 @@ def getClosestTrafficLightStatus(vehicle, distance=100):
     signal = closestTrafficLight(vehicle, distance)
     return None if signal is None else getTrafficLightStatus(signal)
 
+# The light ahead, if there is one: a program may run where there are none.
 def setClosestTrafficLightStatus(vehicle, color, distance=100):
+    checkColor(color)
     signal = closestTrafficLight(vehicle, distance)
     if signal is not None:
         setTrafficLightStatus(signal, color)
