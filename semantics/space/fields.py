@@ -85,7 +85,7 @@ class VectorField:
 class PolygonalVectorField(VectorField):
     """A field that is constant, or given by a function, on each of some closed polygons. Raises `BadField`.
 
-    `cells` is a sequence of (polygon, heading); a polygon may be given as a polygonal region or by its points, a heading may be a number, a
+    `cells` is a sequence of (polygon, heading); a polygon may be given as a region with straight edges or by its points, a heading may be a number, a
     function of the point, or None, which stands for `headingFunction`. Where cells overlap, the first that contains the point wins. Outside all
     cells the value is `defaultHeading` if given; else there is none, and `at` raises `OutsideField`.
 

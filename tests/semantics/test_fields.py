@@ -6,7 +6,7 @@ import pytest
 import scenic_ref
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scenic_ref.semantics.kernel.errors import ScenicError
+from scenic_ref.semantics.kernel.errors import RunError, ScenicError
 from scenic_ref.semantics.space.fields import OutsideField, PolygonalVectorField, VectorField
 from scenic_ref.semantics.space.regions import CircularRegion
 from scenic_ref.semantics.space.vectors import Vector
@@ -106,3 +106,24 @@ def test_steps_that_are_drawn_are_taken_by_every_backend() -> None:
 
 def test_a_circle_has_no_resolution() -> None:
     assert CircularRegion(Vector(0, 0), 2, 4, "a") == CircularRegion(Vector(0, 0), 2, resolution=64)
+
+
+@pytest.mark.parametrize("area", ["[(0, 0), (4, 0), (4, 2), (0, 2)]", "RectangularRegion((2, 1), 0, 4, 2)", "PolygonalRegion([0@0, 4@0, 4@2, 0@2])"])
+def test_areas_are_given_by_points_or_by_regions_with_straight_edges(area: str) -> None:
+    text = f"area = {area}\nF = PolygonalVectorField('F', [(area, 1)])\nR = PolygonalRegion(area)\nworkspace = Workspace(area)\n"
+    text += "ego = Object at 2@1, with a (F at 4@2), with b R.measure(), with c (4@2) in workspace, with d (4.1@2) in workspace\n"
+    found = scenic_ref.loads(text).sample().ego.properties
+    assert [found[name] for name in "abcd"] == [1, 8.0, True, False]
+
+
+@pytest.mark.parametrize(
+    ("area", "message"),
+    [
+        ("[(0, 0), (4, 0)]", "at least 3 different points"), ("[(0, 0), (4, 4), (4, 0), (0, 4)]", "is not a polygon: Self-intersection"),
+        ("[1, 2, 3]", "must be vectors"), ("CircularRegion((0, 0), 4)", "must be a pair of a polygonal region and a heading"),
+        ("RectangularRegion((0, 0), 0, 0, 2)", "must be a pair of a polygonal region and a heading"),
+    ],
+)  # fmt: skip
+def test_a_cell_that_is_no_area_is_an_error(area: str, message: str) -> None:
+    with pytest.raises(RunError, match=message):
+        scenic_ref.loads(f"F = PolygonalVectorField('F', [({area}, 1)])\nego = Object\n").sample()

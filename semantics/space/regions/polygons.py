@@ -24,7 +24,7 @@ from .sampling import Numbers, TriangleSampler
 
 
 class PolygonalRegion(Region):
-    """The polygon with the corners `points`, or a given shapely polygon, multipolygon, polygonal region, or sequence of these.
+    """The polygon with the corners `points`, or a given shapely polygon, multipolygon, region with straight edges, or sequence of these.
 
     Parts may overlap: the region is their union. `orientation` is a vector field or None. `polygon` is the union as one
     shapely geometry, to which `closed` adds the boundary; sampling uses exactly three numbers. Raises `BadRegion` for what is not a polygon.
@@ -43,6 +43,8 @@ class PolygonalRegion(Region):
     ) -> None:
         if (points is None) == (polygon is None):
             raise BadRegion("a polygonal region is given either by its points or by a polygon")
+        if isinstance(points, Region):
+            points, polygon = None, points  # type: ignore[assignment]
         parts = [_from_points(points)] if points is not None else _parts(polygon)
         self.name = name
         self.orientation = field("PolygonalRegion", orientation)
@@ -121,9 +123,9 @@ def _from_points(points: Sequence[Vector | Sequence[float]]) -> Polygon:
 
 
 def _parts(polygon: object) -> list[Polygon]:
-    """The polygons that `polygon` is or holds; a polygonal region stands for its own."""
-    if isinstance(polygon, PolygonalRegion):
-        polygon = polygon.polygon
+    """The polygons that `polygon` is or holds; a region with straight edges stands for its own."""
+    if isinstance(polygon, Region):
+        polygon = getattr(polygon, "polygon", polygon)
     if isinstance(polygon, Polygon):
         return [polygon]
     members = polygon.geoms if isinstance(polygon, MultiPolygon) else polygon

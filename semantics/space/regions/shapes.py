@@ -221,9 +221,13 @@ class RectangularRegion(Region):
         xs, ys = [corner.x for corner in corners], [corner.y for corner in corners]
         return min(xs), min(ys), max(xs), max(ys)
 
+    @property
+    def polygon(self) -> BaseGeometry:
+        """The rectangle as a polygon; a line or a point if it has no width or length."""
+        return box_shape(self.position, self.heading, self.width, self.length)
+
     def approximate(self, sides: int, window: Polygon) -> Approximation:
-        shape = box_shape(self.position, self.heading, self.width, self.length)
-        return Approximation(shape, shape)
+        return Approximation(self.polygon, self.polygon)
 
     def intervals(self, start: Vector, end: Vector) -> Intervals:
         a, b = (geometry.to_local(self.position, self.heading, v) for v in (start, end))
