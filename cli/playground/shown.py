@@ -1,0 +1,116 @@
+"""What the page shows of scenes, requirements and errors: plain JSON, whose texts are neither too long nor able to hide what they say."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Mapping
+
+from ...formats.pictures import EDGE, FARTHEST, LAND, land_in, view_of, window_of
+from ...formats.replay_pages import areas, map_in
+from ...formats.scenes import OWN_FIELDS, Scene
+from ...inference.enumeration import content_of
+from ...inference.rejection import acceptance
+from ...maps.network import MapWorkspace
+from ...semantics.kernel.errors import AttemptsExhausted, ScenicError, UsageError
+from ...semantics.kernel.outcome import Requirement
+from ...semantics.syntax.nodes import Span
+from ..diagnostics import Diagnostic, record
+from ..drawing import Softness
+from ..reports import rejecting
+from ..session import escaped
+
+LONGEST_TEXT, LONGEST_LIST, DEEPEST = 400, 100, 6
+MOST_OBJECTS = 1_000
+"""A scene with more objects is not drawn on the page."""
+MOST_REQUIREMENTS = 50
+
+Json = dict[str, object]
+
+
+def cut(value: object, depth: int = 0) -> object:
+    """A value in JSON, shortened where it is long or deep; control characters, and those that turn the direction of writing, are escaped."""
+    match value:
+        case str():
+            return cut_text(value)
+        case list() if depth < DEEPEST:
+            rest = [f"… {len(value) - LONGEST_LIST:,} more"] if len(value) > LONGEST_LIST else []
+            return [cut(v, depth + 1) for v in value[:LONGEST_LIST]] + rest
+        case dict() if depth < DEEPEST:
+            return {cut_text(str(k)): cut(v, depth + 1) for k, v in list(value.items())[:LONGEST_LIST]}
+        case list() | dict():
+            return "…"
+        case int() if not isinstance(value, bool) and value.bit_length() > 53:
+            return cut_text(hex(value))
+        case _:
+            return value
+
+
+def cut_text(text: str, longest: int = LONGEST_TEXT) -> str:
+    """A text that is not too long."""
+    return escaped(text if len(text) <= longest else f"{text[:longest]}… ({len(text):,} characters)")
+
+
+def scene_shown(scene: Scene) -> Json:
+    """A scene with its window, and what lies below its objects there; `problem` says why it cannot be drawn."""
+    written = scene.to_json()
+    found: Json = {
+        "scene": scene.index, "seed": scene.seed, "attempts": scene.attempts, "ego": scene.ego_id, "count": len(scene.objects),
+        "params": cut(written["params"]), "digest": hashlib.sha256(content_of(scene).encode("utf-8", "replace")).hexdigest()[:16], "problem": "",
+    }  # fmt: skip
+    if len(scene.objects) > MOST_OBJECTS:
+        return found | {"objects": [], "problem": f"{len(scene.objects):,} objects are too many to be drawn here"}
+    objects = [object_shown(o.to_json()) for o in scene.objects]
+    try:
+        window = window_of(scene)
+    except UsageError:
+        return found | {"objects": objects, "problem": f"it has coordinates of {FARTHEST:g} m or more"}
+    view = view_of(scene.ego, window) if scene.ego_id is not None else []
+    return found | {"objects": objects, "window": window, "view": view, "ground": ground_of(scene, window)}
+
+
+def object_shown(written: Mapping[str, object]) -> Json:
+    """An object in the scene format."""
+    own = {name: written[name] for name in OWN_FIELDS}
+    name = written["name"]
+    return {
+        "id": written["id"], "name": None if name is None else cut_text(str(name)), "class": cut_text(str(written["class"])), **own,
+        "properties": cut(written["properties"]),
+    }  # fmt: skip
+
+
+def ground_of(scene: Scene, window: tuple[float, float, float, float]) -> Json:
+    """What lies below the objects: the map, or the workspace."""
+    if isinstance(scene.workspace, MapWorkspace):
+        return map_in(scene.workspace.network, window)
+    return {"areas": areas(land_in(scene.workspace, window), LAND, EDGE, window)}
+
+
+def place_of(span: Span) -> Json:
+    """A place in a source; `line` is 0 for none."""
+    return {"file": cut_text(span.file), "line": span.line, "column": span.column, "endLine": span.end_line, "endColumn": span.end_column}
+
+
+def diagnostic_shown(one: Diagnostic) -> Json:
+    """A diagnostic as `check --format json` has it, with texts that are not too long."""
+    return {name: cut(value) if name != "message" else cut_text(str(value), 2000) for name, value in record(one).items()}
+
+
+def requirements_shown(stuck: Iterable[tuple[Requirement, int]]) -> list[Json]:
+    """The requirements that rejected, as reports group them."""
+    return [{"count": one.count, "text": cut_text(one.text), "among": one.among, **place_of(one.span)} for one in rejecting(stuck)[:MOST_REQUIREMENTS]]
+
+
+def tally_shown(scenes: int, attempts: int, stuck: Iterable[tuple[Requirement, int]], soft: Iterable[Softness] = ()) -> Json:
+    """How many attempts were made at how many scenes, how likely a run is accepted (None without scenes), and what rejected the others."""
+    found = acceptance(scenes, attempts)
+    return {
+        "kind": "tally", "scenes": scenes, "attempts": attempts, "level": found.level,
+        "acceptance": [found.estimate, found.low, found.high] if scenes else None, "stuck": requirements_shown(stuck),
+        "soft": [{"held": s.held, "known": s.known, "probability": float(s.probability), **place_of(s.span)} for s in soft],
+    }  # fmt: skip
+
+
+def exhausted_of(error: ScenicError) -> list[tuple[Requirement, int]]:
+    """What rejected the attempts that were exhausted."""
+    return [(r, n) for r, n in error.stuck if isinstance(r, Requirement)] if isinstance(error, AttemptsExhausted) else []
+
