@@ -12,7 +12,7 @@ from ...inference.batch import Block
 from ...inference.batch.jobs.blocks import jobs
 from ...inference.enumeration import content_of
 from ...inference.rejection import DEFAULT_ATTEMPTS
-from ...inference.statistics.columns import OTHERWISE
+from ...inference.statistics.columns import ABSENT, OTHERWISE, leaves
 from ...inference.statistics.relations import table_of
 from ...interpreter.running import Witness
 from ...scenario.noticing import warnings_about
@@ -32,6 +32,8 @@ PATIENCE = 1.0
 """Seconds after which many runs at a time are tried."""
 SURVEYED = 6
 """Scenes by which readings are compared."""
+MOST_TOLD = 3
+"""Features of which it is told that they differ."""
 MOST_PRINTED = 100
 MOST_FEATURES, LONGEST_NAME = 2_000, 300
 DYNAMIC = (
@@ -46,7 +48,8 @@ Send = Callable[[Json], None]
 class Found:
     """What was found so far of the scenes of a request, and what the attempts at them met."""
 
-    def __init__(self) -> None:
+    def __init__(self, coins: bool) -> None:
+        self.coins = coins
         self.scenes: list[Scene] = []
         self.stuck: Counter[Requirement] = Counter()
         self.attempts = 0
@@ -66,7 +69,7 @@ class Found:
     def told(self, more: Counter[Requirement] | None = None) -> Json:
         """The statistics; `more` rejected attempts at a scene that is not found yet."""
         more = more or Counter()
-        return tally_shown(len(self.scenes), self.attempts + more.total(), (self.stuck + more).items(), self.soft.values())
+        return tally_shown(len(self.scenes), self.attempts + more.total(), (self.stuck + more).items(), self.soft.values(), coins=self.coins)
 
 
 def draw_scenes(asked: PlayRequest, send: Send) -> None:
@@ -79,7 +82,7 @@ def draw_scenes(asked: PlayRequest, send: Send) -> None:
         "dynamic": any(isinstance(s, DYNAMIC) for s in scenario.program.statements),
     })  # fmt: skip
     printed: list[str] = []
-    found = Found()
+    found = Found(drawing.throws_coins_for_scenes)
     try:
         for scene, stuck in scenes_of(drawing, asked, lambda more: send(found.told(more)), printed):
             found.add(scene, stuck)
@@ -91,7 +94,8 @@ def draw_scenes(asked: PlayRequest, send: Send) -> None:
     except ScenicError as error:
         if printed:
             send({"kind": "printed", "scene": None, "lines": [cut_text(line) for line in printed[:MOST_PRINTED]], "count": len(printed)})
-        send(found.told(Counter(dict(exhausted_of(error)))))
+        if found.scenes or not isinstance(error, AttemptsExhausted) or error.attempts >= FIRST:
+            send(found.told(Counter(dict(exhausted_of(error)))))
         raise
     send(found.told())
     send({"kind": "features", "features": features_in(found.scenes), "names": names_in(found.scenes)})
@@ -181,8 +185,11 @@ def scenes_in(drawing: Drawing, block: Block, seed: int) -> Iterator[tuple[Scene
 
 
 def survey(asked: PlayRequest, send: Send) -> None:
-    """For each reading with another answer: which of the first scenes it changes, or the error that it leads to. Raises the program's error."""
-    base = content_by_readings(asked, {})
+    """For each reading with another answer: which of the first scenes it changes, and what of them, or the error that it leads to.
+
+    Raises the program's error.
+    """
+    base = first_scenes(asked, {})
     chosen = drawing_of(asked.source).scenario.readings
     for reading in READINGS.values():
         for answer in reading.alternatives:
@@ -190,14 +197,23 @@ def survey(asked: PlayRequest, send: Send) -> None:
                 continue
             found: Json = {"kind": "survey", "reading": reading.id, "answer": answer}
             try:
-                other = content_by_readings(asked, {reading.id: answer})
-                send(found | {"changed": [asked.start + k for k, (a, b) in enumerate(zip(base, other, strict=True)) if a != b], "of": len(base)})
+                pairs = list(zip(base, first_scenes(asked, {reading.id: answer}), strict=True))
+                changed = [(one, other) for one, other in pairs if content_of(one) != content_of(other) or one.attempts != other.attempts]
+                what = dict.fromkeys(name for pair in changed for name in different(*pair))
+                send(found | {"changed": [one.index for one, _ in changed], "of": len(pairs), "what": [cut_text(n, 100) for n in list(what)[:MOST_TOLD]]})
             except ScenicError as error:
                 send(found | {"error": cut_text(str(error))})
 
 
-def content_by_readings(asked: PlayRequest, readings: dict[str, str]) -> list[tuple[str, int]]:
-    """What the scenes of a request are under other readings, and how many attempts each took. Raises the program's error."""
+def different(one: Scene, other: Scene) -> Iterator[str]:
+    """The features in which two scenes differ; `attempts` last."""
+    first, second = (dict(leaves(scene.to_json())) for scene in (one, other))
+    names = [name for name in dict.fromkeys([*first, *second]) if first.get(name, ABSENT) != second.get(name, ABSENT)]
+    yield from (name.replace(".properties.", ".") for name in sorted(names, key=lambda name: name == "attempts"))
+
+
+def first_scenes(asked: PlayRequest, readings: dict[str, str]) -> list[Scene]:
+    """The first scenes of a request under other readings. Raises the program's error."""
     source = replace(asked.source, readings=tuple((dict(asked.source.readings) | readings).items()))
     few = replace(asked, source=source, count=min(asked.count, SURVEYED))
-    return [(content_of(scene), scene.attempts) for scene, _ in scenes_of(Drawing(source.load()), few, lambda more: None)]
+    return [scene for scene, _ in scenes_of(Drawing(source.load()), few, lambda more: None)]

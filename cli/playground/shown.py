@@ -100,12 +100,17 @@ def requirements_shown(stuck: Iterable[tuple[Requirement, int]]) -> list[Json]:
     return [{"count": one.count, "text": cut_text(one.text), "among": one.among, **place_of(one.span)} for one in rejecting(stuck)[:MOST_REQUIREMENTS]]
 
 
-def tally_shown(scenes: int, attempts: int, stuck: Iterable[tuple[Requirement, int]], soft: Iterable[Softness] = ()) -> Json:
-    """How many attempts were made at how many scenes, how likely a run is accepted (None without scenes), and what rejected the others."""
+def tally_shown(
+    scenes: int, attempts: int, stuck: Iterable[tuple[Requirement, int]], soft: Iterable[Softness] = (), *, coins: bool = False
+) -> Json:  # fmt: skip
+    """How many attempts were made at how many scenes, how likely a run is accepted (None without scenes), and what rejected the others.
+
+    The attempts do not tell the former where `coins` are thrown once for a scene.
+    """
     found = acceptance(scenes, attempts)
     return {
-        "kind": "tally", "scenes": scenes, "attempts": attempts, "level": found.level,
-        "acceptance": [found.estimate, found.low, found.high] if scenes else None, "stuck": requirements_shown(stuck),
+        "kind": "tally", "coins": coins, "scenes": scenes, "attempts": attempts, "level": found.level,
+        "acceptance": [found.estimate, found.low, found.high] if scenes and not coins else None, "stuck": requirements_shown(stuck),
         "soft": [{"held": s.held, "known": s.known, "probability": float(s.probability), **place_of(s.span)} for s in soft],
     }  # fmt: skip
 

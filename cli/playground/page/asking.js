@@ -40,6 +40,8 @@ function told(value) {  // a value of the scene format in a few words
   if (typeof value === "number") return number(value);
   if (value !== null && typeof value === "object" && Object.keys(value).length === 1 && "repr" in value) return value.repr;
   if (Array.isArray(value)) return `(${value.map(told).join(", ")})`;
+  if (value === null || value === undefined) return "None";
+  if (typeof value === "boolean") return value ? "True" : "False";
   return typeof value === "string" ? value : JSON.stringify(value);
 }
 

@@ -13,7 +13,8 @@ function featureTitle(name) {
 
 function showFeatures() {
   const before = at("feature").value, changing = make("optgroup", {label: "what differs from scene to scene"}), same = make("optgroup", {label: "what was the same in the scenes drawn"});
-  for (const f of state.features) (f.varies ? changing : same).append(new Option(featureTitle(f.name), f.name));
+  const late = f => ["attempts", "objects", "ego"].includes(f.name) ? 1 : 0;
+  for (const f of [...state.features].sort((a, b) => late(a) - late(b))) (f.varies ? changing : same).append(new Option(featureTitle(f.name), f.name));
   at("feature").replaceChildren(...[changing, same].filter(group => group.children.length));
   if (state.features.some(f => f.name === before)) at("feature").value = before;
   if (state.tab === "histogram") histogramIfNeeded();
@@ -75,7 +76,7 @@ function showHistogram() {
   const {values, law, what} = counted, n = values.length;
   if (!n) return;
   const {bars, binned, low, high} = barsOf(values, law), highest = Math.max(...bars.map(b => Math.max(b.count / n, b.exact ?? 0))) || 1;
-  const width = 640, height = 240, left = 44, bottom = binned ? 26 : 64, top = 12, wide = (width - left - 8) / bars.length, tall = height - top - bottom;
+  const width = 640, height = 240, left = 44, slanted = !binned && (bars.length > 12 || bars.some(b => b.label.length * bars.length > 90)), bottom = slanted ? 64 : 26, top = 12, wide = (width - left - 8) / bars.length, tall = height - top - bottom;
   const Y = share => top + tall * (1 - share / highest);
   const chart = svg("svg", {viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": `Histogram of ${what} in ${n} scenes; the table below has the figures`});
   for (const share of [0, highest / 2, highest]) chart.append(svg("line", {x1: left, x2: width - 8, y1: Y(share), y2: Y(share), class: "axis"}), svg("text", {x: left - 5, y: Y(share) + 4, "text-anchor": "end", class: "tick"}, percent(share, highest < .1 ? 1 : 0)));
@@ -86,7 +87,7 @@ function showHistogram() {
     chart.append(shape);
     if (b.exact !== undefined) chart.append(svg("line", {x1: x + gap, x2: x + wide - gap, y1: Y(b.exact), y2: Y(b.exact), class: "law"}));
     if (!binned) {
-      const middle = x + wide / 2, y0 = height - bottom + 14, slanted = bars.length > 8 || bars.some(o => o.label.length > 14);
+      const middle = x + wide / 2, y0 = height - bottom + 14;
       chart.append(svg("text", slanted ? {x: middle, y: y0, "text-anchor": "end", transform: `rotate(-35 ${middle} ${y0})`} : {x: middle, y: y0, "text-anchor": "middle"}, clipped(b.label, slanted ? 13 : 15)));
       if (b.fraction && b.fraction.length < 12 && wide > 34) chart.append(svg("text", {x: middle, y: Math.min(Y(b.exact), Y(b.count / n)) - 4, "text-anchor": "middle"}, b.fraction));
     }

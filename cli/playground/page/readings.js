@@ -19,7 +19,7 @@ function readingRow(r) {
   const choice = make("select", {"aria-label": `The answer to: ${r.question}`, onchange: event => switchTo(r.id, event.target.value)}, ...Object.keys(r.alternatives).map(a => new Option(a + (a === defaults[r.id] ? " (default)" : ""), a, false, a === state.readings[r.id])));
   choice.id = `reading-${r.id}`;
   const badges = [...(surveyed.get(r.id) || new Map())].map(([answer, found]) => {
-    const said = found.error !== undefined ? `${answer}: ${found.error}` : found.changed.length ? `${answer}: changes ${found.changed.length} of ${plural(found.of, "scene")}` : `${answer}: nothing here`;
+    const said = found.error !== undefined ? `${answer}: ${found.error}` : found.changed.length ? `${answer}: changes ${found.changed.length} of ${plural(found.of, "scene")}: ${found.what.join(", ")}` : `${answer}: nothing here`;
     return make("span", {class: changes(found) ? "badge yes" : "badge", title: said}, clipped(said, 80));
   });
   const means = r.alternatives[state.readings[r.id]];
@@ -49,9 +49,9 @@ function compare() {
     const side = (scene, name) => make("figure", {}, scene ? drawScene(scene) : make("p", {class: "dim"}, "no scene"), make("figcaption", {}, scene ? `${name}, ${plural(scene.attempts, "attempt")}` : name));
     return make("div", {class: isOther ? "pair changed" : "pair"}, make("p", {}, make("b", {}, `scene ${i}`), one && other ? (isOther ? `: ${difference(one, other)}` : ": the same") : ""), side(one, "default"), side(other, "switched"));
   });
-  const accepted = tally => tally && tally.acceptance ? percent(tally.acceptance[0]) : "not known";
+  const took = tally => tally ? tally.attempts.toLocaleString("en") : "?";
   shown.replaceChildren(
-    make("div", {class: "panel"}, make("h2", {}, `${title}, beside ${before}`), make("p", {}, `${differ.length} of ${plural(count, "scene")} differ. A run is accepted: by default ${accepted(state.baseTally)}, now ${accepted(state.tally)}.` + (state.baseProblem ? ` By default: ${state.baseProblem}` : ""))),
+    make("div", {class: "panel"}, make("h2", {}, `${title}, beside ${before}`), make("p", {}, `${differ.length} of ${plural(count, "scene")} differ. They took ${took(state.baseTally)} attempts by default, and ${took(state.tally)} now.` + (state.baseProblem ? ` By default: ${state.baseProblem}` : ""))),
     make("div", {class: "pairs"}, ...pairs),
   );
 }

@@ -17,7 +17,7 @@ function replayIfNeeded() {
   at("replay-tally").replaceChildren();
   say("replay-message", "");
   ask("replay", "simulate", {...simulation(), start: index, count: 1}, found => {
-    if (found.kind === "run") showRun(found);
+    if (found.kind === "run") { showRun(found); if (!state.dynamic) at("replay-message").append(" Nothing in this program acts: it has no behavior, and says nothing about time."); }
     else if (found.kind === "simulated" && found.attempts) at("replay-tally").replaceChildren(tallyShown(found, "simulation"));
     else if (messageOf(found)) say("replay-message", messageOf(found), true);
   });
@@ -27,6 +27,8 @@ function pose(k, now) {
   const created = played.run.objects[k] || {width: 1, length: 1, position: [0, 0], heading: 0, class: "?", id: k};
   return {...created, ...now.objects[k], id: k, name: created.name, class: created.class};
 }
+
+const place = share => `calc(${100 * share}% - ${3 * share}px)`;
 
 function showRun(found) {
   played = found;
@@ -38,14 +40,14 @@ function showRun(found) {
     west = Math.min(west, x - r); east = Math.max(east, x + r); south = Math.min(south, y - r); north = Math.max(north, y + r);
   });
   const pad = 2 + .06 * Math.max(east - west, north - south), wide = east - west + 2 * pad, tall = north - south + 2 * pad;
-  const ratio = Math.min(2.2, Math.max(.6, wide / tall)), width = 560, height = Math.round(width / ratio);
+  const ratio = Math.min(2.2, Math.max(1.15, wide / tall)), width = 560, height = Math.round(width / ratio);
   played.frame = frame([west - pad, south - pad, east + pad, north + pad], width, height);
   played.moving = svg("g");
   at("view").replaceChildren(svg("svg", {class: "scene", viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": "The simulation, seen from above"}, groundOf(found.ground, played.frame), played.moving, scaleBar(played.frame)));
   at("time").max = steps.length - 1;
   at("strip").replaceChildren(make("b"), ...steps.filter(s => s.events.length).slice(0, 500).map(s => {
     const event = make("i", {title: `step ${s.step}: ${s.events.join("; ")}`, onclick: () => showMoment(s.step)});
-    event.style.left = `${100 * s.step / Math.max(steps.length - 1, 1)}%`;
+    event.style.left = place(s.step / Math.max(steps.length - 1, 1));
     return event;
   }));
   say("replay-message", `${found.run.result}: ${found.run.reason}, after ${plural(steps.length - 1, "time step")} (${number((steps.length - 1) * found.run.timestep)} s); ${plural(found.attempts, "attempt")}`);
@@ -62,7 +64,7 @@ function showMoment(k) {
   played.moving.replaceChildren(...trails, ...objects.map(o => thing(o, ego, f)), labels(objects, ego, f));
   at("time").value = moment;
   at("clock").textContent = `step ${moment} of ${steps.length - 1}, ${(moment * played.run.timestep).toFixed(2)} s`;
-  at("strip").querySelector("b").style.left = `${100 * moment / Math.max(steps.length - 1, 1)}%`;
+  at("strip").querySelector("b").style.left = place(moment / Math.max(steps.length - 1, 1));
   const side = objects.slice(0, 40).flatMap((o, i) => {
     const taken = (now.actions[i] || []).map(a => a && a.action ? `${a.action}(${a.args.map(told).join(", ")})` : told(a)).join(", ");
     return [make("h3", {}, `${nameOf(o, ego)} (object ${i})`), make("p", {}, [now.doing[i], taken && `takes ${taken}`, typeof o.speed === "number" ? `${o.speed.toFixed(2)} m/s` : ""].filter(Boolean).join(" · "))];

@@ -9,7 +9,7 @@ function askScenes() {
   rejected = new Map();
   let warnings = [], notes = [], error = null;
   const count = Number(at("count").value);
-  at("grid").style.setProperty("--card", count <= 4 ? "300px" : count <= 16 ? "190px" : "130px");
+  at("grid").style.setProperty("--card", count <= 4 ? "300px" : count <= 16 ? "165px" : "120px");
   ask("scenes", "scenes", {count}, found => {
     if (found.kind === "checked") { warnings = found.diagnostics; notes = found.notes; state.dynamic = found.dynamic; showProblems(warnings, notes); }
     else if (found.kind === "scene") addScene(found);
@@ -69,7 +69,7 @@ function showDetail() {
     for (const [name, value] of Object.entries(own)) rows.push([`${nameOf(o, scene.ego)} (${o.id})`, name, told(value)]);
   }
   const body = make("tbody");
-  rows.forEach(([who, name, value], i) => body.append(make("tr", {}, make("td", {}, i && rows[i - 1][0] === who ? "" : who), make("td", {class: "code"}, name), make("td", {class: "code"}, value))));
+  rows.forEach(([who, name, value], i) => body.append(make("tr", {}, make("td", {}, i && rows[i - 1][0] === who ? "" : who), make("td", {class: "code property"}, name), make("td", {class: "code"}, value))));
   const trace = (attempt) => { at("trace-scene").value = scene.scene; fillAttempts(scene.attempts); at("trace-attempt").value = attempt; at("trace-steps").value = 0; open("trace"); };
   at("detail").replaceChildren(
     make("div", {}, make("h2", {}, `Scene ${scene.scene} of seed ${scene.seed}`), drawScene(scene, 360), make(
@@ -96,7 +96,8 @@ function tallyShown(tally, what = "scene") {
   const total = tally.stuck.reduce((sum, r) => sum + r.count, 0), panel = make("div", {class: "panel"});
   const found = tally.scenes ?? tally.runs;
   panel.append(make("h2", {}, `${plural(found, what)} in ${plural(tally.attempts, "attempt")}`));
-  if (tally.acceptance) {
+  if (tally.coins) panel.append(make("p", {}, "Coins are thrown once for a scene (reading soft=scene): the attempts do not tell how likely a run is accepted."));
+  else if (tally.acceptance) {
     const [p, low, high] = tally.acceptance;
     panel.append(make("p", {}, `A run is accepted with probability ${percent(p)} or so: between ${percent(low)} and ${percent(high)}, with ${percent(tally.level)} confidence.`));
   }

@@ -1,5 +1,5 @@
 # It brakes in time: a dynamic program
-# Replay runs it. Runs in which ego comes too close to the other car are rejected.
+# Replay runs it. Runs in which ego comes too close are rejected.
 from scenic.domains.driving.actions import *
 
 class Car:
