@@ -94,7 +94,7 @@ def summary(tally: Tally, seed: int, seconds: float, texts: Mapping[str, str], b
 class Rejecting(NamedTuple):
     """Requirements that stand at one place: how often they rejected, and the one of them that did so most, of how many."""
 
-    count: int
+    often: int
     text: str
     span: Span
     among: int
@@ -107,21 +107,21 @@ def rejecting(stuck: Iterable[tuple[Requirement, int]]) -> list[Rejecting]:
         apart = requirement.text if requirement.kind == OF_SIMULATOR else ""
         groups.setdefault((requirement.kind, requirement.span, apart), Counter())[requirement.text] += count
     found = [Rejecting(group.total(), group.most_common(1)[0][0], span, len(group)) for (_, span, _), group in groups.items()]
-    return sorted(found, key=lambda one: -one.count)
+    return sorted(found, key=lambda one: -one.often)
 
 
 def requirement_lines(stuck: Iterable[tuple[Requirement, int]], texts: Mapping[str, str], *, limit: int) -> list[str]:
     """The requirements that rejected most, each with its share of the rejections and its place; those of one place together."""
     ordered = rejecting(stuck)
-    total = sum(one.count for one in ordered)
+    total = sum(one.often for one in ordered)
     lines = [f"requirements that rejected most, of {total:,} stuck attempts:" if total > 1 else "the requirement that rejected the stuck attempt:"]
     for one in ordered[:limit]:
         others = f" (and {one.among - 1:,} like it)" if one.among > 1 else ""
-        lines.append(f"{one.count:>9,}  {one.count / total:>4.0%}  {one.text}{others}")
+        lines.append(f"{one.often:>9,}  {one.often / total:>4.0%}  {one.text}{others}")
         if one.span.line:
             lines.append(f"{'':17}{one.span.file}:{one.span.line}: {shortened(source_line(one.span, texts) or '')}".rstrip(": "))
     if len(ordered) > limit:
-        rest = sum(one.count for one in ordered[limit:])
+        rest = sum(one.often for one in ordered[limit:])
         lines.append(f"{rest:>9,}  {rest / total:>4.0%}  {len(ordered) - limit} others")
     return lines
 

@@ -87,6 +87,6 @@ def read_with(expression: Expression) -> Callable[[State], Scene]:
 
 
 def law_of(scenario: Scenario, expression: Expression, *, max_runs: int = DEFAULT_RUNS) -> Enumeration:
-    """The exact distribution of the scenes, each with the value of the expression. Raises as `Scenario.enumerate` does, and the expression's error."""
+    """The exact distribution of the scenes, each with the value of the expression. Raises what `Scenario.enumerate` does, and its error."""
     scenario.rehearse()
     return enumerate_runs(scenario.start, max_runs=max_runs, fuel=scenario.fuel, read=read_with(expression))

@@ -18,6 +18,7 @@ MOST_SEED = 2**53
 MOST_SCENES, MOST_VALUES, MOST_STEPS = 100, 20_000, 10_000
 
 Work = Literal["scenes", "histogram", "law", "trace", "survey", "simulate", "picture"]
+WORKS: tuple[Work, ...] = get_args(Work)
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,9 +55,9 @@ def request_of(body: bytes, source: Source) -> PlayRequest:
         raise UsageError("this is no JSON") from None
     if not isinstance(asked, dict):
         raise UsageError("a request is an object")
-    work = text(asked, "work")
-    if work not in get_args(Work):
-        raise UsageError(f"there is no work {work!r:.40}")
+    work = next((one for one in WORKS if one == asked.get("work")), None)
+    if work is None:
+        raise UsageError(f"there is no work {asked.get('work')!r:.40}")
     program, readings = asked.get("program"), asked.get("readings", {})
     if not isinstance(program, str):
         raise UsageError("`program` is a text")

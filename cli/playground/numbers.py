@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from fractions import Fraction
 
 from ...formats.scenes import in_json, json_value
@@ -21,10 +21,12 @@ from ...semantics.kernel.values import unwrap
 from ..drawing import drawing_of
 from .asked import PlayRequest
 from .scenes import Send
-from .shown import cut_text
+from .texts import cut_text
 
 MOST_RUNS = 20_000
 """Runs of an enumeration."""
+MOST_ATTEMPTS = 40
+"""Of the law of attempts, which never ends."""
 MOST_LISTED = 400
 """Values of an exact law that the page is told of, the likeliest first."""
 EVERY = 0.25
@@ -98,7 +100,10 @@ def exact_law(asked: PlayRequest, send: Send) -> None:
     except (UsageError, RunsExhausted) as problem:
         send({"kind": "nolaw", "why": cut_text(problem.message)})
         return
-    law = law_by_value(found, f"params.{NAME}" if asked.expression else asked.feature)
+    if asked.expression or asked.feature != "attempts":
+        law = law_by_value(found, f"params.{NAME}" if asked.expression else asked.feature)
+    else:
+        law = {float(k): found.attempts_probability(k) for k in range(1, MOST_ATTEMPTS + 1)}
     ranked = sorted(law.items(), key=lambda item: -item[1])
     send({
         "kind": "law", "acceptance": str(found.acceptance), "approximately": float(found.acceptance), "runs": found.runs, "values": len(ranked),
@@ -106,7 +111,7 @@ def exact_law(asked: PlayRequest, send: Send) -> None:
     })  # fmt: skip
 
 
-def law_by_value(found: Enumeration, feature: str) -> dict[object, Fraction]:
+def law_by_value(found: Enumeration, feature: str) -> Mapping[object, Fraction]:
     """The law of a feature."""
     column = table_of(found.scenes).columns.get(feature)
     law: dict[object, Fraction] = defaultdict(Fraction)

@@ -36,9 +36,9 @@ class WorkProcess:
         self.replaced = False
         self.stopped = False
         self.late = False
-        self.receiver: Connection
-        self.sender: Connection
-        self.receiver, self.sender = context.Pipe(duplex=False)
+        receiver, sender = context.Pipe(duplex=False)
+        self.receiver: Connection = receiver  # type: ignore[assignment]
+        self.sender: Connection = sender  # type: ignore[assignment]
         self.process: Any = context.Process(target=work, args=(asked, self.sender), daemon=True)  # type: ignore[attr-defined]
 
     def start(self) -> None:

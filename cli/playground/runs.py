@@ -10,10 +10,11 @@ from pathlib import Path
 from ...formats.pictures import check_format, picture
 from ...formats.recordings import to_line
 from ...formats.replay_pages import land_below, map_below, run_shown
-from ...semantics.kernel.errors import ScenicError, UsageError
-from ...semantics.kernel.outcome import Requirement
+from ...semantics.kernel.errors import UsageError
 from ...simulators import SIMULATORS, by_name
+from ...simulators.protocol import Simulator
 from ...simulators.simulating import Failed
+from ..diagnostics import of_error
 from ..drawing import drawing_of
 from ..options import DEFAULT_ATTEMPTS
 from ..pages import network_of
@@ -21,8 +22,8 @@ from ..simulating import when
 from ..trace_output import WhichRun, page_of, traced, traced_simulation
 from .asked import PlayRequest
 from .scenes import Send, scenes_of
-from .shown import cut, cut_text, diagnostic_shown, exhausted_of, requirements_shown
-from ..diagnostics import of_error
+from .shown import diagnostic_shown, requirements_shown
+from .texts import cut, cut_text
 
 MOST_EVENTS = 20_000
 MOST_POSES = 200_000
@@ -48,7 +49,7 @@ def send_trace(asked: PlayRequest, send: Send) -> None:
     })  # fmt: skip
 
 
-def simulator_of(asked: PlayRequest):
+def simulator_of(asked: PlayRequest) -> Simulator:
     """The simulator of a request, one of those that are shipped. Raises `UsageError`."""
     if asked.simulator not in SIMULATORS:
         raise UsageError(f"there is no simulator {asked.simulator}")
@@ -103,7 +104,7 @@ def cut_run(run: dict[str, object]) -> dict[str, object]:
 
 
 def send_picture(asked: PlayRequest, send: Send) -> None:
-    """Send the picture that `run --plot` would draw of the scenes. Raises the program's error, and `UsageError` for a picture that there is none of."""
+    """Send the picture that `run --plot` would draw of the scenes. Raises the program's error, and `UsageError` where there is none."""
     check_format(asked.form)
     scenes = [scene for scene, _ in scenes_of(drawing_of(asked.source), asked, lambda more: None)][:MOST_PICTURED]
     data = picture(scenes, format=asked.form)

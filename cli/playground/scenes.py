@@ -24,7 +24,8 @@ from ...simulators.worlds.driving import notes
 from ..diagnostics import of_warning
 from ..drawing import Drawing, Softness, drawing_of, listen
 from .asked import PlayRequest
-from .shown import Json, cut_text, diagnostic_shown, exhausted_of, scene_shown, tally_shown
+from .shown import diagnostic_shown, exhausted_of, scene_shown, tally_shown
+from .texts import Json, cut_text
 
 FIRST, GROWTH = 100, 5
 """Attempts after which what rejected them is told the first time; then after so many times as many."""
@@ -199,8 +200,8 @@ def survey(asked: PlayRequest, send: Send) -> None:
             try:
                 pairs = list(zip(base, first_scenes(asked, {reading.id: answer}), strict=True))
                 changed = [(one, other) for one, other in pairs if content_of(one) != content_of(other) or one.attempts != other.attempts]
-                what = dict.fromkeys(name for pair in changed for name in different(*pair))
-                send(found | {"changed": [one.index for one, _ in changed], "of": len(pairs), "what": [cut_text(n, 100) for n in list(what)[:MOST_TOLD]]})
+                what = list(dict.fromkeys(name for pair in changed for name in different(*pair)))[:MOST_TOLD]
+                send(found | {"changed": [one.index for one, _ in changed], "of": len(pairs), "what": [cut_text(name, 100) for name in what]})
             except ScenicError as error:
                 send(found | {"error": cut_text(str(error))})
 

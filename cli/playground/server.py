@@ -24,7 +24,7 @@ from ...semantics.kernel.errors import UsageError
 from ..options import Source
 from .asked import MOST_BYTES, PlayRequest, request_of
 from .processes import WorkProcess, prepared
-from .shown import Json
+from .texts import Json
 
 HOST = "127.0.0.1"
 AT_ONCE = 4
@@ -176,8 +176,8 @@ def policy_of(page: str) -> str:
     """The policy of a page: it runs its own script and style, known by their hashes, asks this server, and loads nothing else."""
     scripts, styles = (hashes(page, f"<{tag}>", f"</{tag}>") for tag in ("script", "style"))
     return (
-        f"default-src 'none'; script-src {scripts}; style-src {styles}; img-src data: blob:; connect-src 'self'; base-uri 'none'; form-action 'none'; "
-        "frame-ancestors 'none'; require-trusted-types-for 'script'; trusted-types 'none'"
+        f"default-src 'none'; script-src {scripts}; style-src {styles}; img-src data: blob:; connect-src 'self'; base-uri 'none'; "
+        "form-action 'none'; frame-ancestors 'none'; require-trusted-types-for 'script'; trusted-types 'none'"
     )
 
 
@@ -188,20 +188,19 @@ def hashes(page: str, begin: str, end: str) -> str:
     return " ".join(found) or "'none'"
 
 
-def bound(port: int, otherwise: bool) -> socket.socket:
+def bound(port: int, *, otherwise: bool) -> socket.socket:
     """A socket on the loopback address; on another port if this one is taken and `otherwise`. Raises `UsageError`."""
-    for tried in (port, 0) if otherwise else (port,):
-        found = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-        found.setsockopt(socket.SOL_SOCKET, getattr(socket, "SO_EXCLUSIVEADDRUSE", socket.SO_REUSEADDR), 1)
-        try:
-            found.bind((HOST, tried))
-        except OSError as problem:
-            found.close()
-            wrong = problem
-        else:
-            found.listen()
-            return found
-    raise UsageError(f"port {port} cannot be used: {wrong.strerror or wrong}", hint="leave --port out, and a free one is taken")
+    found = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    found.setsockopt(socket.SOL_SOCKET, getattr(socket, "SO_EXCLUSIVEADDRUSE", socket.SO_REUSEADDR), 1)
+    try:
+        found.bind((HOST, port))
+        found.listen()
+    except OSError as problem:
+        found.close()
+        if otherwise:
+            return bound(0, otherwise=False)
+        raise UsageError(f"port {port} cannot be used: {problem.strerror or problem}", hint="leave --port out, and a free one is taken") from None
+    return found
 
 
 def serve(playground: Playground, door: socket.socket) -> None:

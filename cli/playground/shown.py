@@ -1,4 +1,4 @@
-"""What the page shows of scenes, requirements and errors: plain JSON, whose texts are neither too long nor able to hide what they say."""
+"""What the page shows of scenes, requirements and errors, as plain JSON."""
 
 from __future__ import annotations
 
@@ -17,37 +17,11 @@ from ...semantics.syntax.nodes import Span
 from ..diagnostics import Diagnostic, record
 from ..drawing import Softness
 from ..reports import rejecting
-from ..session import escaped
+from .texts import Json, cut, cut_text
 
-LONGEST_TEXT, LONGEST_LIST, DEEPEST = 400, 100, 6
 MOST_OBJECTS = 1_000
 """A scene with more objects is not drawn on the page."""
 MOST_REQUIREMENTS = 50
-
-Json = dict[str, object]
-
-
-def cut(value: object, depth: int = 0) -> object:
-    """A value in JSON, shortened where it is long or deep; control characters, and those that turn the direction of writing, are escaped."""
-    match value:
-        case str():
-            return cut_text(value)
-        case list() if depth < DEEPEST:
-            rest = [f"… {len(value) - LONGEST_LIST:,} more"] if len(value) > LONGEST_LIST else []
-            return [cut(v, depth + 1) for v in value[:LONGEST_LIST]] + rest
-        case dict() if depth < DEEPEST:
-            return {cut_text(str(k)): cut(v, depth + 1) for k, v in list(value.items())[:LONGEST_LIST]}
-        case list() | dict():
-            return "…"
-        case int() if not isinstance(value, bool) and value.bit_length() > 53:
-            return cut_text(hex(value))
-        case _:
-            return value
-
-
-def cut_text(text: str, longest: int = LONGEST_TEXT) -> str:
-    """A text that is not too long."""
-    return escaped(text if len(text) <= longest else f"{text[:longest]}… ({len(text):,} characters)")
 
 
 def scene_shown(scene: Scene) -> Json:
@@ -97,7 +71,8 @@ def diagnostic_shown(one: Diagnostic) -> Json:
 
 def requirements_shown(stuck: Iterable[tuple[Requirement, int]]) -> list[Json]:
     """The requirements that rejected, as reports group them."""
-    return [{"count": one.count, "text": cut_text(one.text), "among": one.among, **place_of(one.span)} for one in rejecting(stuck)[:MOST_REQUIREMENTS]]
+    found = rejecting(stuck)[:MOST_REQUIREMENTS]
+    return [{"count": one.often, "text": cut_text(one.text), "among": one.among, **place_of(one.span)} for one in found]
 
 
 def tally_shown(

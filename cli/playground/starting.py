@@ -18,6 +18,7 @@ from ...semantics.readings import READINGS, select
 from ..options import Source, pairs, read_source
 from ..session import Session
 from .links import Linked, is_link, linked_of
+from .texts import cut_text
 
 SCRIPTS = (
     "asking.js", "editor.js", "drawn.js", "scenes.js", "histogram.js", "trace.js", "readings.js", "replay.js", "beginning.js",
@@ -49,7 +50,7 @@ def begin(source: Source, linked: Linked | None, seed: int, port: int, *, otherw
         missing = "uvicorn" if is_installed("starlette") else "starlette"
         raise needed("play", missing, problem) from None
     page = page_with(given(source, linked, seed))
-    door = bound(port, otherwise)
+    door = bound(port, otherwise=otherwise)
     token = secrets.token_urlsafe(32)
     number = door.getsockname()[1]
     address = f"http://{HOST}:{number}/{token}/"
@@ -83,7 +84,8 @@ def given(source: Source, linked: Linked | None, seed: int) -> dict[str, object]
         for r in READINGS.values() if not r.is_note
     ]  # fmt: skip
     return {
-        "version": __version__, "file": Path(source.file).name, "program": source.text, "seed": seed if linked is None else linked.seed,
+        "version": __version__, "file": cut_text(source.file), "name": Path(source.file).name, "program": source.text,
+        "seed": seed if linked is None else linked.seed,
         "linked": None if linked is None else linked.readings, "readings": readings, "programs": programs(), "rules": rules_for_browsers(),
         "simulators": [name for name, package in SIMULATORS.items() if not package or is_installed(package)], "trust": source.trust,
         "profile": source.profile,

@@ -15,7 +15,8 @@ from .asked import PlayRequest
 from .numbers import draw_values, exact_law
 from .runs import send_picture, send_trace, simulate
 from .scenes import draw_scenes, survey
-from .shown import Json, cut_text, diagnostic_shown
+from .shown import diagnostic_shown
+from .texts import Json, cut_text
 
 MOST_BYTES = 24_000_000
 """The longest message of a process."""

@@ -59,7 +59,7 @@ at("count").onchange = () => changed(0);
 
 const tabs = ["scenes", "rejections", "histogram", "trace", "readings", "replay"];
 
-function open(tab) {
+function openTab(tab) {
   state.tab = tab;
   for (const name of tabs) {
     at(name).hidden = name !== tab;
@@ -71,12 +71,12 @@ function open(tab) {
 }
 
 tabs.forEach((tab, i) => {
-  at(`tab-${tab}`).onclick = () => open(tab);
+  at(`tab-${tab}`).onclick = () => openTab(tab);
   at(`tab-${tab}`).onkeydown = event => {
     const to = {ArrowRight: i + 1, ArrowLeft: i - 1, Home: 0, End: tabs.length - 1}[event.key];
     if (to === undefined) return;
     const next = tabs[(to + tabs.length) % tabs.length];
-    open(next);
+    openTab(next);
     at(`tab-${next}`).focus();
   };
 });
@@ -162,7 +162,7 @@ function save(data, type, name) {
   at("exported").textContent = `${name} was saved`;
 }
 
-at("save-program").onclick = () => save(program.value, "text/plain;charset=utf-8", given.file);
+at("save-program").onclick = () => save(program.value, "text/plain;charset=utf-8", given.name);
 
 function savePicture(form) {
   at("exported").textContent = "painting…";
@@ -199,7 +199,7 @@ at("examples").onchange = event => {
 };
 
 localStorage.setItem("scenic-ref token", location.pathname.split("/")[1]);
-document.title = `${given.file}, scenic-ref play`;
+document.title = `${given.name}, scenic-ref play`;
 program.value = given.program;
 at("seed").value = given.seed;
 at("slider").value = Math.min(Math.max(given.seed, 0), 200);

@@ -12,15 +12,15 @@ function featureTitle(name) {
 }
 
 function showFeatures() {
-  const before = at("feature").value, changing = make("optgroup", {label: "what differs from scene to scene"}), same = make("optgroup", {label: "what was the same in the scenes drawn"});
+  const changing = make("optgroup", {label: "what differs from scene to scene"}), same = make("optgroup", {label: "what was the same in the scenes drawn"});
   const late = f => ["attempts", "objects", "ego"].includes(f.name) ? 1 : 0;
   for (const f of [...state.features].sort((a, b) => late(a) - late(b))) (f.varies ? changing : same).append(new Option(featureTitle(f.name), f.name));
   at("feature").replaceChildren(...[changing, same].filter(group => group.children.length));
-  if (state.features.some(f => f.name === before)) at("feature").value = before;
+  if (state.features.some(f => f.name === wantedFeature)) at("feature").value = wantedFeature;
   if (state.tab === "histogram") histogramIfNeeded();
 }
 
-let counting = "";
+let counting = "", wantedFeature = "";
 
 function histogramIfNeeded() {
   const expression = at("expression").value.trim(), feature = at("feature").value;
@@ -105,6 +105,6 @@ function showHistogram() {
   at("chart").hidden = false;
 }
 
-at("feature").onchange = () => { at("expression").value = ""; histogramIfNeeded(); };
+at("feature").onchange = () => { wantedFeature = at("feature").value; at("expression").value = ""; histogramIfNeeded(); };
 at("values").onchange = histogramIfNeeded;
 at("relation").onsubmit = event => { event.preventDefault(); histogramIfNeeded(); };

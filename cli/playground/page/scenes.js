@@ -70,7 +70,7 @@ function showDetail() {
   }
   const body = make("tbody");
   rows.forEach(([who, name, value], i) => body.append(make("tr", {}, make("td", {}, i && rows[i - 1][0] === who ? "" : who), make("td", {class: "code property"}, name), make("td", {class: "code"}, value))));
-  const trace = (attempt) => { at("trace-scene").value = scene.scene; fillAttempts(scene.attempts); at("trace-attempt").value = attempt; at("trace-steps").value = 0; open("trace"); };
+  const trace = (attempt) => { at("trace-scene").value = scene.scene; fillAttempts(scene.attempts); at("trace-attempt").value = attempt; at("trace-steps").value = 0; openTab("trace"); };
   at("detail").replaceChildren(
     make("div", {}, make("h2", {}, `Scene ${scene.scene} of seed ${scene.seed}`), drawScene(scene, 360), make(
       "div", {class: "controls"}, make("button", {onclick: () => trace("")}, "Trace it"),
