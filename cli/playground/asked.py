@@ -55,7 +55,7 @@ def request_of(body: bytes, source: Source) -> PlayRequest:
         raise UsageError("this is no JSON") from None
     if not isinstance(asked, dict):
         raise UsageError("a request is an object")
-    work = next((one for one in WORKS if one == asked.get("work")), None)
+    work: Work | None = next((one for one in WORKS if one == asked.get("work")), None)
     if work is None:
         raise UsageError(f"there is no work {asked.get('work')!r:.40}")
     program, readings = asked.get("program"), asked.get("readings", {})

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from fractions import Fraction
 
 from ...formats.scenes import in_json, json_value
@@ -100,21 +100,23 @@ def exact_law(asked: PlayRequest, send: Send) -> None:
     except (UsageError, RunsExhausted) as problem:
         send({"kind": "nolaw", "why": cut_text(problem.message)})
         return
-    if asked.expression or asked.feature != "attempts":
-        law = law_by_value(found, f"params.{NAME}" if asked.expression else asked.feature)
-    else:
-        law = {float(k): found.attempts_probability(k) for k in range(1, MOST_ATTEMPTS + 1)}
-    ranked = sorted(law.items(), key=lambda item: -item[1])
+    ranked = sorted(law_by_value(found, asked), key=lambda item: -item[1])
     send({
         "kind": "law", "acceptance": str(found.acceptance), "approximately": float(found.acceptance), "runs": found.runs, "values": len(ranked),
         "law": [{"value": value, "probability": cut_text(str(p), 60), "approximately": float(p)} for value, p in ranked[:MOST_LISTED]],
     })  # fmt: skip
 
 
-def law_by_value(found: Enumeration, feature: str) -> Mapping[object, Fraction]:
-    """The law of a feature."""
-    column = table_of(found.scenes).columns.get(feature)
-    law: dict[object, Fraction] = defaultdict(Fraction)
-    for row, (probability, _) in enumerate(found.outcomes):
-        law[None if column is None else shown_value(column.values[row])] += probability
-    return law
+def law_by_value(found: Enumeration, asked: PlayRequest) -> list[tuple[object, Fraction]]:
+    """The values of what was asked for, each with its probability."""
+    if asked.feature == "attempts" and not asked.expression:
+        return [(k, found.attempts_probability(k)) for k in range(1, MOST_ATTEMPTS + 1)]
+    if asked.expression:
+        values = [shown_value(json_value(unwrap(scene.params[NAME])[0])) for scene in found.scenes]
+    else:
+        column = table_of(found.scenes).columns.get(asked.feature)
+        values = [None if column is None else shown_value(column.values[row]) for row in range(len(found.scenes))]
+    law: dict[tuple[type, object], Fraction] = defaultdict(Fraction)  # True is no 1
+    for value, (probability, _) in zip(values, found.outcomes, strict=True):
+        law[type(value), value] += probability
+    return [(value, probability) for (_, value), probability in law.items()]

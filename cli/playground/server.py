@@ -12,6 +12,7 @@ import secrets
 import socket
 from collections.abc import AsyncIterator, Iterable
 from contextlib import suppress
+from types import FrameType
 
 import uvicorn
 from starlette.applications import Starlette
@@ -49,6 +50,7 @@ class Playground:
         self.context = prepared()
         self.running: dict[tuple[str, str], WorkProcess] = {}
         self.turns = asyncio.Semaphore(AT_ONCE)
+        self.ended = False
 
     def app(self) -> Starlette:
         """The application."""
@@ -108,6 +110,8 @@ class Playground:
     async def lines(self, asked: PlayRequest) -> AsyncIterator[bytes]:
         """The messages of the process that does a piece of work, which replaces an earlier one in its slot."""
         key = (asked.page, asked.slot)
+        if self.ended:
+            return
         job = WorkProcess(self.context, asked)
         before = self.running.get(key)
         if before is not None:
@@ -140,13 +144,16 @@ class Playground:
                 clock.cancel()
         if job.replaced:
             yield line({"kind": "replaced"})
+        elif self.ended:
+            yield line({"kind": "over", "message": "The server was ended."})
         elif job.late:
             yield line({"kind": "over", "message": f"The time for one answer, {limit:g} s, is over; --limit-seconds allows more."})
         elif data != END:
             yield line({"kind": "over", "message": crashed(await asyncio.to_thread(job.wait))})
 
     def end(self) -> None:
-        """End all processes."""
+        """End all processes, and start no more."""
+        self.ended = True
         for job in list(self.running.values()):
             job.stop()
 
@@ -203,6 +210,19 @@ def bound(port: int, *, otherwise: bool) -> socket.socket:
     return found
 
 
+class PlayServer(uvicorn.Server):
+    """Ends the processes that work as soon as the server is told to end, so that nobody waits for them."""
+
+    def __init__(self, config: uvicorn.Config, playground: Playground) -> None:
+        super().__init__(config)
+        self.playground = playground
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        """A signal to end."""
+        self.playground.end()
+        super().handle_exit(sig, frame)
+
+
 def serve(playground: Playground, door: socket.socket) -> None:
     """Answer until Ctrl-C, or until the process is told to end; then no process is left."""
     config = uvicorn.Config(
@@ -211,7 +231,7 @@ def serve(playground: Playground, door: socket.socket) -> None:
     )  # fmt: skip
     with suppress(KeyboardInterrupt):
         try:
-            uvicorn.Server(config).run(sockets=[door])
+            PlayServer(config, playground).run(sockets=[door])
         finally:
             playground.end()
             door.close()
