@@ -4,10 +4,11 @@ const PAUSE = 400, SLIDE = 120, LARGEST_LINK = 1000000;
 const MARK = "scenic1=";
 let timer = null;
 
-function edited() {
-  state.typing = true;
-  colour();
-  showProblems([]);
+let painting = 0;
+
+function edited() {  // colours follow before the next frame is painted: many edits at a time are one
+  if (!painting) painting = requestAnimationFrame(() => { painting = 0; colour(); mark(); });
+  if (!state.typing) { state.typing = true; problems = []; }
   changed(PAUSE);
 }
 
@@ -17,14 +18,15 @@ function changed(pause) {
   cancelAll();
   clearTimeout(timer);
   nowAt = null;
-  mark();
   for (const id of ["grid", "detail", "tally", "chart", "trace-body", "compared", "stage", "replay-tally"]) at(id).classList.add("stale");
   stopPlaying();
   showStatus();
   timer = setTimeout(draw, pause);
+  if (!state.typing) mark();
 }
 
 function draw() {
+  if (state.typing) showProblems([]);
   state.typing = false;
   state.printed = null; state.baseTally = null; state.baseProblem = null;
   counting = tracing = simulating = "";
@@ -45,14 +47,8 @@ function askForTab() {
   if (state.tab === "replay") replayIfNeeded();
 }
 
-function setSeed(value, pause) {
-  at("seed").value = value;
-  at("slider").value = Math.min(Math.max(Number(value) || 0, 0), 200);
-  changed(pause);
-}
-
-at("slider").oninput = event => setSeed(event.target.value, SLIDE);
-at("seed").oninput = event => setSeed(event.target.value, PAUSE);
+at("slider").oninput = () => { at("seed").value = at("slider").value; changed(SLIDE); };
+at("seed").oninput = () => { at("slider").value = Math.min(Math.max(seed(), 0), 200); changed(PAUSE); };
 at("count").onchange = () => changed(0);
 
 // Tabs

@@ -1,7 +1,15 @@
 // The program: colours, marks below it, the margin, and what is wrong.
 
 const program = at("program");
-const kinds = given.rules.map(([pattern, kind]) => [new RegExp(pattern, "uym"), kind]);
+const kinds = [];  // what the lexer has: neighbouring patterns of one kind are one
+for (const [pattern, kind] of given.rules) {
+  const last = kinds[kinds.length - 1];
+  if (last && typeof kind === "string" && last[1] === kind) last[0] += `|(?:${pattern})`;
+  else kinds.push([typeof kind === "string" ? `(?:${pattern})` : pattern, kind]);
+}
+for (const one of kinds) one[0] = new RegExp(one[0], "uym");
+const words = new Set(given.rules.flatMap(([pattern]) => pattern.match(/[A-Za-z_]+/g) || []));
+const NAME = /[\p{L}_][\p{L}\p{N}_]*/uy;  // one that stands in no pattern, and is not the beginning of a text, is a name
 const STRANGE = /[\u0000-\u0008\u000b-\u001f\u007f-\u009f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]/;
 const LARGEST_COLOURED = 60000;
 let problems = [], nowAt = null, rejected = new Map();
@@ -10,6 +18,9 @@ let problems = [], nowAt = null, rejected = new Map();
 function* pieces(text) {
   let place = 0;
   while (place < text.length) {
+    NAME.lastIndex = place;
+    const name = NAME.exec(text);
+    if (name && !words.has(name[0]) && !"\"'".includes(text[place + name[0].length] || " ")) { yield [name[0], "n"]; place += name[0].length; continue; }
     let found = null, kind = "";
     for (const [pattern, kindOf] of kinds) {
       pattern.lastIndex = place;
