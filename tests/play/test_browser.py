@@ -351,7 +351,8 @@ def test_program_and_pictures_are_exported(page: Page):
         assert saved.read_bytes().startswith(begins)
 
 
-HOSTILE = """</script><script>document.title='run'</script><img src=x onerror="document.title='run'">' " ` ${document.title='run'} &lt;b&gt; \u2028 \u202e"""
+HOSTILE = """</script><script>document.title='run'</script>"""
+HOSTILE += """<img src=x onerror="document.title='run'">' " ` ${document.title='run'} &lt;b&gt; \u2028 \u202e"""
 
 
 def test_texts_of_programs_are_texts(page: Page):
@@ -386,7 +387,8 @@ def test_a_program_cannot_break_out_of_the_page_that_it_is_shipped_in(browser: A
 @pytest.mark.parametrize(
     "program",
     [
-        "ego = Object at (0, 0), with name '" + "x" * 200_000 + "'\n", "# " + "x" * 300_000 + "\nego = Object at (0, 0)\n", "x = 1\n" * 300 + "ego = Object\n",
+        "ego = Object at (0, 0), with note '" + "x" * 200_000 + "'\n", "# " + "x" * 300_000 + "\nego = Object at (0, 0)\n",
+        "x = 1\n" * 300 + "ego = Object\n",
     ],
 )  # fmt: skip
 def test_long_programs_are_typed_in(page: Page, program: str):

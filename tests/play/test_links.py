@@ -26,7 +26,8 @@ def packed(data: bytes) -> str:
 @pytest.mark.parametrize(
     "link",
     [
-        MARK, MARK + "AAAA", MARK + "%%%", MARK + "é", packed(b"[]"), packed(b"{}"), packed(b'{"program": 1}'), packed(b'{"program": "", "seed": "1"}'),
+        MARK, MARK + "AAAA", MARK + "%%%", MARK + "é", packed(b"[]"), packed(b"{}"), packed(b'{"program": 1}'),
+        packed(b'{"program": "", "seed": "1"}'),
         packed(b'{"program": "", "seed": true}'), packed(b'{"program": "", "readings": []}'), packed(b"[" * 10**5), packed(b"\xff"),
         packed(b'{"program": "' + b"x" * LARGEST + b'"}'), link_of(Linked("ego = Object", 0, {}))[:-4],
     ],
