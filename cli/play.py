@@ -11,7 +11,6 @@ from .options import (
     DialectOption,
     FuelOption,
     LimitMemoryOption,
-    LimitSecondsOption,
     ModelOption,
     ParamOption,
     ProfileOption,
@@ -46,7 +45,9 @@ def play(
     param: ParamOption = None,
     fuel: FuelOption = FUEL,
     limit_memory: LimitMemoryOption = MEMORY,
-    limit_seconds: LimitSecondsOption = SECONDS,
+    limit_seconds: Annotated[
+        str, typer.Option("--limit-seconds", metavar="SECONDS", help="The time for one answer, with or without --trust; none: no limit.")
+    ] = SECONDS,
     trust: TrustOption = False,
     debug: DebugOption = False,
 ) -> None:
@@ -54,7 +55,7 @@ def play(
 
     A page in the browser has the program on one side and its scenes on the other: what rejected, histograms with exact laws, traces, readings,
     simulations. It works without a network; the server answers on this machine only, and only to who has the token of its address. Every answer is
-    worked out by a process of its own, which --limit-seconds (for the whole answer) and --limit-memory end. FILE is read, and never written.
+    worked out by a process of its own, which --limit-seconds and --limit-memory end. FILE is read, and never written.
     Ctrl-C ends the server. Needs the extra play.
     """
     from .playground.starting import begin, source_of
