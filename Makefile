@@ -8,7 +8,7 @@ PLAIN ?= .venv-plain
 TESTS ?=
 MARK ?=
 
-.PHONY: demo test test-all test-plain nightly mutants results check docs man proofs bench bench-roads clean
+.PHONY: demo test test-all test-plain nightly mutants results check docs showcase man proofs bench bench-roads clean
 
 $(VENV)/.core: pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit("scenic-ref needs Python 3.11 or later" if sys.version_info < (3, 11) else 0)'
@@ -17,7 +17,7 @@ $(VENV)/.core: pyproject.toml constraints.txt
 	touch $@
 
 $(VENV)/.test: $(VENV)/.core
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[fast,data,cluster,dynamics,sumo,pyro,arviz,play,test,style]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[fast,data,geo,cluster,dynamics,sumo,pyro,arviz,play,test,style]'
 	touch $@
 
 $(VENV)/.docs: $(VENV)/.core
@@ -85,6 +85,11 @@ docs: $(VENV)/.docs
 	$(BIN)/python docs/generate.py
 	$(BIN)/python docs/textmate.py
 	$(BIN)/mkdocs build --strict --quiet
+	@! grep -rlE '<(script|link)[^>]*(src|href)="https?://' site --include='*.html' || { echo "these pages need a network"; exit 1; }
+
+## The pictures of the README and the first page of the documentation, docs/images/
+showcase: $(VENV)/.core
+	$(BIN)/python docs/showcase.py
 
 ## The manual page, scenic-ref.1, from the same source as --help; `man ./scenic-ref.1` shows it
 man: $(VENV)/.core

@@ -12,16 +12,17 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from . import errors
+    from .formats.geodata import save_map
     from .formats.scenes import Scene, SceneObject
     from .scenario import Scenario, load, loads
 
 __version__ = "0.1.0"
 
-__all__ = ["Scenario", "Scene", "SceneObject", "__version__", "errors", "load", "loads"]
+__all__ = ["Scenario", "Scene", "SceneObject", "__version__", "errors", "load", "loads", "save_map"]
 
 _HOMES = {
     "Scene": ".formats.scenes", "SceneObject": ".formats.scenes", "Scenario": ".scenario", "load": ".scenario", "loads": ".scenario",
-    "errors": ".errors",
+    "errors": ".errors", "save_map": ".formats.geodata",
 }
 
 

@@ -18,6 +18,10 @@ from .options import Source
 MOST_DRAWN = 8
 MOST_LISTED = 400
 WIDTH, HEIGHT, FOOT = 900, 130, 24
+MARGIN, TOP = 64, 8
+"""What the axis of the shares takes at the left, and half the height of its uppermost number."""
+LETTER, LONGEST = 5.2, 20
+"""The width of a letter of a label, and how many letters a slanted one has at most."""
 
 
 def check_report_paths(report: str | None, junit: str | None, read: Mapping[str, str | None]) -> None:
@@ -56,22 +60,34 @@ def _row(feature: Feature) -> str:
 
 
 def _drawn(feature: Feature) -> str:
-    """One feature: the frequencies of its cells, side by side."""
+    """One feature: the frequencies of its cells, side by side, with the axis of the shares and the labels of the cells."""
     a, b = sum(feature.counts) or 1.0, sum(feature.others) or 1.0
     cells = [(label, x / a, y / b) for label, x, y in zip(feature.labels, feature.counts, feature.others, strict=True) if x or y]
     highest = max((max(x, y) for _, x, y in cells), default=1.0) or 1.0
-    step = WIDTH / max(1, len(cells))
-    bars = "".join(_bar(i * step, step, label, x, y, highest) for i, (label, x, y) in enumerate(cells))
-    note = f"e-value 10^{feature.evidence:.1f}, total variation {feature.distance:.2%} in {len(cells)} cells (point at a bar to see which)"
-    note += f"; the highest bar is {highest:.1%}"
-    return (
-        f'<div class="feature"><h3>{escape(feature.name)}</h3><p>{escape(note)}</p>'
-        f'<svg viewBox="0 0 {WIDTH} {HEIGHT + FOOT}" role="img" aria-label="{escape(feature.name)}">{bars}</svg></div>'
-    )
+    step = (WIDTH - MARGIN) / max(1, len(cells))
+    slanted = any(len(label) * LETTER > step for label, _, _ in cells)
+    bars = "".join(_bar(MARGIN + i * step, step, label, x, y, highest, slanted=slanted) for i, (label, x, y) in enumerate(cells))
+    note = f"e-value 10^{feature.evidence:.1f}, total variation {feature.distance:.2%} in {len(cells)} cells (point at a bar for its numbers)"
+    foot = 14 + 0.6 * LETTER * min(LONGEST, max(len(label) for label, _, _ in cells)) if slanted else FOOT
+    name, box = escape(feature.name), f"0 {-TOP} {WIDTH} {HEIGHT + foot + TOP:.0f}"
+    picture = f'<svg viewBox="{box}" role="img" aria-label="{name}">{shares(highest)}{bars}</svg>'
+    return f'<div class="feature"><h3>{name}</h3><p>{escape(note)}</p>{picture}</div>'
 
 
-def _bar(left: float, step: float, label: str, x: float, y: float, highest: float) -> str:
-    """The two bars of a cell, with its label if there is room; pointing at them shows the exact numbers."""
+def shares(highest: float) -> str:
+    """The axis of the shares, in round steps, with a line across for each."""
+    step = 10.0 ** math.floor(math.log10(highest))
+    step = next(step * k for k in (0.2, 0.25, 0.5, 1, 2) if highest / (step * k) <= 5)
+    lines = []
+    for k in range(math.floor(highest / step + 1e-9) + 1):
+        y = HEIGHT * (1 - k * step / highest)
+        lines.append(f'<line class="grid" x1="{MARGIN}" x2="{WIDTH}" y1="{y:.1f}" y2="{y:.1f}"/>')
+        lines.append(f'<text x="{MARGIN - 6}" y="{y + 3.5:.1f}" text-anchor="end">{100 * k * step:g}%</text>')
+    return "".join(lines)
+
+
+def _bar(left: float, step: float, label: str, x: float, y: float, highest: float, *, slanted: bool) -> str:
+    """The two bars of a cell, with its label; pointing at them shows the exact numbers."""
     width = step * 0.38
     tip = f"<title>{escape(label)}: {x:.3%} of the samples, {y:.3%} expected</title>"
     rects = "".join(
@@ -79,9 +95,11 @@ def _bar(left: float, step: float, label: str, x: float, y: float, highest: floa
         f'width="{width:.1f}" height="{HEIGHT * v / highest:.1f}">{tip}</rect>'
         for k, (name, v) in enumerate((("one", x), ("other", y)))
     )
-    room = max(1, math.floor(step / 5.2))
-    text = label if len(label) <= room else ""
-    return f'{rects}<text x="{left + step / 2:.1f}" y="{HEIGHT + 14}" text-anchor="middle">{escape(text)}</text>'
+    middle = f'x="{left + step / 2:.1f}" y="{HEIGHT + 14}"'
+    if not slanted:
+        return f'{rects}<text {middle} text-anchor="middle">{escape(label)}</text>'
+    text = label if len(label) <= LONGEST else f"{label[: LONGEST - 1]}\N{HORIZONTAL ELLIPSIS}"
+    return f'{rects}<text {middle} text-anchor="end" transform="rotate(-35 {left + step / 2:.1f} {HEIGHT + 10})">{escape(text)}</text>'
 
 
 def write_junit(path: str, verdict: Verdict, source: Source, samples: str) -> None:

@@ -15,11 +15,15 @@ if TYPE_CHECKING:
 
 NAMES = {"left": "left turns", "right": "right turns", "u_turn": "U-turns", "merge": "from lane to lane outside intersections"}
 """Of kinds of maneuvers, where they are not those of the JSON."""
+SITES = (".geojson", ".json", ".wkt", ".shp")
+UNITS = {"areas": "m²", "lines": "m", "points": ""}
+"""Of the sizes of features."""
 
 
 def show_map(
     file: Annotated[
-        str | None, typer.Argument(metavar="FILE", help="The map: an OpenDRIVE file (.xodr); with --make, where to write it, or -.")
+        str | None,
+        typer.Argument(metavar="FILE", help="The map: roads (.xodr), or one's own (.geojson, .wkt, .shp); with --make, where it is written, or -."),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="As JSON.")] = False,
     plot: Annotated[str | None, typer.Option("--plot", metavar="PICTURE", help="Draw the map: a .png, .pdf or .svg file.")] = None,
@@ -34,7 +38,7 @@ def show_map(
     param: Annotated[list[str] | None, typer.Option("-p", "--param", metavar="NAME=VALUE", help="A parameter of --make.")] = None,
     debug: DebugOption = False,
 ) -> None:
-    """Say what is in a road map: roads, lanes, intersections, and the maneuvers through them; or make one.
+    """Say what is in a map: roads, lanes, intersections, and the maneuvers through them, or the features of one's own; or make a road map.
 
     Roads are counted outside intersections; lanes are counted everywhere. Lengths are in metres.
 
@@ -59,6 +63,11 @@ def show_map(
         write(file, text)
     elif param:
         raise UsageError("-p gives parameters of --make")
+    if Path(file).suffix.lower() in SITES:
+        if check:
+            raise UsageError("--check is about road maps")
+        show_site(file, as_json=as_json, plot=plot)
+        return
     from ..maps import read_map
     from ..maps.summary import faults, summary
 
@@ -75,6 +84,30 @@ def show_map(
         write(plot, drawn(network, plot))
     if found:
         raise typer.Exit(1)
+
+
+def show_site(file: str, *, as_json: bool, plot: str | None) -> None:
+    """Say what is on a map of one's own, and draw it."""
+    from ..formats.geodata import read_site
+    from ..formats.site_pictures import site_picture
+    from .columns import columns
+    from .files import write
+
+    site = read_site(Path(file))
+    told = site.summary()
+    if as_json:
+        print(json.dumps(told, ensure_ascii=False, indent=2))
+    else:
+        rows = []
+        for one in cast("list[dict[str, object]]", told["features"]):
+            heading = "" if one["heading"] is None else f"{one['heading']:g}°"
+            rows.append((str(one["name"] or ""), str(one["kind"]), f"{one['size']:,.1f} {UNITS[str(one['kind'])]}".rstrip(), heading))
+        west, south, east, north = cast("list[float]", told["bounds"])
+        print("\n".join(columns(("name", "kind", "size", "heading"), rows)))
+        print(f"bounds         {west:.1f} to {east:.1f} m East, {south:.1f} to {north:.1f} m North")
+        print("".join(f"note: {note}\n" for note in cast("list[str]", told["notes"])), end="")
+    if plot is not None:
+        write(plot, site_picture(site, format=Path(plot).suffix[1:].lower()))
 
 
 def explained(kind: str | None) -> list[str]:

@@ -39,6 +39,10 @@ ScenarioOption = Annotated[
 ParamOption = Annotated[
     list[str] | None, typer.Option("-p", "--param", metavar="NAME=VALUE", help="A global parameter; wins over the program's.")
 ]
+MapOption = Annotated[
+    str | None,
+    typer.Option("--map", metavar="PATH", show_default=False, help="The parameter map: roads (.xodr), or a map of one's own (.geojson, .wkt, .shp)."),
+]
 AttemptsOption = Annotated[int, typer.Option("--max-attempts", metavar="ATTEMPTS", min=1, help="Give up on a scene after so many attempts.")]
 FuelOption = Annotated[int, typer.Option("--fuel", metavar="STEPS", min=1, help="The most steps that one attempt may take.")]
 LimitMemoryOption = Annotated[
@@ -96,18 +100,30 @@ class Source:
 
 def read_source(
     session: Session, file: str, *, profile: str, reading: list[str] | None, dialect: str | None, model: str | None, param: list[str] | None,
-    fuel: int, trust: bool, limits: Limits, prune: bool = False, scenario: str | None = None, device: str | None = None,
+    fuel: int, trust: bool, limits: Limits, prune: bool = False, scenario: str | None = None, device: str | None = None, map: str | None = None,
 ) -> Source:
-    """The program in `file` under the given options. Raises `UsageError`."""
+    """The program in `file` under the given options; `map` is the global parameter of that name. Raises `UsageError`."""
     from ..interpreter.modules import read_text
 
     session.program = file
     text = read_text(Path(file))
     session.texts[file] = text
+    params = with_map(pairs(param, "-p", "NAME=VALUE"), map)
     return Source(
-        file, text, profile, pairs(reading, "--reading", "ID=ALT"), dialect, model, pairs(param, "-p", "NAME=VALUE"), fuel, trust, prune,
+        file, text, profile, pairs(reading, "--reading", "ID=ALT"), dialect, model, params, fuel, trust, prune,
         scenario, limits, device,
     )
+
+
+def with_map(params: tuple[tuple[str, str], ...], map: str | None) -> tuple[tuple[str, str], ...]:
+    """The global parameters, with the one that `--map` gives. Raises `UsageError` if it is given twice."""
+    from ..semantics.kernel.errors import UsageError
+
+    if map is None:
+        return params
+    if any(name == "map" for name, _ in params):
+        raise UsageError("the map is given twice, by --map and by -p map=...")
+    return (*params, ("map", repr(map)))
 
 
 def limits_of(memory: str, seconds: str) -> Limits:

@@ -18,6 +18,7 @@ from .options import (
     FuelOption,
     LimitMemoryOption,
     LimitSecondsOption,
+    MapOption,
     ModelOption,
     ParamOption,
     ProfileOption,
@@ -52,6 +53,7 @@ def run(
     model: ModelOption = None,
     scenario: ScenarioOption = None,
     param: ParamOption = None,
+    map_file: MapOption = None,
     max_attempts: AttemptsOption = DEFAULT_ATTEMPTS,
     fuel: FuelOption = DEFAULT_FUEL,
     workers: Annotated[int, typer.Option("--workers", metavar="PROCESSES", min=1, help="Use so many processes; the scenes stay the same.")] = 1,
@@ -146,7 +148,7 @@ def run(
     if backend != "importance" and resample:
         raise UsageError("--resample needs --backend importance")
     source = read_source(
-        session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, fuel=fuel, trust=trust,
+        session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, map=map_file, fuel=fuel, trust=trust,
         limits=limits_of(limit_memory, limit_seconds), prune=prune, scenario=scenario, device=device,
     )
     if backend == "enumerate":

@@ -18,6 +18,7 @@ from .options import (
     FuelOption,
     LimitMemoryOption,
     LimitSecondsOption,
+    MapOption,
     ModelOption,
     ParamOption,
     ProfileOption,
@@ -76,6 +77,7 @@ def simulate(
     dialect: DialectOption = None,
     model: ModelOption = None,
     param: ParamOption = None,
+    map_file: MapOption = None,
     max_attempts: AttemptsOption = DEFAULT_ATTEMPTS,
     fuel: FuelOption = DEFAULT_FUEL,
     limit_memory: LimitMemoryOption = DEFAULT_MEMORY,
@@ -110,7 +112,7 @@ def simulate(
     if run is not None and count != 1:
         raise UsageError("--run asks for a single simulation, so -n cannot be given as well")
     source = read_source(
-        session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, fuel=fuel, trust=trust,
+        session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, map=map_file, fuel=fuel, trust=trust,
         limits=limits_of(limit_memory, limit_seconds), scenario=scenario
     )
     first = 0 if run is None else run

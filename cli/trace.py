@@ -18,6 +18,7 @@ from .options import (
     FuelOption,
     LimitMemoryOption,
     LimitSecondsOption,
+    MapOption,
     ModelOption,
     ParamOption,
     ProfileOption,
@@ -53,6 +54,7 @@ def trace(
     dialect: DialectOption = None,
     model: ModelOption = None,
     param: ParamOption = None,
+    map_file: MapOption = None,
     max_attempts: AttemptsOption = DEFAULT_ATTEMPTS,
     fuel: FuelOption = DEFAULT_FUEL,
     limit_memory: LimitMemoryOption = DEFAULT_MEMORY,
@@ -74,7 +76,7 @@ def trace(
     session = context.obj
     session.seed = seed
     source = read_source(
-        session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, fuel=fuel, trust=trust,
+        session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, map=map_file, fuel=fuel, trust=trust,
         limits=limits_of(limit_memory, limit_seconds), scenario=scenario
     )
     if html is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import re
 import textwrap
 import tomllib
@@ -28,8 +29,10 @@ from scenic_ref.formats.sheets import contact_sheet
 from scenic_ref.maps import made_map
 from scenic_ref.maps.making import KINDS
 from scenic_ref.semantics.kernel import allowed
+from scenic_ref.semantics.python.builtins import CONSTRUCTORS, GEOMETRY
 from scenic_ref.semantics.readings import PROFILES, READINGS, Reading, always_decided
 from scenic_ref.semantics.rules import CATALOGUE
+from scenic_ref.semantics.space.regions import Region
 from scenic_ref.semantics.theorems import THEOREMS
 from typer.core import TyperCommand, TyperGroup
 
@@ -41,6 +44,8 @@ MARK, JOIN = re.compile(r"\s+(?=([-+*>#]+|\d+[.)])(\s|$))"), "\0"
 """The space before what would be a mark of Markdown at the beginning of a line, and what stands for it while lines are broken."""
 THEOREM = re.compile(r"(?:\(\*\* (?!\*)(?P<comment>(?:(?!\*\)).)*)\*\)\s*)?^\s*Theorem (?P<name>\w+)", re.DOTALL | re.MULTILINE)
 """A theorem of Coq, with the comment right before it."""
+WITHOUT_CONTENTS = "---\nhide: [toc]\n---\n"
+"""Of pages whose tables need the place."""
 MOST_NAMED, LONGEST_EXAMPLE = 3, 40
 VALUES = "| parameter | default | values | meaning |\n| --- | --- | --- | --- |"
 
@@ -70,7 +75,7 @@ def rules_page() -> str:
         "`scenic-ref conformance --vector NAME` runs one."
     )
     lines = [
-        "# Rules, functions, tests", "", paragraph(about), "",
+        WITHOUT_CONTENTS, "# Rules, functions, tests", "", paragraph(about), "",
         "| rule | the paper's name or left-hand side | place in the paper | function | vectors |", "| --- | --- | --- | --- | --- |",
     ]
     named_by: dict[str, list[str]] = {}
@@ -81,7 +86,8 @@ def rules_page() -> str:
         names = named_by.get(rule.id, ["tests/semantics/test_resolution.py"])
         more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
         named = ", ".join(f"`{name}`" for name in names[:MOST_NAMED]) + more
-        lines.append(f"| `{rule.id}` | {cell(rule.name)} | {cell(rule.place)} | `{rule.code}` | {named} |")
+        code = rule.code.replace(".", ".<wbr>")
+        lines.append(f"| `{rule.id}` | {cell(rule.name)} | {cell(rule.place)} | <code>{code}</code> | {named} |")
     return "\n".join(lines) + "\n"
 
 
@@ -201,13 +207,33 @@ def productions_page() -> str:
 
 
 def commands_page(application: typer.Typer = app) -> str:
-    """What `--help` says of every command that the application has, then the exit codes."""
-    command = cast(TyperGroup, typer.main.get_command(application))  # what Typer draws its commands from is click, or a copy of it
-    lines = ["# Command line", ""]
-    for name, text in helps(command, "scenic-ref"):
-        lines += [f"## `{name}`", "", "```text", text, "```", ""]
-    lines += ["## Exit codes", "", "| code | meaning |", "| --- | --- |", *(f"| {code} | {cell(text)} |" for code, text in EXIT_CODES.items())]
+    """What `--help` says of the application, its commands with their pages, and the exit codes."""
+    (_, text), *commands = helps_of(application)
+    lines = ["# Command line", "", "```text", text, "```", "", "| command | what it does |", "| --- | --- |"]
+    lines += [f"| [`{name}`]({page_of(name)}) | {cell(first_words(text))} |" for name, text in commands]
+    lines += ["", "## Exit codes", "", "| code | meaning |", "| --- | --- |", *(f"| {code} | {cell(text)} |" for code, text in EXIT_CODES.items())]
     return "\n".join(lines) + "\n"
+
+
+def command_pages(application: typer.Typer = app) -> dict[str, str]:
+    """A page for each command: what its `--help` says."""
+    _, *commands = helps_of(application)
+    return {page_of(name): f"# `{name}`\n\n```text\n{text}\n```\n\n[All commands](../commands.md)\n" for name, text in commands}
+
+
+def first_words(text: str) -> str:
+    """What a command does: the first paragraph below its usage."""
+    return " ".join(text.split("\n\n")[1].split())
+
+
+def page_of(name: str) -> str:
+    """The place of a command's page."""
+    return f"commands/{name.partition(' ')[2].replace(' ', '-')}.md"
+
+
+def helps_of(application: typer.Typer) -> list[tuple[str, str]]:
+    """What `--help` says of the application, then of each of its commands."""
+    return list(helps(cast(TyperGroup, typer.main.get_command(application)), "scenic-ref"))  # typer draws them from click, or a copy of it
 
 
 def helps(command: TyperCommand | TyperGroup, name: str) -> Iterator[tuple[str, str]]:
@@ -225,6 +251,33 @@ def maps_page() -> str:
         rows = (f"| `{one}` | {found.default} | {found.values} | {found.about} |" for one, found in kind.parameters.items())
         lines += ["", f"## {name}", "", paragraph(f"It has {kind.description}."), "", VALUES, *rows]
     return "\n".join(lines) + "\n"
+
+
+def constructors_page() -> str:
+    """Every region, field and distribution that a program can make: how it is called, what it is, and an example."""
+    lines = ["# Regions, fields and distributions", "", "Lengths are in metres, headings in radians to the left of North (`30 deg` writes degrees)."]
+    lines += ["", "## Regions and fields"]
+    for constructor in sorted(made_by_programs(), key=lambda one: one.__name__):
+        parameters = [one.replace(annotation=inspect.Parameter.empty) for one in inspect.signature(constructor).parameters.values()]
+        lines += described(f"{constructor.__name__}{inspect.Signature(parameters)}".replace("<everywhere>", "everywhere"), constructor)
+    lines += ["", "## Distributions"]
+    for name, constructor in CONSTRUCTORS.items():
+        if not name.startswith("Verifai"):
+            lines += described(f"{name}({constructor.takes})", constructor.make)
+    return "\n".join(lines) + "\n"
+
+
+def made_by_programs() -> list[type]:
+    """The classes of regions and fields."""
+    return [found for found in GEOMETRY.values() if isinstance(found, type) and found is not Region]
+
+
+def described(call: str, made: object) -> Iterator[str]:
+    """The docstring of what a call makes, which ends with an example, as a section."""
+    text, _, example = (inspect.getdoc(made) or "").rpartition("\n\nExample: ")
+    paragraphs = [paragraph(" ".join(part.split())) for part in text.split("\n\n")]
+    yield from ("", f"### {call.partition('(')[0]}", "", "```python", call, "```", "", "\n\n".join(paragraphs))
+    yield from ("", "```scenic", example.strip().strip("`"), "```")
 
 
 def differences_page() -> str:
@@ -382,15 +435,16 @@ def outcome(counts: Counter[str]) -> str:
 PAGES = {
     "rules.md": rules_page, "proofs.md": proofs_page, "readings.md": readings_page, "commands.md": commands_page, "allowed.md": allowed_page,
     "listings.md": listings_page, "productions.md": productions_page, "differences.md": differences_page, "campaigns.md": campaigns_page,
-    "maps.md": maps_page,
+    "maps.md": maps_page, "constructors.md": constructors_page,
 }  # fmt: skip
 
 
 def main() -> None:
     """Write all pages."""
     HERE.mkdir(exist_ok=True)
-    for name, page in PAGES.items():
-        (HERE / name).write_text(page(), encoding="utf-8")
+    (HERE / "commands").mkdir(exist_ok=True)
+    for name, text in {**{name: page() for name, page in PAGES.items()}, **command_pages()}.items():
+        (HERE / name).write_text(text, encoding="utf-8")
     for name, drawn in pictures():
         (HERE / name).parent.mkdir(exist_ok=True)
         (HERE / name).write_bytes(drawn())

@@ -22,17 +22,21 @@ from .maps import Window, draw_map, polygons_in
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure, SubFigure
+    from shapely.geometry.base import BaseGeometry
 
     from .scenes import Scene, SceneObject
 
 FORMATS = ("png", "pdf", "svg")
-LAND, EDGE, EGO, INK = "#e4e4e1", "#c2c2bd", "#d1495b", "#222222"
-CLASSES = ("#30638e", "#4f8a5b", "#b8860b", "#7b5ea7", "#3f8f8f", "#8c564b")  # of the objects other than ego, by class
+LAND, EDGE, EGO, INK = "#e4e4e1", "#c2c2bd", "#d55e00", "#222222"
+CLASSES = ("#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#555555")
+"""Of the objects other than ego, by class: with ego's, the colours of Okabe and Ito, which people of any colour vision tell apart."""
 MARGIN = 8.0  # metres around the objects, at most
 FARTHEST = 1e9  # metres from the origin that can still be told apart in a picture
 CROWD = 8  # with more objects than this, only those with a name are labelled, and colours are explained
 SIDE = 3.6  # inches of a small multiple
 ALONE = 6.5  # inches of a picture of one scene
+LETTER, LINE = 0.62, 1.35  # a letter's width and a line's height, in sizes of the font, both with some room
+INCH = 72  # points
 ARC_STEP = math.radians(2)
 CIRCLE_SIDES = 256
 
@@ -107,16 +111,20 @@ def figure_of(scenes: Sequence[Scene], roads: Region | None) -> Figure:
 
 
 def draw_scenes(figure: Figure | SubFigure, scenes: Sequence[Scene], roads: Region | None) -> None:
-    """The same, in a figure that is there."""
+    """The same, in a figure that is there, with what the colours mean below."""
     from matplotlib.patches import Patch
 
     rows, columns, _ = size_of(len(scenes))
     colours = colours_of(scenes)
+    seen = False
     for number, scene in enumerate(scenes):
-        draw(figure.add_subplot(rows, columns, number + 1), scene, roads, colours, small=len(scenes) > 1)
-    if len(colours) > 1 and any(len(scene.objects) > CROWD for scene in scenes):
-        patches = [Patch(facecolor=colour, alpha=0.7, label=name) for name, colour in {"ego": EGO, **colours}.items()]
-        figure.legend(handles=patches, loc="outside lower center", ncols=min(len(patches), 4 * columns), frameon=False, fontsize=8)
+        seen |= draw(figure.add_subplot(rows, columns, number + 1), scene, roads, colours, small=len(scenes) > 1)
+    egos = {"ego": EGO} if any(scene.ego_id is not None for scene in scenes) else {}
+    patches = [Patch(facecolor=colour, alpha=0.7, label=shortened(name)) for name, colour in (egos | colours).items()]
+    if seen:
+        patches.append(Patch(facecolor=(EGO, 0.10), edgecolor=(EGO, 0.45), label="what ego can see"))
+    if len(patches) > len(egos):
+        figure.legend(handles=patches, loc="outside lower center", ncols=min(len(patches), max(5, 3 * columns)), frameon=False, fontsize=8)
 
 
 def colours_of(scenes: Sequence[Scene]) -> dict[str, str]:
@@ -129,8 +137,8 @@ def colours_by_class(names: Iterable[str]) -> dict[str, str]:
     return dict(zip(dict.fromkeys(names), itertools.cycle(CLASSES), strict=False))
 
 
-def draw(axes: Axes, scene: Scene, roads: Region | None, colours: Mapping[str, str], *, small: bool) -> None:
-    """One scene: its workspace, ego's view, the objects with their headings and names, and a scale."""
+def draw(axes: Axes, scene: Scene, roads: Region | None, colours: Mapping[str, str], *, small: bool) -> bool:
+    """One scene: its workspace, ego's view, the objects with their headings and names, and a scale. Whether ego's view is part of it."""
     west, south, east, north = window = window_of(scene)
     axes.set_aspect("equal")
     axes.set_xlim(west, east)
@@ -144,12 +152,12 @@ def draw(axes: Axes, scene: Scene, roads: Region | None, colours: Mapping[str, s
     for spine in axes.spines.values():
         spine.set_edgecolor("#bbbbbb")
     draw_land(axes, scene.workspace if roads is None else roads, window)
-    if scene.ego_id is not None:
-        draw_view(axes, scene.ego, window)
+    seen = scene.ego_id is not None and draw_view(axes, scene.ego, window)
     for o in scene.objects:
         draw_object(axes, o, EGO if o.id == scene.ego_id else colours[o.class_name], east - west)
-    draw_names(axes, scene, size, east - west)
+    draw_names(axes, scene, size, window)
     draw_scale(axes, window, size)
+    return seen
 
 
 def window_of(scene: Scene) -> Window:
@@ -163,6 +171,13 @@ def window_of(scene: Scene) -> Window:
     half = 1e-6 + extent / 2 + min(MARGIN, extent * (2.0 if len(scene.objects) == 1 else 0.25)) if extent else MARGIN / 2
     x, y = (west + east) / 2, (south + north) / 2
     return x - half, y - half, x + half, y + half
+
+
+def bounds_of_shape(shapes: Sequence[BaseGeometry]) -> Window:
+    """What holds all of the shapes, and a little of what surrounds them."""
+    west, south, east, north = (float(x) for x in shapely.total_bounds(np.array(shapes, dtype=object)))
+    margin = 0.04 * max(east - west, north - south) or 1.0
+    return west - margin, south - margin, east + margin, north + margin
 
 
 def draw_land(axes: Axes, region: object, window: Window) -> None:
@@ -187,14 +202,16 @@ def land_in(region: object, window: Window) -> list[shapely.Polygon]:
     return polygons_in(shapely.intersection(region.approximate(CIRCLE_SIDES, box).cover, box))
 
 
-def draw_view(axes: Axes, ego: SceneObject, window: Window) -> None:
-    """Ego's visible region, the sector of its view angle and view distance, unless it is all that one sees."""
+def draw_view(axes: Axes, ego: SceneObject, window: Window) -> bool:
+    """Ego's visible region, the sector of its view angle and view distance, unless it is all that the picture shows. Whether it was drawn."""
     from matplotlib.patches import Polygon
 
     points = view_of(ego, window)
-    if points:
-        axes.add_patch(Polygon(points, closed=True, facecolor=EGO, alpha=0.10, linewidth=0, zorder=1))
-        axes.add_patch(Polygon(points, closed=True, fill=False, edgecolor=EGO, alpha=0.45, linewidth=0.7, zorder=1))
+    if not points:
+        return False
+    axes.add_patch(Polygon(points, closed=True, facecolor=EGO, alpha=0.10, linewidth=0, zorder=1))
+    axes.add_patch(Polygon(points, closed=True, fill=False, edgecolor=EGO, alpha=0.45, linewidth=0.7, zorder=1))
+    return True
 
 
 def view_of(ego: SceneObject, window: Window) -> list[tuple[float, float]]:
@@ -232,24 +249,54 @@ def draw_object(axes: Axes, o: SceneObject, colour: str, across: float) -> None:
         axes.plot([x], [y], marker="o", markersize=3, color=colour, zorder=5)
 
 
-def draw_names(axes: Axes, scene: Scene, size: int, across: float) -> None:
-    """The name of each object that has one, else its class unless there are many, just outside its box."""
+def draw_names(axes: Axes, scene: Scene, size: int, window: Window) -> None:
+    """The name of each object that has one, else its class unless there are many, beside its box and on no other if there is room."""
     from matplotlib.patheffects import withStroke
 
-    taken: list[tuple[float, float]] = []
     crowded = len(scene.objects) > CROWD
-    for o in scene.objects:
-        if crowded and not o.name:
-            continue
-        text = o.name or o.class_name
-        x, y = o.position
-        half = max(abs(c.y - y) for c in corners(o.position, o.heading, o.width, o.length))
-        line = across / 22
-        spots = [(y - half - across / 80 - k * line, "top") for k in range(2)] + [(y + half + across / 80 + k * line, "bottom") for k in range(3)]
-        spot, side = next(((s, v) for s, v in spots if all(abs(s - b) > line * 0.9 or abs(x - a) > across / 6 for a, b in taken)), spots[0])
-        taken.append((x, spot))
-        label = axes.text(x, spot, text, ha="center", va=side, fontsize=size - 1, color=INK if o.name else "#666666", zorder=6, clip_on=True)
+    named = [o for o in scene.objects if o.name or not crowded]
+    point = (window[2] - window[0]) / (INCH * (SIDE if size < 9 else ALONE))
+    boxes = [bounds_of(o) for o in scene.objects]
+    taken: list[Window] = []
+    for o in named:
+        text = shortened(o.name or o.class_name)
+        spot = room_for(len(text) * LETTER * size * point, LINE * size * point, bounds_of(o), [*boxes, *taken], window)
+        taken.append(spot)
+        x, y = (spot[0] + spot[2]) / 2, (spot[1] + spot[3]) / 2
+        label = axes.text(x, y, text, ha="center", va="center", fontsize=size - 1, color=INK if o.name else "#666666", zorder=6, clip_on=True)
         label.set_path_effects([withStroke(linewidth=2, foreground="white", alpha=0.85)])
+
+
+def bounds_of(o: SceneObject) -> Window:
+    """What holds the box of an object."""
+    points = corners(o.position, o.heading, o.width, o.length)
+    return min(p.x for p in points), min(p.y for p in points), max(p.x for p in points), max(p.y for p in points)
+
+
+def room_for(width: float, height: float, box: Window, others: Sequence[Window], window: Window) -> Window:
+    """Where a text is best put beside a box: below, above, right or left of it, or further off, wherever least of others is covered."""
+    west, south, east, north = box
+    x, y, gap = (west + east) / 2, (south + north) / 2, height / 4
+    spots = []
+    for further in (0.0, height, 2 * height):
+        spots += [(x, south - gap - height / 2 - further), (x, north + gap + height / 2 + further)]
+        spots += [(east + gap + width / 2 + further, y), (west - gap - width / 2 - further, y)]
+    rooms = [(a - width / 2, b - height / 2, a + width / 2, b + height / 2) for a, b in spots]
+
+    def covered(room: Window) -> float:
+        return round(sum(common_area(room, other) for other in others) / (width * height) - common_area(room, window) / (width * height), 3)
+
+    return min(rooms, key=covered)
+
+
+def common_area(one: Window, other: Window) -> float:
+    """The area that two rectangles have in common."""
+    return max(0.0, min(one[2], other[2]) - max(one[0], other[0])) * max(0.0, min(one[3], other[3]) - max(one[1], other[1]))
+
+
+def shortened(name: str, longest: int = 24) -> str:
+    """A name that fits into a picture."""
+    return name if len(name) <= longest else f"{name[: longest - 1]}\N{HORIZONTAL ELLIPSIS}"
 
 
 def draw_scale(axes: Axes, window: Window, size: int) -> None:

@@ -42,7 +42,7 @@ from ..semantics.syntax import Program
 from ..simulators import by_name
 from ..simulators.protocol import Simulator
 from ..simulators.simulating import Failed
-from ..simulators.worlds import WORLDS, driving
+from ..simulators.worlds import modules_of
 from ..simulators.worlds.names import MODELS_BY_NAME
 from .checking import check_settings, check_whole
 from .conditioning import conditioned
@@ -93,9 +93,8 @@ class Scenario(Portable, Shown):
     @cached_property
     def settings(self) -> Settings:
         """What stays the same during the runs of this scenario."""
-        worlds = {**WORLDS, **driving.modules(self.program, self.params, self.directory)}
         library = library_of(
-            self.program, worlds=worlds, model=self.model, trust=self.trust, directory=self.directory,
+            self.program, worlds=modules_of(self.program, self.params, self.directory), model=self.model, trust=self.trust, directory=self.directory,
             dialect=self.program.dialect if self.program.dialect != "paper" else None,
         )
         world = None if self.model is None else module_named(self.model, library)

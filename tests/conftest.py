@@ -41,11 +41,25 @@ def pytest_configure(config: pytest.Config) -> None:
     """The marker; a list of what is wrong with the run as a whole; a mark on all that it, or this worker of it (`pytest -n 2`), starts."""
     config.addinivalue_line("markers", "extra(name): the test needs the packages of this extra of scenic-ref")
     config.addinivalue_line("markers", "slow: the test takes long, and is left to `make test-all`")
+    config.addinivalue_line("markers", "sampled(n): of the cases of the test only every n-th is quick, the others are slow")
     config.stash[PROBLEMS] = []
     config.stash[SECONDS] = Counter()
     os.environ[RUN] = str(os.getpid())
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # as in the background of a shell: what tests start, and interrupt, would ignore it too
         signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Of a test that is sampled, all cases but some are slow; before those that are asked for are chosen."""
+    cases: Counter[str] = Counter()
+    for item in items:
+        mark = item.get_closest_marker("sampled")
+        if mark is not None:
+            name = item.nodeid.partition("[")[0]
+            if cases[name] % mark.args[0]:
+                item.add_marker("slow")
+            cases[name] += 1
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -34,7 +34,7 @@ ONLY_IN = {
     "matplotlib": {
         "formats/notebooks.py", "formats/scenes.py", "scenario/showing.py",
         "formats/chains.py", "formats/comparisons.py", "formats/maps.py", "formats/pictures.py", "formats/map_pictures.py", "formats/movies.py",
-        "formats/sheets.py", "benchmarks/bars.py",
+        "formats/sheets.py", "formats/site_pictures.py", "benchmarks/bars.py",
     },
     "PIL": {"formats/movies.py"},
     "pygments": {"formats/highlighting.py"}, "pyarrow": {"formats/arrow.py", "formats/table_files.py", "scenario/drawn.py"},
@@ -43,6 +43,7 @@ ONLY_IN = {
     "pymunk": {"simulators/physics.py"}, "sumo": {"simulators/traffic.py"}, "traci": {"simulators/traffic.py"},
     "starlette": {"cli/playground/server.py"}, "uvicorn": {"cli/playground/server.py"},
     "arviz": {"formats/chains.py"}, "pyro": {"inference/with_pyro.py"},
+    "pyproj": {"formats/geodata.py"}, "shapefile": {"formats/geodata.py"},
     "torch": {"inference/with_pyro.py", *(f"inference/batch/tensors/{name}.py" for name in TENSORS)},
     "numba": {"inference/batch/compile/kernels.py"}, "llvmlite": {"inference/batch/compile/kernels.py"},
 }
@@ -171,6 +172,7 @@ def components(graph: dict[str, set[str]]) -> list[set[str]]:
     return [{b for b in reach[a] if a in reach.get(b, set())} for a in graph if a in reach[a]]
 
 
+@pytest.mark.slow
 def test_imports_inside_functions_are_of_what_is_slow_to_load():
     """None hides a circle: what is imported late must not import, by whatever way, the module that imports it."""
     graph: dict[str, set[str]] = {}
@@ -205,6 +207,7 @@ def test_scripts_are_imported_by_nobody():
     assert not [str(p) for p in modules() for _, module, _ in imports(p) if f"{p.parent.name}.{module}" in names or module.endswith(tuple(names))]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("script", sorted(SCRIPTS))
 def test_scripts_can_be_run_by_their_paths(script):
     code = f"import sys; sys.path[0] = {str(ROOT / 'benchmarks')!r}; import {Path(script).stem}"
@@ -275,6 +278,7 @@ def test_help_loads_the_commands_and_nothing_that_does_their_work():
     assert not {"numpy", "scipy", "shapely", "lark", "asyncio"} & set(loaded.split())
 
 
+@pytest.mark.slow
 def test_the_core_needs_none_of_the_extras():
     code = "import sys, scenic_ref.scenario; print([m for m in ('torch', 'pyro', 'pymunk', 'pyarrow', 'numba', 'matplotlib') if m in sys.modules])"
     assert subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout.strip() == "[]"
@@ -296,6 +300,7 @@ TIME = {"simulators/physics.py", "testing/simulators.py"}
 """Their loops go from one time step of a simulator to the next."""
 
 
+@pytest.mark.slow
 def test_a_class_name_means_one_thing():
     homes: dict[str, list[str]] = {}
     for path in modules():

@@ -5,15 +5,18 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import inspect
+import io
 import re
 from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 from typing import get_args
 
+import numpy as np
 import pytest
 import scenic_ref
 import typer
+from PIL import Image
 from scenic_ref import semantics
 from scenic_ref.cli import INTERRUPTED
 from scenic_ref.cli.app import EXIT_CODES, app
@@ -46,7 +49,7 @@ def generate() -> ModuleType:
 @pytest.fixture(scope="module")
 def pages(generate: ModuleType) -> dict[str, str]:
     """The generated pages."""
-    return {name: page() for name, page in generate.PAGES.items()}
+    return {**{name: page() for name, page in generate.PAGES.items()}, **generate.command_pages()}
 
 
 def sections(page: str) -> dict[str, str]:
@@ -60,10 +63,10 @@ def commands() -> dict[str, TyperCommand]:
 
 
 def test_every_command_has_its_help_with_every_option(pages: dict[str, str]):
-    found = sections(pages["commands.md"])
     assert {"run", "simulate", "bench"} < set(commands())
     for name, command in commands().items():
-        text = found[f"scenic-ref {name}"]
+        text = pages[f"commands/{name}.md"]
+        assert f"[`scenic-ref {name}`](commands/{name}.md)" in pages["commands.md"]
         for parameter in command.params:
             assert all(option in text for option in parameter.opts if option.startswith("-")), parameter.name
         for option in ("--debug", "--help"):
@@ -78,15 +81,14 @@ def test_a_new_command_gets_its_help(generate: ModuleType):
     def newest(colour: str = "red") -> None:
         """Paint it."""
 
-    text = sections(generate.commands_page(grown))["scenic-ref newest"]
-    assert "Paint it." in text
-    assert "--colour" in text
+    assert "| [`scenic-ref newest`](commands/newest.md) | Paint it. |" in generate.commands_page(grown)
+    assert "--colour" in generate.command_pages(grown)["commands/newest.md"]
 
 
 def test_every_rule_has_its_row(pages: dict[str, str]):
     rows = {line.split("`")[1]: line for line in pages["rules.md"].splitlines() if line.startswith("| `")}
     assert set(rows) == {rule.id for rule in CATALOGUE}
-    assert all(f"`{rule.code}`" in rows[rule.id] for rule in CATALOGUE)
+    assert all(f"<code>{rule.code}</code>" in rows[rule.id].replace("<wbr>", "") for rule in CATALOGUE)
 
 
 def test_every_reading_has_its_section_with_every_alternative(pages: dict[str, str]):
@@ -236,3 +238,43 @@ def test_lines_of_generated_pages_are_not_too_long(pages: dict[str, str]):
 def test_a_line_that_is_too_long_is_seen():
     words = "word " * 25
     assert too_long(f"{words}\n- {words}\n```\n{words}\n```\n| {words} |\n[x](http://{'a' * 100})\n") == [words, f"- {words}"]
+
+
+def test_every_region_field_and_distribution_has_an_example_that_runs(pages: dict[str, str]) -> None:
+    """The docstrings end with them."""
+    page = pages["constructors.md"]
+    titles = re.findall(r"^### (\w+)$", page, re.MULTILINE)
+    examples = re.findall(r"^```scenic\n(.+)\n```$", page, re.MULTILINE)
+    assert len(titles) == len(examples) == len(set(titles)) > 15
+    for title, example in zip(titles, examples, strict=True):
+        assert title in example
+        text = example if "ego" in example else f"{example}\nego = Object"
+        assert scenic_ref.loads(text).sample().ego is not None
+
+
+@pytest.mark.slow
+def test_the_pictures_of_the_readme_are_current() -> None:
+    """Texts exactly, pictures but for what another version of a library draws otherwise."""
+    found = importlib.util.spec_from_file_location("showcase", ROOT / "docs" / "showcase.py")
+    assert found is not None and found.loader is not None
+    showcase = importlib.util.module_from_spec(found)
+    found.loader.exec_module(showcase)
+    for name, make in showcase.MADE.items():
+        old, new = (ROOT / "docs" / "images" / name).read_bytes(), make()
+        assert f"docs/images/{name}" in (ROOT / "README.md").read_text() and len(new) < 700_000
+        if name.endswith(".svg"):
+            assert old == new, f"`make showcase` writes another {name}"
+        else:
+            before, after = (pixels(data) for data in (old, new))
+            assert before.shape == after.shape and abs(before - after).mean() < 1, f"`make showcase` writes another {name}"
+
+
+def pixels(data: bytes) -> np.ndarray:
+    """The colours of the last picture, and of the first one of a GIF, by how many pictures there are."""
+    image = Image.open(io.BytesIO(data))
+    count = getattr(image, "n_frames", 1)
+    frames = []
+    for number in (0, count - 1):
+        image.seek(number)
+        frames.append(np.asarray(image.convert("RGB"), dtype=float))
+    return np.stack([*frames, np.full_like(frames[0], count)])

@@ -17,6 +17,7 @@ from scenic_ref.semantics.kernel.errors import UsageError
 from scenic_ref.simulators import by_name
 
 ROOT = Path(__file__).parent.parent
+IMPORTED_AS = {"pyro-ppl": "pyro", "eclipse-sumo": "sumo", "pyshp": "shapefile"}
 COMPILER = tuple(path.stem for path in (ROOT / "inference" / "batch" / "compile").glob("[!_]*.py"))
 
 
@@ -32,7 +33,7 @@ def afresh(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_the_table_of_extras_is_that_of_the_package():
     extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
     packages = ((package.split(">")[0], name) for name in EXTRAS.values() for package in extras[name] if "[" not in package)
-    ours = {package.removesuffix("-ppl").removeprefix("eclipse-"): name for package, name in packages}
+    ours = {IMPORTED_AS.get(package, package): name for package, name in packages}
     assert ours == EXTRAS
     assert set(extras) == {*EXTRAS.values(), "test", "style", "docs", "all"}
 

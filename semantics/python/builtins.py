@@ -24,10 +24,18 @@ from .specials import SPECIAL_VALUES
 
 
 def _uniform(*values: object) -> Uniform:
+    """One of the values, each as likely; one that stands twice is twice as likely.
+
+    Example: `ego = Object with color Uniform('red', 'green')`
+    """
     return Uniform(values)
 
 
 def _discrete(opts: object) -> Discrete:
+    """One of the values, each as likely as its weight says, which need not add up to 1.
+
+    Example: `ego = Object with color Discrete({'red': 3, 'green': 1})`
+    """
     weights = plain(opts)
     if not isinstance(weights, (Mapping, Pairs)):
         raise BadParameters("Discrete", "weights", "must be given as {value: weight, ...}")
@@ -36,7 +44,10 @@ def _discrete(opts: object) -> Discrete:
 
 
 def _options(opts: object) -> Uniform | Discrete:
-    """The released implementations' `Options`: one of a list, or of a dictionary with weights."""
+    """The released implementations' `Options`: one of a list, or of a dictionary with weights.
+
+    Example: `ego = Object with color Options(['red', 'green'])`
+    """
     found = plain(opts)
     if isinstance(found, (Mapping, Pairs)):
         return _discrete(found)
@@ -53,7 +64,10 @@ def _between(low: object, high: object) -> Range:
 
 
 def _discrete_range(low: object, high: object, weights: object = None) -> Uniform | Discrete:
-    """The released implementations' `DiscreteRange`: a whole number from low to high, both included."""
+    """The released implementations' `DiscreteRange`: a whole number from low to high, both included.
+
+    Example: `ego = Object at DiscreteRange(1, 6) @ 0`
+    """
     try:
         numbers = range(index(low), index(high) + 1)  # type: ignore[arg-type]
     except TypeError:

@@ -70,7 +70,7 @@ def as_callback(function: object, budget: Budget) -> object:
     """A function as library code may call it: one that is not the program's own pays as in a call by the program."""
     if not callable(function) or isinstance(function, (Function, Method, Special)) or is_user_class(function):
         return function
-    return Bound(str(own_word(function, "name", own_word(function, "__name__", "function"))), paid_call, budget, (function,))
+    return Bound("function", paid_call, budget, (function,))
 
 
 def paid_call(budget: Budget, function: Callable[..., object], *arguments: object, **keywords: object) -> object:

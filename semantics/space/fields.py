@@ -42,6 +42,8 @@ class VectorField:
 
     forwardEuler along the field takes at least `minSteps` steps, and forwards each of at most `defaultStepSize` metres (of the released
     implementations); where they are not given, the paper's N steps, however long.
+
+    Example: `field = VectorField('swirl', lambda place: angle from (0, 0) to place)`
     """
 
     def __init__(
@@ -83,9 +85,11 @@ class VectorField:
 class PolygonalVectorField(VectorField):
     """A field that is constant, or given by a function, on each of some closed polygons. Raises `BadField`.
 
-    `cells` is a sequence of (polygon, heading); a polygon may be given as a polygonal region, a heading may be a number, a function of
-    the point, or None, which stands for `headingFunction`. Where cells overlap, the first that contains the point wins. Outside all
+    `cells` is a sequence of (polygon, heading); a polygon may be given as a polygonal region or by its points, a heading may be a number, a
+    function of the point, or None, which stands for `headingFunction`. Where cells overlap, the first that contains the point wins. Outside all
     cells the value is `defaultHeading` if given; else there is none, and `at` raises `OutsideField`.
+
+    Example: `field = PolygonalVectorField('lanes', [([(0, 0), (3, 0), (3, 9), (0, 9)], 0), ([(3, 0), (6, 0), (6, 9), (3, 9)], 180 deg)])`
     """
 
     def __init__(
@@ -166,11 +170,25 @@ class PolygonalVectorField(VectorField):
 
 
 def cell_of(pair: Sequence[object]) -> Cell:
-    """A cell as it was given: a polygon or polygonal region, and a heading, a function of the point, or None. Raises `BadField`."""
+    """A cell as it was given: a polygon, polygonal region or points, and a heading, a function of the point, or None. Raises `BadField`."""
     polygon, heading = pair if isinstance(pair, (tuple, list)) and len(pair) == 2 else (None, None)
-    shape = getattr(polygon, "polygon", polygon)
+    shape = polygon_through(polygon) if isinstance(polygon, (tuple, list)) else getattr(polygon, "polygon", polygon)
     if not isinstance(shape, (Polygon, MultiPolygon)):
         raise BadField(f"a cell of a vector field must be a pair of a polygonal region and a heading, not {pair!r}")
     if not (heading is None or callable(heading) or is_real(heading)):
         raise BadField(f"the heading of a cell must be a number, a function of the point or None, not {heading!r}")
     return shape, heading  # type: ignore[return-value]
+
+
+def polygon_through(points: Sequence[object]) -> Polygon:
+    """The polygon with these corners, vectors or pairs of numbers. Raises `BadField`."""
+    try:
+        corners = [(float(x), float(y)) for x, y in points]  # type: ignore[misc]
+    except (TypeError, ValueError):
+        raise BadField(f"the points of a cell of a vector field must be vectors, not {points!r:.80}") from None
+    if len(set(corners)) < 3 or not np.isfinite(corners).all():
+        raise BadField("a cell of a vector field needs at least 3 different points, of finite numbers")
+    found = Polygon(corners)
+    if not found.is_valid:
+        raise BadField(f"a cell of a vector field is not a polygon: {shapely.is_valid_reason(found)}")
+    return found

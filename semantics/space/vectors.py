@@ -11,6 +11,8 @@ class Vector:
     """The vector ⟨x, y⟩; `x` points East, `y` North; floats, or arrays of one shape for many vectors at once.
 
     It equals the pair of its coordinates, which is the paper's syntax for it, and has the hash of that.
+
+    Example: `ego = Object at Vector(3, 4)`
     """
 
     x: float

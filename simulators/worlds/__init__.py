@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from functools import cache
 from importlib.resources import files
+from pathlib import Path
 
+from ...interpreter.modules import World
 from ...semantics.kernel.values import Native
 from ...semantics.python.builtins import BUILTINS
-from . import driving
+from ...semantics.syntax import Program
+from . import driving, site_maps
 from .city import city
 from .gta import data
 
@@ -61,5 +64,12 @@ WORLDS: Mapping[str, Callable[[], str | Mapping[str, object]]] = {
     **{f"scenic.simulators.{module}{end}": simulators_of(name) for module, name in SIMULATORS.items() for end in ("", ".simulator")},
     "mars": lambda: _text("mars/mars.scenic"),
     "scenic.simulators.webots.mars.model": lambda: "from mars import *\n",
+    site_maps.MODEL: lambda: site_maps.TEXT,
+    site_maps.FEATURES: dict,
 }
 """Shipped modules by name: the text of a Scenic module, or the namespace of a Python one."""
+
+
+def modules_of(program: Program, params: Mapping[str, object], directory: Path | None) -> Mapping[str, World]:
+    """All shipped modules for a program: those that depend on its map as well."""
+    return {**WORLDS, **driving.modules(program, params, directory), **site_maps.modules(program, params, directory)}

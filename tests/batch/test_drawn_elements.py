@@ -82,11 +82,13 @@ def drawn(text: str, backend: str, seed: int) -> list[str] | str:
         return f"{type(problem).__name__}: {problem}"
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("seed", range(60))
 def test_what_is_left_of_a_random_container_is_what_the_interpreter_leaves(seed):
     assert drawn(filtering(seed), "batch", seed) == drawn(filtering(seed), "interpreter", seed), filtering(seed)
 
 
+@pytest.mark.slow
 def test_most_of_these_programs_have_a_graph():
     texts = [*map(invented, range(30)), *map(filtering, range(30))]
     without = 0
@@ -168,6 +170,7 @@ def rejected(text: str, backend: str) -> Counter[Requirement]:
     return Counter(dict(exhausted.value.stuck))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", REJECTIONS)
 def test_what_is_rejected_is_said_in_the_words_of_the_interpreter(name):
     text = f"{MODEL}{REJECTIONS[name]}\nrequire ego.position.x > 9999\n"
@@ -177,6 +180,7 @@ def test_what_is_rejected_is_said_in_the_words_of_the_interpreter(name):
     assert found == rejected(text, "interpreter")
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("seed", range(80))
 def test_the_scenes_are_those_of_the_interpreter(seed):
     assert drawn(invented(seed), "batch", seed) == drawn(invented(seed), "interpreter", seed), invented(seed)

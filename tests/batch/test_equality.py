@@ -141,6 +141,7 @@ SHORT = {
 }
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("name", SHORT)
 def test_short_programs_give_the_same_scenes(name):
     scenario = scenic_ref.loads(SHORT[name])
@@ -153,6 +154,7 @@ ALSO_COMPILED = (
 )  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.extra("fast")
 @pytest.mark.parametrize("name", ALSO_COMPILED)
 def test_short_programs_give_the_same_scenes_compiled(name):

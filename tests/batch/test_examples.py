@@ -18,6 +18,7 @@ def test_there_are_as_many_as_the_folders_hold():
     assert len(PROGRAMS) >= 52
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("path", PROGRAMS, ids=lambda path: path.stem)
 def test_each_has_a_graph_and_the_scenes_of_the_interpreter(path):
     scenario = scenic_ref.load(path, readings=PROGRAMS[path])

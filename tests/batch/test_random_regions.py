@@ -39,6 +39,7 @@ def invented(seed: int) -> str:
     return "\n".join([*lines, *numbers.sample(further, numbers.randint(1, 4))]) + "\n"
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("seed", range(60))
 def test_the_scenes_are_those_of_the_interpreter(seed):
     scenario = scenic_ref.loads(invented(seed))
@@ -54,6 +55,7 @@ def test_the_scenes_are_those_of_the_interpreter(seed):
     assert drawn("batch") == drawn("interpreter"), invented(seed)
 
 
+@pytest.mark.slow
 def test_all_but_one_kind_have_a_graph():
     """Those that have none take the maximum of a random number of arguments."""
     for seed in range(60):

@@ -126,6 +126,7 @@ def test_that_no_scene_is_possible_is_said_at_once(ask, workers):
     assert "no scene in 9 attempts" in alone.err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("workers", [1, 2])
 @pytest.mark.parametrize(
     ("text", "options", "code"),

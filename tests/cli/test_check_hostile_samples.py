@@ -123,6 +123,7 @@ def test_names_that_are_nowhere_are_refused(files):
 # What cannot be
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("value", ["NaN", "Infinity", "-Infinity", "1e999"])
 @pytest.mark.parametrize("place", ["objects[0].position[0]", "objects[1].heading", "objects[0].properties.v"])
 def test_a_number_that_is_none_is_a_difference_with_its_place(files, place, value):

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import inspect
 import json
+import re
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
 import scenic_ref
+from scenic_ref.cli.check_reports import shares
 from scenic_ref.inference.statistics.reading import read_samples
 from scenic_ref.semantics.kernel.errors import UsageError
 from scenic_ref.testing import assert_same_distribution
@@ -42,9 +44,20 @@ def test_samples_of_another_program_are_different_and_the_reports_say_where(file
     page = Path("page.html").read_text()
     assert "objects[0].position[0] &amp; objects[1].position[1]" in page
     assert "<svg" in page and "http" not in page.replace("http://www.w3.org", "")
+    first = page.partition("<svg")[2].partition("</svg>")[0]
+    assert re.search(r">0%</text>.*>\d+%</text>", first), "an axis of the shares"
+    assert first.count("transform=") == first.count("<rect") / 2 > 3, "a label for each cell"
     suite = ElementTree.parse("results.xml").getroot()
     assert (suite.get("tests"), suite.get("failures"), suite.get("errors")) == ("1", "1", "0")
     assert suite.find("testcase/failure").get("type") == "different"
+
+
+@pytest.mark.parametrize("highest", [1e-9, 0.012, 0.099, 0.1, 0.124, 0.19, 0.2, 0.501, 0.9, 1.0])
+def test_the_axis_of_shares_has_a_few_round_steps(highest):
+    axis = shares(highest)
+    steps = [float(text) for text in re.findall(r">([\d.e-]+)%</text>", axis)]
+    assert 2 <= len(steps) <= 6 and steps[0] == 0 and steps[-1] <= 100 * highest * (1 + 1e-9) < steps[-1] + steps[1]
+    assert f"{steps[1]:.1e}".split("e")[0] in ("1.0", "2.0", "2.5", "5.0")
 
 
 def test_the_replayed_command_says_the_same(files):
@@ -65,6 +78,7 @@ def test_reference_scenes_can_be_given(files):
     assert files("check", "right.scenic", "--samples", "wrong.jsonl", "--reference", "more.jsonl").code == 1
 
 
+@pytest.mark.slow
 def test_several_workers_give_the_same_verdict(files):
     alone = files("check", "right.scenic", "--samples", "right.jsonl")
     assert files("check", "right.scenic", "--samples", "right.jsonl", "--workers", 2).out == alone.out

@@ -14,13 +14,14 @@ import pytest
 import scenic_ref
 from PIL import Image
 from scenic_ref.formats.movies import MOST_FRAMES, frames_of, movie
+from scenic_ref.formats.pictures import CLASSES, EGO
 from scenic_ref.semantics.kernel.errors import UsageError
 
 MOVING = """
 ego = Object at (0, 0), with velocity (3, 0)
 Object at (10, {y}), with velocity (-1, 0)
 """
-RED, BLUE = (233, 146, 157), (131, 161, 187)
+ORANGE, BLUE = (tuple(255 - 0.6 * (255 - int(colour[k : k + 2], 16)) for k in (1, 3, 5)) for colour in (EGO, CLASSES[0]))
 """About the colours inside of the boxes of ego and of the other object, on an empty ground."""
 
 
@@ -47,11 +48,11 @@ def middle_of(picture, colour):
 def test_the_objects_move_as_the_simulator_says():
     found = frames(movie(simulated(), "title"))
     assert len(found) == 21
-    red, blue = ([middle_of(picture, colour) for _, picture in found] for colour in (RED, BLUE))
-    scale = (blue[0][0] - red[0][0]) / 10  # pixels per metre, from the distance at first
-    assert red[20][0] - red[0][0] == pytest.approx(6 * scale, abs=scale / 5)
+    orange, blue = ([middle_of(picture, colour) for _, picture in found] for colour in (ORANGE, BLUE))
+    scale = (blue[0][0] - orange[0][0]) / 10  # pixels per metre, from the distance at first
+    assert orange[20][0] - orange[0][0] == pytest.approx(6 * scale, abs=scale / 5)
     assert blue[20][0] - blue[0][0] == pytest.approx(-2 * scale, abs=scale / 5)
-    assert red[0][1] - blue[0][1] == pytest.approx(5 * scale, abs=scale / 5)  # north is up
+    assert orange[0][1] - blue[0][1] == pytest.approx(5 * scale, abs=scale / 5)  # north is up
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ SOFT = "x = Range(0, 1)\nego = Object at 0 @ 0, with requireVisible False\nrequi
 FIELDS = ["backend", "scenes", "attempts", "acceptance", "ess", "rhat", "seconds_cpu", "warnings"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("backend", ["importance", "smc", "mcmc"])
 def test_scenes_a_report_and_a_picture_are_written(ask, backend):
     Path("soft.scenic").write_text(SOFT)
@@ -86,6 +87,7 @@ def report_of(ask, program, *options):
     return report
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("options", "backend"), [
     (["-n", 400, "-o", "s.jsonl"], "batch"), (["-n", 400, "-o", "s.jsonl", "--workers", 2], "batch"), (["-n", 9, "-o", "s.jsonl"], "interpreter"),
 ])  # fmt: skip

@@ -33,6 +33,7 @@ def test_without_a_file_the_parameters_are_listed(ask) -> None:
 LISTED = re.compile(r"(\w+) +(\S+) +(True or False|a whole number from (\S+) to (\S+)|a number from (\S+) to (\S+))  ")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_limits_that_are_listed_are_those_that_hold(ask, kind: str) -> None:
     """Both ends of each range are legal values of their own, what is beyond them is refused with the same words, and so is another type."""

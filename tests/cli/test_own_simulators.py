@@ -184,12 +184,14 @@ def test_its_classes_are_told_where_another_was_named(rails):
     assert "its simulators are Rails, Fixed, Broken" in rails("--simulator", "own.rails:Trains").err
 
 
+@pytest.mark.slow
 def test_several_processes_make_it_as_well(rails, tmp_path):
     for workers, name in ((1, "a.jsonl"), (2, "b.jsonl")):
         assert rails("--simulator", "own.rails:Rails", "-n", 5, "--workers", workers, "-o", name).code == 0
     assert (tmp_path / "a.jsonl").read_bytes() == (tmp_path / "b.jsonl").read_bytes()
 
 
+@pytest.mark.slow
 def test_the_command_finds_it_in_the_current_folder_and_the_program_does_not(rails, tmp_path):
     """Also where Python itself does not look there (`-P`)."""
     (tmp_path / "q.scenic").write_text("import own.rails\n" + PROGRAM)

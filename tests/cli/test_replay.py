@@ -130,6 +130,7 @@ def nested(run):
     run["steps"][0]["actions"]["0"] = json.loads("[" * 300 + "]" * 300)
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize(
     ("change", "message"),
     [

@@ -25,6 +25,7 @@ def cover(areas, colour):
     return shapely.union_all(shapes)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("workers", [1, 2])
 def test_a_program_on_roads_has_its_map(ask, tmp_path, workers):
     data = data_of(ask, tmp_path, ROAD, "-n", 2, "--workers", workers)

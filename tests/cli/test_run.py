@@ -42,6 +42,7 @@ def test_the_number_of_workers_does_not_change_a_byte(ask):
     assert Path("one.jsonl").read_bytes() == Path("three.jsonl").read_bytes()
 
 
+@pytest.mark.slow
 def test_an_error_in_a_worker_arrives_as_that_error(ask):
     Path("sometimes.scenic").write_text("x = Range(0, 1)\nego = Object at (0, 0), with width (1 / int(x < 0.9))\n")
     alone = ask("run", "sometimes.scenic", "-n", 60)
@@ -115,6 +116,7 @@ def test_an_unfinished_parquet_table_leaves_nothing(ask):
     assert not list(Path().glob("*.parquet")) + list(Path().glob(".*unfinished"))
 
 
+@pytest.mark.slow
 @pytest.mark.extra("parquet")
 @pytest.mark.parametrize(("count", "backend"), [(3, "interpreter"), (40, "batch")])
 def test_a_stream_of_arrow_goes_to_standard_output(count, backend, ask):

@@ -22,6 +22,7 @@ Object at (Range(5, 6), 0), with velocity (1, 0)
 FAILS = "behavior B():\n    take 1 / (Uniform(0, 1, 1, 1, 1, 1, 1, 1) + 0)\nego = Object at (0, 0), with behavior B"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [1, 7])
 def test_output_page_animation_and_report_are_those_of_one_process(ask, tmp_path, count):
     (tmp_path / "p.scenic").write_text(PROGRAM)
@@ -39,6 +40,7 @@ def test_output_page_animation_and_report_are_those_of_one_process(ask, tmp_path
     assert [json.loads(line)["run"] for line in (tmp_path / "3.jsonl").read_text().splitlines()] == list(range(count))
 
 
+@pytest.mark.slow
 def test_an_error_comes_after_the_simulations_before_it(ask, tmp_path):
     (tmp_path / "p.scenic").write_text(FAILS)
     found = []
@@ -51,6 +53,7 @@ def test_an_error_comes_after_the_simulations_before_it(ask, tmp_path):
     assert found[0].count("\n") > 0
 
 
+@pytest.mark.slow
 def test_exhausted_attempts_are_told_as_by_one_process(ask, tmp_path):
     (tmp_path / "p.scenic").write_text("ego = Object at (Range(0, 1), 0)\nrequire always simulation.currentTime < 2\n")
     one, two = (ask("simulate", "p.scenic", "-n", 3, "--max-attempts", 5, "--workers", workers, "-o", "runs.jsonl") for workers in (1, 2))
@@ -66,6 +69,7 @@ def test_one_process_replays(ask, tmp_path):
     assert "--workers cannot be given with --replay" in done.err
 
 
+@pytest.mark.slow
 def test_an_interrupt_leaves_whole_simulations_and_no_process(tmp_path, start):
     (tmp_path / "p.scenic").write_text(PROGRAM.replace("        print(simulation.currentTime, x)\n", ""))
     command = [sys.executable, "-m", "scenic_ref", "simulate", "p.scenic", "-n", "1000000", "--steps", "9", "--workers", "2", "-o", "runs.jsonl"]

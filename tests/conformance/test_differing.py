@@ -83,6 +83,7 @@ def ask(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> Asking:
     return Asking(tmp_path, capfd)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("program", [COIN, DYNAMIC, COIN + "require ego.position.x > 1\n", "ego = Object at 3 @ 4\n"])
 def test_we_agree_with_ourselves(ask: Asking, program: str) -> None:
     code, verdict = ask(program, ask.other())
@@ -91,17 +92,20 @@ def test_we_agree_with_ourselves(ask: Asking, program: str) -> None:
     assert verdict["kind"] == ", ".join(parts)
 
 
+@pytest.mark.slow
 def test_scenes_that_cannot_be(ask: Asking) -> None:
     code, verdict = ask(COIN, ask.other(scene='scene["objects"][0]["position"][1] = 1'))
     assert code == 1 and verdict["verdict"] == "differ" and verdict["kind"] == "support" and verdict["evidence"] == "certain"
     assert "objects[0].position[1] is always 0, but 1 in sample 1" in str(verdict["detail"]) and verdict["reading"] is None
 
 
+@pytest.mark.slow
 def test_another_distribution(ask: Asking) -> None:
     code, verdict = ask(COIN, ask.other(scene='scene["objects"][0]["position"][0] = 2 - (scene["scene"] > 4)'))
     assert code == 1 and (verdict["kind"], verdict["feature"]) == ("distribution", "objects[0].position[0]")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("program", "changed", "agree"), [
     ("param f = lambda x: x\n", 'scene["params"]["f"] = {"repr": "<function>"}', True),
     ("param d = {{'a': 3, 'b': [1, abs]}}\n", 'scene["params"]["d"]["b"][1] = {"repr": "<abs>"}', True),
@@ -113,6 +117,7 @@ def test_how_a_value_without_a_json_form_is_printed_is_no_difference(ask: Asking
     assert (code, verdict["verdict"]) == ((0, "agree") if agree else (1, "differ")), verdict
 
 
+@pytest.mark.slow
 def test_another_acceptance(ask: Asking) -> None:
     program = COIN + "require ego.position.x > 1\n"
     code, verdict = ask(program, ask.other(scene='scene["attempts"] += 0 if task.prune else 3'))
@@ -121,6 +126,7 @@ def test_another_acceptance(ask: Asking) -> None:
     assert code == 0, "one that prunes, but not when it counts"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("id, alternative, program", [
     ("soft", "scene", "ego = Object at Uniform(0, 1, 2, 3) @ 0\nrequire[0.5] ego.position.x > 2\n"),
     ("object-order", "ego-first", "Object at 5 @ 5\nego = Object at 1 @ 1\n"),
@@ -132,6 +138,7 @@ def test_the_reading_under_which_they_agree_is_named(ask: Asking, id: str, alter
     assert code == 0, verdict
 
 
+@pytest.mark.slow
 def test_errors_here_and_there(ask: Asking) -> None:
     wrong = "ego = Object at 1 @ 1, at 2 @ 2\n"
     code, verdict = ask(wrong, ask.other())
@@ -177,6 +184,7 @@ def test_other_actions(ask: Asking) -> None:
     assert code == 1 and verdict["kind"] == "error" and "refused there when it was simulated" in str(verdict["detail"])
 
 
+@pytest.mark.slow
 def test_what_breaks_there_has_its_own_verdict_and_the_next_program_goes_on(ask: Asking) -> None:
     (ask.programs / "a.scenic").write_text("ego = Object at 1 @ 1\n")
     (ask.programs / "b.scenic").write_text("ego = Object at 2 @ 1\n")
@@ -194,6 +202,7 @@ def test_what_cannot_be_said_is_skipped_and_told(ask: Asking) -> None:
     assert verdict["detail"] == "it imports mars, and this reference has a world of its own of that name"
 
 
+@pytest.mark.slow
 def test_a_program_goes_into_the_dialect_of_the_other_with_its_modules(ask: Asking) -> None:
     (ask.programs / "lib.scenic").write_text("class Parcel:\n    weight: 3\nParcel at 9 @ 9\n")
     code, verdict = ask("import lib\nego = lib.Parcel at 1 @ 1\n", ask.other(dialects=("scenic-3",)))

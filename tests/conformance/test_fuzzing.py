@@ -67,6 +67,7 @@ def test_programs_are_functions_of_seed_and_number() -> None:
     assert {program.theme for program in programs} == set(THEMES)
 
 
+@pytest.mark.slow
 def test_aimed_programs_are_programs_and_draw_what_is_rare() -> None:
     texts = [aimed_program(1, number) for number in range(600)]
     wrong = Counter[str]()
@@ -100,6 +101,7 @@ def test_a_smaller_program_differs_alike_in_one_of_two_features(feature: str, ki
     assert alike(ProgramVerdict("p", "differ", kind, "different", 9.0, feature), larger) == same
 
 
+@pytest.mark.slow
 def test_a_planted_fault_is_found_and_made_small(tmp_path: Path) -> None:
     impl = other(tmp_path, refuses="mutate")
     settings = CampaignSettings(impl, seed=2, budget=2.0)
@@ -121,6 +123,7 @@ def runs(text: str) -> bool:
     return True
 
 
+@pytest.mark.slow
 def test_we_do_not_differ_from_ourselves(tmp_path: Path) -> None:
     settings = CampaignSettings(other(tmp_path), seed=8, budget=0.5)
     with implementation(settings.impl, 60.0, print) as there:
@@ -159,6 +162,7 @@ WAYS = {
 """What a broken implementation does with a scene, and the kind of finding that it is."""
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="there are no limits of files")
 def test_a_campaign_goes_on_whatever_breaks_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     hangs, ways = tmp_path / "hangs", list(WAYS)
@@ -199,6 +203,7 @@ def accepts(text: str) -> bool:
     return True
 
 
+@pytest.mark.slow
 def test_a_program_whose_scene_is_an_error_is_no_fault_of_ours(tmp_path: Path) -> None:
     settings = CampaignSettings(other(tmp_path), budget=1.0)
     text = "scenario Begin():\n    setup:\n        ego = Object\nscenario Main():\n    compose:\n        do Begin()\n"
@@ -262,6 +267,7 @@ def test_what_no_matcher_says_has_no_draft() -> None:
     assert draft_of(Cause(finding(minimal=never_accepted, kind="acceptance"), [0]), "finding-01", CampaignSettings("x")) is None
 
 
+@pytest.mark.slow
 def test_a_campaign_is_reported_and_goes_on(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     folder = tmp_path / "campaign"
     words = ["fuzz", "--impl", other(tmp_path, scene='scene["objects"][0]["width"] = 77'), "-o", str(folder), "--time", "1", "--workers", "1"]
@@ -290,6 +296,7 @@ def test_lengths_of_time(text: str, seconds: float) -> None:
     assert seconds_in(text, at_least=0.01) == seconds
 
 
+@pytest.mark.slow
 def test_what_was_decided_of_a_finding_stays_and_is_reported(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     folder = tmp_path / "campaign"
     impl = other(tmp_path, scene='scene["objects"][0]["position"] = [77.0, 5.0]')
@@ -361,6 +368,7 @@ def test_a_journal_that_is_none_is_refused(text: str, tmp_path: Path) -> None:
         campaign.Journal(path, CampaignSettings("x"), "other 1", resume=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("words, said", [
     (["--time", "0"], "--time is a length of time such as 600, 90m or 2h, not '0' (0 is for --resume)"),
     (["--time", "2d"], "not '2d'"), (["--time", ""], "not ''"), (["--time", "-1h"], "not '-1h'"), (["--time", "nan"], "not 'nan'"),

@@ -40,6 +40,7 @@ def wrong(tmp_path: Path) -> str:
     return f"{sys.executable} {path}"
 
 
+@pytest.mark.slow
 def test_a_difference_is_new_then_known_then_stale(capfd: pytest.CaptureFixture[str], tmp_path: Path, wrong: str) -> None:
     code, out, _ = ask(capfd, "--impl", wrong, "--vector", "at-vector", "--vector", "facing-heading")
     assert code == 1 and "differences that are not known: 1" in out
@@ -56,6 +57,7 @@ def test_a_difference_is_new_then_known_then_stale(capfd: pytest.CaptureFixture[
     assert code == 1 and "listed as a difference, and it is none: facing-heading" in out
 
 
+@pytest.mark.slow
 def test_results_are_kept_and_compared(capfd: pytest.CaptureFixture[str], tmp_path: Path, wrong: str) -> None:
     kept = tmp_path / "results.json"
     ask(capfd, "--impl", wrong, "--vector", "at-vector", "--vector", "facing-heading", "--results", str(kept))
@@ -69,6 +71,7 @@ def test_results_are_kept_and_compared(capfd: pytest.CaptureFixture[str], tmp_pa
     assert code == 1 and "changed: facing-heading: was skipped: no; is passed" in out
 
 
+@pytest.mark.slow
 def test_wrong_usage_is_said_before_anything_runs(capfd: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     for arguments, words in (
         (["--known", "x.toml"], "--known needs --impl"),
@@ -181,6 +184,7 @@ EXPLAINED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", EXPLAINED)
 def test_the_reading_that_explains_a_difference_is_found(name: str) -> None:
     profile, reading = EXPLAINED[name]
@@ -239,6 +243,7 @@ def test_pip_says_why_it_failed(tmp_path: Path) -> None:
         environments.install(Path(sys.executable), ("--no-index", "no-such-package-at-all"))
 
 
+@pytest.mark.slow
 def test_this_reference_is_judged_through_its_own_protocol() -> None:
     with External([sys.executable, "-m", "scenic_ref.conformance.serving"]) as served:
         assert served.name == Ourselves.name and served.follows("soft", "scene")

@@ -258,6 +258,7 @@ CASES: dict[str, tuple[Sampling | Ourselves, str, str, str]] = {
 }
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("what", CASES)
 def test_the_verdict_and_its_reason(what: str) -> None:
     implementation, name, status, reason = CASES[what]

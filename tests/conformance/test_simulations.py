@@ -242,6 +242,7 @@ def test_every_alternative_of_every_reading_about_the_policy_has_a_vector() -> N
     assert wanted <= {pair for v in load_vectors() for pair in v.readings.items()}
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("name", [r.id for r in READINGS.values() if r.about == "policy" and len(r.alternatives) > 1])
 def test_the_alternatives_of_a_reading_are_told_apart(name: str) -> None:
     def swapped(task: Task) -> Task:

@@ -63,6 +63,7 @@ def test_every_alternative_of_every_reading_about_the_scene_has_a_vector() -> No
     assert wanted <= {pair for v in VECTORS for pair in v.readings.items()}
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("name", [r.id for r in READINGS.values() if r.about == "scene" and len(r.alternatives) > 1])
 def test_the_alternatives_of_a_reading_are_told_apart(name: str) -> None:
     """By a vector that fails when the other alternative is followed; the two of `time-unit` differ only while a simulation runs."""

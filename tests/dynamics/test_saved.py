@@ -71,6 +71,7 @@ def test_random_programs_go_on_from_a_saved_state():
     assert courses > 20
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("path", LISTINGS, ids=lambda path: path.stem)
 def test_listings_go_on_from_a_saved_state(path):
     scenario = scenic_ref.load(path, readings={"interrupt-first-step": "later-steps"})

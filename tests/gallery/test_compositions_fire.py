@@ -17,6 +17,7 @@ from scenic_ref.simulators.worlds.driving import default_network
 
 from .listed import FOLDER, SIMULATORS, apart, avenue, boxes, doing, place, simulated, speed, within
 
+pytestmark = pytest.mark.slow
 both_simulators = pytest.mark.parametrize("simulator", SIMULATORS)
 RUNNER, JAYWALKER, PARKED = "RedLightRunner", "Jaywalker", "ParkedCar"
 
@@ -77,6 +78,7 @@ def test_a_car_is_parked_when_ego_is_past_the_last_one(simulator: str) -> None:
             assert past(run, step - 1, number) <= 10 < past(run, step, number)
 
 
+@pytest.mark.slow
 @both_simulators
 def test_the_override_lasts_as_long_as_the_scenario(simulator: str) -> None:
     for seed in range(2):
@@ -122,6 +124,7 @@ def near_lights(where: Vector) -> bool:
     return any(i.distance_to(where) < 30 for i in default_network().intersections)
 
 
+@pytest.mark.slow
 @both_simulators
 def test_the_next_scenario_is_picked_by_the_place(simulator: str) -> None:
     found = set()

@@ -107,6 +107,7 @@ def test_the_interrupt_fires_while_something_is_near(simulator: str) -> None:
         assert speed(run.moments[-1]) > 8
 
 
+@pytest.mark.slow
 @both_simulators
 def test_an_interrupt_of_higher_priority_interrupts_a_handler(simulator: str) -> None:
     for seed in SEEDS:

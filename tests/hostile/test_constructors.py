@@ -19,6 +19,7 @@ USES = {
 LEADING = ("", "0, ", "'F', lambda v: 1, ", "(0, 0), ", "'F', ", "(0, 0), 3, ", "(0, 0), 3, 1, ", "polygon=", "[(0, 0), (1, 0), (1, 1)], orientation=", f"'F', [[{TRIANGLE}, 1]], ")
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("constructor", USES)
 def test_a_constructor_gives_a_value_or_an_error_of_the_program(constructor):
     made = 0

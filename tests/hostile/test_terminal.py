@@ -31,6 +31,7 @@ MOST = ("--max-attempts", "5")
 COMMANDS = [("run", *MOST), ("run", "-n", "12", *MOST), ("trace", *MOST), ("trace", "--all", *MOST), ("check",), ("simulate", "--steps", "1", *MOST)]
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_no_control_character_is_told(name, command, tmp_path, monkeypatch, capfd):

@@ -27,6 +27,7 @@ def test_effective_draws_of_autoregressive_chains(by: float) -> None:
     assert 0.2 < diagnostics.tail_ess(draws) / diagnostics.bulk_ess(draws) < 3
 
 
+@pytest.mark.slow
 @pytest.mark.extra("arviz")
 def test_diagnostics_are_those_of_arviz() -> None:
     import arviz

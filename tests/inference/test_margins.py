@@ -211,6 +211,7 @@ def descended(margins: Margins, states: States, steps: int) -> States:
     return states
 
 
+@pytest.mark.slow
 def test_a_search_along_gradients_finds_scenes_where_few_runs_are_accepted() -> None:
     """Four lorries in a yard: some 4 runs of 100,000 are accepted."""
     margins = margins_of(YARD.format(others=3))

@@ -91,6 +91,7 @@ def test_the_model_has_a_statement_for_each_draw_and_the_law_of_the_program() ->
     assert abs(len(scenes) / 900 - exact.acceptance) < 0.1
 
 
+@pytest.mark.slow
 def test_pyros_importance_sampling_counts_the_requirements() -> None:
     import pyro
     from pyro.infer import Importance
@@ -122,6 +123,7 @@ def test_continuous_draws_are_pyros_own() -> None:
 SMOOTH = "x = Range(1, 2)\ny = Range(0, x)\nego = Object at x @ y, facing Normal(0, 0.1)\n"
 
 
+@pytest.mark.slow
 def test_nuts_draws_from_a_program_in_which_all_runs_are_accepted() -> None:
     """Level: about 1e-6 each (4.9 standard deviations of as many independent draws as Pyro says)."""
     import pyro
@@ -139,6 +141,7 @@ def test_nuts_draws_from_a_program_in_which_all_runs_are_accepted() -> None:
     assert abs(np.mean([p.y / p.x for p in places]) - 0.5) < 4.9 * np.sqrt(1 / 12 / worth)
 
 
+@pytest.mark.slow
 def test_nuts_keeps_to_a_requirement_but_most_of_its_paths_end_at_the_edge() -> None:
     """It cannot see the edge."""
     import pyro

@@ -53,6 +53,7 @@ def test_the_interval_holds_the_probability_in_20_of_20_repetitions() -> None:
         assert found.low > EXACT / 6
 
 
+@pytest.mark.slow
 def test_an_estimate_without_the_weight_of_a_level_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
     """The rival forgets the first level below that of any violation."""
     scenario = scenic_ref.loads(RARE)
@@ -84,6 +85,7 @@ def test_levels_fall_to_0_and_their_parts_multiply_to_the_probability() -> None:
     assert seen[-1][0] == 1
 
 
+@pytest.mark.slow
 def test_estimates_are_right_on_average_and_with_levels_of_ones_own_they_are_too_large() -> None:
     """Populations of 30 states, a fourth of what tells one estimate apart from another. The law of the mean: 4.9 standard errors, 1e-6."""
     batch = scenic_ref.loads(RARE).batch
@@ -158,6 +160,7 @@ def test_a_coin_that_seldom_shows_tails_is_as_likely_as_it_is(backend: str) -> N
     assert abs(met / 1_000 - share) < bound < min(share, 1 - share)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_the_same_seed_gives_the_same_scenes(backend: str) -> None:
     scenario = scenic_ref.loads(SOFT)
@@ -294,6 +297,7 @@ NEEDLE = "x = Uniform(*range({}))\nego = Object at 0 @ 0, with requireVisible Fa
 CHOICE = "v = Uniform(*([1] * 9), 0)\nx = Range(0, 1)\nego = Object at 0 @ 0\nrequire max(v, x * 0.5) < 0.005\n"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("text", "exact"), [(NEEDLE.format(100), 1 / 100), (NEEDLE.format(1000), 1 / 1000), (CHOICE, 1 / 1000)])
 def test_a_plateau_of_violations_is_no_dead_end(text: str, exact: float) -> None:
     """Where all that is not accepted is violated alike, splitting is rejection by many states: estimates right on average, none without a scene.
@@ -330,6 +334,7 @@ require z > 1.0001
 """
 
 
+@pytest.mark.slow
 def test_chains_are_compared_by_what_is_in_the_scenes_also_where_an_operation_may_fail() -> None:
     """Without features, R-hat would be 1 and all draws worth as much as independent ones, whatever the chains did."""
     scenario = scenic_ref.loads(ISLANDS)
@@ -339,6 +344,7 @@ def test_chains_are_compared_by_what_is_in_the_scenes_also_where_an_operation_ma
     assert len({str(scene.ego.position) for scene in found.scenes}) > 100
 
 
+@pytest.mark.slow
 def test_chains_draw_something_however_small_the_budget_is() -> None:
     batch = scenic_ref.loads(RARE).batch
     assert batch is not None
@@ -346,6 +352,7 @@ def test_chains_draw_something_however_small_the_budget_is() -> None:
         assert len(mcmc.draw_mcmc(batch, 5, 1, most_runs=most).scenes) == 5
 
 
+@pytest.mark.slow
 def test_as_many_draws_are_kept_as_many_scenes_need() -> None:
     batch = scenic_ref.loads("x, y = Range(0, 1), Range(0, 1)\nego = Object at x @ y\nrequire x > y\n").batch
     assert batch is not None

@@ -269,6 +269,7 @@ def sprinkled(text: str, generator: random.Random, count: int) -> str:
     return text
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("source, target", list(product(DIALECTS, DIALECTS)))
 @pytest.mark.parametrize("seed", range(2))
 def test_comments_anywhere_are_kept_and_change_nothing_else(source: str, target: str, seed: int) -> None:
@@ -281,6 +282,7 @@ def test_comments_anywhere_are_kept_and_change_nothing_else(source: str, target:
     assert parse(check_kept(with_comments, target)).statements == parse(converted(text, target)).statements
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("path", sorted(Path("examples").rglob("*.scenic")), ids=str)
 def test_comments_of_the_examples_are_kept(path: Path) -> None:
     text = path.read_text(encoding="utf-8")

@@ -131,12 +131,14 @@ def test_what_the_other_dialect_cannot_say_is_refused_with_its_place(text: str, 
 VECTORS = [v for v in load_vectors() if "paper" in v.texts and v.kind in ("values", "probabilities", "simulations") and not v.files]
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("vector", VECTORS[::9], ids=lambda v: v.name)
 def test_converted_programs_mean_the_same(vector: ConformanceVector) -> None:
     other = replace(vector, texts={"scenic-3": converted(vector.texts["paper"], "scenic-3")})
     assert judge(Ourselves(), other, dialect="scenic-3").verdict.status == "passed"
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("path", sorted(Path("examples").rglob("*.scenic")), ids=str)
 def test_the_examples_can_be_written_in_the_dialects_of_the_releases_and_back(path: Path) -> None:
     program = parse(path.read_text(encoding="utf-8"), str(path))

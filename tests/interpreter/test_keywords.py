@@ -64,6 +64,7 @@ def programs() -> list[str]:
     return examples + [text for vector in load_vectors() for text in vector.texts.values()]
 
 
+@pytest.mark.slow
 def test_the_lexer_knows_all_that_programs_are_made_of_and_loses_nothing() -> None:
     lexer = ScenicLexer(stripnl=False, ensurenl=False)
     for text in programs():

@@ -30,6 +30,7 @@ NESTED = {
 }
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("shape", NESTED)
 def test_up_to_the_limit(shape: str):
     before = sys.getrecursionlimit()
@@ -72,6 +73,7 @@ FAR_BEYOND = {
 }
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("text", FAR_BEYOND.values(), ids=FAR_BEYOND)
 def test_deep_nesting_gives_a_tree_or_a_parse_error(text: str) -> None:
     try:

@@ -65,6 +65,7 @@ def test_a_module_beside_the_program_is_not_warned_about_and_one_that_does_somet
     assert warned("import defines\nego = Object\n", tmp_path) == [(1, 8, "nothing uses the import defines", "remove it")]
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("path", sorted(EXAMPLES.rglob("*.scenic")), ids=lambda path: str(path.relative_to(EXAMPLES)))
 def test_no_example_is_warned_about(path: Path) -> None:
     try:
@@ -75,6 +76,7 @@ def test_no_example_is_warned_about(path: Path) -> None:
 
 
 
+@pytest.mark.slow
 def test_vectors_are_warned_about_imports_that_they_do_not_use_alone() -> None:
     wrong = []
     for vector in load_vectors():

@@ -192,6 +192,7 @@ def degenerate() -> list[tuple[str, Callable[[bytes], bytes]]]:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "change"), degenerate(), ids=lambda v: v if isinstance(v, str) else "")
 def test_degenerate_shapes_are_a_map_or_a_message(name: str, change: Callable[[bytes], bytes]) -> None:
     try:

@@ -38,6 +38,7 @@ CASES = [
 EACH = pytest.mark.parametrize("kind, parameters", CASES, ids=str)
 
 
+@pytest.mark.sampled(8)
 @EACH
 def test_linked_lanes_meet_within_a_millimetre(kind: str, parameters: dict[str, float]):
     read = Map(made(kind, **parameters))
@@ -59,6 +60,7 @@ def test_what_does_not_meet_is_found(attribute: str, by: float):
         assert largest_gap(moved) > METRES
 
 
+@pytest.mark.sampled(8)
 @EACH
 def test_junctions_connect_what_their_roads_do(kind: str, parameters: dict[str, float]):
     read = Map(made(kind, **parameters))
@@ -77,6 +79,7 @@ def test_junctions_connect_what_their_roads_do(kind: str, parameters: dict[str, 
     assert sorted(connected) == sorted(inside)
 
 
+@pytest.mark.sampled(8)
 @EACH
 def test_every_lane_goes_on_and_comes_from_somewhere_at_junctions(kind: str, parameters: dict[str, float]):
     """So do sidewalks, round corners, once each."""
@@ -90,6 +93,7 @@ def test_every_lane_goes_on_and_comes_from_somewhere_at_junctions(kind: str, par
                 assert met[road, contact, id] == 1
 
 
+@pytest.mark.sampled(8)
 @EACH
 def test_ways_through_junctions_neither_loop_nor_turn_round(kind: str, parameters: dict[str, float]):
     read = Map(made(kind, **parameters))
@@ -100,6 +104,7 @@ def test_ways_through_junctions_neither_loop_nor_turn_round(kind: str, parameter
             assert sum(abs(after(piece)[2]) for piece in road.iter("geometry")) < math.radians(125)
 
 
+@pytest.mark.sampled(8)
 @EACH
 def test_signals_are_for_every_lane_that_comes_to_a_junction(kind: str, parameters: dict[str, float]):
     read = Map(made(kind, **parameters))
@@ -121,6 +126,7 @@ def test_signals_are_for_every_lane_that_comes_to_a_junction(kind: str, paramete
         assert len(list(road.iter("signalReference"))) == (drives and ends_of(read, id)[0] in signalled)
 
 
+@pytest.mark.sampled(8)
 @EACH
 def test_crosswalks_go_from_curb_to_curb_before_junctions(kind: str, parameters: dict[str, float]):
     read = Map(made(kind, **parameters))
@@ -138,6 +144,7 @@ def test_crosswalks_go_from_curb_to_curb_before_junctions(kind: str, parameters:
     assert found == (expected if parameters.get("crosswalks") else {})
 
 
+@pytest.mark.sampled(8)
 @EACH
 def test_bounds_hold_the_map(kind: str, parameters: dict[str, float]):
     read = Map(made(kind, **parameters))
@@ -217,6 +224,7 @@ def test_traffic_on_the_left_is_the_mirror_image():
                 assert math.remainder(math.pi - heading - turned, math.tau) == pytest.approx(0)
 
 
+@pytest.mark.sampled(8)
 @EACH
 def test_equal_parameters_give_equal_bytes(kind: str, parameters: dict[str, float]):
     assert made(kind, **parameters) == made(kind, **parameters)

@@ -31,6 +31,7 @@ COMBINATIONS = [
 ]  # fmt: skip
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("which", COMBINATIONS, ids=str)
 def test_maps_that_are_made_have_no_faults_and_traffic_flows_through_them(which: tuple) -> None:
     """The writer of maps and their reader share no code but the tables of the standard."""
@@ -50,6 +51,7 @@ def test_maps_that_are_made_have_no_faults_and_traffic_flows_through_them(which:
         assert side < 0 < lane.rightEdge.signedDistanceTo(after)
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("which", COMBINATIONS, ids=str)
 def test_left_hand_traffic_is_the_mirror_image(which: tuple) -> None:
     kind, *parameters = which

@@ -152,6 +152,7 @@ def test_a_vector_notices_that_the_function_of_its_rule_is_gone_and_others_do_no
     assert json.loads(told) == [None, None, "distance-ego"]
 
 
+@pytest.mark.slow
 def test_equivalent_changes_are_changes_of_this_tree():
     named = equivalents()
     assert all(e.reason for e in named)

@@ -53,6 +53,7 @@ def test_programs_by_hand_have_the_histories_of_the_oracle(name: str) -> None:
     assert not told, f"{told}\n{text_of(BY_HAND[name])}"
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("first", range(0, PROGRAMS, PORTION))
 def test_random_programs_have_the_histories_of_the_oracle(first: int) -> None:
     check_portion(first, PORTION)
@@ -64,6 +65,7 @@ def test_many_random_programs_have_the_histories_of_the_oracle(first: int) -> No
     check_portion(first, LARGE_PORTION)
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.__name__)
 def test_a_wrong_oracle_is_found_out(fault: type[Policy]) -> None:
     """By one of the programs of the tests above: there the machine says something else than the wrong oracle."""

@@ -81,6 +81,7 @@ def concrete(module: object, base: type[Node]) -> Iterator[str]:
             yield name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("module", [specifiers, expressions, python_expressions, statements])
 def test_every_static_construct_is_written(module: object):
     assert set(concrete(module, Node)) - vocabulary(False) <= set(NEVER)
@@ -96,6 +97,7 @@ def test_finite_programs_have_all_specifiers_of_position_and_heading():
     assert {name for name in concrete(specifiers, Node) if name not in ("InSpecifier", "VisibleSpecifier", *NEVER)} <= vocabulary(True)
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize(("feature", "word"), FEATURES.items())
 def test_a_feature_that_is_switched_off_is_not_written(feature: str, word: str):
     plain = ProgramSettings(**{feature: 0.0})  # pyright: ignore[reportArgumentType]

@@ -47,6 +47,7 @@ def test_each_ill_formed_program_gives_its_error(wrong: IllFormed):
     assert_gives_its_error(wrong)
 
 
+@pytest.mark.slow
 def test_without_its_mistake_the_program_has_no_error():
     for index in range(40):
         program = generate(SeededChoices(2026, index), right(ProgramSettings()))

@@ -127,6 +127,7 @@ def assumed(answer: str) -> set[str]:
     return {name[0] for name in names if name}
 
 
+@pytest.mark.slow
 @needs_coq
 def test_theorems_assume_the_real_numbers_alone(tmp_path: Path) -> None:
     modules = {module_of(theory): theorems_of(theory) for theory in THEORIES}

@@ -139,6 +139,7 @@ def differences(asked: Asked) -> Iterator[tuple[Moment, ...]]:
     return (moments for moments, end in asked if by_the_machine(moments) != end)
 
 
+@pytest.mark.slow
 @needs_coq
 def test_the_policies_agree(asked: Asked) -> None:
     assert list(differences(asked)) == []
@@ -159,6 +160,7 @@ def without(number: int) -> Callable[[pytest.MonkeyPatch], None]:
     return plant
 
 
+@pytest.mark.slow
 @needs_coq
 @pytest.mark.parametrize("number", [2, 4, 6])
 def test_a_policy_without_one_of_its_steps_is_noticed(number: int, asked: Asked, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -166,6 +168,7 @@ def test_a_policy_without_one_of_its_steps_is_noticed(number: int, asked: Asked,
     assert any(differences(asked[:150]))
 
 
+@pytest.mark.slow
 @needs_coq
 @pytest.mark.parametrize("number", [1, 2, 3, 4, 5, 6])
 def test_two_steps_in_the_wrong_order_are_noticed(number: int, asked: Asked, monkeypatch: pytest.MonkeyPatch) -> None:

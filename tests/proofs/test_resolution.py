@@ -148,6 +148,7 @@ def answers(tmp_path_factory: pytest.TempPathFactory) -> list[tuple[Asked, Term]
     return list(zip(objects, told, strict=True))
 
 
+@pytest.mark.slow
 @needs_coq
 def test_the_resolutions_agree(answers: list[tuple[Asked, Term]]) -> None:
     assert [(asked, told) for asked, told in answers if not agrees(asked, told, by_the_machine)] == []
@@ -232,6 +233,7 @@ WRONG = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @needs_coq
 @pytest.mark.parametrize("resolve", WRONG.values(), ids=WRONG.keys())
 def test_a_wrong_resolution_is_noticed(resolve: Resolve, answers: list[tuple[Asked, Term]]) -> None:

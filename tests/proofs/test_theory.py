@@ -61,6 +61,7 @@ def test_a_wrong_machine_fails_vectors(right: str, wrong: str, monkeypatch: pyte
     runs_of.cache_clear()
 
 
+@pytest.mark.slow
 @needs_coq
 def test_it_is_asked_through_the_harness_protocol() -> None:
     with External(COMMAND) as served:
@@ -87,6 +88,7 @@ def test_diff_agrees_with_it_and_finds_a_wrong_machine(condition: str, verdict: 
     assert done.returncode == (verdict == "differ")
 
 
+@pytest.mark.slow
 @needs_coq
 def test_the_law_that_it_enumerates_is_that_of_the_rule() -> None:
     found = Theory().enumerated(Task(COIN, "paper"))

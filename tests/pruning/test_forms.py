@@ -44,6 +44,7 @@ def coordinates(point: Point, columns: dict[int, np.ndarray]) -> tuple[np.ndarra
     return value(x, columns), value(y, columns)
 
 
+@pytest.mark.slow
 def test_every_number_is_within_its_bounds(runs):
     recorded, columns = runs
     known = [n for n in recorded.graph.nodes if n.kind == "float" and bounds(n) != ALL]
@@ -64,6 +65,7 @@ def test_aligned_headings_are_those_of_the_field_up_to_the_deviation(runs):
             assert deviation.low - 1e-9 <= rest <= deviation.high + 1e-9
 
 
+@pytest.mark.slow
 def test_offsets_are_where_they_are_said_to_be(runs):
     recorded, columns = runs
     points = [drawn.point for drawn in recorded.points.values()] + [there.point for there in located(recorded.graph)]

@@ -61,6 +61,7 @@ def test_what_is_mutated_in_the_gallery_is_not_pruned():
     assert not gallery("noise")[2].pruned
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("number", range(COUNT))
 def test_no_accepted_run_of_a_random_program_has_a_point_outside_the_smaller_regions(number):
     scenario = scenic_ref.loads(random_program(np.random.default_rng(number)))
@@ -195,6 +196,7 @@ def test_pruned_scenes_of_the_gallery_have_the_same_distribution(name):
     assert same_distribution(pruned, scenario, reference=plain).kind != "different"
 
 
+@pytest.mark.slow
 def test_a_smaller_region_that_is_wrong_is_told_from_the_distribution():
     scenario, _, pruning = gallery("single_car")
     (one,) = pruning.pruned

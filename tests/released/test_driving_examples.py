@@ -94,6 +94,7 @@ QUICK = ("composed", "follow_trajectory", "lane_ends_of_maneuver")
 CASES = [pytest.param(p, marks=() if p.stem in QUICK else pytest.mark.slow, id=p.stem) for p in PROGRAMS]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dialect", DIALECTS)
 @pytest.mark.parametrize("program", CASES)
 def test_the_program_is_there_what_it_is_here(program: Path, dialect: str):

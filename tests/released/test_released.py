@@ -102,6 +102,7 @@ def same_values(theirs: Told, own: Told) -> bool:
     return all(alike(theirs[name], own[name]) for name in ("objects", "params") if name in theirs)
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize(("program", "dialect"), CASES, ids=[f"{d}-{p['name']}" for p, d in CASES])
 def test_the_verdict_and_the_values_are_those_of_the_release_or_differ_as_is_said(program: Told, dialect: str) -> None:
     theirs, own = released(dialect)[program["name"]], ours(program, dialect)

@@ -64,6 +64,7 @@ def told(column: TypedColumn) -> list[str | None]:
     ] if column.kind in (TEXT, JSON) else told(as_kind(column, JSON))
 
 
+@pytest.mark.slow
 @settings(deadline=None, derandomize=True, max_examples=400)
 @given(st.lists(VALUES, min_size=1, max_size=8), st.data())
 def test_the_type_of_a_column_and_its_values_do_not_depend_on_the_pieces(values, data):

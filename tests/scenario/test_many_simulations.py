@@ -33,6 +33,7 @@ def scenario(text: str = PROGRAM, **more: object) -> scenic_ref.Scenario:
     return scenic_ref.loads(text, dialect="scenic-2.1", profile="scenic-2.1", **more)  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_they_are_those_of_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The same lines, byte for byte, with rejected attempts on the way; and the same ones by two processes."""
     monkeypatch.chdir(tmp_path)
@@ -61,6 +62,7 @@ def test_they_can_begin_later_and_in_a_simulator_that_is_there() -> None:
     assert [run.simulation.moments for run in runs] == [run.simulation.moments for run in alone]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("workers", [1, 2])
 def test_an_error_comes_after_the_simulations_before_it(workers: int) -> None:
     program = scenario(FAILING)

@@ -59,6 +59,7 @@ MADE: dict[str, Callable[[], Scenario]] = {
 }
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("name", MADE)
 def test_a_pickled_scenario_draws_the_same_scenes(name: str) -> None:
     scenario = MADE[name]()
@@ -126,6 +127,7 @@ def test_a_module_that_is_not_what_it_was_is_told(folder: Path, text: str | None
         pickle.loads(saved)
 
 
+@pytest.mark.slow
 def test_another_process_draws_the_same(folder: Path) -> None:
     scenario = conditioned(scenic_ref.loads(TEXT)).pruned()
     (folder / "saved").write_bytes(pickle.dumps(scenario))

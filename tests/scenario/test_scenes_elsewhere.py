@@ -116,6 +116,7 @@ def holding(scene: Scene) -> list[object]:
     return [*kept, {k: told_of(v) for k, v in scene.params.items()}]
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("dialect", ["paper", "pldi19", "scenic-2.1", "scenic-3"])
 @pytest.mark.parametrize("backend", ["interpreter", "batch"])
 def test_an_object_that_holds_another_one_holds_it_in_the_program_of_the_scene(backend: Literal["interpreter", "batch"], dialect: str) -> None:
@@ -137,6 +138,7 @@ def test_a_point_that_is_no_object_of_the_scene_is_told() -> None:
     assert "# ego: both was [<Object 1>, <Point 0>]" in scene.to_scenic()
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("path", sorted(Path("examples/gallery").glob("*.scenic")), ids=lambda path: path.stem)
 def test_scenes_of_the_gallery_as_programs(path: Path) -> None:
     scene = scenic_ref.load(path).sample(2)

@@ -20,6 +20,7 @@ def test_a_field_is_its_function() -> None:
     assert VectorField("twice", lambda v: 2 * v.x).at(Vector(3.0, 0.0)) == 6
 
 
+@pytest.mark.slow
 @given(st.lists(triangles, max_size=12), st.tuples(st.integers(-24, 24), st.integers(-24, 24)))
 @settings(deadline=None, max_examples=200)
 def test_the_first_cell_that_contains_the_point_wins(cells: list[Polygon], quarters: tuple[int, int]) -> None:

@@ -133,6 +133,7 @@ def test_draws(program: str, expected: object):
     assert result_of(program) == expected
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("program", "kind", "message"), [each[1:] for each in REFUSALS], ids=[each[0] for each in REFUSALS])
 def test_refused(program: str, kind: type[errors.ScenicError], message: str):
     with pytest.raises(kind) as caught:
@@ -160,6 +161,7 @@ def test_every_backend_draws_them():
     assert [scene.to_line() for scene in scenario.sample_many(40, backend="batch")] == expected
 
 
+@pytest.mark.slow
 def test_a_configuration_can_be_stepped_again():
     """What a generator gave is given again, and what its body did is done again, whatever it gave in between (`docs/machine.md`)."""
     for claim, program in AS_IN_PYTHON.items():

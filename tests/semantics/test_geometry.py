@@ -177,6 +177,7 @@ def test_sector_meets_box_is_invariant_under_rigid_motions(sector: Sector, box: 
     assert g.sector_meets_box(moved(center, turn, shift), radius, heading + turn, angle, *other) is before[0]
 
 
+@pytest.mark.slow
 @given(vectors, st.floats(0, 15), headings, st.floats(2 * math.pi, 20), boxes)
 @settings(deadline=None)
 def test_a_sector_of_a_full_turn_or_more_is_a_disc(center: Vector, radius: float, heading: float, angle: float, box: Box) -> None:

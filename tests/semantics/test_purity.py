@@ -227,6 +227,7 @@ def run_twice(program: str, watching: Again, readings: dict[str, str] | None = N
     watching.compare_all()
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("capture", ["statement", "end"])
 @pytest.mark.parametrize("change", CHANGES)
 def test_every_kind_of_change_is_taken_back(change: str, capture: str) -> None:
@@ -323,6 +324,7 @@ def test_a_draw_that_was_kept_is_answered_in_its_own_version():
 LOOP = "require ego.width < 20\nxs = [0] * 50\nfor i in range(300):\n    x = i\n    xs.pop() if xs else xs.extend([1])\n"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("program", [LOOP, "behavior B():\n    x = 0\n    while True:\n        x = x + 1\n        take 1\nego = Object with behavior B\n"])
 def test_a_run_keeps_nothing_that_only_served_to_go_back(program: str) -> None:
     before: list[versions.Version] = []  # of other tests: kept, so that no new one has the identity of one of them

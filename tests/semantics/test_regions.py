@@ -62,6 +62,7 @@ def points_of_box(region_box: Box) -> list[Vector]:
     return [g.offset_local(position, heading, Vector(s * width, t * length)) for s in shares for t in shares]
 
 
+@pytest.mark.slow
 @given(regions, boxes)
 @settings(deadline=None, max_examples=300)
 def test_a_contained_box_has_its_points_inside_and_an_unmet_one_outside(region: Region, region_box: Box) -> None:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import copy
 import math
+import pickle
 from itertools import repeat
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.kernel.errors import ProgramError, RunError
+from scenic_ref.semantics.kernel.allowed import ATTRIBUTES
+from scenic_ref.semantics.kernel.errors import AttemptsExhausted, ProgramError, RunError
+from scenic_ref.semantics.kernel.generators import EXHAUSTED
 from scenic_ref.semantics.kernel.suggestions import nearest
 from scenic_ref.semantics.readings.loading import probe_of
 from scenic_ref.semantics.space.distributions import Normal, TruncatedNormal
@@ -86,3 +90,28 @@ def test_of_very_long_names_no_slips_are_looked_for() -> None:
     """Each letter more would cost the square of the letters; a name of a hundred letters is still known."""
     assert nearest("a" * 99 + "x", ["a" * 100]) == "a" * 100
     assert nearest("a" * 299_999 + "x", ["a" * 300_000]) is None
+
+
+def test_the_end_of_an_iterator_stays_itself_when_it_is_saved() -> None:
+    assert copy.deepcopy(EXHAUSTED) is EXHAUSTED
+    assert pickle.loads(pickle.dumps(EXHAUSTED)) is EXHAUSTED
+
+
+def test_the_attributes_that_may_be_asked_for_are_sets_of_words() -> None:
+    """A text in the place of a set would allow each of its parts."""
+    assert {type(words) for words in ATTRIBUTES.values()} == {frozenset}
+    assert all(word.isidentifier() for words in ATTRIBUTES.values() for word in words)
+
+
+@pytest.mark.slow
+def test_keys_that_count_their_hash_themselves_are_a_crowd_of_a_third() -> None:
+    """8,000 keys of one hash are too many to be compared with each other; with a hash of their own it may be that few are."""
+    key = "class Key(object):\n    def __init__(self, n): self.n = n\n    def __hash__(self): return self.n\n"
+    program = f"{EGO}{key}found = frozenset([Key(i) for i in range(8000)])\nparam r = len(found)\n"
+    assert scenic_ref.loads(program, fuel=10**8).sample().params["r"] == 8000
+
+
+def test_a_circle_of_no_size_is_not_named_for_the_intersection_with_it() -> None:
+    program = "ego = Object in CircularRegion(0 @ 0, 0).intersect(RectangularRegion(0 @ 0, 0, 4, 4))\n"
+    with pytest.raises(AttemptsExhausted, match="in this IntersectionRegion: it has no area"):
+        scenic_ref.loads(program).sample()

@@ -83,6 +83,7 @@ def run(text: str, simulator: str, steps: int, seed: int = 0) -> Simulated:
     return scenic_ref.loads(text).simulate(simulator, steps, seed).simulation
 
 
+@pytest.mark.slow
 @both_simulators
 @pytest.mark.parametrize("behavior", ["Wait", "FollowLaneObeyingTrafficLights"])
 def test_a_car_waits_at_the_line_and_goes_at_green(behavior: str, simulator: str) -> None:
@@ -124,6 +125,7 @@ def seen(statements: str, seed: int = 0) -> list[str]:
     return [("green", "yellow", "red")[int(2 * moment.actions[0][0].throttle)] for moment in found.moments[:-1]]  # type: ignore[attr-defined]
 
 
+@pytest.mark.slow
 def test_a_light_that_is_set_stays_so_until_the_plan_changes_it() -> None:
     planned = seen("pass")
     assert planned == ["red"] * 150 + ["green"] * 50

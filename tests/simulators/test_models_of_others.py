@@ -27,6 +27,7 @@ terminate when simulation().currentTime > 40
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", STAND_INS)
 def test_a_program_of_the_driving_library_is_the_same_under_every_model(model: str) -> None:
     ours, theirs = (
@@ -61,6 +62,7 @@ def test_what_only_carla_can_do_is_refused_by_its_name(text: str) -> None:
         scenic_ref.loads(f"{CARLA}ego = Car\n{text}\n").sample()
 
 
+@pytest.mark.slow
 def test_the_commands_tell_what_a_model_stands_for(tmp_path: Path) -> None:
     for model, told in (("scenic.simulators.carla.model", True), ("scenic.domains.driving.model", False)):
         (tmp_path / "p.scenic").write_text(f"model {model}\nego = Car\n")

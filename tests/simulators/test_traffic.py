@@ -138,6 +138,7 @@ def test_where_no_driver_can_begin_the_run_is_rejected(place, why):
     assert caught.value.attempts == 2
 
 
+@pytest.mark.slow
 @needs_sumo
 def test_simulations_follow_from_program_seed_and_number_and_replay():
     text = MODEL + "ego = Car on road, with behavior AutopilotBehavior()\nCar on road, with behavior AutopilotBehavior()\n"
@@ -149,6 +150,7 @@ def test_simulations_follow_from_program_seed_and_number_and_replay():
     assert [moment.objects for moment in again.moments] == [moment.objects for moment in first.simulation.moments]
 
 
+@pytest.mark.slow
 @needs_sumo
 def test_drivers_are_the_seeds():
     turns = {moments(DRIVER, 700, seed=seed)[-1].objects[0]["position"] for seed in range(3)}
@@ -176,6 +178,7 @@ def test_a_program_without_a_map_and_a_broken_time_step_are_refused():
         by_name("sumo", 0.00015)
 
 
+@pytest.mark.slow
 @needs_sumo
 def test_its_processes_end_with_it():
     simulator = by_name("sumo")

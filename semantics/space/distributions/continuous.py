@@ -18,7 +18,10 @@ _LOG_ROOT_TAU = math.log(2 * math.pi) / 2
 
 @dataclass(frozen=True)
 class Range(Named):
-    """Uniform on the interval [low, high]; a point mass if they are equal."""
+    """Uniform on the interval [low, high]; a point mass if they are equal.
+
+    Example: `ego = Object at Range(-1, 1) @ 0`
+    """
 
     low: float
     high: float
@@ -44,7 +47,10 @@ class Range(Named):
 
 @dataclass(frozen=True)
 class Normal(Named):
-    """The normal distribution; a point mass if the standard deviation is 0 (reading `zero-stddev`)."""
+    """The normal distribution; a point mass if the standard deviation is 0 (reading `zero-stddev`).
+
+    Example: `ego = Object at Normal(0, 2) @ 0`
+    """
 
     mean: float
     stdDev: float
@@ -73,6 +79,8 @@ class TruncatedNormal(Named):
 
     All is computed with logarithms of the lower tail (the window is mirrored if it lies to the right): in a window beyond
     9 standard deviations the distribution function itself would round to 0 or 1.
+
+    Example: `ego = Object at TruncatedNormal(0, 2, -1, 5) @ 0`
     """
 
     mean: float

@@ -33,6 +33,8 @@ class PolylineRegion(Region):
 
     `orientation` True orients each point along the line, in the direction of its points (the nearest segment's, the first of
     several); a vector field orients it so; False or None not at all. Raises `BadRegion` for what is not a curve.
+
+    Example: `ego = Object on PolylineRegion([(0, 0), (0, 10), (5, 20)])`
     """
 
     dimension = 1
@@ -163,6 +165,8 @@ class PointSetRegion(Region):
     """A finite set of points, each as likely as any other; a point that is listed twice counts once.
 
     `kdTree` is accepted as by the released library, and not needed.
+
+    Example: `ego = Object in PointSetRegion('stops', [(0, 0), (0, 10)])`
     """
 
     dimension = 0

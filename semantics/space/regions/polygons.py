@@ -24,10 +24,12 @@ from .sampling import Numbers, TriangleSampler
 
 
 class PolygonalRegion(Region):
-    """The polygon with the corners `points`, or a given shapely polygon, multipolygon or sequence of polygons.
+    """The polygon with the corners `points`, or a given shapely polygon, multipolygon, polygonal region, or sequence of these.
 
     Parts may overlap: the region is their union. `orientation` is a vector field or None. `polygon` is the union as one
     shapely geometry, to which `closed` adds the boundary; sampling uses exactly three numbers. Raises `BadRegion` for what is not a polygon.
+
+    Example: `ego = Object in PolygonalRegion([(0, 0), (10, 0), (0, 10)])`
     """
 
     is_simple = True

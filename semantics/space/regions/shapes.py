@@ -31,7 +31,10 @@ _ROUNDING = 1e-12  # cores are shrunk and covers grown by this share, so that ro
 
 @dataclass(frozen=True)
 class CircularRegion(Region):
-    """Disc(center, radius), in metres."""
+    """Disc(center, radius), in metres.
+
+    Example: `ego = Object in CircularRegion((0, 0), 5)`
+    """
 
     is_simple = True
 
@@ -81,7 +84,10 @@ class CircularRegion(Region):
 
 @dataclass(frozen=True)
 class SectorRegion(Region):
-    """Sector(center, radius, heading, angle): the part of a disc within angle/2 of `heading`; an angle ≥ 2π is the disc."""
+    """Sector(center, radius, heading, angle): the part of a disc within angle/2 of `heading`; an angle ≥ 2π is the disc.
+
+    Example: `ego = Object in SectorRegion((0, 0), 10, 45 deg, 90 deg)`
+    """
 
     is_simple = True
 
@@ -177,7 +183,10 @@ class SectorRegion(Region):
 
 @dataclass(frozen=True)
 class RectangularRegion(Region):
-    """The rectangle with its centre at `position`, `width` metres across `heading` and `length` metres along it."""
+    """The rectangle with its centre at `position`, `width` metres across `heading` and `length` metres along it.
+
+    Example: `ego = Object in RectangularRegion((0, 0), 30 deg, 4, 8)`
+    """
 
     is_simple = True
 

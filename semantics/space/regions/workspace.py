@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from shapely.geometry import Polygon
 
@@ -11,17 +11,22 @@ from ..vectors import Vector
 from .approximation import Approximation, Bounds
 from .errors import BadRegion
 from .intervals import Intervals
+from .polygons import PolygonalRegion
 from .region import Region, everywhere
 from .sampling import Numbers, Segment
 
 
 class Workspace(Region):
-    """A region in the role of the workspace; as a set of points it is that region."""
+    """A region in the role of the workspace; as a set of points it is that region. It may be given by the points of a polygon.
 
-    def __init__(self, region: Region = everywhere) -> None:
-        if not isinstance(region, Region):
-            raise BadRegion(f"a workspace must be a region, not {region!r}")
-        self.region = region
+    Example: `workspace = Workspace(RectangularRegion((0, 0), 0, 20, 20))`
+    """
+
+    def __init__(self, region: Region | Sequence[Vector | Sequence[float]] = everywhere) -> None:
+        found = PolygonalRegion(region) if isinstance(region, (list, tuple)) else region
+        if not isinstance(found, Region):
+            raise BadRegion(f"a workspace must be a region, or points, not {region!r}")
+        self.region = found
 
     def __repr__(self) -> str:
         return f"Workspace({self.region!r})"

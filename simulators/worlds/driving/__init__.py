@@ -7,6 +7,7 @@ from functools import cache
 from importlib.resources import files
 from pathlib import Path
 
+from ....interpreter.modules import World
 from ....maps import elements, intersections, network, paths, signals
 from ....maps.network import Network
 from ....maps.reading import made_map
@@ -64,15 +65,15 @@ def map_of(program: Program, params: Mapping[str, object], directory: Path | Non
     return None
 
 
-def modules(program: Program, params: Mapping[str, object], directory: Path | None) -> Mapping[str, Callable[[], object]]:
+def modules(program: Program, params: Mapping[str, object], directory: Path | None) -> Mapping[str, World]:
     """The modules that depend on the maps of a program."""
 
-    def of_map() -> object:
+    def of_map() -> Mapping[str, object] | Exception:
         named = map_of(program, params, directory)
         found = default_network() if named is None else read(*named[1:]) if isinstance(named, tuple) else named
         return found if isinstance(found, Exception) else {"network": found}
 
-    def of_roads() -> object:
+    def of_roads() -> Mapping[str, object]:
         own = map_of(program, params, directory)
         return {**FIXED_ROADS, MAPS[1]: maps_of(program, directory, [own[:2]] if isinstance(own, tuple) else [])}
 

@@ -1,0 +1,274 @@
+"""Maps of one's own from GeoJSON, WKT and shapefiles, and GeoJSON of whatever has a `__geo_interface__`.
+
+Programs are in metres. What is in degrees is projected by pyproj (extra `geo`) on a plane that touches the earth in the middle of the map.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+from shapely.geometry import shape as geometry_of
+from shapely.geometry.base import BaseGeometry
+
+from ..interpreter.extras import needed
+from ..maps.sites import MapFeature, SiteMap
+from ..maps.xml import MapError
+from ..semantics.kernel.errors import UsageError
+
+LARGEST = 64 << 20
+"""Bytes that a file may have."""
+MOST_POINTS = 2_000_000
+METRES, DEGREES = "metres", "EPSG:4326"
+"""Coordinates that need no projection, and those of GeoJSON if it says nothing else."""
+SUFFIXES = (".geojson", ".json", ".wkt", ".shp")
+NAMES = ("name", "Name", "NAME", "id")
+"""Properties that may name a feature, the first that there is."""
+NAMED = re.compile(r"\s*(?P<name>[^:;()]+?)\s*:\s*(?P<wkt>.+)")
+SRID = re.compile(r"\s*SRID\s*=\s*(?P<code>\d+)\s*;\s*(?P<wkt>.+)", re.IGNORECASE)
+
+
+def read_site(path: Path, crs: str | None = None) -> SiteMap:
+    """The map of a file, in metres. `crs` says what its coordinates are, whatever the file says: "metres", or what pyproj knows.
+
+    Raises `MapError` for what is no map, and `UsageError` for a missing package.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        raise MapError(f"a map of one's own is a file {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}, not {path.name}")
+    try:
+        if path.stat().st_size > LARGEST:
+            raise MapError(f"{path} is too large for a map: at most {LARGEST >> 20} MiB")
+        data = b"" if suffix == ".shp" else path.read_bytes()
+    except OSError as error:
+        raise MapError(f"the map {path} cannot be read: {error.strerror or error}") from None
+    try:
+        return usable(in_metres(*of_shapefile(path), crs)) if suffix == ".shp" else site_from(data, suffix == ".wkt", crs)
+    except MapError as problem:
+        raise MapError(f"{path} is no usable map: {problem.message}") from None
+
+
+@lru_cache(maxsize=4)
+def site_from(data: bytes, is_wkt: bool, crs: str | None) -> SiteMap:
+    """The map of what is in a file. Raises `MapError`."""
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as problem:
+        raise MapError(f"it is no text in UTF-8 (byte {problem.start})") from None
+    return usable(in_metres(*(of_wkt(text) if is_wkt else of_geojson(loaded(text))), crs))
+
+
+def usable(site: SiteMap) -> SiteMap:
+    """The map, if its shapes are regions. Raises `MapError` if not."""
+    _ = site.namespace
+    return site
+
+
+def loaded(text: str) -> object:
+    """What a JSON text says. Raises `MapError`."""
+    try:
+        return json.loads(text)
+    except json.JSONDecodeError as problem:
+        raise MapError(f"line {problem.lineno}: it is no JSON: {problem.msg}") from None
+    except RecursionError:
+        raise MapError("it is nested too deeply") from None
+
+
+Read = tuple[list[MapFeature], str | None]
+"""The features as they stand in the file, and what it says of its coordinates."""
+
+
+def of_geojson(found: object) -> Read:
+    """The features of GeoJSON (RFC 7946), in degrees unless its member `crs`, of the format's first version, says something else."""
+    if not isinstance(found, Mapping):
+        raise MapError("GeoJSON is an object, with a `type`")
+    crs = DEGREES
+    if "crs" in found:
+        given = found["crs"]
+        name = given.get("properties", {}).get("name") if isinstance(given, Mapping) and isinstance(given.get("properties", {}), Mapping) else None
+        if given is not None and not isinstance(name, str):
+            raise MapError('the member "crs" must be null, for metres, or have properties with a name')
+        crs = METRES if given is None else str(name)
+    match found.get("type"):
+        case "FeatureCollection":
+            members = found.get("features")
+            if not isinstance(members, list):
+                raise MapError("a FeatureCollection has a list of features")
+            return [feature_of(member, f"feature {number}") for number, member in enumerate(members)], crs
+        case "Feature":
+            return [feature_of(found, "the feature")], crs
+        case _:
+            return [feature_of({"type": "Feature", "geometry": found}, "the geometry")], crs
+
+
+def feature_of(member: object, place: str) -> MapFeature:
+    """A feature of GeoJSON. Raises `MapError`."""
+    if not isinstance(member, Mapping) or member.get("type") != "Feature":
+        raise MapError(f"{place} is no object of the type Feature")
+    properties = member.get("properties") or {}
+    if not isinstance(properties, Mapping):
+        raise MapError(f"the properties of {place} are no object")
+    given = next((properties[name] for name in NAMES if properties.get(name) is not None), member.get("id"))
+    name = None if given is None else str(given)
+    where = place if name is None else f"{place} ({name!r:.60})"
+    return MapFeature(name, made(lambda: geometry_of(member["geometry"]), where), dict(properties), where)
+
+
+def made(make: Callable[[], BaseGeometry], place: str) -> BaseGeometry:
+    """The shape that a call makes. Raises `MapError` for whatever the library says that is wrong, and for too many points, or none that is finite."""
+    try:
+        found = make()
+    except (shapely.errors.ShapelyError, KeyError, AttributeError, TypeError, ValueError, IndexError, RecursionError) as problem:
+        detail = str(problem).partition("\n")[0] or type(problem).__name__
+        raise MapError(f"{place} has no geometry that can be read: {detail:.200}") from None
+    coordinates = shapely.get_coordinates(found)
+    if len(coordinates) > MOST_POINTS:
+        raise MapError(f"{place} has {len(coordinates):,} points: at most {MOST_POINTS:,}")
+    if not np.isfinite(coordinates).all():
+        raise MapError(f"{place} has a coordinate that is not finite")
+    return found
+
+
+def of_wkt(text: str) -> Read:
+    """A geometry in each line, after its name and a colon if it has one; `#` begins a comment. In metres, unless `SRID=N;` says otherwise."""
+    features, codes = [], []
+    for number, line in enumerate(text.splitlines(), 1):
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        place = f"line {number}"
+        named = NAMED.fullmatch(line)
+        name, rest = (named["name"], named["wkt"]) if named is not None else (None, line)
+        coded = SRID.fullmatch(rest)
+        code, rest = (coded["code"], coded["wkt"]) if coded is not None else (None, rest)
+        codes.append(code)
+        where = place if name is None else f"{place} ({name!r:.60})"
+        features.append(MapFeature(name, made(lambda text=rest: shapely.from_wkt(text.strip()), where), {}, where))
+    if len(set(codes)) > 1:
+        raise MapError("all lines must have the same SRID, or none")
+    return features, f"EPSG:{codes[0]}" if codes and codes[0] is not None else METRES
+
+
+def of_shapefile(path: Path) -> Read:
+    """The features of a shapefile, with the attributes beside it. Raises `MapError`, and `UsageError` for the missing package."""
+    try:
+        import shapefile
+    except ImportError as problem:
+        raise needed("a shapefile", "shapefile", problem, "; or convert the map to GeoJSON") from None
+    projection = path.with_suffix(".prj")
+    try:
+        crs = projection.read_text(encoding="utf-8", errors="replace") if projection.exists() else METRES
+        with warnings.catch_warnings(action="error"), shapefile.Reader(str(path)) as reader:
+            features = [feature_of(entry, f"shape {number}") for number, entry in enumerate(entries(reader))]
+    except MapError:
+        raise
+    except Exception as problem:  # the library lets many kinds of its own and of Python's out of broken files
+        raise MapError(f"it cannot be read: {str(problem).partition(chr(10))[0]:.200}") from None
+    return features, crs
+
+
+def entries(reader: Any) -> Iterator[Mapping[str, object]]:
+    """The shapes of a shapefile as features of GeoJSON, their attributes as JSON has them."""
+    for one in reader.iterShapeRecords():
+        found = one.__geo_interface__
+        yield {**found, "properties": plain(found["properties"])}
+
+
+def in_metres(features: list[MapFeature], told: str | None, crs: str | None) -> SiteMap:
+    """The features projected to metres, if they are not. Raises `MapError`."""
+    if not features:
+        raise MapError("there is nothing on the map")
+    if sum(len(shapely.get_coordinates(feature.shape)) for feature in features) > MOST_POINTS:
+        raise MapError(f"the map has more than {MOST_POINTS:,} points")
+    meant = crs or told or METRES
+    flat = [replace(feature, shape=shapely.force_2d(feature.shape)) for feature in features]
+    if meant == METRES:
+        return SiteMap(tuple(flat))
+    coordinates = shapely.get_coordinates([feature.shape for feature in flat])
+    projected, note = projection(meant, coordinates)
+    shapes = shapely.transform(np.array([feature.shape for feature in flat], dtype=object), projected)
+    if not np.isfinite(shapely.get_coordinates(shapes)).all():
+        raise MapError(f"its coordinates lie outside what {meant:.60} can project: say what they are with the parameter map_crs, such as 'metres'")
+    return SiteMap(tuple(replace(feature, shape=shape) for feature, shape in zip(flat, shapes, strict=True)), (note,))
+
+
+def projection(crs: str, coordinates: np.ndarray) -> tuple[Callable[[np.ndarray], np.ndarray], str]:
+    """What turns coordinates of a reference system into metres, and a note that says how. Raises `MapError`, `UsageError` (package missing)."""
+    try:
+        from pyproj import CRS, Transformer
+        from pyproj.exceptions import ProjError
+    except ImportError as problem:
+        raise needed("a map in degrees", "pyproj", problem, ", or set the parameter map_crs to 'metres' if it is in metres") from None
+    try:
+        system = CRS.from_user_input(crs)
+    except ProjError as problem:
+        raise MapError(f"there is no reference system {crs!r:.60}: {str(problem).partition(chr(10))[0]:.120}") from None
+    if not system.is_geographic:
+        factors = {axis.unit_conversion_factor for axis in system.axis_info[:2]}
+        if not system.is_projected or len(factors) != 1:
+            raise MapError(f"{system.name} is no plane of metres, nor in degrees")
+        [factor] = factors
+        return (lambda points: points * factor), f"coordinates are those of {system.name}" + ("" if factor == 1 else f", in metres ({factor:g} each)")
+    if (np.abs(coordinates) > (360.0, 90.0)).any():
+        raise MapError("its coordinates are no degrees: say what they are with the parameter map_crs, such as 'metres' or 'EPSG:25832'")
+    west, south = coordinates.min(axis=0)
+    east, north = coordinates.max(axis=0)
+    longitude, latitude = round(float(west + east) / 2, 6), round(float(south + north) / 2, 6)
+    plane = CRS.from_dict({"proj": "tmerc", "lat_0": latitude, "lon_0": longitude, "k": 1, "ellps": "WGS84", "units": "m"})
+    transformer = Transformer.from_crs(system, plane, always_xy=True)
+    note = f"metres East and North of longitude {longitude:g}, latitude {latitude:g}"
+    return (lambda points: np.column_stack(transformer.transform(points[:, 0], points[:, 1]))), note
+
+
+def save_map(source: object, path: str | Path, *, crs: str | None = None) -> None:
+    """Write a map of one's own as GeoJSON in metres, for `param map`.
+
+    `source` is anything with a `__geo_interface__` (a shapely geometry, a GeoDataFrame), GeoJSON as a mapping, WKT, or a list of these.
+    `crs` says what its coordinates are: "metres" (the default), or what pyproj knows. Raises `UsageError`, `OSError`.
+    """
+    site = in_metres([replace(one, place=f"feature {k}") for k, one in enumerate(features_in(source))], crs or METRES, None)
+    usable(site)
+    members = []
+    for one in site.features:
+        named = {} if one.name is None else {"name": one.name}
+        members.append({"type": "Feature", "geometry": shapely.geometry.mapping(one.shape), "properties": {**one.properties, **named}})
+    try:
+        text = json.dumps({"type": "FeatureCollection", "crs": None, "features": members}, ensure_ascii=False, allow_nan=False, default=str)
+    except (ValueError, TypeError, RecursionError) as problem:
+        raise UsageError(f"the properties of the map cannot be written as JSON: {problem}") from None
+    if Path(path).suffix.lower() not in SUFFIXES[:2]:
+        raise UsageError(f"a map is written as {SUFFIXES[0]} or {SUFFIXES[1]}, not {Path(path).name}")
+    Path(path).write_text(text + "\n", encoding="utf-8")
+
+
+def features_in(source: object) -> list[MapFeature]:
+    """The features of what `save_map` takes. Raises `MapError`, `UsageError`."""
+    if isinstance(source, str):
+        return of_wkt(source)[0]
+    if isinstance(source, (list, tuple)):
+        return [feature for one in source for feature in features_in(one)]
+    found = source if isinstance(source, Mapping) else getattr(source, "__geo_interface__", None)
+    if found is None:
+        raise UsageError(f"a map has a __geo_interface__, or is GeoJSON, WKT, or a list of these, not {source!r:.60}")
+    return of_geojson(plain(found))[0]
+
+
+def plain(value: object) -> object:
+    """A value as JSON has it: what NumPy and others have for numbers as Python's own; missing numbers as None."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(inner) for key, inner in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(inner) for inner in value]
+    if hasattr(value, "item") and getattr(value, "ndim", 0) == 0:
+        return plain(value.item())  # type: ignore[attr-defined]
+    if isinstance(value, float) and math.isnan(value):
+        return None
+    return value if isinstance(value, (str, int, float, bool, type(None))) else str(value)

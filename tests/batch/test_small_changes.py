@@ -1,0 +1,35 @@
+"""What a small change of the rules would break where many scenes are drawn at a time. Found by `make mutants`."""
+
+from __future__ import annotations
+
+import pytest
+import scenic_ref
+from scenic_ref.semantics.kernel.errors import RunError
+
+LIFTED = {
+    "a vector along a field, in the runs that have one": """
+        field = PolygonalVectorField('field', [(PolygonalRegion([0@0, 10@0, 10@10, 0@10]), 30 deg)])
+        require Uniform(True, False) or (20@20 offset along field by 1@2).x > 3
+        ego = Object at Range(0, 1) @ 3
+        """,
+    "a drawn oriented point": """
+        point = Uniform(OrientedPoint at 1@2, OrientedPoint at 3@2, facing 10 deg)
+        ego = Object at 0@0, with seen (point can see 0@1)
+        """,
+}
+
+
+@pytest.mark.parametrize("name", LIFTED)
+def test_many_scenes_are_drawn_at_a_time_of(name: str) -> None:
+    program = "\n".join(line.strip() for line in LIFTED[name].splitlines())
+    scenario = scenic_ref.loads(program)
+    drawn = list(scenario.sample_many(20, seed=1, backend="batch"))
+    assert scenario.not_lifted is None
+    assert drawn == list(scenario.sample_many(20, seed=1, backend="interpreter"))
+
+
+@pytest.mark.parametrize("backend", ["batch", "interpreter"])
+def test_a_drawn_key_that_is_a_list_in_some_runs_is_an_error(backend: str) -> None:
+    scenario = scenic_ref.loads("x = Discrete({Uniform(1, [2]): 1, 3: 2})\nego = Object at 0@0, with tag 3")
+    with pytest.raises(RunError, match="unhashable type: 'list'"):
+        list(scenario.sample_many(20, seed=0, backend=backend))

@@ -1,0 +1,81 @@
+"""Pictures of scenes: colours that can be told apart, what they mean, and names that lie on nothing else."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+import scenic_ref
+from scenic_ref.formats.maps import Window
+from scenic_ref.formats.pictures import CLASSES, EGO, bounds_of, common_area, figure_of, room_for
+
+VISION = {
+    "all three cones": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+    "no red ones": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+    "no green ones": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
+    "no blue ones": [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]],
+}
+"""What is left of a colour in linear RGB (Machado, Oliveira and Fernandes 2009, severity 1)."""
+OTHERS = ("#d1495b", "#30638e", "#4f8a5b", "#b8860b", "#7b5ea7", "#3f8f8f", "#8c564b")
+"""Colours that look different, to most people."""
+APART = 15  # of CIE 1976: one that is seen at once is about 10
+
+
+def least_difference(colours: tuple[str, ...], vision: str) -> float:
+    """The difference of the two colours that are most alike, in CIE L*a*b*."""
+    return min(float(np.linalg.norm(a - b)) for a, b in itertools.combinations([lab(colour, vision) for colour in colours], 2))
+
+
+def lab(colour: str, vision: str) -> np.ndarray:
+    """A colour as somebody with this vision sees it, in CIE L*a*b*."""
+    values = np.array([int(colour[k : k + 2], 16) for k in (1, 3, 5)]) / 255
+    linear = np.array(VISION[vision]) @ np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
+    xyz = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]) @ linear.clip(0, 1) / [0.9505, 1, 1.089]
+    f = np.where(xyz > 0.008856, np.cbrt(xyz), 7.787 * xyz + 16 / 116)
+    return np.array([116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])])
+
+
+@pytest.mark.parametrize("vision", VISION)
+def test_colours_of_classes_are_told_apart_with(vision: str) -> None:
+    assert least_difference((EGO, *CLASSES), vision) > APART
+
+
+def test_colours_that_some_cannot_tell_apart_are_found() -> None:
+    assert least_difference(OTHERS, "all three cones") > APART
+    assert all(least_difference(OTHERS, vision) < APART for vision in list(VISION)[1:])
+
+
+def legend_of(program: str) -> list[str]:
+    """What stands below the picture of a scene."""
+    figure = figure_of([scenic_ref.loads(program).sample()], None)
+    return [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+
+
+def test_the_legend_has_what_is_to_be_seen() -> None:
+    cars = "class Car:\n    requireVisible: False\nclass Tree(Car):\n    pass\nego = Car\nCar at 9 @ 0\nTree at 0 @ 9\n"
+    assert legend_of(cars) == ["ego", "Car", "Tree"]
+    assert legend_of(cars.replace("ego = Car", "ego = Car with viewAngle 1, with viewDistance 20")) == ["ego", "Car", "Tree", "what ego can see"]
+    assert legend_of("ego = Object\n") == []
+    long = legend_of(f"class {'A' * 300}:\n    pass\nego = Object\n{'A' * 300} at 9 @ 0\n")
+    assert long == ["ego", "A" * 23 + "\N{HORIZONTAL ELLIPSIS}"]
+
+
+def test_names_lie_on_nothing_else_if_there_is_room() -> None:
+    """The boxes of names as `room_for` gives them, one after the other; six small objects leave room for all. Right below each would not do."""
+    program = "ego = Object at Range(-9, 9) @ Range(-9, 9)\n" + "Object at Range(-9, 9) @ Range(-9, 9)\n" * 5
+    badly_put = 0
+    for scene in scenic_ref.loads(program).sample_many(20, seed=1):
+        boxes = [bounds_of(o) for o in scene.objects]
+        rooms: list[Window] = []
+        for box in boxes:
+            rooms.append(room_for(3.0, 0.8, box, [*boxes, *rooms], (-12, -12, 12, 12)))
+        assert covered(rooms, boxes) < 0.01 * 3.0 * 0.8
+        below = [((box[0] + box[2]) / 2, box[1] - 0.6) for box in boxes]
+        badly_put += covered([(x - 1.5, y - 0.4, x + 1.5, y + 0.4) for x, y in below], boxes) > 0.1
+    assert badly_put > 5
+
+
+def covered(rooms: list[Window], boxes: list[Window]) -> float:
+    """The largest area that a name shares with a box, or with another name."""
+    return max(common_area(a, b) for a, b in itertools.chain(itertools.product(rooms, boxes), itertools.combinations(rooms, 2)))
