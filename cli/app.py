@@ -15,6 +15,7 @@ from .diff import diff
 from .fuzz import fuzz
 from .map import show_map
 from .options import DebugOption
+from .play import play
 from .readings import readings
 from .rules import rules
 from .run import run
@@ -47,6 +48,7 @@ app = typer.Typer(
 app.command("run")(run)
 app.command("simulate")(simulate)
 app.command("trace")(trace)
+app.command("play")(play)
 app.command("rules")(rules)
 app.command("readings")(readings)
 app.command("check")(check)

@@ -76,6 +76,8 @@ class Source:
     scenario: str | None = None
     limits: Limits = DEFAULT_LIMITS
     device: str | None = None
+    beside: bool = True
+    """Whether modules in the folder of the file can be imported."""
 
     def load(self) -> Scenario:
         """The scenario. Raises `ParseError`, `CheckError`, `UsageError`."""
@@ -90,7 +92,7 @@ class Source:
         scenario = loads(
             self.text, file=self.file, dialect=self.dialect, profile=self.profile, readings=dict(self.readings),
             params={name: literal(value) for name, value in self.params}, model=self.model, trust=self.trust,
-            directory=Path(self.file).parent, fuel=self.fuel, scenario=self.scenario,
+            directory=Path(self.file).parent if self.beside else None, fuel=self.fuel, scenario=self.scenario,
         )
         scenario = scenario.pruned() if self.prune else scenario
         return scenario if self.device is None else scenario.on_device(self.device)

@@ -8,7 +8,7 @@ import time
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from ..formats.scenes import in_json
 from ..inference.inferred import LEVEL, Probability, report
@@ -91,22 +91,37 @@ def summary(tally: Tally, seed: int, seconds: float, texts: Mapping[str, str], b
     return lines
 
 
-def requirement_lines(stuck: Iterable[tuple[Requirement, int]], texts: Mapping[str, str], *, limit: int) -> list[str]:
-    """The requirements that rejected most, each with its share of the rejections and its place; those of one place together."""
+class Rejecting(NamedTuple):
+    """Requirements that stand at one place: how often they rejected, and the one of them that did so most, of how many."""
+
+    often: int
+    text: str
+    span: Span
+    among: int
+
+
+def rejecting(stuck: Iterable[tuple[Requirement, int]]) -> list[Rejecting]:
+    """The requirements that rejected, those of one place together, those that rejected most first."""
     groups: dict[tuple[str, Span, str], Counter[str]] = {}
     for requirement, count in stuck:
         apart = requirement.text if requirement.kind == OF_SIMULATOR else ""
         groups.setdefault((requirement.kind, requirement.span, apart), Counter())[requirement.text] += count
-    ordered = sorted(groups.items(), key=lambda item: -item[1].total())
-    total = sum(group.total() for _, group in ordered)
+    found = [Rejecting(group.total(), group.most_common(1)[0][0], span, len(group)) for (_, span, _), group in groups.items()]
+    return sorted(found, key=lambda one: -one.often)
+
+
+def requirement_lines(stuck: Iterable[tuple[Requirement, int]], texts: Mapping[str, str], *, limit: int) -> list[str]:
+    """The requirements that rejected most, each with its share of the rejections and its place; those of one place together."""
+    ordered = rejecting(stuck)
+    total = sum(one.often for one in ordered)
     lines = [f"requirements that rejected most, of {total:,} stuck attempts:" if total > 1 else "the requirement that rejected the stuck attempt:"]
-    for (_, span, _), group in ordered[:limit]:
-        others = f" (and {len(group) - 1:,} like it)" if len(group) > 1 else ""
-        lines.append(f"{group.total():>9,}  {group.total() / total:>4.0%}  {group.most_common(1)[0][0]}{others}")
-        if span.line:
-            lines.append(f"{'':17}{span.file}:{span.line}: {shortened(source_line(span, texts) or '')}".rstrip(": "))
+    for one in ordered[:limit]:
+        others = f" (and {one.among - 1:,} like it)" if one.among > 1 else ""
+        lines.append(f"{one.often:>9,}  {one.often / total:>4.0%}  {one.text}{others}")
+        if one.span.line:
+            lines.append(f"{'':17}{one.span.file}:{one.span.line}: {shortened(source_line(one.span, texts) or '')}".rstrip(": "))
     if len(ordered) > limit:
-        rest = sum(group.total() for _, group in ordered[limit:])
+        rest = sum(one.often for one in ordered[limit:])
         lines.append(f"{rest:>9,}  {rest / total:>4.0%}  {len(ordered) - limit} others")
     return lines
 

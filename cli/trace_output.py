@@ -170,19 +170,23 @@ def shown_events(trace: Trace, *, everything: bool) -> Iterator[Event]:
             yield event
 
 
-def write_page(found: TracedRun, texts: Mapping[str, str], path: str) -> None:
-    """Write a self-contained page to step through the run. Raises `UsageError`."""
+def page_of(found: TracedRun, texts: Mapping[str, str]) -> dict[str, object]:
+    """What a page to step through the run holds."""
     sources = {file: text for file in dict.fromkeys(e.span.file for e in found.trace.events) if (text := source_text(file, texts)) is not None}
     rules = {
         name: {"name": rule.name, "place": rule.place, "statement": rule.statement, "inherited": rule.inherited, "code": rule.code}
         for name in dict.fromkeys(e.rule for e in found.trace.events)
         if (rule := RULES.get(name)) is not None
     }
-    data = {
+    return {
         "title": found.title, "ending": found.ending, "main": found.source.file, "sources": sources, "rules": rules,
         "events": [e.to_json() for e in found.trace.events], "logDensity": finite(found.trace.log_density),
     }
-    text = in_json(data, allow_nan=True).replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
+
+
+def write_page(found: TracedRun, texts: Mapping[str, str], path: str) -> None:
+    """Write a self-contained page to step through the run. Raises `UsageError`."""
+    text = in_json(page_of(found, texts), allow_nan=True).replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
     template = files("scenic_ref.cli").joinpath("trace.html").read_text(encoding="utf-8")
     page = template.replace("/*TRACE*/null", text)
     try:

@@ -206,19 +206,25 @@ def draw_view(axes: Axes, ego: SceneObject, window: Window) -> bool:
     """Ego's visible region, the sector of its view angle and view distance, unless it is all that the picture shows. Whether it was drawn."""
     from matplotlib.patches import Polygon
 
-    reach = ego.properties.get("visibleDistance", ego.properties.get("viewDistance"))  # reading `view-distance`
-    distance, angle = number(reach), number(ego.properties.get("viewAngle"))
-    if distance is None or angle is None:
-        return False
-    x, y = ego.position
-    turns = np.linspace(-angle / 2, angle / 2, max(2, math.ceil(angle / ARC_STEP) + 1)) + ego.heading
-    arc = [(x - distance * math.sin(t), y + distance * math.cos(t)) for t in turns]
-    points = arc if angle >= math.tau - 1e-9 else [(x, y), *arc]
-    if distance == 0 or angle == 0 or shapely.Polygon(points).buffer(0).covers(shapely.box(*window)):
+    points = view_of(ego, window)
+    if not points:
         return False
     axes.add_patch(Polygon(points, closed=True, facecolor=EGO, alpha=0.10, linewidth=0, zorder=1))
     axes.add_patch(Polygon(points, closed=True, fill=False, edgecolor=EGO, alpha=0.45, linewidth=0.7, zorder=1))
     return True
+
+
+def view_of(ego: SceneObject, window: Window) -> list[tuple[float, float]]:
+    """The outline of what an object sees; nothing if that is all of the window, or not known."""
+    reach = ego.properties.get("visibleDistance", ego.properties.get("viewDistance"))  # reading `view-distance`
+    distance, angle = number(reach), number(ego.properties.get("viewAngle"))
+    if not distance or not angle:
+        return []
+    x, y = ego.position
+    turns = np.linspace(-angle / 2, angle / 2, max(2, math.ceil(angle / ARC_STEP) + 1)) + ego.heading
+    arc = [(x - distance * math.sin(t), y + distance * math.cos(t)) for t in turns]
+    points = arc if angle >= math.tau - 1e-9 else [(x, y), *arc]
+    return [] if shapely.Polygon(points).buffer(0).covers(shapely.box(*window)) else points
 
 
 def number(value: object) -> float | None:

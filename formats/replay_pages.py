@@ -45,10 +45,13 @@ def land_below(region: object, run: Json) -> list[object] | None:
 
 
 def map_below(network: Network, runs: Sequence[Json]) -> dict[str, object]:
-    """The map around the objects of simulations: areas, what is on top last, the direction of traffic, and the ways through intersections."""
+    """The map around the objects of simulations (`map_in`)."""
     window = window_around(runs)
-    if window is None:
-        return {"areas": []}
+    return {"areas": []} if window is None else map_in(network, window)
+
+
+def map_in(network: Network, window: Window) -> dict[str, object]:
+    """The part of a map in a window: areas, what is on top last, the direction of traffic, and the ways through intersections."""
     apart = max(APART, (window[2] - window[0]) / ARROWS)
     box, digits = shapely.box(*window), digits_for(window)
     found = [area for shapes, colour, _, edge in areas_of(network, window) for area in areas(shapes, colour, edge, window)]

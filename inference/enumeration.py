@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 from ..formats.scenes import Scene, scene_of
 from ..interpreter.running import DEFAULT_FUEL, Accepted, run
-from ..semantics.kernel.config import Config
+from ..semantics.kernel.config import Config, State
 from ..semantics.kernel.errors import AttemptsExhausted, RunsExhausted, UsageError
 from ..semantics.kernel.outcome import Draw, Requirement
 from .quantiles import quantiles
@@ -100,11 +100,16 @@ class Taken(NamedTuple):
     among: int
 
 
+def scene_of_run(state: State) -> Scene:
+    """The scene of a run that was accepted."""
+    return scene_of(state, 0, 0, 1)
+
+
 def enumerate_runs(
     start: Callable[[], Config], *, max_runs: int = DEFAULT_RUNS, discretize: int | None = None, fuel: int = DEFAULT_FUEL,
-    on_run: Callable[[int, Fraction], None] | None = None,
-) -> Enumeration:
-    """The exact distribution of the scenes of the runs that begin with `start()`.
+    on_run: Callable[[int, Fraction], None] | None = None, read: Callable[[State], Scene] = scene_of_run,
+) -> Enumeration:  # fmt: skip
+    """The exact distribution of the scenes of the runs that begin with `start()`; `read` gives the scene of a run that was accepted.
 
     Raises `UsageError` at a draw that is not finite unless `discretize` says by how many values to replace it, `RunsExhausted`
     when there are more than `max_runs` runs, `AttemptsExhausted` if no run is accepted, and the program's errors. `on_run` is told
@@ -123,7 +128,7 @@ def enumerate_runs(
                 runs=max_runs, covered=covered,
                 hint="--max-runs allows more; each draw multiplies their number by that of its values",
             )
-        runner = Runner(prefix, discretize)
+        runner = Runner(prefix, discretize, read)
         leaf = runner.run(start(), fuel)
         approximated = approximated or runner.approximated
         leaves.append(leaf)
@@ -154,9 +159,10 @@ def following(choices: list[Taken]) -> list[Taken] | None:
 class Runner:
     """One run whose first draws are answered as `prefix` says and the others with their first values; `choices` are all of them."""
 
-    def __init__(self, prefix: list[Taken], discretize: int | None) -> None:
+    def __init__(self, prefix: list[Taken], discretize: int | None, read: Callable[[State], Scene] = scene_of_run) -> None:
         self.prefix = prefix
         self.discretize = discretize
+        self.read = read
         self.choices: list[Taken] = []
         self.probability = Fraction(1)
         self.coins: dict[Address, tuple[bool, Fraction]] = {}
@@ -166,7 +172,7 @@ class Runner:
         """The run to its end. Raises the program's errors, and `UsageError` at a draw that is not finite."""
         result = run(config, self.choose, fuel=fuel)
         if isinstance(result, Accepted):
-            return Leaf(self.probability, self.coins, scene_of(result.state, 0, 0, 1), None)
+            return Leaf(self.probability, self.coins, self.read(result.state), None)
         return Leaf(self.probability, self.coins, None, result.requirement)
 
     def choose(self, draw: Draw) -> object:

@@ -41,6 +41,7 @@ ONLY_IN = {
     "pandas": {"scenario/drawn.py"}, "polars": {"scenario/drawn.py"},
     "distributed": {"inference/batch/jobs/blocks.py"}, "hypothesis": {"conformance/programs/strategies.py"},
     "pymunk": {"simulators/physics.py"}, "sumo": {"simulators/traffic.py"}, "traci": {"simulators/traffic.py"},
+    "starlette": {"cli/playground/server.py"}, "uvicorn": {"cli/playground/server.py"},
     "arviz": {"formats/chains.py"}, "pyro": {"inference/with_pyro.py"},
     "pyproj": {"formats/geodata.py"}, "shapefile": {"formats/geodata.py"},
     "torch": {"inference/with_pyro.py", *(f"inference/batch/tensors/{name}.py" for name in TENSORS)},
@@ -259,7 +260,8 @@ def test_the_wheel_holds_every_module_and_resource(tmp_path):
         [sys.executable, "-m", "build", "--wheel", "--sdist", "--outdir", str(tmp_path), str(ROOT)], check=True, capture_output=True, text=True
     )
     names = set(zipfile.ZipFile(next(tmp_path.glob("*.whl"))).namelist())
-    resources = [p for layer in LAYERS for pattern in ("*.py", "*.lark", "*.scenic", "*.html", "*.toml") for p in (ROOT / layer).rglob(pattern)]
+    patterns = ("*.py", "*.lark", "*.scenic", "*.html", "*.css", "*.js", "*.toml")
+    resources = [p for layer in LAYERS for pattern in patterns for p in (ROOT / layer).rglob(pattern)]
     resources = [p for p in resources if p.parent.name != "released"]  # the gallery in another syntax, which is in no wheel either
     missing = {f"scenic_ref/{p.relative_to(ROOT)}" for p in resources} - names
     assert not missing

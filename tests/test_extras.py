@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 import scenic_ref
+from scenic_ref.cli import answer
 from scenic_ref.formats.table_files import open_table
 from scenic_ref.inference.batch import compile as compiler
 from scenic_ref.inference.batch.evaluate import sampling
@@ -85,3 +86,13 @@ def test_what_needs_a_package_says_which_extra_has_it(package, use, monkeypatch,
         use(tmp_path)
     assert f"scenic-ref[{EXTRAS[package]}]" in caught.value.hint
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("package", ["starlette", "uvicorn"])
+def test_the_playground_says_which_extra_it_needs(package, monkeypatch, capfd):
+    monkeypatch.setitem(sys.modules, package, None)
+    monkeypatch.delitem(sys.modules, "scenic_ref.cli.playground.server", raising=False)
+    assert answer(["play", "--no-browser"]) == 2
+    said = capfd.readouterr().err
+    assert "play needs the package" in said
+    assert "pip install 'scenic-ref[play]'" in said

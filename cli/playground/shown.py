@@ -1,0 +1,96 @@
+"""What the page shows of scenes, requirements and errors, as plain JSON."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Mapping
+
+from ...formats.pictures import EDGE, FARTHEST, LAND, land_in, view_of, window_of
+from ...formats.replay_pages import areas, map_in
+from ...formats.scenes import OWN_FIELDS, Scene
+from ...inference.enumeration import content_of
+from ...inference.rejection import acceptance
+from ...maps.network import MapWorkspace
+from ...semantics.kernel.errors import AttemptsExhausted, ScenicError, UsageError
+from ...semantics.kernel.outcome import Requirement
+from ...semantics.syntax.nodes import Span
+from ..diagnostics import Diagnostic, record
+from ..drawing import Softness
+from ..reports import rejecting
+from .texts import Json, cut, cut_text
+
+MOST_OBJECTS = 1_000
+"""A scene with more objects is not drawn on the page."""
+MOST_REQUIREMENTS = 50
+
+
+def scene_shown(scene: Scene) -> Json:
+    """A scene with its window, and what lies below its objects there; `problem` says why it cannot be drawn."""
+    written = scene.to_json()
+    found: Json = {
+        "scene": scene.index, "seed": scene.seed, "attempts": scene.attempts, "ego": scene.ego_id, "count": len(scene.objects),
+        "params": cut(written["params"]), "digest": hashlib.sha256(content_of(scene).encode("utf-8", "replace")).hexdigest()[:16], "problem": "",
+    }  # fmt: skip
+    if len(scene.objects) > MOST_OBJECTS:
+        return found | {"objects": [], "problem": f"{len(scene.objects):,} objects are too many to be drawn here"}
+    objects = [object_shown(o.to_json()) for o in scene.objects]
+    try:
+        window = window_of(scene)
+    except UsageError:
+        return found | {"objects": objects, "problem": f"it has coordinates of {FARTHEST:g} m or more"}
+    view = view_of(scene.ego, window) if scene.ego_id is not None else []
+    return found | {"objects": objects, "window": window, "view": view, "ground": ground_of(scene, window)}
+
+
+def object_shown(written: Mapping[str, object]) -> Json:
+    """An object in the scene format."""
+    own = {name: written[name] for name in OWN_FIELDS}
+    name = written["name"]
+    return {
+        "id": written["id"], "name": None if name is None else cut_text(str(name)), "class": cut_text(str(written["class"])), **own,
+        "properties": cut(written["properties"]),
+    }  # fmt: skip
+
+
+def ground_of(scene: Scene, window: tuple[float, float, float, float]) -> Json:
+    """What lies below the objects: the map, or the workspace."""
+    if isinstance(scene.workspace, MapWorkspace):
+        return map_in(scene.workspace.network, window)
+    return {"areas": areas(land_in(scene.workspace, window), LAND, EDGE, window)}
+
+
+def place_of(span: Span) -> Json:
+    """A place in a source; `line` is 0 for none."""
+    return {"file": cut_text(span.file), "line": span.line, "column": span.column, "endLine": span.end_line, "endColumn": span.end_column}
+
+
+def diagnostic_shown(one: Diagnostic) -> Json:
+    """A diagnostic as `check --format json` has it, with texts that are not too long."""
+    return {name: cut(value) if name != "message" else cut_text(str(value), 2000) for name, value in record(one).items()}
+
+
+def requirements_shown(stuck: Iterable[tuple[Requirement, int]]) -> list[Json]:
+    """The requirements that rejected, as reports group them."""
+    found = rejecting(stuck)[:MOST_REQUIREMENTS]
+    return [{"count": one.often, "text": cut_text(one.text), "among": one.among, **place_of(one.span)} for one in found]
+
+
+def tally_shown(
+    scenes: int, attempts: int, stuck: Iterable[tuple[Requirement, int]], soft: Iterable[Softness] = (), *, coins: bool = False
+) -> Json:  # fmt: skip
+    """How many attempts were made at how many scenes, how likely a run is accepted (None without scenes), and what rejected the others.
+
+    The attempts do not tell the former where `coins` are thrown once for a scene.
+    """
+    found = acceptance(scenes, attempts)
+    return {
+        "kind": "tally", "coins": coins, "scenes": scenes, "attempts": attempts, "level": found.level,
+        "acceptance": [found.estimate, found.low, found.high] if scenes and not coins else None, "stuck": requirements_shown(stuck),
+        "soft": [{"held": s.held, "known": s.known, "probability": float(s.probability), **place_of(s.span)} for s in soft],
+    }  # fmt: skip
+
+
+def exhausted_of(error: ScenicError) -> list[tuple[Requirement, int]]:
+    """What rejected the attempts that were exhausted."""
+    return [(r, n) for r, n in error.stuck if isinstance(r, Requirement)] if isinstance(error, AttemptsExhausted) else []
+

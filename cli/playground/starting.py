@@ -1,0 +1,111 @@
+"""What `scenic-ref play` does: it reads the program to begin with, makes the page, and serves it."""
+
+from __future__ import annotations
+
+import secrets
+import sys
+from collections.abc import Iterator
+from contextlib import suppress
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from ... import __version__
+from ...formats.highlighting import rules_for_browsers
+from ...formats.scenes import in_json
+from ...interpreter.extras import is_installed, needed
+from ...semantics.readings import READINGS, select
+from ..options import Source, pairs, read_source
+from ..session import Session
+from .links import Linked, is_link, linked_of
+from .texts import cut_text
+
+SCRIPTS = (
+    "asking.js", "editor.js", "drawn.js", "scenes.js", "histogram.js", "trace.js", "readings.js", "replay.js", "beginning.js",
+)  # fmt: skip
+"""The parts of the page's script, in their order."""
+UNNAMED = "program.scenic"
+"""What the program is called that was not read from a file."""
+SIMULATORS = {"still": "", "kinematic": "", "pymunk": "pymunk"}
+"""The simulators that the page offers, and the package that each needs."""
+
+
+def source_of(session: Session, file: str | None, *, reading: list[str] | None, **options: Any) -> tuple[Source, Linked | None]:
+    """The program to begin with, with the options of the command line, and the link that it came from, if it did. Raises `UsageError`."""
+    if file is not None and not is_link(file):
+        return read_source(session, file, reading=reading, **options), None
+    linked = None if file is None else linked_of(file)
+    param = options.pop("param")
+    text = programs()[0]["program"] if linked is None else linked.program
+    return Source(
+        UNNAMED, text, readings=pairs(reading, "--reading", "ID=ALT"), params=pairs(param, "-p", "NAME=VALUE"), beside=False, **options
+    ), linked
+
+
+def begin(source: Source, linked: Linked | None, seed: int, port: int, *, otherwise: bool, browser: bool) -> None:
+    """Serve the page until Ctrl-C. Raises `UsageError` without the extra `play`, and for a port that cannot be used."""
+    try:
+        from .server import HOST, Playground, bound, serve
+    except ImportError as problem:
+        missing = "uvicorn" if is_installed("starlette") else "starlette"
+        raise needed("play", missing, problem) from None
+    page = page_with(given(source, linked, seed))
+    door = bound(port, otherwise=otherwise)
+    token = secrets.token_urlsafe(32)
+    number = door.getsockname()[1]
+    address = f"http://{HOST}:{number}/{token}/"
+    playground = Playground(source, page, part("door.html"), token, number)
+    print(address, flush=True)
+    if not source.trust:
+        print("programs run in the sandbox; Ctrl-C ends the server", file=sys.stderr, flush=True)
+    else:
+        print("--trust: programs may do whatever you may; Ctrl-C ends the server", file=sys.stderr, flush=True)
+    if browser:
+        show(address)
+    serve(playground, door)
+
+
+def show(address: str) -> None:
+    """Open the page in the browser, if there is one."""
+    import webbrowser
+
+    with suppress(webbrowser.Error, OSError):
+        webbrowser.open(address)
+
+
+def given(source: Source, linked: Linked | None, seed: int) -> dict[str, object]:
+    """What the page begins with."""
+    selected = select(source.profile, dict(source.readings))
+    readings = [
+        {
+            "id": r.id, "kind": r.kind, "about": r.about, "question": r.question, "alternatives": dict(r.alternatives), "places": list(r.places),
+            "consequence": r.consequence, "selected": selected[r.id], "paper": r.default,
+        }
+        for r in READINGS.values() if not r.is_note
+    ]  # fmt: skip
+    return {
+        "version": __version__, "file": cut_text(source.file), "name": Path(source.file).name, "program": source.text,
+        "seed": seed if linked is None else linked.seed,
+        "linked": None if linked is None else linked.readings, "readings": readings, "programs": programs(), "rules": rules_for_browsers(),
+        "simulators": [name for name, package in SIMULATORS.items() if not package or is_installed(package)], "trust": source.trust,
+        "profile": source.profile,
+    }  # fmt: skip
+
+
+def programs() -> list[dict[str, str]]:
+    """The programs that the page offers, the first of which it begins with; their first lines say what they show."""
+    found: Iterator[Any] = (p for p in files("scenic_ref.cli.playground").joinpath("programs").iterdir() if p.name.endswith(".scenic"))
+    texts = [path.read_text(encoding="utf-8") for path in sorted(found, key=lambda path: path.name)]
+    return [{"title": text.partition("\n")[0].lstrip("# "), "program": text.partition("\n")[2].lstrip("\n")} for text in texts]
+
+
+def page_with(data: dict[str, object]) -> str:
+    """The page with its style, its script, and what it begins with, which cannot end the element that holds it."""
+    script = "".join(part(name) for name in SCRIPTS)
+    page = part("page.html").replace("/*STYLE*/\n", part("page.css")).replace("/*SCRIPT*/\n", script)
+    return page.replace("/*GIVEN*/null", in_json(data).replace("<", "\\u003c"), 1)
+
+
+def part(name: str) -> str:
+    """A part of the page as it is shipped."""
+    return files("scenic_ref.cli.playground").joinpath("page", name).read_text(encoding="utf-8")

@@ -1,0 +1,32 @@
+"""Values and texts of programs as the page shows them: neither too long nor able to hide what they say."""
+
+from __future__ import annotations
+
+from ..session import escaped
+
+LONGEST_TEXT, LONGEST_LIST, DEEPEST = 400, 100, 6
+
+Json = dict[str, object]
+
+
+def cut(value: object, depth: int = 0) -> object:
+    """A value in JSON, shortened where it is long or deep; control characters, and those that turn the direction of writing, are escaped."""
+    match value:
+        case str():
+            return cut_text(value)
+        case list() if depth < DEEPEST:
+            rest = [f"… {len(value) - LONGEST_LIST:,} more"] if len(value) > LONGEST_LIST else []
+            return [cut(v, depth + 1) for v in value[:LONGEST_LIST]] + rest
+        case dict() if depth < DEEPEST:
+            return {cut_text(str(k)): cut(v, depth + 1) for k, v in list(value.items())[:LONGEST_LIST]}
+        case list() | dict():
+            return "…"
+        case int() if not isinstance(value, bool) and value.bit_length() > 53:
+            return cut_text(hex(value))
+        case _:
+            return value
+
+
+def cut_text(text: str, longest: int = LONGEST_TEXT) -> str:
+    """A text that is not too long."""
+    return escaped(text if len(text) <= longest else f"{text[:longest]}… ({len(text):,} characters)")
