@@ -12,7 +12,7 @@ from ..semantics.kernel.errors import UsageError
 
 EXTRAS = {
     "numba": "fast", "orjson": "fast", "pyarrow": "parquet", "distributed": "cluster", "pymunk": "dynamics", "pyro": "pyro", "torch": "torch",
-    "arviz": "arviz", "sumo": "sumo", "traci": "sumo", "pandas": "data", "polars": "data",
+    "arviz": "arviz", "sumo": "sumo", "traci": "sumo", "pandas": "data", "polars": "data", "pygls": "lsp",
 }
 """The extra of each optional package."""
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-LAYERS = ["semantics", "maps", "interpreter", "formats", "simulators", "inference", "scenario", "testing", "conformance", "benchmarks", "cli"]
+LAYERS = ["semantics", "maps", "interpreter", "formats", "simulators", "inference", "scenario", "testing", "conformance", "benchmarks", "editors", "cli"]
 MAY_IMPORT = {
     "semantics": {"semantics"},
     "maps": {"semantics", "maps"},
@@ -25,6 +25,7 @@ MAY_IMPORT = {
     "conformance": {"semantics", "interpreter", "formats", "simulators", "inference", "scenario", "testing", "conformance", ""},
     "testing": {"semantics", "interpreter", "formats", "simulators", "inference", "scenario", "testing"},
     "benchmarks": {"semantics", "interpreter", "formats", "simulators", "inference", "scenario", "benchmarks", ""},
+    "editors": {"semantics", "interpreter", "formats", "simulators", "scenario", "editors", ""},
     "cli": {*LAYERS, ""},
 }
 ROOMS = ["syntax", "space", "kernel", "readings", "python", "scenes", "dynamics", ""]
@@ -41,6 +42,7 @@ ONLY_IN = {
     "pandas": {"scenario/drawn.py"}, "polars": {"scenario/drawn.py"},
     "distributed": {"inference/batch/jobs/blocks.py"}, "hypothesis": {"conformance/programs/strategies.py"},
     "pymunk": {"simulators/physics.py"}, "sumo": {"simulators/traffic.py"}, "traci": {"simulators/traffic.py"},
+    "pygls": {"editors/server.py"}, "lsprotocol": {"editors/server.py"},
     "arviz": {"formats/chains.py"}, "pyro": {"inference/with_pyro.py"},
     "torch": {"inference/with_pyro.py", *(f"inference/batch/tensors/{name}.py" for name in TENSORS)},
     "numba": {"inference/batch/compile/kernels.py"}, "llvmlite": {"inference/batch/compile/kernels.py"},
