@@ -116,6 +116,11 @@ class CheckingQueue:
         self.turn = asyncio.Lock()
         self.tasks: dict[str, asyncio.Task[None]] = {}
 
+    async def begin(self) -> None:
+        """Start the process before there is anything to check."""
+        async with self.turn:
+            await self.process.ready()
+
     def changed(self, text: Revision, delay: float = DELAY) -> None:
         """Check a text soon, in place of an older one."""
         self.dropped(text.uri)

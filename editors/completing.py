@@ -61,12 +61,10 @@ def suggestions(finder: NameFinder, offset: int, *, unasked: bool = False) -> li
     """What can stand at an index of the text, each once; nothing in comments and texts; `unasked`, only what is likely."""
     text = finder.main.text
     inside = piece_at(text, offset)
-    if inside is not None and inside.start < offset and (inside.kind == "comment" or (inside.kind == "string" and not closed(inside, offset))):
+    if inside is not None and inside.start < offset and is_dumb(inside, offset):
         return []
     prefix = PREFIX.search(text[max(0, offset - 200) : offset])
     start = offset - len(prefix[0] if prefix is not None else "")
-    if start and text[start - 1].isdigit():
-        return []
     before = text[beginning(text, start) : start]
     written = before + HOLE
     place = Place(finder, lines(written)[-1], finder.visible(start), start, text[start:offset], written)
@@ -74,7 +72,12 @@ def suggestions(finder: NameFinder, offset: int, *, unasked: bool = False) -> li
     for one in (*begun_phrases(place), *offered(place)):
         found.setdefault(one.label, one)
     likely = place.words[:1] in (("import",), ("from",), ("model",))
-    return [one for one in found.values() if not unasked or likely or one.kind == "property" and place.words or one.detail == "specifier"]
+    return [one for one in found.values() if not unasked or likely or (one.kind == "property" and place.words) or one.detail == "specifier"]
+
+
+def is_dumb(piece: Piece, offset: int) -> bool:
+    """Whether nothing is suggested at an index of a piece: in comments, texts and numbers."""
+    return piece.kind in ("comment", "number") or (piece.kind == "string" and not closed(piece, offset))
 
 
 def closed(string: Piece, offset: int) -> bool:

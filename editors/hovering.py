@@ -53,7 +53,7 @@ def about_property(subject: Subject) -> str:
 def defined_property(one: Inherited) -> str:
     """A property to which a class of a program gives a default, or a method of it."""
     assert one.meaning is not None
-    kind = "property" if one.meaning.definition is not None and one.meaning.definition.kind == "property" else "member"
+    kind = "property" if kind_of_member(one) == "property" else "method"
     text = f"*{kind}* `{one.name}` of `{one.owner}`\n\n```scenic\n{line_of(one.meaning)}\n```\n\n{where(one.meaning)}"
     return text + (f"  \nspecified by {specifiers_of(one.name)}" if kind == "property" and not about_built_in_property(one.name) else "")
 
@@ -73,13 +73,19 @@ def about_meaning(finder: NameFinder, meaning: Meaning, name: str) -> str:
 def properties(finder: NameFinder, meaning: Meaning) -> str:
     """The properties of a class, with those that it inherits from other classes of programs, and the built-in class that it descends from."""
     module = meaning.module
-    names = finder.defined(module.outline, module, frozenset()) | {meaning.definition.name: meaning}  # type: ignore[union-attr]
-    found = list(finder.properties(meaning.definition.name, names))  # type: ignore[union-attr]
-    seen = dict.fromkeys(one.name for one in found if one.meaning is not None and one.meaning.definition is not None and one.meaning.definition.kind == "property")
-    first = {one.name: one for one in reversed(found)}
-    lines = [f"- `{line_of(first[name].meaning)}`" + owner(first[name], meaning) for name in list(seen)[:MOST_PROPERTIES]]  # type: ignore[arg-type]
+    name = meaning.definition.name if meaning.definition is not None else ""
+    names = finder.defined(module.outline, module, frozenset()) | {name: meaning}
+    found = list(finder.properties(name, names))
+    first = {one.name: one for one in reversed(found) if kind_of_member(one) == "property"}
+    wanted = [one for one in found if first.get(one.name) is one][:MOST_PROPERTIES]
+    lines = [f"- `{line_of(one.meaning)}`" + owner(one, meaning) for one in wanted if one.meaning is not None]
     above = next((one.owner for one in found if one.meaning is None and one.owner in BUILT_IN_CLASSES), "")
     return "\n".join([*lines, f"- the properties of `{above}`"] if above else lines)
+
+
+def kind_of_member(one: Inherited) -> str:
+    """Whether it is a property or a method, where a class of a program defines it."""
+    return "" if one.meaning is None or one.meaning.definition is None else one.meaning.definition.kind
 
 
 def owner(one: Inherited, meaning: Meaning) -> str:

@@ -59,7 +59,8 @@ def outline(text: str) -> Definition:
 
 def definitions(line: Line, home: str) -> Iterator[Definition]:
     """What a statement defines, in a text or in a definition of the kind `home`."""
-    words, pieces = line.words, line.pieces
+    pieces = line.pieces
+    words = list(line.words)
     if words[0] in OPENERS and len(words) > 1 and pieces[1].kind == "name":
         yield definition_of(line)
     elif words[0] == "import":
@@ -168,27 +169,33 @@ def assignments(line: Line) -> Iterator[Definition]:
                 return
             targets += target_names(pieces[start:number])
             start = number + 1
-    value = made(pieces[start:])
-    for piece in targets if start else ():
+    value = made(pieces[start:]) if targets else ()
+    for piece in targets:
         yield named(piece, "variable", line, made=value)
 
 
 def target_names(pieces: Sequence[Piece]) -> Iterator[Piece]:
-    """The variables among what stands before a `=`: names that have neither a dot before them nor a dot or bracket behind them."""
-    words = [piece.text for piece in pieces]
-    annotated = words.index(":") if ":" in words else len(words)
-    if any(word not in "()[],*" and piece.kind != "name" and word != "." for word, piece in zip(words[:annotated], pieces)):
-        return
+    """The variables among what stands before a `=`: none in subscripts and calls, behind a dot, or before one; words in a row are no targets."""
+    annotated = next((number for number, piece in enumerate(pieces) if piece.text == ":"), len(pieces))
+    before, inside = "", 0
+    found: list[Piece] = []
     for number, piece in enumerate(pieces[:annotated]):
-        if piece.kind == "name" and words[number - 1 : number] != ["."] and words[number + 1 : number + 2] not in (["."], ["["], ["("]):
-            yield piece
+        after = pieces[number + 1].text if number + 1 < len(pieces) else ""
+        opened = piece.text in OPENING and (inside > 0 or before.isidentifier() or (before in CLOSING and before != ""))
+        inside += opened - (piece.text in CLOSING and inside > 0)
+        if piece.kind != "mark" and before.isidentifier():
+            return
+        if piece.kind == "name" and not inside and before != "." and after not in (".", "[", "("):
+            found.append(piece)
+        before = piece.text
+    yield from found
 
 
 def made(pieces: Sequence[Piece]) -> tuple[str, ...]:
     """The class of an object that an expression makes, as far as its first words tell: `Car at ...`, `new lib.Car`."""
-    words = [piece.text for piece in pieces]
-    words = words[1:] if words[:1] == ["new"] else words
-    while len(words) > 2 and words[1] == ".":
-        words = words[2:]
-    is_class = bool(words) and words[0][:1].isupper() and words[1:2] != ["("]
+    start = 1 if pieces and pieces[0].text == "new" else 0
+    while start + 2 < len(pieces) and pieces[start + 1].text == ".":
+        start += 2
+    words = [piece.text for piece in pieces[start : start + 2]]
+    is_class = bool(words) and words[0][:1].isupper() and words[1:] != ["("]
     return (words[0],) if is_class else ()

@@ -60,4 +60,6 @@ def word_of(phrase: str, kinds: tuple[str, ...] = ("specifier", "operator", "sta
         word for behind in BEHIND for word in keywords()
         if (match := re.compile(word.pattern).match(phrase + behind)) is not None and match.end() == len(phrase)
     ]  # fmt: skip
+    if not found and " " in phrase:
+        return word_of(phrase.rpartition(" ")[0], kinds)  # `distance to`: the terminal is the first word
     return next((word for word in found if word.kind in kinds), found[0] if found else None)

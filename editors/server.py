@@ -5,7 +5,8 @@ from __future__ import annotations
 import asyncio
 import os
 import threading
-from collections.abc import Awaitable, Iterator
+from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import BinaryIO
 
@@ -224,6 +225,10 @@ def make_server(seconds: float) -> ScenicServer:
         server.checks.dropped(params.text_document.uri)
         server.text_document_publish_diagnostics(types.PublishDiagnosticsParams(params.text_document.uri, []))
 
+    @server.feature(types.INITIALIZED)
+    async def initialized(params: types.InitializedParams) -> None:
+        await server.checks.begin()
+
     @server.feature(types.SHUTDOWN)
     def shut_down(*_: object) -> None:
         server.checks.end()
@@ -248,16 +253,18 @@ class ProtocolReader:
         self.begun = False
 
     async def readline(self) -> bytes:
-        """The next line; the end, if the first one is not a header of the protocol."""
-        line = await self.stream.readline()
-        if not self.begun and not line.startswith(b"Content-"):
-            return b""
-        self.begun = True
-        return line
+        """The next line; nothing, as at the end, if the first one is no header of the protocol or the connection is broken."""
+        line = b""
+        with suppress(OSError, ValueError):
+            line = await self.stream.readline()
+        self.begun = self.begun or line.startswith(b"Content-")
+        return line if self.begun else b""
 
-    def readexactly(self, n: int) -> Awaitable[bytes]:
-        """So many bytes."""
-        return self.stream.readexactly(n)
+    async def readexactly(self, n: int) -> bytes:
+        """So many bytes; nothing if the connection ends before."""
+        with suppress(OSError, asyncio.IncompleteReadError):
+            return await self.stream.readexactly(n)
+        return b""
 
 
 async def serve_tcp(port: int, seconds: float) -> None:
@@ -276,8 +283,9 @@ async def serve_tcp(port: int, seconds: float) -> None:
         raise UsageError(f"port {port} cannot be used: {problem.strerror or problem}") from None
     async with listening:
         reader, writer = await connected
-    server.protocol.set_writer(writer)
+    protocol, heard = server.protocol, ProtocolReader(reader)
+    protocol.set_writer(writer)
     try:
-        await run_async(stop_event=threading.Event(), reader=ProtocolReader(reader), protocol=server.protocol, error_handler=server.report_server_error)
+        await run_async(stop_event=threading.Event(), reader=heard, protocol=protocol, error_handler=server.report_server_error)
     finally:
         server.checks.end()

@@ -62,7 +62,7 @@ def in_import(finder: NameFinder, line: Line, number: int, names: Mapping[str, M
         one = next((d for d in imported_by(finder, line) if d.start == piece.start or d.member == piece.text), None)
         return Subject(piece, None if one is None else finder.imported(one, finder.main, frozenset()))
     source = finder.shelf.find(dotted, level, finder.main)
-    return Subject(piece, names.get(piece.text) if source is None else Meaning(source, whole=True))
+    return Subject(piece, None if source is None else Meaning(source, whole=True))
 
 
 def imported_by(finder: NameFinder, line: Line) -> list[Definition]:

@@ -6,7 +6,7 @@ All of it takes time in proportion to the text, whatever is in it.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -106,7 +106,8 @@ def whole_lines(text: str) -> Iterator[Line]:
     for row in rows(text):
         deeper = indentation(text, row) > indent
         begins = row[0].text in BEGINNINGS or [piece.text for piece in row[1:2]] == ["="]
-        if current and (deeper or not begins if depth else deeper and current[-1].text == ","):
+        ended = bool(current) and current[-1].text == ":" and current[0].text in HEADS
+        if current and not ended and (deeper or not begins if depth else deeper and current[-1].text == ","):
             current += row
         else:
             yield from [Line(tuple(current), indent)] if current else []

@@ -162,7 +162,7 @@ MEANINGS: Mapping[str, str] = {
 }
 """What the built-in properties say."""
 
-OURS = __package__.partition(".")[0]
+OURS = (__package__ or "").partition(".")[0]
 SPECIAL = re.compile(r"([\\*_<>#|\[\]])")
 
 

@@ -13,7 +13,10 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-LAYERS = ["semantics", "maps", "interpreter", "formats", "simulators", "inference", "scenario", "testing", "conformance", "benchmarks", "editors", "cli"]
+LAYERS = [
+    "semantics", "maps", "interpreter", "formats", "simulators", "inference", "scenario", "testing", "conformance", "benchmarks",
+    "editors", "cli",
+]
 MAY_IMPORT = {
     "semantics": {"semantics"},
     "maps": {"semantics", "maps"},
