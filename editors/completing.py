@@ -14,7 +14,7 @@ from ..semantics.python.builtins import BUILTINS
 from . import phrases as ph
 from .scopes import Meaning, NameFinder, around, line_of
 from .subjects import PARAMETERS, class_built, module_named, param, same_brackets
-from .tokens import Line, Piece, lines, phrase_at, piece_at
+from .tokens import Line, TextPiece, lines, phrase_at, piece_at
 from .words import about_built_in_property, about_word, signature
 
 HOLE = "_"
@@ -25,7 +25,7 @@ PREFIX = re.compile(r"(?:[^\W\d]\w*)?$")
 DOTTED = re.compile(r"[\w.]*$")
 
 
-class Suggestion(NamedTuple):
+class Completion(NamedTuple):
     """A text that can replace what stands from `start` on; `kind` is class, distribution, function, property, variable, module, keyword, ..."""
 
     label: str
@@ -35,7 +35,7 @@ class Suggestion(NamedTuple):
     markdown: str = ""
 
 
-class Place(NamedTuple):
+class CompletedPlace(NamedTuple):
     """A place to complete: the statement up to it, which ends with a hole, the names there, and where the word began."""
 
     finder: NameFinder
@@ -57,7 +57,7 @@ class Place(NamedTuple):
         return mark is not None and mark.group(1) in DIALECTS and DIALECTS[mark.group(1)].released
 
 
-def suggestions(finder: NameFinder, offset: int, *, unasked: bool = False) -> list[Suggestion]:
+def suggestions(finder: NameFinder, offset: int, *, unasked: bool = False) -> list[Completion]:
     """What can stand at an index of the text, each once; nothing in comments and texts; `unasked`, only what is likely."""
     text = finder.main.text
     inside = piece_at(text, offset)
@@ -67,20 +67,20 @@ def suggestions(finder: NameFinder, offset: int, *, unasked: bool = False) -> li
     start = offset - len(prefix[0] if prefix is not None else "")
     before = text[beginning(text, start) : start]
     written = before + HOLE
-    place = Place(finder, lines(written)[-1], finder.visible(start), start, text[start:offset], written)
-    found: dict[str, Suggestion] = {}
+    place = CompletedPlace(finder, lines(written)[-1], finder.visible(start), start, text[start:offset], written)
+    found: dict[str, Completion] = {}
     for one in (*begun_phrases(place), *offered(place)):
         found.setdefault(one.label, one)
     likely = place.words[:1] in (("import",), ("from",), ("model",))
     return [one for one in found.values() if not unasked or likely or (one.kind == "property" and place.words) or one.detail == "specifier"]
 
 
-def is_dumb(piece: Piece, offset: int) -> bool:
+def is_dumb(piece: TextPiece, offset: int) -> bool:
     """Whether nothing is suggested at an index of a piece: in comments, texts and numbers."""
     return piece.kind in ("comment", "number") or (piece.kind == "string" and not closed(piece, offset))
 
 
-def closed(string: Piece, offset: int) -> bool:
+def closed(string: TextPiece, offset: int) -> bool:
     """Whether an index is behind the end of a text, rather than in one that nobody closed yet."""
     body = string.text.lstrip("rRbBuUfF")
     return offset == string.end and len(body) > 1 and body[-1] == body[0] and not (body.startswith(body[0] * 3) and len(body) < 6)
@@ -94,7 +94,7 @@ def beginning(text: str, offset: int) -> int:
     return found[-1] if found else 0
 
 
-def begun_phrases(place: Place) -> Iterator[Suggestion]:
+def begun_phrases(place: CompletedPlace) -> Iterator[Completion]:
     """Phrases of which the first words are written already."""
     for phrase in every_phrase(place.released):
         words = tuple(phrase.split(" "))
@@ -111,13 +111,13 @@ def every_phrase(released: bool) -> Iterator[str]:
         yield from (*ph.RELEASED_SPECIFIERS, *ph.RELEASED_PREFIXES, *ph.RELEASED_INFIXES, *(p for e in ph.RELEASED_STATEMENTS.values() for p in e))
 
 
-def phrase_suggestion(phrase: str, start: int, *kinds: str) -> Suggestion:
+def phrase_suggestion(phrase: str, start: int, *kinds: str) -> Completion:
     """A phrase of the language, with its rules."""
     word = ph.word_of(phrase, kinds) if kinds else ph.word_of(phrase)
-    return Suggestion(phrase, "keyword", start, kinds[0] if kinds else "" if word is None else word.kind, "" if word is None else about_word(word))
+    return Completion(phrase, "keyword", start, kinds[0] if kinds else "" if word is None else word.kind, "" if word is None else about_word(word))
 
 
-def offered(place: Place) -> Iterator[Suggestion]:
+def offered(place: CompletedPlace) -> Iterator[Completion]:
     """What can stand at a place, by what stands before it."""
     words = place.words
     first, last = words[0] if words else "", words[-1] if words else ""
@@ -139,7 +139,7 @@ def offered(place: Place) -> Iterator[Suggestion]:
         yield from (phrase_suggestion(p, place.start, "operator") for p in (*ph.INFIXES, *(ph.RELEASED_INFIXES if place.released else ())))
 
 
-def in_import(place: Place, first: str) -> Iterator[Suggestion]:
+def in_import(place: CompletedPlace, first: str) -> Iterator[Completion]:
     """Modules, `import`, and the names of a module."""
     finder, words = place.finder, place.words
     if not words[1:] and not place.prefix and place.line.pieces[-1].start == 0:
@@ -150,14 +150,14 @@ def in_import(place: Place, first: str) -> Iterator[Suggestion]:
         module = finder.shelf.find(name, len(source) - len(name), finder.main)
         yield from () if module is None else (named(n, m, place) for n, m in finder.exported(module, frozenset()).items())
     elif words[1:] and words[-1] not in (".", ",") and words[1:2] != (".",):
-        yield Suggestion("import" if first == "from" else "as", "keyword", place.start)
+        yield Completion("import" if first == "from" else "as", "keyword", place.start)
     else:
         dotted = DOTTED.search(place.written.removesuffix(HOLE) + place.prefix)
         start = place.start + len(place.prefix) - len(dotted[0] if dotted is not None else "")
-        yield from (Suggestion(name, "module", start) for name in finder.shelf.names(finder.main))
+        yield from (Completion(name, "module", start) for name in finder.shelf.names(finder.main))
 
 
-def behind_dot(place: Place) -> Iterator[Suggestion]:
+def behind_dot(place: CompletedPlace) -> Iterator[Completion]:
     """Names of a module, global parameters, properties and methods."""
     finder, words = place.finder, place.words
     receiver = words[-2] if len(words) > 1 else ""
@@ -165,7 +165,7 @@ def behind_dot(place: Place) -> Iterator[Suggestion]:
     module = None if chain is None else module_named(finder, chain[1], place.names)
     if receiver == PARAMETERS:
         found = (d.name for d in finder.main.outline.children if d.kind == "param")
-        yield from (Suggestion(name, "variable", place.start, line_of(m)) for name in found if (m := param(finder, name)) is not None)
+        yield from (Completion(name, "variable", place.start, line_of(m)) for name in found if (m := param(finder, name)) is not None)
     elif module is not None:
         yield from (named(name, meaning, place) for name, meaning in finder.members(module).items())
     else:
@@ -173,19 +173,19 @@ def behind_dot(place: Place) -> Iterator[Suggestion]:
         yield from properties(place, class_, methods=True)
 
 
-def properties(place: Place, class_: str | None, *, methods: bool = False) -> Iterator[Suggestion]:
+def properties(place: CompletedPlace, class_: str | None, *, methods: bool = False) -> Iterator[Completion]:
     """The properties of a class, or those of all classes that can be named."""
     finder = place.finder
     classes = [class_] if class_ else ["Object", *(name for name in place.names if finder.is_class(name, place.names))]
     for one in (one for name in classes for one in finder.properties(name, place.names)):
         if one.meaning is None:
-            yield Suggestion(one.name, "property", place.start, f"property of {one.owner}", about_built_in_property(one.name))
+            yield Completion(one.name, "property", place.start, f"property of {one.owner}", about_built_in_property(one.name))
         elif one.meaning.definition is not None and (one.meaning.definition.kind == "property" or methods):
             kind = one.meaning.definition.kind if one.meaning.definition.kind == "property" else "method"
-            yield Suggestion(one.name, kind, place.start, f"{line_of(one.meaning)} (of {one.owner})", about_built_in_property(one.name))
+            yield Completion(one.name, kind, place.start, f"{line_of(one.meaning)} (of {one.owner})", about_built_in_property(one.name))
 
 
-def building(place: Place) -> bool:
+def building(place: CompletedPlace) -> bool:
     """Whether the words before a place, in the same brackets, make an object: a class begins them, or a name that is not known but looks like one."""
     if place.words[0] == "override":
         return True
@@ -207,7 +207,7 @@ def unknown(name: str, names: Mapping[str, Meaning]) -> bool:
     return name not in names and name not in BUILTINS
 
 
-def complete(place: Place) -> bool:
+def complete(place: CompletedPlace) -> bool:
     """Whether an expression may end before a place."""
     last = place.line.pieces[-2]
     if last.kind != "name":
@@ -216,13 +216,13 @@ def complete(place: Place) -> bool:
     return phrase is None or phrase.word.name in ph.POSTFIXES
 
 
-def specifiers(place: Place) -> Iterator[Suggestion]:
+def specifiers(place: CompletedPlace) -> Iterator[Completion]:
     """The specifiers."""
     found = (*ph.SPECIFIERS, *(ph.RELEASED_SPECIFIERS if place.released else ()))
     yield from (phrase_suggestion(phrase, place.start, "specifier") for phrase in found)
 
 
-def statement(place: Place) -> Iterator[Suggestion]:
+def statement(place: CompletedPlace) -> Iterator[Completion]:
     """What a statement can begin with; in a class the properties of those above it."""
     home = list(around(place.finder.main.outline, place.start))[-1] if place.line.indent else place.finder.main.outline
     if home.kind == "class":
@@ -232,22 +232,22 @@ def statement(place: Place) -> Iterator[Suggestion]:
     yield from () if home.kind == "class" else expression(place)
 
 
-def expression(place: Place) -> Iterator[Suggestion]:
+def expression(place: CompletedPlace) -> Iterator[Completion]:
     """What an expression can begin with: names of the text and of the language, and prefix operators."""
     yield from (named(name, meaning, place) for name, meaning in place.names.items())
     yield from (built_in(name, place.start) for name in BUILTINS)
-    yield from (Suggestion(name, "variable", place.start) for name in ("ego", "self", "workspace"))
+    yield from (Completion(name, "variable", place.start) for name in ("ego", "self", "workspace"))
     yield from (phrase_suggestion(p, place.start, "operator") for p in (*ph.PREFIXES, *(ph.RELEASED_PREFIXES if place.released else ())))
 
 
-def named(name: str, meaning: Meaning, place: Place) -> Suggestion:
+def named(name: str, meaning: Meaning, place: CompletedPlace) -> Completion:
     """A name that a text or a module defines."""
     kind = "module" if meaning.whole else "variable" if meaning.definition is None else meaning.definition.kind
-    return Suggestion(name, kind, place.start, line_of(meaning) if meaning.definition is not None else meaning.module.name)
+    return Completion(name, kind, place.start, line_of(meaning) if meaning.definition is not None else meaning.module.name)
 
 
-def built_in(name: str, start: int) -> Suggestion:
+def built_in(name: str, start: int) -> Completion:
     """A name of the language."""
     value = BUILTINS[name]
     kind = "class" if isinstance(value, (ScenicClass, type)) else "distribution" if isinstance(value, Constructor) else "function"
-    return Suggestion(name, kind if callable(value) or name in BUILT_IN_CLASSES else "variable", start, signature(name))
+    return Completion(name, kind if callable(value) or name in BUILT_IN_CLASSES else "variable", start, signature(name))

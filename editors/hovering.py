@@ -14,7 +14,7 @@ from .words import about_built_in, about_built_in_property, about_word, marked, 
 MOST_PROPERTIES = 60
 
 
-class Shown(NamedTuple):
+class HoverText(NamedTuple):
     """A text in Markdown about a stretch of the program."""
 
     markdown: str
@@ -22,7 +22,7 @@ class Shown(NamedTuple):
     end: int
 
 
-def hover(finder: NameFinder, offset: int) -> Shown | None:
+def hover(finder: NameFinder, offset: int) -> HoverText | None:
     """What there is to say of an index of the text."""
     subject = subject_at(finder, offset)
     if subject is None:
@@ -30,7 +30,7 @@ def hover(finder: NameFinder, offset: int) -> Shown | None:
     piece, phrase = subject.piece, subject.phrase
     start, end = (phrase.start, phrase.end) if phrase is not None else (piece.start, piece.end)
     text = about(finder, subject)
-    return Shown(text, start, end) if text else None
+    return HoverText(text, start, end) if text else None
 
 
 def about(finder: NameFinder, subject: Subject) -> str:

@@ -9,7 +9,7 @@ from .scopes import Meaning, NameFinder
 from .subjects import subject_at
 
 
-class Target(NamedTuple):
+class DefinedAt(NamedTuple):
     """A stretch of a file; `path` is None for the text that was asked about."""
 
     path: Path | None
@@ -18,7 +18,7 @@ class Target(NamedTuple):
     end: int
 
 
-def targets(finder: NameFinder, offset: int) -> list[Target]:
+def targets(finder: NameFinder, offset: int) -> list[DefinedAt]:
     """The definitions of what stands at an index: one for a name; of a property, one for each class that gives it a default."""
     subject = subject_at(finder, offset)
     if subject is None:
@@ -27,12 +27,12 @@ def targets(finder: NameFinder, offset: int) -> list[Target]:
     return [target for meaning in meanings for target in target_of(finder, meaning)]
 
 
-def target_of(finder: NameFinder, meaning: Meaning) -> list[Target]:
+def target_of(finder: NameFinder, meaning: Meaning) -> list[DefinedAt]:
     """Where a definition or a module stands; nowhere, if that is no file."""
     module = meaning.module
     if module.path is None and module != finder.main:
         return []
     path = None if module == finder.main else module.path
     if meaning.definition is not None:
-        return [Target(path, module.text, meaning.definition.start, meaning.definition.end)]
-    return [Target(path, module.text, 0, 0)] if meaning.whole else []
+        return [DefinedAt(path, module.text, meaning.definition.start, meaning.definition.end)]
+    return [DefinedAt(path, module.text, 0, 0)] if meaning.whole else []

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 
-from .tokens import CLOSING, OPENING, Line, Piece, lines
+from .tokens import CLOSING, OPENING, Line, TextPiece, lines
 
 OPENERS = {"class": "class", "constructor": "class", "def": "function", "behavior": "behavior", "monitor": "monitor", "scenario": "scenario"}
 """The first words of definitions, and what they define."""
@@ -83,7 +83,7 @@ def definitions(line: Line, home: str) -> Iterator[Definition]:
 
 
 def named(
-    piece: Piece, kind: str, line: Line, *, made: tuple[str, ...] = (), module: str = "", level: int = 0, member: str = ""
+    piece: TextPiece, kind: str, line: Line, *, made: tuple[str, ...] = (), module: str = "", level: int = 0, member: str = ""
 ) -> Definition:
     """A definition by one piece of a statement."""
     name = piece.text.strip("\"'") if piece.kind == "string" else piece.text
@@ -100,7 +100,7 @@ def definition_of(line: Line) -> Definition:
     return found
 
 
-def parameters(pieces: Sequence[Piece]) -> Iterator[Piece]:
+def parameters(pieces: Sequence[TextPiece]) -> Iterator[TextPiece]:
     """The names that stand first between the commas of the brackets."""
     depth, expected = 0, False
     for piece in pieces:
@@ -139,9 +139,9 @@ def imports_from(line: Line) -> Iterator[Definition]:
             yield named(alias, "import", line, module=module, level=level, member=part[0].text)
 
 
-def split(pieces: Sequence[Piece]) -> Iterator[list[Piece]]:
+def split(pieces: Sequence[TextPiece]) -> Iterator[list[TextPiece]]:
     """The parts between commas."""
-    current: list[Piece] = []
+    current: list[TextPiece] = []
     for piece in pieces:
         if piece.text == ",":
             yield current
@@ -151,7 +151,7 @@ def split(pieces: Sequence[Piece]) -> Iterator[list[Piece]]:
     yield current
 
 
-def is_property(pieces: Sequence[Piece]) -> bool:
+def is_property(pieces: Sequence[TextPiece]) -> bool:
     """Whether a statement in a class is `name: default`, or `name[additive]: default`."""
     words = [piece.text for piece in pieces]
     return pieces[0].kind == "name" and (words[1:2] == [":"] or (words[1:2] == ["["] and "]" in words and words[words.index("]") + 1 :][:1] == [":"]))
@@ -160,7 +160,7 @@ def is_property(pieces: Sequence[Piece]) -> bool:
 def assignments(line: Line) -> Iterator[Definition]:
     """The names that stand before the `=` of an assignment, or before a colon and an `=`."""
     depth, start = 0, 0
-    targets: list[Piece] = []
+    targets: list[TextPiece] = []
     pieces = line.pieces
     for number, piece in enumerate(pieces):
         depth += (piece.text in OPENING) - (piece.text in CLOSING)
@@ -174,11 +174,11 @@ def assignments(line: Line) -> Iterator[Definition]:
         yield named(piece, "variable", line, made=value)
 
 
-def target_names(pieces: Sequence[Piece]) -> Iterator[Piece]:
+def target_names(pieces: Sequence[TextPiece]) -> Iterator[TextPiece]:
     """The variables among what stands before a `=`: none in subscripts and calls, behind a dot, or before one; words in a row are no targets."""
     annotated = next((number for number, piece in enumerate(pieces) if piece.text == ":"), len(pieces))
     before, inside = "", 0
-    found: list[Piece] = []
+    found: list[TextPiece] = []
     for number, piece in enumerate(pieces[:annotated]):
         after = pieces[number + 1].text if number + 1 < len(pieces) else ""
         opened = piece.text in OPENING and (inside > 0 or before.isidentifier() or (before in CLOSING and before != ""))
@@ -191,7 +191,7 @@ def target_names(pieces: Sequence[Piece]) -> Iterator[Piece]:
     yield from found
 
 
-def made(pieces: Sequence[Piece]) -> tuple[str, ...]:
+def made(pieces: Sequence[TextPiece]) -> tuple[str, ...]:
     """The class of an object that an expression makes, as far as its first words tell: `Car at ...`, `new lib.Car`."""
     start = 1 if pieces and pieces[0].text == "new" else 0
     while start + 2 < len(pieces) and pieces[start + 1].text == ".":

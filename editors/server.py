@@ -19,11 +19,11 @@ from pygls.workspace import TextDocument
 from .. import __version__
 from ..semantics.kernel.errors import UsageError
 from .checks import DELAY, CheckingQueue, Records, Revision
-from .completing import Suggestion, suggestions
+from .completing import Completion, suggestions
 from .hovering import hover
 from .library import LONGEST, ModuleShelf, SourceModule
 from .lines import TextLines
-from .locating import Target, targets
+from .locating import DefinedAt, targets
 from .outline import Definition, outline
 from .scopes import NameFinder
 
@@ -154,7 +154,7 @@ class ScenicServer(LanguageServer):
         offset = self.lines(document.source).offset(params.position.line, params.position.character)
         return [self.location(document.uri, target) for target in targets(self.finder(document), offset)]
 
-    def location(self, uri: str, target: Target) -> types.Location:
+    def location(self, uri: str, target: DefinedAt) -> types.Location:
         """A stretch of a file; a file that is open has the name by which it was opened."""
         if target.path is not None:
             real = os.path.realpath(target.path)
@@ -184,7 +184,7 @@ def place_of(record: dict[str, object]) -> str:
     return f"{Path(str(record['file'])).name}:{record['line']}:{record['column']}" if "line" in record else Path(str(record["file"])).name
 
 
-def item(one: Suggestion, number: int, lines: TextLines, offset: int) -> types.CompletionItem:
+def item(one: Completion, number: int, lines: TextLines, offset: int) -> types.CompletionItem:
     """A suggestion; the order is ours."""
     markdown = types.MarkupContent(types.MarkupKind.Markdown, one.markdown) if one.markdown else None
     return types.CompletionItem(

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from .outline import EVERYTHING, Definition, outline
 from .scopes import Inherited, Meaning, NameFinder, around
-from .tokens import CLOSING, OPENING, Line, Phrase, Piece, lines, phrase_at, piece_at
+from .tokens import CLOSING, OPENING, Line, Phrase, TextPiece, lines, phrase_at, piece_at
 
 PARAMETERS = "globalParameters"
 
@@ -16,7 +16,7 @@ PARAMETERS = "globalParameters"
 class Subject(NamedTuple):
     """A piece of a text: what its name means, or of which classes it is a property, and the phrase of the language that it is part of."""
 
-    piece: Piece
+    piece: TextPiece
     meaning: Meaning | None = None
     inherited: tuple[Inherited, ...] = ()
     property: bool = False
@@ -130,9 +130,9 @@ def class_built(finder: NameFinder, line: Line, number: int, names: Mapping[str,
     return next((p.text for p in inside if p.kind == "name" and finder.is_class(p.text, names)), None)
 
 
-def same_brackets(line: Line, number: int) -> list[Piece]:
+def same_brackets(line: Line, number: int) -> list[TextPiece]:
     """The pieces before one in the innermost brackets around it, without what stands in brackets of its own."""
-    found: list[Piece] = []
+    found: list[TextPiece] = []
     depth = 0
     for piece in reversed(line.pieces[:number]):
         depth += (piece.text in CLOSING) - (piece.text in OPENING)
@@ -143,7 +143,7 @@ def same_brackets(line: Line, number: int) -> list[Piece]:
     return found[::-1]
 
 
-def property_subject(finder: NameFinder, piece: Piece, class_: str | None, names: Mapping[str, Meaning]) -> Subject:
+def property_subject(finder: NameFinder, piece: TextPiece, class_: str | None, names: Mapping[str, Meaning]) -> Subject:
     """A property by its name: of the class, if it is known, else of any class that the text can name."""
     classes = [class_] if class_ is not None else ["Object", *(name for name in names if finder.is_class(name, names))]
     found = (one for name in classes for one in finder.properties(name, names) if one.name == piece.text)

@@ -29,7 +29,7 @@ MOST_WORDS = 4
 """So many words a phrase of the language has."""
 
 
-class Piece(NamedTuple):
+class TextPiece(NamedTuple):
     """A word, a number, a text, a comment or a mark, and where it stands."""
 
     kind: str
@@ -41,7 +41,7 @@ class Piece(NamedTuple):
 class Line(NamedTuple):
     """A statement, without comments: its pieces, and how far it is indented."""
 
-    pieces: tuple[Piece, ...]
+    pieces: tuple[TextPiece, ...]
     indent: int
 
     @property
@@ -59,13 +59,13 @@ class Phrase(NamedTuple):
 
 
 @lru_cache(maxsize=16)
-def pieces(text: str) -> tuple[Piece, ...]:
+def pieces(text: str) -> tuple[TextPiece, ...]:
     """The pieces of a text, its ends of lines among them, but no space."""
-    found = (Piece(match.lastgroup or "", match[0], match.start(), match.end()) for match in PIECES.finditer(text))
+    found = (TextPiece(match.lastgroup or "", match[0], match.start(), match.end()) for match in PIECES.finditer(text))
     return tuple(piece for piece in found if piece.kind != "space")
 
 
-def piece_at(text: str, offset: int) -> Piece | None:
+def piece_at(text: str, offset: int) -> TextPiece | None:
     """The piece that an index is in, or right behind; a word if there is one."""
     near = [piece for piece in pieces(text)[first_ending(text, offset) :][:2] if piece.start <= offset]
     return next((piece for piece in near if piece.kind == "name"), near[0] if near else None)
@@ -81,7 +81,7 @@ def first_ending(text: str, offset: int) -> int:
     return low
 
 
-def phrase_at(text: str, piece: Piece) -> Phrase | None:
+def phrase_at(text: str, piece: TextPiece) -> Phrase | None:
     """The phrase of the language that a word is part of."""
     number = first_ending(text, piece.end)
     before = pieces(text)[max(0, number - MOST_WORDS + 1) : number + 1]
@@ -101,7 +101,7 @@ def lines(text: str) -> tuple[Line, ...]:
 
 def whole_lines(text: str) -> Iterator[Line]:
     """The lines of a text, joined where brackets are open and behind a comma that ends one."""
-    current: list[Piece] = []
+    current: list[TextPiece] = []
     indent, depth = 0, 0
     for row in rows(text):
         deeper = indentation(text, row) > indent
@@ -117,9 +117,9 @@ def whole_lines(text: str) -> Iterator[Line]:
     yield from [Line(tuple(current), indent)] if current else []
 
 
-def rows(text: str) -> Iterator[list[Piece]]:
+def rows(text: str) -> Iterator[list[TextPiece]]:
     """The pieces of each line of the text that has any, without comments."""
-    row: list[Piece] = []
+    row: list[TextPiece] = []
     for piece in pieces(text):
         if piece.kind == "end":
             yield from [row] if row else []
@@ -129,7 +129,7 @@ def rows(text: str) -> Iterator[list[Piece]]:
     yield from [row] if row else []
 
 
-def indentation(text: str, row: list[Piece]) -> int:
+def indentation(text: str, row: list[TextPiece]) -> int:
     """How far a line is indented, by the space before its first piece."""
     stop = start = row[0].start
     while start and text[start - 1] in " \t\f":
@@ -139,7 +139,7 @@ def indentation(text: str, row: list[Piece]) -> int:
 
 def apart(whole: Line) -> Iterator[Line]:
     """The statements of a line: those between semicolons, and what stands behind the colon of the head of a block."""
-    current: list[Piece] = []
+    current: list[TextPiece] = []
     depth, indent = 0, whole.indent
     for piece in whole.pieces:
         depth += (piece.text in OPENING) - (piece.text in CLOSING)

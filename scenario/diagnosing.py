@@ -29,7 +29,7 @@ class Diagnostic(NamedTuple):
         return f"{self.message}; {self.hint}" if self.hint else self.message
 
 
-class Checked(NamedTuple):
+class CheckedProgram(NamedTuple):
     """A program that was checked: the scenario, if it could be loaded, the warnings, and the error that ended it."""
 
     scenario: Scenario | None
@@ -37,7 +37,7 @@ class Checked(NamedTuple):
     error: ScenicError | None
 
 
-def checked(load: Callable[[], Scenario]) -> Checked:
+def checked(load: Callable[[], Scenario]) -> CheckedProgram:
     """Load a program and run it once. Raises `UsageError`, and what is no matter of the program."""
     scenario, warnings = None, []
     try:
@@ -45,8 +45,8 @@ def checked(load: Callable[[], Scenario]) -> Checked:
         warnings = warnings_about(scenario)
         scenario.rehearse()
     except (ProgramError, AttemptsExhausted) as problem:
-        return Checked(scenario, warnings, problem)
-    return Checked(scenario, warnings, None)
+        return CheckedProgram(scenario, warnings, problem)
+    return CheckedProgram(scenario, warnings, None)
 
 
 def of_error(error: ScenicError, file: str) -> Diagnostic:

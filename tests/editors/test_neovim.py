@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -15,6 +16,13 @@ CARS = "# A car.\nclass Car(Object):\n    width: 2\n"
 PROGRAM = 'from cars import *\nx = "😋"\nego = Car at 1 @ 2\nz = "😋é"; y = nosuch\n'
 
 
+def lines_for_init() -> str:
+    """What the documentation says to put into init.lua."""
+    page = (Path(__file__).parents[2] / "docs" / "editors.md").read_text()
+    (found,) = re.findall(r"^```lua\n(.*?)^```$", page, re.DOTALL | re.MULTILINE)
+    return found
+
+
 @pytest.mark.slow
 @pytest.mark.extra("lsp")
 def test_neovim_gets_diagnostics_hover_completion_and_definitions(tmp_path: Path):
@@ -24,11 +32,16 @@ def test_neovim_gets_diagnostics_hover_completion_and_definitions(tmp_path: Path
     (tmp_path / "cars.scenic").write_text(CARS)
     program = tmp_path / "main.scenic"
     program.write_text(PROGRAM)
-    server = json.dumps([sys.executable, "-P", "-m", "scenic_ref", "lsp", "--stdio"])
+    command = tmp_path / "bin" / "scenic-ref"
+    command.parent.mkdir()
+    command.write_text(f'#!/bin/sh\nexec "{sys.executable}" -P -m scenic_ref "$@"\n')
+    command.chmod(0o755)
+    (tmp_path / "init.lua").write_text(lines_for_init())
+    path = f"{command.parent}{os.pathsep}{os.environ['PATH']}"
     own = {"XDG_STATE_HOME": str(tmp_path / "state"), "NVIM_LOG_FILE": str(tmp_path / "log")}
-    variables = {**os.environ, **own, "SERVER": server, "FILE": str(program)}
+    variables = {**os.environ, **own, "PATH": path, "FILE": str(program)}
     script = Path(__file__).with_name("try.lua")
-    command = [nvim, "--headless", "--clean", "-n", "-c", f"luafile {script}", "-c", "cquit 1"]
+    command = [nvim, "--headless", "--clean", "-n", "-u", str(tmp_path / "init.lua"), "-c", f"luafile {script}", "-c", "cquit 1"]
     ended = subprocess.run(command, capture_output=True, text=True, check=False, env=variables, cwd=tmp_path)
     found = {name: json.loads(value) for name, _, value in (line.partition("\t") for line in ended.stdout.splitlines()) if value}
     assert ended.returncode == 0, ended.stdout + ended.stderr

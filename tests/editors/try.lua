@@ -1,4 +1,4 @@
--- What Neovim's own client gets of `scenic-ref lsp`: run by test_neovim.py, which gives the command in SERVER and the file in FILE.
+-- What Neovim's own client gets of `scenic-ref lsp`: run by test_neovim.py behind the lines of docs/editors.md, for the file in FILE.
 local function say(name, value)
   io.stdout:write(name .. "\t" .. vim.fn.json_encode(value) .. "\n")
 end
@@ -7,13 +7,10 @@ local function wait(condition)
   assert(vim.wait(300000, condition, 50), "nothing came")
 end
 
-local file = os.getenv("FILE")
-vim.cmd("edit " .. file)
-local id = vim.lsp.start_client({ name = "scenic", cmd = vim.fn.json_decode(os.getenv("SERVER")), root_dir = vim.fn.fnamemodify(file, ":h") })
+vim.cmd("edit " .. os.getenv("FILE"))
 local buffer = vim.api.nvim_get_current_buf()
-assert(vim.lsp.buf_attach_client(buffer, id))
-
 wait(function() return #vim.diagnostic.get(buffer) > 0 end)
+local id = vim.lsp.get_active_clients()[1].id
 local problem = vim.diagnostic.get(buffer)[1]
 say("diagnostic", { problem.lnum, problem.col, problem.end_col, problem.message, problem.severity })
 
@@ -34,9 +31,9 @@ vim.api.nvim_buf_set_lines(buffer, 3, 4, false, { "y = 1" })
 wait(function() return #vim.diagnostic.get(buffer) == 0 end)
 say("mended", #vim.diagnostic.get(buffer))
 vim.api.nvim_win_set_cursor(0, { 3, 6 })
-vim.lsp.buf.definition()
+vim.api.nvim_feedkeys("gd", "mx", false)
 wait(function() return vim.fn.expand("%:t") == "cars.scenic" end)
 say("jumped", { vim.fn.expand("%:t"), vim.api.nvim_win_get_cursor(0) })
-vim.lsp.stop_client(id)
-wait(function() return vim.lsp.client_is_stopped(id) end)
+vim.lsp.stop_client(vim.lsp.get_active_clients())
+wait(function() return #vim.lsp.get_active_clients() == 0 end)
 vim.cmd("qall!")
