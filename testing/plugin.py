@@ -21,7 +21,7 @@ import traceback
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import pytest
 
@@ -254,7 +254,7 @@ def hidden(error: BaseException) -> Iterator[None]:
 def program_error(call: pytest.CallInfo[None]) -> ScenicError | None:
     """The error of a program, or of how it was asked for, that ended a test."""
     errors = sys.modules.get(f"{(__package__ or '').partition('.')[0]}.semantics.kernel.errors")
-    value = None if call.excinfo is None else call.excinfo.value
+    value: Any = None if call.excinfo is None else call.excinfo.value
     return value if errors is not None and isinstance(value, errors.ScenicError) else None
 
 
