@@ -42,10 +42,10 @@ MARKER = (
 )
 KEPT = pytest.StashKey["KeptScenes"]()
 DRAWN, TRIED = pytest.StashKey["Scene"](), pytest.StashKey[bool]()
-LOADED = pytest.StashKey["list[tuple[AskedProgram, Scenario]]"]()
+LOADED = pytest.StashKey["list[tuple[NamedProgram, Scenario]]"]()
 
 
-class AskedProgram(NamedTuple):
+class NamedProgram(NamedTuple):
     """A program as a test names it: a file, or a text of no file in a folder, with the options it is loaded with."""
 
     file: Path | None
@@ -55,17 +55,17 @@ class AskedProgram(NamedTuple):
 
     def load(self) -> Scenario:
         """The scenario. Raises the program's error."""
-        import scenic_ref
+        from ..scenario import load, loads
 
         if self.file is not None:
-            return scenic_ref.load(self.file, **self.options)  # type: ignore[arg-type]
-        return scenic_ref.loads(self.text, directory=self.folder, **self.options)  # type: ignore[arg-type]
+            return load(self.file, **self.options)  # type: ignore[arg-type]
+        return loads(self.text, directory=self.folder, **self.options)  # type: ignore[arg-type]
 
 
 class Marked(NamedTuple):
     """What the markers of a test say: the program, which scenes, and after how many attempts to give up on one."""
 
-    program: AskedProgram
+    program: NamedProgram
     scenes: int
     seed: int
     attempts: int | None
@@ -147,16 +147,16 @@ def whole(name: str, said: object, config: pytest.Config, otherwise: int) -> int
     return said
 
 
-def asked(program: object, folder: Path, options: Mapping[str, object]) -> AskedProgram:
+def asked(program: object, folder: Path, options: Mapping[str, object]) -> NamedProgram:
     """A program by the name of a file, or a text: one with a space or a line break that does not end in .scenic. Raises `pytest.UsageError`."""
     for name in options:
         if name not in LOADED_BY:
             raise pytest.UsageError(f"there is no option {name} of a program; there are {', '.join(LOADED_BY)}")
     if isinstance(program, str) and not program.endswith(".scenic") and len(program.split()) != 1:
-        return AskedProgram(None, program, folder, options)
+        return NamedProgram(None, program, folder, options)
     if not isinstance(program, (str, Path)):
         raise pytest.UsageError(f"a program is the name of a file, or a text, not {program!r:.60}")
-    return AskedProgram(folder / program, "", folder, options)
+    return NamedProgram(folder / program, "", folder, options)
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
@@ -208,7 +208,7 @@ def scene(request: pytest.FixtureRequest) -> Scene:
     return request.node.stash[DRAWN]
 
 
-def loaded(program: AskedProgram, config: pytest.Config) -> Scenario:
+def loaded(program: NamedProgram, config: pytest.Config) -> Scenario:
     """The scenario of a program, loaded and run once for all its scenes."""
     known = config.stash.setdefault(LOADED, [])
     for other, scenario in known:
@@ -298,7 +298,7 @@ def remember(item: pytest.Item, number: SceneNumber, report: pytest.TestReport) 
         report.sections.append(("scene", "\n".join(described(found.program, number, drawn, where, item.config))))
 
 
-def record_of(program: AskedProgram, drawn: Scene | None) -> dict[str, object]:
+def record_of(program: NamedProgram, drawn: Scene | None) -> dict[str, object]:
     """What is kept of a scene besides its number."""
     return {
         "program": None if program.file is None else str(program.file), "text": program.text or None,
@@ -307,7 +307,7 @@ def record_of(program: AskedProgram, drawn: Scene | None) -> dict[str, object]:
     }  # fmt: skip
 
 
-def described(program: AskedProgram, number: SceneNumber, drawn: Scene | None, where: Path | None, config: pytest.Config) -> list[str]:
+def described(program: NamedProgram, number: SceneNumber, drawn: Scene | None, where: Path | None, config: pytest.Config) -> list[str]:
     """A scene in a few lines, how to draw it again, and where it is kept."""
     name = "the program of the test" if program.file is None else shown_path(program.file, config)
     lines = [f"{number} of {name}"]
@@ -328,7 +328,7 @@ def plain(value: object) -> object:
     return value if value is None or type(value) in (bool, int, float, str) else repr(value)
 
 
-def again(program: AskedProgram, number: SceneNumber, config: pytest.Config) -> str:
+def again(program: NamedProgram, number: SceneNumber, config: pytest.Config) -> str:
     """The command that draws a scene again; of a text, the call."""
     options = program.options
     if program.file is None:
