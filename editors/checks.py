@@ -17,8 +17,8 @@ DELAY = 0.3
 PATIENCE = 1.0
 """Seconds that a check of a text which has changed since may still take, before its process is ended."""
 MEMORY = 2 << 30
-SLOWNESS = 12
-"""A check may take so many times its limit of processor time on the clock: parsing counts, and so do other processes."""
+SLOWNESS, LEAST_WAIT = 12, 60
+"""A check may take so many times its limit of processor time on the clock, and so many seconds: parsing counts, and so do other processes."""
 LONGEST_ANSWER = 1 << 26
 
 Records = list[dict[str, object]]
@@ -42,22 +42,24 @@ class CheckingProcess:
 
     def __init__(self, seconds: float) -> None:
         self.seconds = seconds
+        self.wait = max(LEAST_WAIT, seconds * SLOWNESS)
         self.process: Process | None = None
         self.busy = False
+        self.starting: asyncio.Future[Process] | None = None
 
     async def check(self, text: Revision) -> Records:
         """The diagnostics of a text. If this is cancelled, the next check waits for the answer a little, or ends the process."""
-        process = await self.ready()
-        assert process.stdin is not None and process.stdout is not None
-        self.busy = True
         try:
+            process = await self.ready()
+            assert process.stdin is not None and process.stdout is not None
+            self.busy = True
             request = {"file": text.file, "folder": text.folder, "text": text.text, "seconds": self.seconds, "memory": MEMORY}
             process.stdin.write(json.dumps(request).encode() + b"\n")
             await process.stdin.drain()
-            line = await asyncio.wait_for(process.stdout.readline(), self.seconds * SLOWNESS)
+            line = await asyncio.wait_for(process.stdout.readline(), self.wait)
         except TimeoutError:
             await self.end()
-            return [whole(text.file, f"checking the program took more than {self.seconds * SLOWNESS:g} seconds, and was given up")]
+            return [whole(text.file, f"checking the program took more than {self.wait:g} seconds, and was given up")]
         except (OSError, ValueError):
             line = b""
         if not line.endswith(b"\n"):
@@ -77,30 +79,30 @@ class CheckingProcess:
                 self.busy = not (await asyncio.wait_for(self.process.stdout.readline(), PATIENCE)).endswith(b"\n")
             if self.busy:
                 await self.end()
-        if self.process is None or self.process.returncode is not None:
-            arguments = ("-P", "-m", f"{__package__}.worker")
-            starting = asyncio.ensure_future(
-                asyncio.create_subprocess_exec(sys.executable, *arguments, stdin=PIPE, stdout=PIPE, limit=LONGEST_ANSWER)
-            )
-            starting.add_done_callback(self.started)
-            await asyncio.shield(starting)
-        assert self.process is not None
+        if self.starting is None or (self.starting.done() and (self.process is None or self.process.returncode is not None)):
+            self.starting = asyncio.ensure_future(self.launch())
+        return await asyncio.shield(self.starting)
+
+    async def launch(self) -> Process:
+        """Start a process, and wait until it listens, which takes seconds on a slow machine and is no part of any check."""
+        arguments = ("-P", "-m", f"{__package__}.worker")
+        self.process = await asyncio.create_subprocess_exec(sys.executable, *arguments, stdin=PIPE, stdout=PIPE, limit=LONGEST_ANSWER)
+        assert self.process.stdout is not None
+        await self.process.stdout.readline()
         return self.process
 
-    def started(self, starting: asyncio.Future[Process]) -> None:
-        """Keep the process that was started, whoever waits for it."""
-        if not starting.cancelled() and starting.exception() is None:
-            self.process, self.busy = starting.result(), False
-
     async def end(self) -> None:
-        """End the process, if there is one."""
+        """End the process, if there is one; one that is ending by itself has a moment for that, since asyncio would miss how it ended."""
+        if self.process is not None and self.process.stdout is not None and self.process.stdout.at_eof():
+            with suppress(TimeoutError):
+                await asyncio.wait_for(self.process.wait(), PATIENCE)
         process = self.kill()
         if process is not None:
             await process.wait()
 
     def kill(self) -> Process | None:
         """End the process, and give it back to who wants to wait for that."""
-        process, self.process, self.busy = self.process, None, False
+        process, self.process, self.starting, self.busy = self.process, None, None, False
         if process is not None and process.returncode is None:
             with suppress(ProcessLookupError):
                 process.kill()

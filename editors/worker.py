@@ -57,7 +57,10 @@ def listen(requests: BinaryIO, waiting: SimpleQueue[bytes]) -> None:
 
 
 def serve() -> None:
-    """Answer requests in their order. Programs, and what they import, have neither the standard input nor the output."""
+    """Say by a line that there is somebody, then answer requests in their order.
+
+    Programs, and what they import, have neither the standard input nor the output.
+    """
     requests, answers = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     nothing = os.open(os.devnull, os.O_RDWR)
     for stream in (0, 1):
@@ -65,6 +68,8 @@ def serve() -> None:
     waiting: SimpleQueue[bytes] = SimpleQueue()
     threading.Thread(target=listen, args=(requests, waiting), daemon=True).start()
     with suppress(BrokenPipeError, KeyboardInterrupt):
+        answers.write(b"{}\n")
+        answers.flush()
         while True:
             answers.write(json.dumps(answer(waiting.get())).encode() + b"\n")
             answers.flush()

@@ -58,6 +58,7 @@ def test_columns_are_in_units_of_utf_16(editor: Editor):
     assert found.range == (0, start, 0, start + 6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("encoding", "start"), [("utf-8", 28), ("utf-16", 26), ("utf-32", 25)])
 def test_columns_are_in_units_that_the_editor_prefers(tmp_path, encoding, start):
     editor = Editor(tmp_path, encodings=[encoding])
@@ -130,6 +131,7 @@ def test_only_the_newest_text_is_told_of(editor: Editor):
     assert {p.version for p in editor.published} == {8}
 
 
+@pytest.mark.slow
 def test_a_program_that_does_not_end_is_told_of_and_delays_no_answer(tmp_path):
     editor = Editor(tmp_path, ["--stdio", "--limit-seconds", "1"])
     editor.open("main.scenic", ENDLESS)
@@ -141,6 +143,7 @@ def test_a_program_that_does_not_end_is_told_of_and_delays_no_answer(tmp_path):
     assert editor.goodbye() == (0, "")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="this system has no /proc")
 def test_an_endless_check_of_an_old_text_is_ended_for_the_new_one(tmp_path):
     editor = Editor(tmp_path, ["--limit-seconds", "1000000"])
@@ -339,6 +342,7 @@ def test_what_is_not_of_the_protocol_does_not_end_the_server(tmp_path):
     assert "Unable to handle message" in said
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="this system has no /proc")
 @pytest.mark.parametrize("how", ["shutdown", "closed", "killed"])
 def test_no_process_is_left(tmp_path, how):

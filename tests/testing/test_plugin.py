@@ -180,6 +180,7 @@ def test_a_folder_that_cannot_be_written_keeps_nothing(run: Run, pytester: pytes
     run("-p", "no:warnings", test_a=TESTS).assert_outcomes(passed=3, failed=2)
 
 
+@pytest.mark.slow
 def test_processes_of_xdist_keep_and_run_them_as_one_does(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
     (pytester.path / "car.scenic").write_text(PROGRAM)
