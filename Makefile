@@ -17,7 +17,7 @@ $(VENV)/.core: pyproject.toml constraints.txt
 	touch $@
 
 $(VENV)/.test: $(VENV)/.core
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[fast,data,geo,cluster,dynamics,sumo,pyro,arviz,play,test,style]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[fast,data,geo,cluster,dynamics,sumo,pyro,arviz,play,lsp,test,style]'
 	touch $@
 
 $(VENV)/.docs: $(VENV)/.core

@@ -13,6 +13,7 @@ from .conformance import conformance
 from .convert import convert
 from .diff import diff
 from .fuzz import fuzz
+from .lsp import lsp
 from .map import show_map
 from .options import DebugOption
 from .play import play
@@ -58,6 +59,7 @@ app.command("fuzz")(fuzz)
 app.command("conformance")(conformance)
 app.command("map")(show_map)
 app.command("bench")(bench)
+app.command("lsp")(lsp)
 
 
 def show_version(wanted: bool) -> None:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING
 
-from ..scenario.noticing import warnings_about
-from ..semantics.kernel.errors import AttemptsExhausted, ProgramError, ScenicError, UsageError
+from ..scenario.diagnosing import Diagnostic, checked, of_error, of_warning
+from ..semantics.kernel.errors import ScenicError, UsageError
 from ..semantics.kernel.suggestions import did_you_mean
-from .diagnostics import FORMATS, Diagnostic, of_error, of_warning
+from .diagnostics import FORMATS
 from .drawing import tell_notes
 from .errors import render, render_warning
 from .session import coloured
@@ -27,17 +27,10 @@ def check_program(source: Source, form: str, session: Session, *, strict: bool) 
     if form != "text" and form not in FORMATS:
         known = ["text", *FORMATS]
         raise UsageError(f"there is no format {form}", hint=did_you_mean(form, known, f"the formats are {', '.join(known)}"))
-    warnings: list[ProgramWarning] = []
-    error: ScenicError | None = None
-    try:
-        program = source.load()
-        warnings = warnings_about(program)
-        program.rehearse()
-        if form == "text":
-            tell_notes(program)
-    except (ProgramError, AttemptsExhausted) as problem:
-        error = problem
+    scenario, warnings, error = checked(source.load)
     if form == "text":
+        if scenario is not None and error is None:
+            tell_notes(scenario)
         tell_text(warnings, error, session, strict=strict)
     else:
         print(FORMATS[form](diagnostics(warnings, error, source.file, strict=strict)), end="\n" if warnings or error or form != "github" else "")

@@ -3,60 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
 
 from .. import __version__
 from ..formats.scenes import in_json, in_utf8
-from ..interpreter.warnings import KINDS, ProgramWarning
-from ..semantics.kernel.errors import ScenicError
-from ..semantics.syntax.nodes import Span
+from ..interpreter.warnings import KINDS
+from ..scenario.diagnosing import Diagnostic, record
 from .session import escaped
 
 SCHEMA = "scenic-ref/diagnostics/1"
 SARIF = "https://json.schemastore.org/sarif-2.1.0.json"
 
 
-class Diagnostic(NamedTuple):
-    """One error or warning; `line` is 0 where it has no place."""
-
-    severity: str
-    kind: str
-    message: str
-    span: Span
-    hint: str = ""
-    rule: str = ""
-    expected: tuple[str, ...] = ()
-
-    @property
-    def text(self) -> str:
-        """The sentence with its hint."""
-        return f"{self.message}; {self.hint}" if self.hint else self.message
-
-
-def of_error(error: ScenicError, file: str) -> Diagnostic:
-    """An error; one without a place is one of the whole file."""
-    span = error.span if error.span.line > 0 else Span(file, 0, 0, 0, 0)
-    return Diagnostic("error", error.kind, error.message, span, error.hint, error.rule, tuple(getattr(error, "expected", ())))
-
-
-def of_warning(warning: ProgramWarning) -> Diagnostic:
-    """A warning."""
-    return Diagnostic("warning", warning.kind, warning.message, warning.span, warning.hint)
-
-
 def as_json(found: list[Diagnostic]) -> str:
     """One JSON object; lines and columns begin with 1, the end is one past the last character."""
     return in_json({"schema": SCHEMA, "diagnostics": [record(one) for one in found]}, indent=2)
-
-
-def record(one: Diagnostic) -> dict[str, object]:
-    """A diagnostic in JSON; without a place it has a file alone."""
-    span = one.span
-    place = {"line": span.line, "column": span.column, "end_line": span.end_line, "end_column": span.end_column} if span.line else {}
-    return {
-        "severity": one.severity, "kind": one.kind, "message": one.message, "file": span.file, **place, "hint": one.hint, "rule": one.rule,
-        "expected": list(one.expected),
-    }  # fmt: skip
 
 
 def as_github(found: list[Diagnostic]) -> str:

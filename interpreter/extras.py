@@ -13,7 +13,7 @@ from ..semantics.kernel.errors import UsageError
 EXTRAS = {
     "numba": "fast", "orjson": "fast", "pyarrow": "parquet", "distributed": "cluster", "pymunk": "dynamics", "pyro": "pyro", "torch": "torch",
     "arviz": "arviz", "sumo": "sumo", "traci": "sumo", "pandas": "data", "polars": "data", "pyproj": "geo", "shapefile": "geo",
-    "starlette": "play", "uvicorn": "play",
+    "starlette": "play", "uvicorn": "play", "pygls": "lsp",
 }
 """The extra of each optional package."""
 

@@ -5,57 +5,26 @@
     def test_my_sampler():
         scenes = [my_sampler.scene() for _ in range(5000)]          # in the scene format
         assert_same_distribution(scenes, scenic_ref.load("scene.scenic"), detect_tv=0.15)
+
+The names below are loaded when they are first used: pytest loads `plugin` wherever this package is installed.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
-from ..inference.statistics import DEFAULT_ALPHA, DEFAULT_TV, Verdict
-from ..inference.statistics.rounding import DEFAULT_TOLERANCE
-from ..scenario import Scenario
-from ..semantics.kernel.errors import UsageError
-from .judging import REFERENCE_SEED, Reference, Samples, judged
-from .simulators import BrokenContract, check_simulator
-
-
-def same_distribution(
-    samples: Samples, scenario: Scenario, *, alpha: float = DEFAULT_ALPHA, detect_tv: float = DEFAULT_TV, seed: int = REFERENCE_SEED,
-    tolerance: float = DEFAULT_TOLERANCE, ignore: Sequence[str] = (), map: Mapping[str, str] | None = None, reference: Reference | None = None,
-) -> Verdict:  # fmt: skip
-    """Whether `samples` (scenes, or the path of a file of them) were drawn from the distribution of `scenario`.
-
-    P("different") <= `alpha` if they were. A program with at most a few thousand runs is enumerated, and the samples are compared with
-    the exact law; for any other, as many scenes are drawn with `seed` as there are samples, or taken from `reference`. What does not depend on
-    any draw must be the same in every sample, and what does must be what a draw can give. Numbers that differ by at most `tolerance` (relative
-    to the larger of them and 1) are equal, so that samples may be rounded. The features `ignore` are not compared; `map` gives the program's
-    names for what the samples call features and classes otherwise.
-    Raises `UsageError` for samples that cannot be compared, and the program's errors.
-    """
-    if not isinstance(scenario, Scenario):
-        raise UsageError(f"samples are compared with a scenario, not with a {type(scenario).__name__}", hint="scenic_ref.load(path) gives one")
-    return judged(
-        samples, scenario, alpha=alpha, detect_tv=detect_tv, seed=seed, tolerance=tolerance, ignore=ignore, map=map, reference=reference,
-    )  # fmt: skip
-
-
-def assert_same_distribution(
-    samples: Samples, scenario: Scenario, *, alpha: float = DEFAULT_ALPHA, detect_tv: float = DEFAULT_TV, seed: int = REFERENCE_SEED,
-    tolerance: float = DEFAULT_TOLERANCE, ignore: Sequence[str] = (), map: Mapping[str, str] | None = None, reference: Reference | None = None,
-    inconclusive: str = "fail",
-) -> Verdict:  # fmt: skip
-    """`same_distribution`, as an assertion whose message names the worst feature and how to replay it.
-
-    An inconclusive comparison fails as well, since it has not shown what was asked, unless `inconclusive` is "pass".
-    """
-    if inconclusive not in ("fail", "pass"):
-        raise UsageError(f'inconclusive is "fail" or "pass", not {inconclusive!r}')
-    verdict = same_distribution(
-        samples, scenario, alpha=alpha, detect_tv=detect_tv, seed=seed, tolerance=tolerance, ignore=ignore, map=map, reference=reference,
-    )  # fmt: skip
-    if verdict.kind == "different" or (verdict.kind == "inconclusive" and inconclusive == "fail"):
-        raise AssertionError(str(verdict))
-    return verdict
-
+if TYPE_CHECKING:
+    from .asserting import REFERENCE_SEED, assert_same_distribution, same_distribution
+    from .simulators import BrokenContract, check_simulator
 
 __all__ = ["REFERENCE_SEED", "BrokenContract", "assert_same_distribution", "check_simulator", "same_distribution"]
+
+
+def __getattr__(name: str) -> object:
+    """A public name, from its home module (PEP 562)."""
+    from importlib import import_module
+
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    home = ".simulators" if name in ("BrokenContract", "check_simulator") else ".asserting"
+    return getattr(import_module(home, __name__), name)

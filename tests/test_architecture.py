@@ -13,7 +13,10 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-LAYERS = ["semantics", "maps", "interpreter", "formats", "simulators", "inference", "scenario", "testing", "conformance", "benchmarks", "cli"]
+LAYERS = [
+    "semantics", "maps", "interpreter", "formats", "simulators", "inference", "scenario", "testing", "conformance", "benchmarks",
+    "editors", "cli",
+]
 MAY_IMPORT = {
     "semantics": {"semantics"},
     "maps": {"semantics", "maps"},
@@ -25,6 +28,7 @@ MAY_IMPORT = {
     "conformance": {"semantics", "interpreter", "formats", "simulators", "inference", "scenario", "testing", "conformance", ""},
     "testing": {"semantics", "interpreter", "formats", "simulators", "inference", "scenario", "testing"},
     "benchmarks": {"semantics", "interpreter", "formats", "simulators", "inference", "scenario", "benchmarks", ""},
+    "editors": {"semantics", "interpreter", "formats", "simulators", "scenario", "editors", ""},
     "cli": {*LAYERS, ""},
 }
 ROOMS = ["syntax", "space", "kernel", "readings", "python", "scenes", "dynamics", ""]
@@ -42,6 +46,7 @@ ONLY_IN = {
     "distributed": {"inference/batch/jobs/blocks.py"}, "hypothesis": {"conformance/programs/strategies.py"},
     "pymunk": {"simulators/physics.py"}, "sumo": {"simulators/traffic.py"}, "traci": {"simulators/traffic.py"},
     "starlette": {"cli/playground/server.py"}, "uvicorn": {"cli/playground/server.py"},
+    "pygls": {"editors/server.py"}, "lsprotocol": {"editors/server.py"},
     "arviz": {"formats/chains.py"}, "pyro": {"inference/with_pyro.py"},
     "pyproj": {"formats/geodata.py"}, "shapefile": {"formats/geodata.py"},
     "torch": {"inference/with_pyro.py", *(f"inference/batch/tensors/{name}.py" for name in TENSORS)},
