@@ -10,11 +10,11 @@ from pathlib import Path
 from ...formats.pictures import check_format, picture
 from ...formats.recordings import to_line
 from ...formats.replay_pages import land_below, map_below, run_shown
+from ...scenario.diagnosing import of_error
 from ...semantics.kernel.errors import UsageError
 from ...simulators import SIMULATORS, by_name
 from ...simulators.protocol import Simulator
 from ...simulators.simulating import Failed
-from ..diagnostics import of_error
 from ..drawing import drawing_of
 from ..options import DEFAULT_ATTEMPTS
 from ..pages import network_of

@@ -15,13 +15,13 @@ from ...inference.rejection import DEFAULT_ATTEMPTS
 from ...inference.statistics.columns import ABSENT, OTHERWISE, leaves
 from ...inference.statistics.relations import table_of
 from ...interpreter.running import Witness
+from ...scenario.diagnosing import of_warning
 from ...scenario.noticing import warnings_about
 from ...semantics.kernel.errors import AttemptsExhausted, ScenicError
 from ...semantics.kernel.outcome import Requirement
 from ...semantics.readings import READINGS
 from ...semantics.syntax import dynamics as d
 from ...simulators.worlds.driving import notes
-from ..diagnostics import of_warning
 from ..drawing import Drawing, Softness, drawing_of, listen
 from .asked import PlayRequest
 from .shown import diagnostic_shown, exhausted_of, scene_shown, tally_shown

@@ -11,10 +11,10 @@ from ...formats.scenes import OWN_FIELDS, Scene
 from ...inference.enumeration import content_of
 from ...inference.rejection import acceptance
 from ...maps.network import MapWorkspace
+from ...scenario.diagnosing import Diagnostic, record
 from ...semantics.kernel.errors import AttemptsExhausted, ScenicError, UsageError
 from ...semantics.kernel.outcome import Requirement
 from ...semantics.syntax.nodes import Span
-from ..diagnostics import Diagnostic, record
 from ..drawing import Softness
 from ..reports import rejecting
 from .texts import Json, cut, cut_text

@@ -9,8 +9,8 @@ from multiprocessing.connection import Connection
 
 from ...formats.scenes import in_json
 from ...inference.batch.jobs.blocks import end_with_parent
+from ...scenario.diagnosing import of_error
 from ...semantics.kernel.errors import AttemptsExhausted, InternalError, ProgramError, RunError, ScenicError
-from ..diagnostics import of_error
 from .asked import PlayRequest
 from .numbers import draw_values, exact_law
 from .runs import send_picture, send_trace, simulate
