@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
 import pytest
 import scenic_ref
-from scenic_ref.cli import answer
 from scenic_ref.formats.table_files import open_table
 from scenic_ref.inference.batch import compile as compiler
 from scenic_ref.inference.batch.evaluate import sampling
@@ -88,11 +88,10 @@ def test_what_needs_a_package_says_which_extra_has_it(package, use, monkeypatch,
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("package", ["starlette", "uvicorn"])
-def test_the_playground_says_which_extra_it_needs(package, monkeypatch, capfd):
-    monkeypatch.setitem(sys.modules, package, None)
-    monkeypatch.delitem(sys.modules, "scenic_ref.cli.playground.server", raising=False)
-    assert answer(["play", "--no-browser"]) == 2
-    said = capfd.readouterr().err
-    assert "play needs the package" in said
-    assert "pip install 'scenic-ref[play]'" in said
+@pytest.mark.parametrize(("command", "package", "extra"), [("play", "starlette", "play"), ("play", "uvicorn", "play"), ("lsp", "pygls", "lsp")])
+def test_servers_say_which_extra_they_need(command: str, package: str, extra: str) -> None:
+    """In a process of its own, where nothing of the package is loaded yet."""
+    code = f"import sys\nsys.modules[{package!r}] = None\nfrom scenic_ref.cli import answer\nsys.exit(answer([{command!r}]))"
+    done = subprocess.run([sys.executable, "-c", code], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 2
+    assert f"needs the package {package}" in done.stderr and f"pip install 'scenic-ref[{extra}]'" in done.stderr
