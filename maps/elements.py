@@ -354,24 +354,31 @@ class LaneSection(LinearElement):
         return found
 
 
-class Sidewalk(LinearElement):
+class BesideRoad(LinearElement):
+    """What is along a road, if the road has lanes."""
+
+    _road: Road | None
+
+    @property
+    def road(self) -> Road:
+        """The road that it belongs to; rejects if that has no lanes."""
+        return there(self._road, f"{self.uid} belongs to no road with lanes")
+
+
+class Sidewalk(BesideRoad):
     """A sidewalk along a road."""
 
-    road: Road
     crossings: tuple[PedestrianCrossing, ...] = ()
 
 
-class BikeLane(LinearElement):
+class BikeLane(BesideRoad):
     """A bike lane along a road."""
 
-    road: Road
     vehicleTypes = FrozenSet([VehicleType.BICYCLE])
 
 
-class Shoulder(LinearElement):
+class Shoulder(BesideRoad):
     """A shoulder along a road, with parking lanes."""
-
-    road: Road
 
 
 class PedestrianCrossing(LinearElement):

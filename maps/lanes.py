@@ -70,7 +70,7 @@ def make_road(net: Assembly, record: RoadRecord) -> None:
         complete(lane, adjacentLanes=tuple(dict.fromkeys(other.lane for s in lane.sections for other in s.adjacentLanes)))
     for side in sides.values():
         for element in side:
-            complete(element, road=road)
+            complete(element, _road=road)
     net.roads[record.id] = road
 
 
@@ -213,7 +213,7 @@ def beside(net: Assembly, record: RoadRecord, forward: bool, uid: str) -> list[L
             lefts, rights, polygons = zip(*run, strict=True)
             polygon = shapely.union_all([p for section in polygons for p in section])
             name = f"{uid}_{'forward' if forward else 'backward'}_{what}{n}"
-            found.append(net.linear(kind, name, left=np.concatenate(lefts), right=np.concatenate(rights), polygon=polygon, id=record.id, road=None))
+            found.append(net.linear(kind, name, left=np.concatenate(lefts), right=np.concatenate(rights), polygon=polygon, id=record.id, _road=None))
     return found
 
 

@@ -28,7 +28,7 @@ from .elements import (
 )
 from .fixed import Fixed
 from .intersections import Intersection
-from .regions import NetworkCurve, NetworkField, region, region_along
+from .regions import NetworkCurve, NetworkField, fringe, region, region_along
 from .signals import Signal
 
 
@@ -151,13 +151,17 @@ class Network(Fixed):
 
     @cached_property
     def roadDirection(self) -> VectorField:
-        """The direction of traffic in an intersection (of the first connecting lane there), else on a road or shoulder; 0 away from them."""
+        """The direction of traffic in an intersection (of the first connecting lane there), else on a road or shoulder; 0 away from them.
+
+        What is within `tolerance` of one has its direction, as for `first`: points of curbs may miss the road by rounding.
+        """
         within = [lane for i in self.intersections for lane in dict.fromkeys(m.connectingLane for m in i.maneuvers) if lane is not None]
         others = [lane for lane in self.lanes if lane not in set(within)]
         cells: list[Cell] = [cell for lane in within for cell in lane.strips]
         cells += [cell for i in self.intersections for cell in i.gaps()]
         cells += [cell for element in (*others, *self.shoulders) for cell in element.strips]
-        made = NetworkField("roadDirection", cells, defaultHeading=0.0)
+        outermost = fringe(cells, (*self.lanes, *self.shoulders, *self.intersections), self.tolerance)
+        made = NetworkField("roadDirection", [*cells, *outermost], defaultHeading=0.0)
         made.network = self
         return made
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+import shapely
 from shapely.geometry import MultiPolygon, Polygon
 
 from ..semantics.space.fields import Cell, PolygonalVectorField, VectorField
@@ -53,6 +54,17 @@ def region_along(elements: Sequence[NetworkElement], name: str, orientation: Vec
     made = NetworkRegion(polygon=whole, orientation=orientation, name=name)
     made.network = network
     return made
+
+
+def fringe(cells: Sequence[Cell], elements: Sequence[NetworkElement], width: float) -> list[Cell]:
+    """What is so near to the cells of elements but outside these: the cells so much wider, in their order, where they come out of the elements."""
+    if not cells:
+        return []
+    whole = united([element.polygon for element in elements])
+    shapely.prepare(whole)
+    wider = shapely.buffer([polygon for polygon, _ in cells], width, quad_segs=2)
+    outside = ~shapely.covers(whole, wider)
+    return [(polygon, heading) for polygon, (_, heading), kept in zip(wider, cells, outside, strict=True) if kept]
 
 
 def polygons(shape: Polygon | MultiPolygon) -> list[Polygon]:

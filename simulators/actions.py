@@ -26,6 +26,11 @@ def in_range(value: object, low: float, high: float, what: str) -> str | None:
     return None if low <= value <= high else f"the {what} must be between {low:g} and {high:g}, not {value}"  # type: ignore[operator]
 
 
+def truth_value(value: object, what: str) -> str | None:
+    """Why a value is neither True nor False, None if it is."""
+    return None if isinstance(value, bool) else f"the {what} is True or False, not {kind_name(value)}"
+
+
 VEHICLES = "drives"
 PEDESTRIANS = "walks"
 
@@ -105,12 +110,20 @@ class SetHandBrakeAction(DrivingAction):
 
     handbrake: bool
 
+    def __post_init__(self) -> None:
+        """Check the truth value."""
+        refuse(truth_value(self.handbrake, "hand brake"))
+
 
 @dataclass(frozen=True, slots=True)
 class SetReverseAction(DrivingAction):
     """The reverse gear, in or not."""
 
     reverse: bool
+
+    def __post_init__(self) -> None:
+        """Check the truth value."""
+        refuse(truth_value(self.reverse, "reverse gear"))
 
 
 STEERED = 0.1
@@ -175,15 +188,17 @@ class OffsetAction(Action):
         object.__setattr__(self, "offset", vector(self.offset, "offset"))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, init=False)
 class SetVelocityAction(Action):
-    """The object moves with this velocity (metres per second) until it gets another."""
+    """The object moves with this velocity (metres per second, East and North) until it gets another.
+
+    It is given as one vector, or as two numbers with the names of the released library, whose third, the height, says nothing in the plane.
+    """
 
     velocity: Vector
 
-    def __post_init__(self) -> None:
-        """A pair is a vector."""
-        object.__setattr__(self, "velocity", vector(self.velocity, "velocity"))
+    def __init__(self, xVel: object, yVel: object = None, zVel: object = 0) -> None:
+        object.__setattr__(self, "velocity", vector(xVel if yVel is None else (xVel, yVel), "velocity"))
 
 
 @dataclass(frozen=True, slots=True)

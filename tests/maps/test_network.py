@@ -250,3 +250,18 @@ def test_regions_are_oriented_as_the_first_element_at_a_point(kind):
         v = found.sample(draw.random)
         element = next(e for e in getattr(net, kind) if e.distance_to(v) < 0.01)
         assert math.remainder(found.orientation.at(v) - element.heading_at(v), 2 * math.pi) == pytest.approx(0, abs=0.06)
+
+
+@pytest.mark.parametrize("which", [("suburb",), ("roundabout",), ("crossing", ("left_hand", True))], ids=str)
+def test_the_direction_of_traffic_is_that_of_the_road_on_its_curb_and_within_the_tolerance(which: tuple) -> None:
+    """Points of curbs may miss the road by rounding; there, and up to 5 cm off, the field is not 0."""
+    found, numbers = network(*which), random.Random(1)
+    ends = [pair for road in found.roads for group in road.laneGroups for line in group.curb.lines for pair in itertools.pairwise(line)]
+    for start, end in numbers.choices(ends, k=300):
+        step = end - start
+        beside = Vector(step.y, -step.x) * (1 / math.hypot(step.x, step.y))
+        for off in (-0.03, 0.0, 0.03):
+            place = start + step * numbers.uniform(0.1, 0.9) + beside * off
+            told = found.nominalDirectionsAt(place)
+            assert told, "within the tolerance of a road"
+            assert abs(math.remainder(found.roadDirection.at(place) - told[0], math.tau)) < 0.1

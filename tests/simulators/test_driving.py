@@ -10,9 +10,10 @@ import pytest
 import scenic_ref
 from scenic_ref.errors import AttemptsExhausted, ProgramError, UncaughtException
 from scenic_ref.formats.recordings import Simulated
-from scenic_ref.maps import Network, read_map
+from scenic_ref.maps import Network, made_map, read_map
 from scenic_ref.maps.making import made
 from scenic_ref.maps.paths import Trajectory
+from scenic_ref.semantics.space.absence import Absent
 from scenic_ref.semantics.space.vectors import Vector
 from scenic_ref.simulators import by_name
 from scenic_ref.simulators.worlds.driving import default_network
@@ -201,6 +202,34 @@ def test_mixins_make_objects_take_the_actions_of_vehicles_or_pedestrians() -> No
     assert scenario(push + tug.format(", Steers, Walks")).simulate("kinematic", 2).simulation.moments[-1].step == 2
     found = scenario("ego = Car on road\nparam a = isinstance(ego, Steers), b = isinstance(ego, Walks), c = network.show()\n").sample().params
     assert (found["a"], found["b"], found["c"]) == (True, False, None)
+
+
+ACTIONS = {
+    "SetVelocityAction(3, 4).velocity": (3, 4), "SetVelocityAction((3, 4)).velocity": (3, 4),
+    "SetVelocityAction(xVel=3, yVel=4, zVel=9).velocity": (3, 4), "SetReverseAction(True).reverse": True,
+    "SetVelocityAction(3)": "the velocity must be a vector, not a scalar", "SetVelocityAction(3, 'a')": "the velocity must be a vector",
+    "SetReverseAction('no')": "the reverse gear is True or False, not a string",
+    "SetHandBrakeAction(3)": "the hand brake is True or False, not a scalar",
+}  # fmt: skip
+"""Actions, and what they are or why they are refused."""
+
+
+@pytest.mark.parametrize("action", ACTIONS)
+def test_actions_take_what_the_library_says(action: str) -> None:
+    found, program = ACTIONS[action], scenario(f"ego = Car on road\nparam x = {action}\n")
+    if isinstance(found, str):
+        with pytest.raises((ProgramError, UncaughtException), match=found):
+            program.sample()
+    else:
+        assert program.sample().params["x"] == found
+
+
+def test_what_is_beside_a_road_without_lanes_belongs_to_none() -> None:
+    network = made_map("grid", one_way=True, sidewalks=True)
+    loose = [walk for walk in network.sidewalks if walk._road is None]
+    assert loose and any(walk._road is not None for walk in network.sidewalks)
+    with pytest.raises(Absent, match="belongs to no road with lanes"):
+        _ = loose[0].road
 
 
 FORBIDDEN = {

@@ -40,6 +40,7 @@ behavior CrossInFrontOf(vehicle, other, speed, threshold):
 
 # Ego follows a car, too closely at first.
 scenario FollowingScenario(gap=20, speed=5):
+    precondition: ego._lane is not None
     setup:
         leadCar = Car at beside(ego.lane, ego, gap), with behavior FollowLaneBehavior(speed)
         override ego with behavior CloseUpAndFallBack(leadCar)
@@ -56,7 +57,8 @@ scenario RedLightRunner(speed=9):
 
 # A pedestrian walks across the road ahead of ego; it ends when ego is past, or the pedestrian has crossed.
 scenario Jaywalker(gap=25, speed=1.5):
-    precondition: ego._laneGroup is not None and ego._laneGroup._sidewalk is not None and ego._laneGroup._opposite is not None
+    precondition: ego._laneGroup is not None and ego._laneGroup._sidewalk is not None
+    precondition: ego._laneGroup is not None and ego._laneGroup._opposite is not None and ego._laneGroup._opposite._sidewalk is not None
     setup:
         other = beside(ego.laneGroup.opposite.sidewalk, ego, gap)
         jaywalker = Pedestrian at beside(ego.laneGroup.sidewalk, ego, gap), facing toward other,
