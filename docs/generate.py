@@ -348,7 +348,7 @@ def campaigns_page() -> str:
         "([how](../harness.md)): both sides followed the readings that the release is known to follow, so that what is listed is something else. "
         "Each finding was confirmed with fresh scenes of the smallest program, then given its class by hand; those of the class `undecided` were "
         "not. Most of what is `missing` or `unchecked` is documented by the releases. Where places differ, a picture shows thirty scenes of each "
-        "side over each other, ego in red. Each campaign took an hour or two of one process on a busy machine, and the findings of the class "
+        "side over each other, ego in orange. Each campaign took an hour or two of one process on a busy machine, and the findings of the class "
         "`our bug` are mended."
     )
     lines = ["# Campaigns", "", paragraph(about), ""]
@@ -380,7 +380,7 @@ def listings_page() -> str:
         "Every listing of the Sections \"Dynamic Scenarios\" and \"Compositional Scenarios\" runs as it is printed, on the road networks of the "
         "driving library. In each program, lines without a mark are the paper's, those with + were added, and a line with - is one of the "
         "paper's with `...`, followed by what is in its place. That the programs differ from the paper in nothing else is tested, and so is what "
-        "happens in each, in the simulators `kinematic` and `pymunk`. Pictures show time steps of one simulation, in `kinematic`: ego in red, the "
+        "happens in each, in the simulators `kinematic` and `pymunk`. Pictures show time steps of one simulation, in `kinematic`: ego in orange, the "
         "way that each object has come as a line, traffic lights as dots."
     )
     listings, programs = read_manifest(LISTINGS)

@@ -22,7 +22,7 @@ TEXT = f"from {FEATURES} import *\n"
 WORKSPACE = "workspace = Workspace(regions['workspace'] if 'workspace' in regions else area)\n"
 """Where objects must lie, on a map with areas."""
 NO_MAP = "the model site_map needs a map"
-HOW = "write `param map = localPath('site.geojson')` before it, or give --map site.geojson"
+HOW = "write `param map = localPath('site.geojson')` before it, or set the parameter map (-p map=site.geojson)"
 
 
 def modules(program: Program, params: Mapping[str, object], directory: Path | None) -> Mapping[str, World]:

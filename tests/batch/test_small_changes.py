@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import signal
+
 import pytest
 import scenic_ref
 from scenic_ref.semantics.kernel.errors import RunError
@@ -33,3 +35,21 @@ def test_a_drawn_key_that_is_a_list_in_some_runs_is_an_error(backend: str) -> No
     scenario = scenic_ref.loads("x = Discrete({Uniform(1, [2]): 1, 3: 2})\nego = Object at 0@0, with tag 3")
     with pytest.raises(RunError, match="unhashable type: 'list'"):
         list(scenario.sample_many(20, seed=0, backend=backend))
+
+
+@pytest.mark.extra("fast")
+def test_an_interrupt_waits_until_the_compiler_is_done() -> None:
+    """What is raised where the compiler's library calls Python would be ignored there; afterwards it is heard."""
+    from scenic_ref.inference.batch.compile.evaluator import later_interrupts
+
+    done = []
+    with pytest.raises(KeyboardInterrupt):
+        with later_interrupts():
+            signal.raise_signal(signal.SIGINT)
+            done.append("compiled")
+        done.append("not reached")
+    assert done == ["compiled"]
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    with pytest.raises(KeyboardInterrupt), later_interrupts():
+        signal.raise_signal(signal.SIGINT)
+        raise ValueError("what the compiler cannot do")

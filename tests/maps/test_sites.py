@@ -203,7 +203,7 @@ def test_a_wrong_reference_system_is_told(site, content: dict, crs: str | None, 
 def test_a_model_without_a_map_and_a_parameter_that_is_no_text_are_errors(site, tmp_path: Path) -> None:
     with pytest.raises(ProgramError, match="needs a map") as told:
         scenic_ref.loads("model site_map\nego = Object").sample()
-    assert "--map" in told.value.hint
+    assert "localPath('site.geojson')" in told.value.hint and "-p map=" in told.value.hint
     site(collection(feature("Point", [0, 0])))
     with pytest.raises(ProgramError, match="map_crs must be a text"):
         sampled("ego = Object", tmp_path, params={"map_crs": 3})

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import signal
+import threading
 from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
 from typing import NamedTuple
 
 import numpy as np
@@ -27,11 +32,32 @@ class BlockResult(NamedTuple):
     runs: int
 
 
+@contextmanager
+def later_interrupts() -> Iterator[None]:
+    """Let Ctrl-C wait until the block is over: the compiler's library calls Python, and ignores what is raised there."""
+    if threading.current_thread() is not threading.main_thread() or signal.getsignal(signal.SIGINT) in (signal.SIG_IGN, signal.SIG_DFL, None):
+        yield
+        return
+    heard: list[tuple[int, FrameType | None]] = []
+    before = signal.signal(signal.SIGINT, lambda number, frame: heard.append((number, frame)))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+        if heard and callable(before):
+            before(*heard[0])
+
+
 class CompiledStage:
     """A program's compiled evaluator. Raises `NotCompiled` if the graph has none; the first call takes seconds."""
 
     def __init__(self, stage: Stage) -> None:
         self.outputs = stage.outputs
+        with later_interrupts():
+            self.prepare(stage)
+
+    def prepare(self, stage: Stage) -> None:
+        """Compile, and call the evaluator for the first time. Raises `NotCompiled`."""
         self.evaluator, self.arrays, self.events = compile_stage(stage)
         self.floats = sum(node.kind == "float" for node in self.outputs)
         self.runs = 0
