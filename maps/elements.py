@@ -21,7 +21,7 @@ from ..semantics.space.fields import VectorField
 from ..semantics.space.numeric import lifted
 from ..semantics.space.regions import PolygonalRegion, PolylineRegion, Region
 from ..semantics.space.vectors import Vector
-from .fixed import Fixed
+from .fixed import Fixed, element_of
 from .regions import polygons, region
 from .shapes import Points, directed, strips
 
@@ -345,17 +345,16 @@ class LaneSection(LinearElement):
 
     def shiftedBy(self, offset: int) -> LaneSection | None:
         """The lane so many to the left, or to the right if negative; None if there is none."""
-        found: LaneSection | None = self
-        away = offset
+        found, away = self, offset
         for _ in range(abs(offset)):
             following = None if found is None else found._laneToLeft if away > 0 else found._laneToRight
-            away = -away if found is not None and following is not None and following.isForward is not found.isForward else away
-            found = following
+            turned = found is not None and following is not None and following.isForward is not found.isForward
+            found, away = following, -away if turned else away
         return found
 
 
 class BesideRoad(LinearElement):
-    """What is along a road, if the road has lanes."""
+    """What is along a road."""
 
     _road: Road | None
 
@@ -387,11 +386,6 @@ class PedestrianCrossing(LinearElement):
     parent: Road | Intersection
     startSidewalk: Sidewalk | None = None
     endSidewalk: Sidewalk | None = None
-
-
-def element_of(network: Network, uid: str) -> NetworkElement:
-    """The element of that name."""
-    return network.by_uid[uid]
 
 
 def vector(point: object) -> Vector:

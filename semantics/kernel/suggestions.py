@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from itertools import islice
+from typing import cast
 
 MOST_SLIPS, SWAPPED = 3, 2
 LONG = 5
 """Of shorter names that no model of the program has, none but one in other letters is taken for one of a world model."""
 LONGEST = 100
 """Of longer names no slips are looked for: the work grows with the square of the letters, and programs are hostile."""
+MOST_COMPARED, MOST_TOLD = 1000, 8
+"""Keys of a dictionary that are compared with one that it does not have, and that are named."""
 SHORTEST_BEGINNING = 3
 """A name that is cut short after so many letters, and not before its middle, is known by its beginning."""
 
@@ -56,6 +60,16 @@ def did_you_mean(name: str, known: Iterable[str], otherwise: str = "") -> str:
     """The hint that names the nearest known name, `otherwise` where none is near."""
     near = nearest(name, known)
     return f"did you mean {near}?" if near is not None else otherwise
+
+
+def note_keys(error: BaseException, container: object, key: object) -> None:
+    """Note what may be meant by a text that is no key of a dictionary: a similar one, or one of the first."""
+    if type(error) is not KeyError or type(container) is not dict or type(key) is not str:
+        return
+    names = cast("dict[object, object]", container)
+    texts = [known for known in islice(names, MOST_COMPARED) if type(known) is str]
+    more = ", ..." if len(names) > MOST_TOLD else ""
+    error.add_note(did_you_mean(key, texts, f"there are {', '.join(texts[:MOST_TOLD])}{more}" if texts else "none of its keys is a text"))
 
 
 def slips_between(name: str, known: str) -> int | None:

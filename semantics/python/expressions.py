@@ -23,7 +23,7 @@ from ..kernel.queries import Clock, Closest, Parameters, attribute_of_clock
 from ..kernel.scenic_classes import Above, ScenicClass
 from ..kernel.scopes import MISSING, Scope
 from ..kernel.sets import Set
-from ..kernel.suggestions import did_you_mean
+from ..kernel.suggestions import did_you_mean, note_keys
 from ..kernel.values import Bound, Dynamic, Function, Instance, Method, Module, Native, Random, each, plain, unwrap, with_random_keys, wrap
 from ..kernel.versions import note_call, note_item
 from ..kernel.waiting import Waiting, needs_position
@@ -302,7 +302,11 @@ def get_item(node: p.Subscript, values: list[object], state: State) -> object:
     if isinstance(container, defaultdict):  # which makes what is missing
         note_item(state.settings.door.budget, container, index)
         note_call(state.settings.door.budget, container.default_factory, ())
-    result = raw(state.settings.door, state, python.getitem, container, index)
+    try:
+        result = raw(state.settings.door, state, python.getitem, container, index)
+    except HostException as problem:
+        note_keys(problem.exception, container, index)
+        raise
     return result if origin is None else wrap(unwrap(result)[0], origin)
 
 

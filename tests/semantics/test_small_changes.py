@@ -24,6 +24,9 @@ EGO = "ego = Object at (0, 0)\n"
     ("program", "hint"),
     [
         ("class A(object):\n    def total(self): return 1\nx = A().totl", "did you mean total?"),
+        ("x = {'lane': 1, 'yard': 2}['Lane']", "did you mean lane?"),
+        ("x = {'lane': 1, 'yard': 2}['tree']", "there are lane, yard"),
+        ("x = {str(i): i for i in range(20)}['tree']", "there are 0, 1, 2, 3, 4, 5, 6, 7, ..."),
         ("x = 'a'.uper()", "did you mean upper?"),
         ("x = Object at (9, 9), with positionStdDev (1, 1)", "write one number, the standard deviation of each coordinate"),
         ("x = Object at (9, 9), with width (1, 1)", "for a random number write `Range(1, 1)`"),
