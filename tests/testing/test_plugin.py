@@ -295,5 +295,9 @@ def test_the_example_of_the_page_does_what_it_says(run: Run, pytester: pytest.Py
     (pytester.path / "crossing.scenic").write_text(program)
     run(test_crossing=first).assert_outcomes(passed=21)
     run("test_more.py", test_more="import pytest\n" + second).assert_outcomes(passed=100)
+    (shown,) = re.findall(r"^(scene 4 of seed 5 of .*?^)again", page, re.DOTALL | re.MULTILINE)
+    run("test_wrong.py", test_wrong=first.replace("scene.objects[1].position.y > scene.ego.position.y", "scene.index != 4")).stdout.fnmatch_lines(
+        [line.replace("[", "[[]") for line in shown.splitlines()]
+    )
     assert all(f"`{name}`" in page for name in plugin.LOADED_BY)
     assert f"At most {kept.MOST_KEPT} are kept" in page
