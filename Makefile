@@ -30,7 +30,7 @@ demo: $(VENV)/.core
 	$(BIN)/scenic-ref run examples/gallery/badly_parked_car.scenic -n 6 --seed 0 -o demo/badly_parked_car.jsonl --plot demo/badly_parked_car.png
 	@echo "The scenes are in demo/badly_parked_car.jsonl, their picture is demo/badly_parked_car.png"
 
-## The tests of everything that a change is likely to break: some twenty minutes of processor time
+## The tests of everything that a change is likely to break: some ten minutes of processor time
 test: $(VENV)/.test
 	$(BIN)/python -m pytest -n auto --dist worksteal -m "not slow" $(TESTS)
 

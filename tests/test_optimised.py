@@ -11,7 +11,9 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-PACKAGES = ("semantics", "interpreter", "formats", "inference", "simulators", "scenario", "conformance", "testing", "benchmarks", "cli")
+PACKAGES = (
+    "semantics", "maps", "interpreter", "formats", "inference", "simulators", "scenario", "conformance", "testing", "benchmarks", "editors", "cli",
+)  # fmt: skip
 PURE = {
     "isinstance", "issubclass", "len", "type", "all", "any", "hasattr", "callable", "is_object", "set", "sum", "max", "min", "sorted", "map",
 }  # fmt: skip

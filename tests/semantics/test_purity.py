@@ -243,6 +243,22 @@ def test_what_a_requirement_changes_that_is_decided_anew_is_taken_back() -> None
     assert watching.compared > 3 * 5
 
 
+def test_what_scenarios_bind_that_are_set_up_and_given_up_is_taken_back() -> None:
+    """The precondition of the second is false: what the first has bound, whose scope is filled again, must not stay."""
+    program = (
+        "scenario A(n=1):\n    setup:\n        x = n\n        y = x + 1\n        Object at 20 @ y, with requireVisible False\n    compose:\n        wait\n"
+        "scenario B():\n    precondition: False\n    setup:\n        z = 3\n"
+        "scenario Main():\n    setup:\n        ego = Object\n    compose:\n        try:\n            do A(), B()\n"
+        "        except GuardViolation:\n            wait\n        do A(2)\n"
+    )
+    watching = Again(share=1.0)
+    scenario = scenic_ref.loads(program)
+    with stepping(watching):
+        scenario.simulate("still", 3, max_attempts=5)
+    watching.compare_all()
+    assert watching.compared > 100
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_what_was_kept_of_one_run_is_stepped_in_any_order(seed: int) -> None:
     watching = Again(share=0.3, seed=seed)
