@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import inspect
 import re
-import textwrap
 import tomllib
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
 from textwrap import dedent
-from typing import cast
 
 import scenic_ref
-import typer
-from scenic_ref.cli.app import EXIT_CODES, app
+from code_pages import cell, command_pages, commands_page, constructors_page, paragraph
 from scenic_ref.conformance import load_vectors, results
 from scenic_ref.conformance.fuzzing.judgements import CLASSES_OF_FINDINGS, JudgedFinding, shipped_findings
 from scenic_ref.conformance.known import CLASSES, KnownCause, causes, shipped
@@ -29,37 +25,19 @@ from scenic_ref.formats.sheets import contact_sheet
 from scenic_ref.maps import made_map
 from scenic_ref.maps.making import KINDS
 from scenic_ref.semantics.kernel import allowed
-from scenic_ref.semantics.python.builtins import CONSTRUCTORS, GEOMETRY
 from scenic_ref.semantics.readings import PROFILES, READINGS, Reading, always_decided
 from scenic_ref.semantics.rules import CATALOGUE
-from scenic_ref.semantics.space.regions import Region
 from scenic_ref.semantics.theorems import THEOREMS
-from typer.core import TyperCommand, TyperGroup
 
 HERE = Path(__file__).parent / "reference"
 PROOFS = Path(__file__).parents[1] / "proofs"
 LISTINGS = Path(__file__).parents[1] / "examples" / "paper" / "dynamic"
-WIDTH = 100  # the longest line, but for tables and code
-MARK, JOIN = re.compile(r"\s+(?=([-+*>#]+|\d+[.)])(\s|$))"), "\0"
-"""The space before what would be a mark of Markdown at the beginning of a line, and what stands for it while lines are broken."""
 THEOREM = re.compile(r"(?:\(\*\* (?!\*)(?P<comment>(?:(?!\*\)).)*)\*\)\s*)?^\s*Theorem (?P<name>\w+)", re.DOTALL | re.MULTILINE)
 """A theorem of Coq, with the comment right before it."""
 WITHOUT_CONTENTS = "---\nhide: [toc]\n---\n"
 """Of pages whose tables need the place."""
 MOST_NAMED, LONGEST_EXAMPLE = 3, 40
 VALUES = "| parameter | default | values | meaning |\n| --- | --- | --- | --- |"
-
-
-def cell(text: str) -> str:
-    """Text inside a Markdown table."""
-    return text.replace("|", "\\|").replace("\n", " ").replace("<", "&lt;")
-
-
-def paragraph(text: str, lead: str = "", more: str = "") -> str:
-    """A paragraph in lines that are not too long; the first begins with `lead`, the others with `more`. No line begins like an entry of a list."""
-    joined = MARK.sub(JOIN, text)
-    filled = textwrap.fill(joined, WIDTH, initial_indent=lead, subsequent_indent=more, break_long_words=False, break_on_hyphens=False)
-    return filled.replace(JOIN, " ")
 
 
 def item(text: str) -> str:
@@ -206,44 +184,6 @@ def productions_page() -> str:
     return "\n".join(lines) + "\n"
 
 
-def commands_page(application: typer.Typer = app) -> str:
-    """What `--help` says of the application, its commands with their pages, and the exit codes."""
-    (_, text), *commands = helps_of(application)
-    lines = ["# Command line", "", "```text", text, "```", "", "| command | what it does |", "| --- | --- |"]
-    lines += [f"| [`{name}`]({page_of(name)}) | {cell(first_words(text))} |" for name, text in commands]
-    lines += ["", "## Exit codes", "", "| code | meaning |", "| --- | --- |", *(f"| {code} | {cell(text)} |" for code, text in EXIT_CODES.items())]
-    return "\n".join(lines) + "\n"
-
-
-def command_pages(application: typer.Typer = app) -> dict[str, str]:
-    """A page for each command: what its `--help` says."""
-    _, *commands = helps_of(application)
-    return {page_of(name): f"# `{name}`\n\n```text\n{text}\n```\n\n[All commands](../commands.md)\n" for name, text in commands}
-
-
-def first_words(text: str) -> str:
-    """What a command does: the first paragraph below its usage."""
-    return " ".join(text.split("\n\n")[1].split())
-
-
-def page_of(name: str) -> str:
-    """The place of a command's page."""
-    return f"commands/{name.partition(' ')[2].replace(' ', '-')}.md"
-
-
-def helps_of(application: typer.Typer) -> list[tuple[str, str]]:
-    """What `--help` says of the application, then of each of its commands."""
-    return list(helps(cast(TyperGroup, typer.main.get_command(application)), "scenic-ref"))  # typer draws them from click, or a copy of it
-
-
-def helps(command: TyperCommand | TyperGroup, name: str) -> Iterator[tuple[str, str]]:
-    """The name and the `--help` text of a command, then those of its commands."""
-    context = command.make_context(name, [], resilient_parsing=True, terminal_width=WIDTH, max_content_width=WIDTH)
-    yield name, command.get_help(context)
-    for inner, found in getattr(command, "commands", {}).items():
-        yield from helps(found, f"{name} {inner}")
-
-
 def maps_page() -> str:
     """Every kind of map that is made, with its parameters."""
     lines = ["# Maps that are made", "", "What `scenic-ref map --make KIND -p NAME=VALUE FILE.xodr` makes ([Roads](../roads.md#maps))."]
@@ -251,33 +191,6 @@ def maps_page() -> str:
         rows = (f"| `{one}` | {found.default} | {found.values} | {found.about} |" for one, found in kind.parameters.items())
         lines += ["", f"## {name}", "", paragraph(f"It has {kind.description}."), "", VALUES, *rows]
     return "\n".join(lines) + "\n"
-
-
-def constructors_page() -> str:
-    """Every region, field and distribution that a program can make: how it is called, what it is, and an example."""
-    lines = ["# Regions, fields and distributions", "", "Lengths are in metres, headings in radians to the left of North (`30 deg` writes degrees)."]
-    lines += ["", "## Regions and fields"]
-    for constructor in sorted(made_by_programs(), key=lambda one: one.__name__):
-        parameters = [one.replace(annotation=inspect.Parameter.empty) for one in inspect.signature(constructor).parameters.values()]
-        lines += described(f"{constructor.__name__}{inspect.Signature(parameters)}".replace("<everywhere>", "everywhere"), constructor)
-    lines += ["", "## Distributions"]
-    for name, constructor in CONSTRUCTORS.items():
-        if not name.startswith("Verifai"):
-            lines += described(f"{name}({constructor.takes})", constructor.make)
-    return "\n".join(lines) + "\n"
-
-
-def made_by_programs() -> list[type]:
-    """The classes of regions and fields."""
-    return [found for found in GEOMETRY.values() if isinstance(found, type) and found is not Region]
-
-
-def described(call: str, made: object) -> Iterator[str]:
-    """The docstring of what a call makes, which ends with an example, as a section."""
-    text, _, example = (inspect.getdoc(made) or "").rpartition("\n\nExample: ")
-    paragraphs = [paragraph(" ".join(part.split())) for part in text.split("\n\n")]
-    yield from ("", f"### {call.partition('(')[0]}", "", "```python", call, "```", "", "\n\n".join(paragraphs))
-    yield from ("", "```scenic", example.strip().strip("`"), "```")
 
 
 def differences_page() -> str:

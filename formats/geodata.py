@@ -127,10 +127,10 @@ def made(make: Callable[[], BaseGeometry], place: str) -> BaseGeometry:
     """The shape that a call makes. Raises `MapError` for whatever the library says that is wrong, and for too many points, or none that is finite."""
     try:
         found = make()
-    except (shapely.errors.ShapelyError, KeyError, AttributeError, TypeError, ValueError, IndexError, RecursionError) as problem:
+        coordinates = shapely.get_coordinates(found)
+    except (shapely.errors.ShapelyError, KeyError, AttributeError, TypeError, ValueError, IndexError, RecursionError, NotImplementedError) as problem:
         detail = str(problem).partition("\n")[0] or type(problem).__name__
         raise MapError(f"{place} has no geometry that can be read: {detail:.200}") from None
-    coordinates = shapely.get_coordinates(found)
     if len(coordinates) > MOST_POINTS:
         raise MapError(f"{place} has {len(coordinates):,} points: at most {MOST_POINTS:,}")
     if not np.isfinite(coordinates).all():
@@ -246,7 +246,12 @@ def save_map(source: object, path: str | Path, *, crs: str | None = None) -> Non
         raise UsageError(f"the properties of the map cannot be written as JSON: {problem}") from None
     if Path(path).suffix.lower() not in SUFFIXES[:2]:
         raise UsageError(f"a map is written as {SUFFIXES[0]} or {SUFFIXES[1]}, not {Path(path).name}")
-    Path(path).write_text(text + "\n", encoding="utf-8")
+    beside = Path(f"{path}.part")
+    try:
+        beside.write_text(text + "\n", encoding="utf-8")
+        beside.replace(path)
+    finally:
+        beside.unlink(missing_ok=True)
 
 
 def features_in(source: object) -> list[MapFeature]:

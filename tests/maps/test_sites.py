@@ -252,6 +252,14 @@ def test_mutated_files_are_a_map_or_a_message(seed: int, tmp_path: Path) -> None
         assert found.features and site_picture(found)
 
 
+@pytest.mark.parametrize(
+    "shape", ["CIRCULARSTRING (0 0, 1 1, 2 0)", "CURVEPOLYGON (CIRCULARSTRING (0 0, 4 0, 4 4, 0 4, 0 0))", "TIN EMPTY", "POINT EMPTY"]
+)
+def test_shapes_that_no_region_has_are_told(shape: str, site) -> None:
+    with pytest.raises(UsageError, match=r"no usable map: line 1 \('a'\) has no (geometry that can be read|shape)"):
+        site(f"a: {shape}", "site.wkt")
+
+
 def test_huge_files_are_refused_before_they_are_read(tmp_path: Path) -> None:
     with (tmp_path / "site.geojson").open("wb") as file:
         file.truncate(65 << 20)
