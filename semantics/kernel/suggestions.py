@@ -69,7 +69,8 @@ def note_keys(error: BaseException, container: object, key: object) -> None:
     names = cast("dict[object, object]", container)
     texts = [known for known in islice(names, MOST_COMPARED) if type(known) is str]
     more = ", ..." if len(names) > MOST_TOLD else ""
-    error.add_note(did_you_mean(key, texts, f"there are {', '.join(texts[:MOST_TOLD])}{more}" if texts else "none of its keys is a text"))
+    otherwise = "none of its keys is a text" if names else "the dictionary is empty"
+    error.add_note(did_you_mean(key, texts, f"there are {', '.join(texts[:MOST_TOLD])}{more}" if texts else otherwise))
 
 
 def slips_between(name: str, known: str) -> int | None:

@@ -11,7 +11,7 @@ from ..kernel.scopes import Scope, function_names, target_names
 from ..kernel.sets import Set
 from ..syntax import python_expressions as p
 from .assignment import bind_target
-from .expressions import host_container
+from .expressions import container
 from .functions import InScope
 from .generators import EXHAUSTED, GO_ON, Generator, give, in_order, made, pull, taken, walk
 
@@ -89,7 +89,7 @@ def advance(frame: Comprehending, stack: Stack, state: State) -> Outcome:
     if frame.node.kind == "generator":
         return give(None, EXHAUSTED, stack, state)
     kinds = {"list": list, "set": Set, "dict": dict}
-    return value("E-Comprehension", host_container(kinds[frame.node.kind], in_order(frame.found), state), stack, state, frame.node)
+    return value("E-Comprehension", container(kinds[frame.node.kind], in_order(frame.found), state), stack, state, frame.node)
 
 
 def turn(frame: Comprehending, element: object, stack: Stack, state: State) -> Outcome:

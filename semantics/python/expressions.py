@@ -70,23 +70,22 @@ def conclude_display(node: p.TupleDisplay | p.ListDisplay | p.SetDisplay, values
 
 def displayed(kind: Callable[[list], object], items: list, node: Node, stack: Stack, state: State) -> Outcome:
     """If ⟨E_i⟩ → v_i then ⟨(E_1, ..., E_n)⟩ → (v_1, ..., v_n), and likewise for lists, sets and dictionaries."""
-    return value("E-Display", host_container(kind, items, state), stack, state, node)
+    return value("E-Display", container(kind, items, state), stack, state, node)
 
 
-def host_container(kind: Callable[[list], object], items: list, state: State | None = None) -> object:
-    """A container of the items, random as a whole if members of a set or keys of a dictionary are; an unhashable one is the program's mistake."""
-    if state is not None:
-        state.settings.door.state = state  # a class of the program may say how its instances are hashed
-    keys = items if kind is Set else [key for key, _ in items] if kind is dict else []
-    plain_keys, origin = unwrap(keys)
+def container(kind: Callable[[list], object], items: list, state: State) -> object:
+    """A container of the items. What a class of the program raises where its instances are hashed is the program's to catch."""
+    return raw(state.settings.door, state, hashed, kind, items) if kind is Set or kind is dict else kind(items)
+
+
+def hashed(kind: Callable[[list], object], items: list) -> object:
+    """A set or a dictionary of the items, random as a whole if members or keys are. Raises `TypeError` for unhashable ones."""
+    plain_keys, origin = unwrap(items if kind is Set else [key for key, _ in items])
     check_keys(plain_keys)  # type: ignore[arg-type]
-    try:
-        if origin is None:
-            return kind(items)
-        plain_items = unwrap(items)[0]
-        return wrap((with_random_keys if kind is dict else kind)(plain_items), origin)  # type: ignore[arg-type]
-    except TypeError as exception:
-        raise HostException(exception) from exception
+    if origin is None:
+        return kind(items)
+    plain_items = unwrap(items)[0]
+    return wrap((with_random_keys if kind is dict else kind)(plain_items), origin)  # type: ignore[arg-type]
 
 
 def dict_display(node: p.DictDisplay, stack: Stack, state: State) -> Outcome:

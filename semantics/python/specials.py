@@ -26,7 +26,7 @@ from ..syntax import python_expressions as p
 from ..syntax.nodes import Node
 from .assignment import assigned_to, set_attribute
 from .elementwise import ELEMENTWISE
-from .expressions import attribute_is, conclude_attribute, get_attribute, host_container, instance_text
+from .expressions import attribute_is, conclude_attribute, get_attribute, hashed, instance_text
 from .functions import returned
 from .iteration import elements
 from .members import member
@@ -270,7 +270,7 @@ STRUCTURAL: Mapping[Callable[..., object], Callable[..., object]] = {
 
 def _settled(entries: dict) -> object:
     """A dictionary whose keys are all known, or a random one."""
-    return host_container(dict, list(entries.items()))
+    return hashed(dict, list(entries.items()))
 
 
 def structural(builtin: Callable[..., object]) -> Rule:

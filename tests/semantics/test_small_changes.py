@@ -114,6 +114,17 @@ def test_keys_that_count_their_hash_themselves_are_a_crowd_of_a_third() -> None:
     assert scenic_ref.loads(program, fuel=10**8).sample().params["r"] == 8000
 
 
+@pytest.mark.parametrize(
+    "use", ["{a}", "{a: 3}", "{k for k in [a]}", "{k: 2 for k in [a]}", "dict([(a, 3)])", "set([a])", "frozenset([a])", "{**{}, a: 2}", "{1: 2}[a]"]
+)  # fmt: skip
+def test_what_a_hash_of_the_program_raises_is_the_programs_to_catch(use: str) -> None:
+    key = "class Key(object):\n    def __hash__(self): return [][2]\na = Key()\n"
+    program = f"{EGO}{key}param r = 0\ntry:\n    x = {use}\nexcept IndexError:\n    param r = 1\n"
+    assert scenic_ref.loads(program).sample().params["r"] == 1
+    with pytest.raises(RunError, match="IndexError"):
+        scenic_ref.loads(f"{EGO}{key}x = {use}\n").sample()
+
+
 def test_a_circle_of_no_size_is_not_named_for_the_intersection_with_it() -> None:
     program = "ego = Object in CircularRegion(0 @ 0, 0).intersect(RectangularRegion(0 @ 0, 0, 4, 4))\n"
     with pytest.raises(AttemptsExhausted, match="in this IntersectionRegion: it has no area"):
