@@ -119,7 +119,7 @@ class AimedWriter:
         how = self.pick("x > 0.8", "abs(x) > 1", "x * x > 0.5", "x >= 1", "not (x < 0.7)", "x < y", "x + y > 1")
         lines = [f"x = {x}", f"y = {self.pick('resample(x)', 'x', self.number(0, 1))}"]
         lines.append(f"ego = Object at ({self.pick('x', '0')}, y)")
-        lines.append(self.pick(f"require {how}", f"require[{self.pick('0.1', '0.9', 'Range(0.1, 0.9)', '1', '0')}] {how}"))
+        lines.append(self.pick(f"require {how}", f"require[{self.pick('0.1', '0.5', '0.9', 'Range(0.1, 0.9)', '1', '0')}] {how}"))
         lines.append("param x = x, y = y")
         return lines
 
@@ -195,7 +195,10 @@ class AimedWriter:
         return lines
 
     def soft(self) -> list[str]:
-        """Soft requirements on relations, more than one."""
+        """Soft requirements on relations, more than one; or one that seldom holds by chance, so that it counts how often the coin is thrown."""
+        if self.chance(0.5):
+            lines = [f"x = {self.pick('Range(0, 1)', 'Uniform(0, 0.2, 0.4, 0.6, 0.8)', 'Normal(0.4, 0.2)')}", "ego = Object at (x, 0)"]
+            return [*lines, f"require[{self.constant(0.3, 0.8)}] {self.pick('x < 0.15', 'x >= 0.75', '(distance from (0.1, 0) to ego) < 0.15')}"]
         lines = [f"ego = Object at {self.place(3)}, facing {self.angle()}", f"o = Object at {self.place()}, with requireVisible {self.flag()}"]
         relations = [
             f"(distance to o) < {self.constant(2, 9)}", f"(relative heading of o) > {self.constant(-1, 1)}", "ego can see o",

@@ -14,6 +14,7 @@ from ..space import geometry
 from ..space.numeric import met, negation
 from ..space.regions import Region, everywhere
 from ..syntax.nodes import NOWHERE
+from .neighbours import pairs_that_may_meet
 from .operators import can_see_object, object_is_in
 
 
@@ -59,11 +60,16 @@ def default_requirements(state: State, since: int = 0) -> Iterator[Premise]:
             yield Premise(in_region_of_its_own, (o,), Requirement("containment", o.span, text))
     made = {o.number for o in new}
     solid = [o for o in state.scene if not reader.property(o, "allowCollisions")]
-    for j, second in enumerate(solid):
+    pairs = ((i, j) for j in range(len(solid)) if solid[j].number in made for i in range(j))
+    near = pairs_that_may_meet(solid, state)
+    for i, j in pairs if near is None else near:
+        first, second = solid[i], solid[j]
         if second.number in made:
-            for o in solid[:j]:
-                text = f"{names[o.number]} and {names[second.number]} do not intersect"
-                yield Premise(apart, (o, second), Requirement("collision", second.span, text))
+            text = f"{names[first.number]} and {names[second.number]} do not intersect"
+            yield Premise(apart, (first, second), Requirement("collision", second.span, text))
+    if near is not None:
+        text = f"the other pairs of the {len(solid)} objects are too far from each other to intersect"
+        yield Premise(settled, (), Requirement("collision", solid[-1].span, text))
     if isinstance(ego, Instance):
         seen = state.scene if state.simulation is not None and state.simulation.egoless else new
         for o in seen:
@@ -90,6 +96,11 @@ def apart(state: State, first: Instance, second: Instance) -> bool:
         one.position, one.heading, one.width, one.length, other.position, other.heading, other.width, other.length,
         closed=state.reading("touching") == "collide",
     ))  # fmt: skip
+
+
+def settled(state: State) -> bool:
+    """boundingBox(o_i) ∩ boundingBox(o_j) = ∅ for all pairs that are not `pairs_that_may_meet`."""
+    return True
 
 
 def visible(state: State, o: Instance, ego: Instance) -> bool:
