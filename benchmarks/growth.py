@@ -9,9 +9,9 @@ from pathlib import Path
 
 from .contenders import MeasuredProgram, Ours
 
-OBJECTS = (2, 5, 10, 20, 50)
+OBJECTS = (2, 5, 10, 20, 50, 200, 1_000, 2_000)
 POLYGONS = (50, 500, 5_000, 50_000)
-FEW = {"objects": 10, "polygons": 500}
+FEW = {"objects": 2_000, "polygons": 500}
 """The interpreter is measured up to these sizes."""
 SIDE = 10.0
 FIELD = 10_000.0

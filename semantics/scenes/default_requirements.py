@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from ..kernel.config import State
@@ -11,10 +11,11 @@ from ..kernel.kinds import REGION, Reader, View, has_kind, kind_name
 from ..kernel.outcome import Requirement
 from ..kernel.values import Instance, plain
 from ..space import geometry
-from ..space.numeric import met, negation
+from ..space.crowds import crowd_meets
+from ..space.numeric import cosine, met, negation, sine
 from ..space.regions import Region, everywhere
 from ..syntax.nodes import NOWHERE
-from .neighbours import pairs_that_may_meet
+from .neighbours import crowd_of, has_symbols, pairs_that_may_meet
 from .operators import can_see_object, object_is_in
 
 
@@ -58,23 +59,33 @@ def default_requirements(state: State, since: int = 0) -> Iterator[Premise]:
         if reader.property(o, "regionContainedIn") is not None:
             text = f"{names[o.number]} is contained in its regionContainedIn"
             yield Premise(in_region_of_its_own, (o,), Requirement("containment", o.span, text))
-    made = {o.number for o in new}
     solid = [o for o in state.scene if not reader.property(o, "allowCollisions")]
-    pairs = ((i, j) for j in range(len(solid)) if solid[j].number in made for i in range(j))
-    near = pairs_that_may_meet(solid, state)
-    for i, j in pairs if near is None else near:
-        first, second = solid[i], solid[j]
-        if second.number in made:
-            text = f"{names[first.number]} and {names[second.number]} do not intersect"
-            yield Premise(apart, (first, second), Requirement("collision", second.span, text))
-    if near is not None:
-        text = f"the other pairs of the {len(solid)} objects are too far from each other to intersect"
-        yield Premise(settled, (), Requirement("collision", solid[-1].span, text))
+    yield from collisions(solid, {o.number for o in new}, names, state)
     if isinstance(ego, Instance):
         seen = state.scene if state.simulation is not None and state.simulation.egoless else new
         for o in seen:
             if reader.property(o, "requireVisible"):
                 yield Premise(visible, (o, ego), Requirement("visibility", o.span, f"{names[o.number]} is visible from ego"))
+
+
+def collisions(solid: Sequence[Instance], made: set[int], names: Mapping[int, str], state: State) -> Iterator[Premise]:
+    """The premises about pairs: one for each; of many objects one for all pairs that are far from each other, or for the columns of all.
+
+    Those about objects whose numbers are not among `made` alone are left out.
+    """
+    crowd = crowd_of(solid, state)
+    if crowd is not None and has_symbols(crowd) and made.issuperset(o.number for o in solid):
+        yield Premise(no_two_meet, tuple(solid), Requirement("collision", solid[-1].span, f"no two of the {len(solid)} objects intersect"))
+        return
+    pairs = ((i, j) for j in range(len(solid)) for i in range(j)) if crowd is None else pairs_that_may_meet(crowd)
+    for i, j in pairs:
+        first, second = solid[i], solid[j]
+        if second.number in made:
+            text = f"{names[first.number]} and {names[second.number]} do not intersect"
+            yield Premise(apart, (first, second), Requirement("collision", second.span, text))
+    if crowd is not None:
+        text = f"the other pairs of the {len(solid)} objects are too far from each other to intersect"
+        yield Premise(settled, (), Requirement("collision", solid[-1].span, text))
 
 
 def in_workspace(state: State, o: Instance) -> bool:
@@ -99,8 +110,15 @@ def apart(state: State, first: Instance, second: Instance) -> bool:
 
 
 def settled(state: State) -> bool:
-    """boundingBox(o_i) ∩ boundingBox(o_j) = ∅ for all pairs that are not `pairs_that_may_meet`."""
+    """boundingBox(o_i) ∩ boundingBox(o_j) = ∅ for all pairs that are not among `pairs_that_may_meet`."""
     return True
+
+
+def no_two_meet(state: State, *objects: Instance) -> bool:
+    """boundingBox(o_i) ∩ boundingBox(o_j) = ∅ for all pairs, in columns."""
+    crowd = crowd_of(objects, state) or ()
+    numbers = [n for x, y, heading, width, length in crowd for n in (x, y, cosine(heading), sine(heading), width / 2, length / 2)]
+    return negation(crowd_meets(state.reading("touching") == "collide", *numbers))
 
 
 def visible(state: State, o: Instance, ego: Instance) -> bool:

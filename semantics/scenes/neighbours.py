@@ -5,39 +5,40 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import shapely
 
 from ..kernel.config import State
 from ..kernel.errors import ScenicError
 from ..kernel.kinds import Reader, View
 from ..kernel.values import Instance
+from ..space.crowds import close_pairs
+from ..space.symbols import symbol_in
 
 MANY = 50
 """With so many objects a rule goes through all pairs, one by one: it is quick, and a reader of the trace sees each."""
-MARGIN = 1e-6
-"""Metres added around each object, and as a share of its coordinates: far more than the tolerance of boundaries and the rounding of both."""
+
+Crowd = Sequence[tuple[float, float, float, float, float]]
+"""Of many objects x, y, heading, width and length: metres, radians; numbers of one scene, or symbols."""
 
 
-def pairs_that_may_meet(objects: Sequence[Instance], state: State) -> list[tuple[int, int]] | None:
-    """The pairs (i, j), i < j, ordered by j and then i, without those whose circumscribed circles have disjoint squares around them.
-
-    None where all are to be looked at: few objects, and values that are no finite numbers (columns, a program's mistake).
-    """
+def crowd_of(objects: Sequence[Instance], state: State) -> Crowd | None:
+    """The objects as a crowd; None for few, or where a value is none that a box has, which the premise that needs it says."""
     if len(objects) <= MANY:
         return None
     reader = Reader(state)
     try:
         views = [View(o, reader) for o in objects]
-        values = [value for o in views for value in (*o.position, o.width, o.length)]
-    except ScenicError:
-        return None  # said by the premise that needs the value
-    if not all(isinstance(value, (int, float)) for value in values):
+        crowd = [(o.position.x, o.position.y, o.heading, o.width, o.length) for o in views]
+    except (ScenicError, AttributeError):
         return None
-    x, y, width, length = np.array(values, dtype=float).reshape(-1, 4).T
-    reach = np.hypot(width, length) / 2 + MARGIN * (1 + np.abs(x) + np.abs(y))
-    if not np.isfinite(reach).all():
-        return None
-    squares = shapely.box(x - reach, y - reach, x + reach, y + reach)
-    first, second = shapely.STRtree(squares).query(squares)
-    ordered = np.lexsort((first, second))
-    return [(int(i), int(j)) for i, j in zip(first[ordered], second[ordered], strict=True) if i < j]
+    return crowd if all(isinstance(n, (int, float)) or symbol_in((n,)) is not None for box in crowd for n in box) else None
+
+
+def has_symbols(crowd: Crowd) -> bool:
+    """Whether the crowd stands for those of many scenes."""
+    return any(symbol_in(box) is not None for box in crowd)
+
+
+def pairs_that_may_meet(crowd: Crowd) -> list[tuple[int, int]]:
+    """The pairs (i, j), i < j, ordered by j and then i, without those that are too far from each other."""
+    x, y, _, width, length = np.array(crowd, dtype=float).T
+    return [(int(i), int(j)) for i, j in zip(*close_pairs(x, y, width, length), strict=True)]

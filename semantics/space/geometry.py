@@ -105,7 +105,7 @@ def boxes_intersect(
     position2: Vector, heading2: float, width2: float, length2: float, *, closed: bool = True,
 ) -> bool:  # fmt: skip
     """Whether two boxes share a point, by the four separating axes: as closed sets, so that touching is sharing, or as open ones."""
-    test = _turned_boxes_intersect if closed else _turned_boxes_overlap
+    test = turned_boxes_intersect if closed else turned_boxes_overlap
     return test(
         position2 - position1, Vector(cosine(heading1), sine(heading1)), Vector(width1 / 2, length1 / 2),
         Vector(cosine(heading2), sine(heading2)), Vector(width2 / 2, length2 / 2),
@@ -113,13 +113,13 @@ def boxes_intersect(
 
 
 @macro
-def _turned_boxes_intersect(offset: Vector, turn1: Vector, half1: Vector, turn2: Vector, half2: Vector) -> bool:
+def turned_boxes_intersect(offset: Vector, turn1: Vector, half1: Vector, turn2: Vector, half2: Vector) -> bool:
     """`boxes_intersect` for closed boxes with their centres `offset` apart; of each the cosine and sine of the heading, and half its size."""
     return _not_separated(operator.le, METRES, offset, turn1, half1, turn2, half2)
 
 
 @macro
-def _turned_boxes_overlap(offset: Vector, turn1: Vector, half1: Vector, turn2: Vector, half2: Vector) -> bool:
+def turned_boxes_overlap(offset: Vector, turn1: Vector, half1: Vector, turn2: Vector, half2: Vector) -> bool:
     """The same for open boxes."""
     return _not_separated(operator.lt, -METRES, offset, turn1, half1, turn2, half2)
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from ....interpreter.choosers import PER_SCENE
 from ....interpreter.streams import site_code
+from ....semantics.space.crowds import NUMBERS
 from ....semantics.space.numeric import Elementary
 from ....semantics.space.regions import PolygonalRegion
 from ....semantics.space.symbols import NotLifted
@@ -21,10 +22,10 @@ from ..evaluate.clipped import curve_tests, largest_radius
 from ..evaluate.components import Stage
 from ..evaluate.polygons import tests_of
 from ..evaluate.rows import constant_cells, field_of, has_columns, is_clipped
-from ..trace.graph import AsFloat, GraphEvent, GraphNode, Lookup, Macro, Part, RowCall, RowDraw, Search, Site
+from ..trace.graph import AsFloat, Crowd, GraphEvent, GraphNode, Lookup, Macro, Part, RowCall, RowDraw, Search, Site
 from ..trace.macros import graph_of
 from ..trace.symbols import Traced
-from . import kernels
+from . import crowds, kernels
 
 PENDING, ACCEPTED, LEFT, EXHAUSTED = 0, 1, 2, 3
 """What is known of a scene; LEFT: the interpreter must do the attempt that comes next (or, where there are parts, columns the whole scene);
@@ -91,6 +92,8 @@ class Writer:
                 self.add(f"{name} = np.float64({operands[0]})")
             case Macro():
                 self.add(f"{name} = {self.macro(function)}({', '.join(operands)})")
+            case Crowd(closed=closed):
+                self.crowd(name, operands, closed)
             case RowCall():
                 self.call(name, function)
             case RowDraw():
@@ -149,6 +152,14 @@ class Writer:
             self.macros[macro] = f"m{len(self.macros)}"
             self.names[self.macros[macro]] = compiled_macro(macro)
         return self.macros[macro]
+
+    def crowd(self, name: str, operands: Sequence[str], closed: bool) -> None:
+        """Whether any two of many boxes meet."""
+        self.names["row_meets"] = crowds.row_meets
+        self.add(f"{name}_boxes = np.empty(({len(operands) // NUMBERS}, {NUMBERS}))")
+        for k, operand in enumerate(operands):
+            self.add(f"{name}_boxes[{k // NUMBERS}, {k % NUMBERS}] = {operand}")
+        self.add(f"{name} = row_meets({name}_boxes, {closed})")
 
     def draw(self, name: str, draw: RowDraw) -> None:
         """A point of a curve inside a sector."""

@@ -10,10 +10,11 @@ import numpy as np
 
 from ....semantics.kernel.outcome import Requirement
 from ....semantics.kernel.unmet import UNMET, unmet
+from ....semantics.space.crowds import crowd_meets
 from ....semantics.space.numeric import Elementary
 from ....semantics.space.symbols import NotLifted
 from ....semantics.syntax.nodes import NOWHERE
-from ..trace.graph import AsFloat, Graph, GraphNode, Lookup, Macro, Part, RowCall, RowDraw, Search, Site
+from ..trace.graph import AsFloat, Crowd, Graph, GraphNode, Lookup, Macro, Part, RowCall, RowDraw, Search, Site
 from ..trace.structures import row_maker, symbols_in
 from .clipped import Clipped, curve_tests, largest_radius
 from .numbers import Numbers
@@ -118,6 +119,8 @@ def column(node: GraphNode, columns: Columns, numbers: Numbers, failed: dict[int
         case Macro():
             with np.errstate(all="ignore"):
                 return np.broadcast_to(np.asarray(function.call(operands)), len(numbers))
+        case Crowd(closed=closed):
+            return np.array(np.broadcast_to(crowd_meets(closed, *operands), len(numbers)))
         case Elementary():
             return function(*operands)
         case Lookup(values=values):

@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from ..trace.graph import Graph, GraphEvent, GraphNode, Macro, RowCall, RowDraw, Site
+from ..trace.graph import Crowd, Graph, GraphEvent, GraphNode, Macro, RowCall, RowDraw, Site
 from ..trace.structures import children
 from .rows import always_gives_a_value
 
@@ -110,6 +110,8 @@ def cost_of(node: GraphNode) -> float:
             return POLYGON_COST if always_gives_a_value(function) else ROW_COST
         case Macro():
             return MACRO_COST
+        case Crowd():
+            return len(node.arguments) * MACRO_COST
         case Site():
             return SITE_COST
         case _:

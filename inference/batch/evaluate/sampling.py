@@ -45,8 +45,8 @@ LOOKED_AT = 512
 WASTE = 0.25
 """The share of the attempts at a scene, of those evaluated at a time, that may be expected to be in vain."""
 FEW = 512
-"""Fewer runs than this take no less time."""
-
+"""Fewer runs than this take no less time, if their scenes have no more than `FEW_OBJECTS` objects."""
+FEW_OBJECTS = 50
 
 COMPILE_LEAST, COMPILE_NODE = 4.5, 0.016
 """Seconds of a processor that compiling takes, by and large: at least (the compiler itself must be loaded), and for each node."""
@@ -200,6 +200,7 @@ class BlockDrawing:
         self.others: dict[int, Scene] = {}
         self.pieces: list[tuple[np.ndarray, Columns]] = []
         self.found, self.tried = np.zeros(len(self.stages)), np.zeros(len(self.stages))  # by stage: successes, attempts
+        self.few = FEW * FEW_OBJECTS // max(len(batch.template.objects), FEW_OBJECTS)
         self.runs = self.left = self.doubtful = 0
         self.error: ScenicError | None = None
 
@@ -229,7 +230,7 @@ class BlockDrawing:
             return found, left, {}
         rate = max(self.found[number], 1) / self.tried[number] if self.tried[number] else 1.0
         room = self.max_attempts - int(self.next[number, scenes_at].max())
-        width = 1 if stage.parts else int(max(1, min(WAVE // count, max(2 * WASTE / rate, FEW // count), room)))
+        width = 1 if stage.parts else int(max(1, min(WAVE // count, max(2 * WASTE / rate, self.few // count), room)))
         scenes = np.repeat(scenes_at, width)
         attempts = self.next[number, scenes] + np.tile(np.arange(width), count)
         numbers = (scenes + self.start).astype(np.uint64), attempts.astype(np.uint64)

@@ -75,6 +75,13 @@ class Macro:
         return self.function(*(next(rest) if n == 1 else Vector(next(rest), next(rest)) for n in self.shape))  # type: ignore[arg-type]
 
 
+@dataclass(frozen=True, slots=True)
+class Crowd:
+    """Whether any two of many boxes meet, as closed or as open sets; the arguments are the numbers of each box (`crowds.crowd_meets`)."""
+
+    closed: bool
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class RowCall:
     """A Python function, called for one row after the other; `structure` holds its arguments, with symbols inside.

@@ -14,12 +14,13 @@ from ....semantics.kernel.outcome import Requirement
 from ....semantics.kernel.unmet import UNMET
 from ....semantics.kernel.values import Bound, Native
 from ....semantics.python.calls import invoke
+from ....semantics.space.crowds import crowd_meets
 from ....semantics.space.fields import OutsideField, PolygonalVectorField, VectorField
 from ....semantics.space.numeric import Elementary, is_macro, position_in
 from ....semantics.space.symbols import NotLifted
 from ....semantics.space.vectors import Vector
 from ....semantics.syntax.nodes import NOWHERE
-from .graph import AsFloat, Graph, GraphEvent, GraphNode, Kind, Lookup, Macro, Part, PartialRun, RowCall, Search, Site, bounds_of, decided
+from .graph import AsFloat, Crowd, Graph, GraphEvent, GraphNode, Kind, Lookup, Macro, Part, PartialRun, RowCall, Search, Site, bounds_of, decided
 from .structures import in_row, symbols_in
 from .symbols import OPERATORS, Choice, Mistaken, Opaque, Retry, Scalar, Traced
 
@@ -223,6 +224,8 @@ class Recorder:
             return self.elementary(function, arguments)
         if is_macro(function):
             return self.macro(function, arguments)
+        if function is crowd_meets:
+            return self.crowd(*arguments)
         if function is position_in:
             cumulative, value = arguments
             array = np.array(cumulative, dtype=float)
@@ -247,6 +250,12 @@ class Recorder:
         made = Macro(function, shape)
         example = bool(made.call([a.example if isinstance(a, GraphNode) else a for a in operands]))
         return Scalar(self, self.node(made, operands, "bool", example), example)
+
+    def crowd(self, closed: Any, *numbers: object) -> Any:
+        """Whether any two of many boxes meet, as one node."""
+        operands = tuple(map(self.operand, numbers))
+        example = crowd_meets(closed, *(a.example if isinstance(a, GraphNode) else a for a in operands))  # type: ignore[misc]
+        return Scalar(self, self.node(Crowd(closed), operands, "bool", example), example)
 
     def as_numbers(self, value: object) -> object:
         """A choice among numbers as a number, in vectors as well."""

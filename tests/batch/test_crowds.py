@@ -1,0 +1,117 @@
+"""Many objects in columns: whether any two meet is one operation, and the scenes are those of the interpreter."""
+
+from __future__ import annotations
+
+import math
+import random
+from typing import Any
+
+import numpy as np
+import pytest
+import scenic_ref
+from scenic_ref.inference.batch.evaluate.sampling import Batch
+from scenic_ref.inference.batch.trace.graph import Crowd
+from scenic_ref.scenario import Backend
+from scenic_ref.semantics.kernel.errors import AttemptsExhausted
+from scenic_ref.semantics.space import crowds
+
+JUMBLE = """\
+ego = Object at 0 @ 0, with width 1, with allowCollisions {allow}
+for i in range({count}):
+    Object at (4 * (i % 8) + Range(0, {away})) @ (4 * (i // 8) + 4), facing Range(0, 360) deg, with width Range(1, 3), with requireVisible False
+"""
+
+
+def program(count: int, away: float, allow: str = "False", rest: str = "") -> str:
+    return JUMBLE.format(count=count, away=away, allow=allow) + rest
+
+
+def batch_of(text: str) -> Batch:
+    scenario = scenic_ref.loads(text)
+    return Batch(scenario.start, fuel=scenario.fuel)
+
+
+def scenes(text: str, backend: Backend, n: int, seed: int = 3) -> list[dict[str, Any]]:
+    return [scene.to_json() for scene in scenic_ref.loads(text).sample_many(n, seed, backend=backend)]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        program(55, 2.5), program(55, 2.5, "True"), program(60, 0.8, rest="require ego.position.x < 1\n"),
+        program(55, 2.3, rest="mutate ego\n"), program(52, 0.5, rest="Object at Uniform(3 @ 0, 4 @ 0, 0.2 @ 0.2), with requireVisible False\n"),
+        program(56, 2.3, rest="workspace = Workspace(RectangularRegion(14 @ 14, 0, 60, 60))\n"),
+    ],
+)  # fmt: skip
+def test_the_scenes_are_those_of_the_interpreter(text: str) -> None:
+    found = scenes(text, "batch", 12)
+    assert found == scenes(text, "interpreter", 12)
+    assert "Range(0, 2" not in text or max(one["attempts"] for one in found) > 1
+    assert any(isinstance(node.function, Crowd) for node in batch_of(text).graph.nodes)
+
+
+def test_few_objects_are_pairs() -> None:
+    assert not any(isinstance(node.function, Crowd) for node in batch_of(program(20, 1.2)).graph.nodes)
+
+
+@pytest.mark.parametrize("backend", ["interpreter", "batch"])
+def test_open_boxes_may_touch(backend: Backend) -> None:
+    text = "ego = Object at Range(0, 0.001) @ 9\nfor i in range(60):\n    Object at (i @ 0), with requireVisible False\n"
+    with pytest.raises(AttemptsExhausted):
+        next(iter(scenic_ref.loads(text).sample_many(1, 0, backend=backend, max_attempts=50)))
+    allowed = scenic_ref.loads(text, readings={"touching": "allow"})
+    assert next(iter(allowed.sample_many(1, 0, backend=backend, max_attempts=50)))
+
+
+def test_a_graph_grows_with_the_objects_and_not_with_their_pairs() -> None:
+    sizes = [len(batch_of(program(count, 0.5)).graph.nodes) for count in (60, 120, 240)]
+    assert sizes[2] - sizes[1] < 2.2 * (sizes[1] - sizes[0])
+    assert sizes[0] < 60 * 40
+
+
+@pytest.mark.slow
+def test_compiled_scenes_are_the_same() -> None:
+    pytest.importorskip("numba")
+    text = program(60, 2.5)
+    batch = batch_of(text)
+    assert batch.compile(), batch.not_compiled
+    assert [scene.to_json() for scene in batch.scenes(60, 5)] == scenes(text, "interpreter", 60, 5)
+
+
+@pytest.mark.parametrize("closed", [True, False])
+def test_compiled_a_crowd_meets_if_it_does_in_columns(closed: bool) -> None:
+    pytest.importorskip("numba")
+    from scenic_ref.inference.batch.compile.crowds import row_meets
+
+    told = [row_meets(row, closed) for row in map(crowd, range(200))]
+    assert told == [crowds.row_meets(row.T, closed) for row in map(crowd, range(200))]
+    assert 40 < sum(told) < 160
+
+
+def crowd(seed: int) -> np.ndarray:
+    """The numbers of boxes, few of which meet; some touch but for rounding, some have no bounds."""
+    choose = random.Random(seed)
+    rows = []
+    for k in range(70):
+        angle = choose.uniform(-4, 4)
+        size = choose.choice([0.1, 0.5, 1.0, 1.2])
+        rows.append([3.0 * (k % 9), 3.0 * (k // 9) + choose.uniform(-0.4, 0.4), math.cos(angle), math.sin(angle), size, choose.uniform(0.1, 1.2)])
+    if seed % 4 == 1:
+        rows[3], rows[60] = [99.0, 1.0, 1.0, 0.0, 0.5, 0.5], [100.0, 1.3, 1.0, 0.0, 0.5, 0.5]
+    if seed % 4 == 2:
+        rows[seed % 70][choose.choice([0, 1, 4, 5])] = choose.choice([math.inf, math.nan, 1e300, -1.0])
+    return np.array(rows)
+
+
+@pytest.mark.slow
+def test_importance_weighs_crowds() -> None:
+    assert len(scenic_ref.loads(program(52, 1.2)).infer("importance", 10, 1).scenes) == 10
+
+
+def test_by_torch_the_scenes_are_the_same() -> None:
+    pytest.importorskip("torch")
+    text = program(55, 2.3)
+    found = list(scenic_ref.loads(text).on_device("cpu").sample_many(12, 3, backend="batch"))
+    plain = list(scenic_ref.loads(text).sample_many(12, 3, backend="batch"))
+    assert [s.attempts for s in found] == [s.attempts for s in plain]
+    assert all(abs(a.position.x - b.position.x) < 1e-9 for s, t in zip(found, plain, strict=True) for a, b in zip(s.objects, t.objects, strict=True))
