@@ -53,7 +53,7 @@ ONLY_IN = {
     "numba": {"inference/batch/compile/kernels.py"}, "llvmlite": {"inference/batch/compile/kernels.py"},
 }
 
-SEAM = {"space/symbols.py", "space/numeric.py", "kernel/allowed.py", "kernel/kinds.py", "kernel/values.py"}
+SEAM = {"space/crowds.py", "space/symbols.py", "space/numeric.py", "kernel/allowed.py", "kernel/kinds.py", "kernel/values.py"}
 """What of `semantics` knows that the batch backend answers draws by symbols."""
 SCRIPTS = {"benchmarks/interpreter.py", "benchmarks/power.py", "benchmarks/pruning.py", "benchmarks/rare.py", "benchmarks/simulation.py"}
 """They are run by their paths, so that they import the package by its name."""

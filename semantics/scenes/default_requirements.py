@@ -15,7 +15,7 @@ from ..space.crowds import crowd_meets
 from ..space.numeric import cosine, met, negation, sine
 from ..space.regions import Region, everywhere
 from ..syntax.nodes import NOWHERE
-from .neighbours import crowd_of, has_symbols, pairs_that_may_meet
+from .neighbours import crowd_of, pairs_that_may_meet
 from .operators import can_see_object, object_is_in
 
 
@@ -69,23 +69,18 @@ def default_requirements(state: State, since: int = 0) -> Iterator[Premise]:
 
 
 def collisions(solid: Sequence[Instance], made: set[int], names: Mapping[int, str], state: State) -> Iterator[Premise]:
-    """The premises about pairs: one for each; of many objects one for all pairs that are far from each other, or for the columns of all.
+    """The premises about pairs, one for each; of many objects those of the pairs that are near each other, and then all others in one.
 
     Those about objects whose numbers are not among `made` alone are left out.
     """
-    crowd = crowd_of(solid, state)
-    if crowd is not None and has_symbols(crowd) and made.issuperset(o.number for o in solid):
-        yield Premise(no_two_meet, tuple(solid), Requirement("collision", solid[-1].span, f"no two of the {len(solid)} objects intersect"))
-        return
-    pairs = ((i, j) for j in range(len(solid)) for i in range(j)) if crowd is None else pairs_that_may_meet(crowd)
-    for i, j in pairs:
+    near = pairs_that_may_meet(solid, state) if made.issuperset(o.number for o in solid) else None
+    for i, j in ((i, j) for j in range(len(solid)) for i in range(j)) if near is None else near:
         first, second = solid[i], solid[j]
         if second.number in made:
             text = f"{names[first.number]} and {names[second.number]} do not intersect"
             yield Premise(apart, (first, second), Requirement("collision", second.span, text))
-    if crowd is not None:
-        text = f"the other pairs of the {len(solid)} objects are too far from each other to intersect"
-        yield Premise(settled, (), Requirement("collision", solid[-1].span, text))
+    if near is not None:
+        yield Premise(all_apart, tuple(solid), Requirement("collision", solid[-1].span, f"no two of the {len(solid)} objects intersect"))
 
 
 def in_workspace(state: State, o: Instance) -> bool:
@@ -109,14 +104,9 @@ def apart(state: State, first: Instance, second: Instance) -> bool:
     ))  # fmt: skip
 
 
-def settled(state: State) -> bool:
-    """boundingBox(o_i) ∩ boundingBox(o_j) = ∅ for all pairs that are not among `pairs_that_may_meet`."""
-    return True
-
-
-def no_two_meet(state: State, *objects: Instance) -> bool:
-    """boundingBox(o_i) ∩ boundingBox(o_j) = ∅ for all pairs, in columns."""
-    crowd = crowd_of(objects, state) or ()
+def all_apart(state: State, *objects: Instance) -> bool:
+    """boundingBox(o_i) ∩ boundingBox(o_j) = ∅ for all pairs."""
+    crowd = crowd_of(objects, state)
     numbers = [n for x, y, heading, width, length in crowd for n in (x, y, cosine(heading), sine(heading), width / 2, length / 2)]
     return negation(crowd_meets(state.reading("touching") == "collide", *numbers))
 

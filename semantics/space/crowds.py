@@ -6,6 +6,7 @@ not meet; only the other pairs are looked at, by the very test for two boxes.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,19 @@ MARGIN = 1e-6
 """Metres added around each box, and as a share of its coordinates: far more than the tolerance of boundaries and the rounding of both."""
 NUMBERS = 6
 """Numbers of a box in a crowd: x, y, the cosine and the sine of its heading, half its width, half its length."""
+
+
+def near_pairs(crowd: Sequence[tuple[float, float, float, float, float]]) -> list[tuple[int, int]] | None:
+    """The pairs (i, j), i < j, that may meet, ordered by j and then i, of boxes: each x, y, heading, width, length; metres, radians.
+
+    Of the crowds of many scenes there are none that are the same in each. None if something is no number, as only a program's mistake makes it.
+    """
+    if any(symbol_in(box) is not None for box in crowd):
+        return []
+    if not all(isinstance(n, (int, float)) for box in crowd for n in box):
+        return None
+    x, y, _, width, length = np.array(crowd, dtype=float).T
+    return [(int(i), int(j)) for i, j in zip(*close_pairs(x, y, width, length), strict=True)]
 
 
 def close_pairs(x: np.ndarray, y: np.ndarray, width: np.ndarray, length: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -180,7 +180,7 @@ def test_what_depends_on_more_than_the_numbers_is_not_lifted():
 @pytest.mark.slow
 @pytest.mark.extra("fast")
 def test_a_graph_that_would_take_minutes_is_not_compiled():
-    text = "ego = Object at (0, 0)\nfor i in range(60):\n    Object at (Range(0, 900), Range(0, 9)), with requireVisible False\n"
+    text = "ego = Object at (0, 0)\nfor i in range(400):\n    Object at (Range(0, 900), Range(0, 900)), with requireVisible False\n"
     batch = batch_of(scenic_ref.loads(text))
     assert not batch.compile()
     assert "take minutes to compile" in batch.not_compiled
