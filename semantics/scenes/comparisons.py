@@ -20,6 +20,7 @@ from ..kernel.queries import Parameters
 from ..kernel.values import Random, plain, unwrap
 from ..python.keys import check_key
 from ..space.regions import Region
+from ..space.symbols import Symbol
 from ..syntax import python_expressions as p
 from .operations import membership
 
@@ -133,4 +134,4 @@ def never_none(subject: object) -> bool:
     if type(subject) is not Random or subject.origin.distribution is None:
         return False
     support = subject.origin.distribution.support()
-    return support is None or all(plain(v) is not None for v, _ in support)
+    return support is None or not any(plain(v) is None or isinstance(plain(v), Symbol) for v, _ in support)
