@@ -59,6 +59,7 @@ def test_a_value_that_is_used_before_it_is_asked_for_is_there_in_the_runs_of_the
 @pytest.mark.parametrize("backend", ["importance", "smc"])
 def test_other_backends_know_what_is_none_too(backend):
     text = "model scenic.domains.driving.model\nlane = Uniform(*network.lanes[:9])\nego = Object on lane.centerline\n"
-    found = scenic_ref.loads(f"{text}x = lane.sections[0]._laneToLeft\ny = network.shoulderAt(ego)\nrequire x is not None and y is None\nparam other = x\n").infer(backend, 4, 1)
+    text += "x = lane.sections[0]._laneToLeft\ny = network.shoulderAt(ego)\nrequire x is not None and y is None\nparam other = x\n"
+    found = scenic_ref.loads(text).infer(backend, 4, 1)
     assert len(found.scenes) == 4
     assert all(scene.params["other"] is not None for scene in found.scenes)
