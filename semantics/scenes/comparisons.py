@@ -12,7 +12,7 @@ from ..kernel.budget import ITEM, refuse_too_long, size_of
 from ..kernel.conditions import before_operands, bool_of, combine, truth_of, where_open
 from ..kernel.config import Stack, State, Value, reduce, value
 from ..kernel.host import HostException, host
-from ..kernel.kinds import has_kind, is_a, kind_name
+from ..kernel.kinds import has_kind, is_a, kind_name, may_be_none
 from ..kernel.nesting import check_written
 from ..kernel.outcome import Next, Outcome
 from ..kernel.premises import Premises, premises
@@ -20,7 +20,6 @@ from ..kernel.queries import Parameters
 from ..kernel.values import Random, plain, unwrap
 from ..python.keys import check_key
 from ..space.regions import Region
-from ..space.symbols import Symbol
 from ..syntax import python_expressions as p
 from .operations import membership
 
@@ -134,4 +133,4 @@ def never_none(subject: object) -> bool:
     if type(subject) is not Random or subject.origin.distribution is None:
         return False
     support = subject.origin.distribution.support()
-    return support is None or not any(plain(v) is None or isinstance(plain(v), Symbol) for v, _ in support)
+    return support is None or not any(may_be_none(plain(v)) for v, _ in support)

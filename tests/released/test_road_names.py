@@ -29,7 +29,9 @@ ONE = {
     "Signal": "network.signals[0]", "Maneuver": "network.lanes[0].maneuvers[0]",
 }  # fmt: skip
 """One of each class in a program on the default map."""
-REJECTING = frozenset({"successor", "predecessor", "opposite", "sidewalk", "bikeLane", "shoulder", "laneToLeft", "laneToRight", "fasterLane", "slowerLane"})
+REJECTING = frozenset({
+    "successor", "predecessor", "opposite", "sidewalk", "bikeLane", "shoulder", "laneToLeft", "laneToRight", "fasterLane", "slowerLane",
+})  # fmt: skip
 """Names that reject a run where there is no such thing, which has another one with an underscore."""
 
 
