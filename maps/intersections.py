@@ -28,8 +28,15 @@ class ManeuverType(enum.Enum):
     RIGHT_TURN = enum.auto()
     U_TURN = enum.auto()
 
+    @classmethod
+    def guessTypeFromLanes(cls, start: Lane, end: Lane, connecting: Lane | None, turnThreshold: float = TURN) -> ManeuverType:
+        """The type of a maneuver between two lanes, by another or None, if it turns from so many radians on (of the released library)."""
+        if not isinstance(start, Lane) or not isinstance(end, Lane) or not isinstance(connecting, Lane | None):
+            raise TypeError("guessTypeFromLanes(start, end, connecting) takes lanes")
+        return maneuver_type(start, end, connecting, turnThreshold)
 
-ManeuverType.scenic_names = frozenset()  # type: ignore[attr-defined]  # its members are values of programs, with the attributes of any enumeration
+
+ManeuverType.scenic_names = frozenset({"guessTypeFromLanes"})  # type: ignore[attr-defined]  # its members are values of programs, with the attributes of any enumeration
 
 
 class Intersection(NetworkElement):
@@ -131,7 +138,7 @@ class Maneuver(Fixed):
         return tuple(m for m in self.intersection.maneuvers if m.startLane.road is end and m.endLane.road is start)
 
 
-def maneuver_type(start: Lane, end: Lane, connecting: Lane | None) -> ManeuverType:
+def maneuver_type(start: Lane, end: Lane, connecting: Lane | None, turn: float = TURN) -> ManeuverType:
     """By where it leads, and by how much the connecting lane turns between its ends."""
     if connecting is None:
         return ManeuverType.STRAIGHT
@@ -140,7 +147,7 @@ def maneuver_type(start: Lane, end: Lane, connecting: Lane | None) -> ManeuverTy
     [points] = connecting.centerline.lines
     first, last = points[1] - points[0], points[-1] - points[-2]
     turned = math.atan2(first.x * last.y - first.y * last.x, first.x * last.x + first.y * last.y)
-    return ManeuverType.STRAIGHT if abs(turned) < TURN else ManeuverType.LEFT_TURN if turned > 0 else ManeuverType.RIGHT_TURN
+    return ManeuverType.STRAIGHT if abs(turned) < turn else ManeuverType.LEFT_TURN if turned > 0 else ManeuverType.RIGHT_TURN
 
 
 def maneuver_of(lane: Lane, index: int) -> Maneuver:

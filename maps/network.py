@@ -9,6 +9,7 @@ import shapely
 from shapely.geometry import LineString, Point
 
 from ..semantics.kernel.values import Special
+from ..semantics.python.specials import NO_PICKLES
 from ..semantics.space.absence import Absent
 from ..semantics.space.fields import Cell, VectorField
 from ..semantics.space.regions import Region, Workspace, everywhere, nowhere
@@ -76,6 +77,10 @@ class Network(Fixed):
 
     fromFile = Special("Network.fromFile")
     """In programs: the map of a file."""
+    fromOpenDrive = fromFile
+    """The same: there is one format."""
+    fromPickle = Special("Network.fromPickle")
+    """In programs: an error that says what to do instead."""
 
     def __repr__(self) -> str:
         return f"<Network of {len(self.roads)} roads and {len(self.intersections)} intersections>"
@@ -230,7 +235,11 @@ class Network(Fixed):
         found = self.first((*self.intersections, *self.roads, *self.shoulders), point, reject)
         return () if found is None else found.nominalDirectionsAt(point)
 
-    def show(self, labelIncomingLanes: bool = False) -> None:
+    def dumpPickle(self, path: object = None, digest: object = None, optionsDigest: object = None) -> None:
+        """Refused, since nobody may read what it would write. Raises `ValueError`."""
+        raise ValueError(NO_PICKLES)
+
+    def show(self, labelIncomingLanes: bool = False, showCurbArrows: bool = False) -> None:
         """Nothing: in a program nobody looks. `scenic-ref map FILE --plot PICTURE` draws a map (of the released library)."""
 
     def findPointIn(self, point: object, elems: Sequence[T], reject: bool | str) -> T | None:

@@ -10,6 +10,7 @@ import shapely
 from shapely.geometry import LineString, Point
 from shapely.ops import substring
 
+from ..semantics.kernel.kinds import kind_name
 from ..semantics.space.regions import PolylineRegion
 from ..semantics.space.vectors import Vector
 from .elements import LinearElement, vector
@@ -40,8 +41,8 @@ class Trajectory(Fixed):
     middles: Numbers
     directions: Numbers
 
-    def __init__(self, parts: Iterable[object], reverse: bool = False) -> None:
-        points = np.array([tuple(v) for part in parts for v in points_of(part)], dtype=float).reshape(-1, 2)
+    def __init__(self, parts: object, reverse: bool = False) -> None:
+        points = np.array([tuple(v) for v in points_of(parts)], dtype=float).reshape(-1, 2)
         points = points[np.concatenate([[True], np.hypot(*np.diff(points, axis=0).T) > 1e-3])] if len(points) else points
         if len(points) < 2:
             raise ValueError("a path needs at least two different points")
@@ -98,11 +99,14 @@ Trajectory.scenic_names = frozenset({"length", "along", "point", "steering", "sp
 
 
 def points_of(part: object) -> Iterable[Vector]:
-    """The points of an element's centerline, of a line, of a list of parts, or a point."""
+    """The points of an element's centerline, of a line, of a list of parts, or a point. Raises `TypeError` for what has none."""
     if isinstance(part, LinearElement):
         return part.centerline
     if isinstance(part, PolylineRegion):
         return part
-    if isinstance(part, (list, tuple)) and not all(isinstance(x, (int, float)) for x in part):
+    if isinstance(part, (list, tuple)) and not (part and all(isinstance(x, (int, float)) for x in part)):
         return [v for inner in part for v in points_of(inner)]
-    return [vector(part)]
+    try:
+        return [vector(part)]
+    except (TypeError, ValueError):
+        raise TypeError(f"a path leads along lanes, lines and points, not along {kind_name(part)}") from None

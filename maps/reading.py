@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 
 import shapely
@@ -30,14 +30,14 @@ OVERLAP = 0.5
 """Square metres that two roads outside intersections may share."""
 
 
-def read_map(path: Path | str) -> Network:
-    """The network of an OpenDRIVE file. Raises `MapError` for what is none or is broken."""
+def read_map(path: Path | str, tolerance: float = TOLERANCE) -> Network:
+    """The network of an OpenDRIVE file, `tolerance` in metres. Raises `MapError` for what is none or is broken."""
     try:
         data = Path(path).read_bytes()
     except OSError as error:
         raise MapError(f"the map {path} cannot be read: {error.strerror or error}") from None
     try:
-        return network_from(data)
+        return network_from(data, tolerance)
     except MapError as problem:
         raise MapError(f"{path} is no usable OpenDRIVE map: {problem.message}") from None
 
@@ -47,13 +47,18 @@ def made_map(kind: str, **parameters: bool | float) -> Network:
     return network_from(made(kind, **parameters).encode())
 
 
-@lru_cache(maxsize=4)
-def network_from(data: bytes) -> Network:
+def network_from(data: bytes, tolerance: float = TOLERANCE) -> Network:
     """The network of what is in an OpenDRIVE file; the same one for the same file, since it is immutable. Raises `MapError`."""
-    return network_of(opendrive.read(data))
+    return kept(data, float(tolerance))
 
 
-def network_of(file: OpenDrive) -> Network:
+@lru_cache(maxsize=4)
+def kept(data: bytes, tolerance: float) -> Network:
+    """The network, once it is made."""
+    return network_of(opendrive.read(data), tolerance)
+
+
+def network_of(file: OpenDrive, tolerance: float = TOLERANCE) -> Network:
     """The network that a file describes. Raises `MapError` if there is no lane to drive on."""
     net = Assembly(file)
     for road in file.roads.values():
@@ -69,10 +74,10 @@ def network_of(file: OpenDrive) -> Network:
     crossings(net, intersections)
     for lane in net.of(Lane):
         complete(lane, maneuvers=tuple(net.maneuvers.get(lane, ())))
-    return finished(net, intersections, lights)
+    return finished(net, intersections, lights, tolerance)
 
 
-def finished(net: Assembly, intersections: Sequence[Intersection], signals: Sequence[Signal]) -> Network:
+def finished(net: Assembly, intersections: Sequence[Intersection], signals: Sequence[Signal], tolerance: float) -> Network:
     """The network, which every element then knows."""
     records = net.file.roads
     ordinary = [road for id, road in net.roads.items() if records[id].junction is None]
@@ -83,13 +88,13 @@ def finished(net: Assembly, intersections: Sequence[Intersection], signals: Sequ
         raise MapError("; ".join(["it has no lanes on which to drive", *net.notes.lines()]))
     note_overlaps(ordinary, net.notes)
     made = Network.of(
-        source=net.file.data, again=network_from, by_uid=net.elements,
+        source=net.file.data, again=partial(network_from, tolerance=tolerance), by_uid=net.elements,
         roads=tuple(ordinary), connectingRoads=tuple(connecting), allRoads=roads, intersections=tuple(intersections),
         laneGroups=tuple(group for road in roads for group in road.laneGroups), lanes=tuple(lanes), crossings=net.of(PedestrianCrossing),
         sidewalks=net.of(Sidewalk), shoulders=net.of(Shoulder), bikeLanes=net.of(BikeLane), signals=tuple(signals),
         roadSections=tuple(section for road in ordinary for section in road.sections),
         laneSections=tuple(section for lane in lanes for section in lane.sections),
-        driveOnLeft=sum(record.left_hand for record in records.values()) * 2 > len(records), tolerance=TOLERANCE,
+        driveOnLeft=sum(record.left_hand for record in records.values()) * 2 > len(records), tolerance=tolerance,
         warnings=tuple(net.notes.lines()),
     )  # fmt: skip
     for element in net.elements.values():

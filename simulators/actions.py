@@ -11,7 +11,8 @@ from typing import ClassVar
 
 from ..formats.recordings import Body
 from ..semantics.kernel.kinds import kind_name
-from ..semantics.space.vectors import Vector
+from ..semantics.kernel.values import Described
+from ..semantics.space.vectors import TakesObjects, TakesPoints, Vector
 
 
 def is_number(value: object) -> bool:
@@ -35,12 +36,12 @@ VEHICLES = "drives"
 PEDESTRIANS = "walks"
 
 
-def drives(body: Body) -> bool:
+def drives(body: Body | Described) -> bool:
     """Whether an object is a vehicle: its property `drives` says so, or its class is a car's."""
     return bool(body.properties.get(VEHICLES, body.class_name in CARS))
 
 
-def walks(body: Body) -> bool:
+def walks(body: Body | Described) -> bool:
     """Whether an object is a pedestrian: its property `walks` says so, or its class is a pedestrian's."""
     return bool(body.properties.get(PEDESTRIANS, body.class_name == "Pedestrian"))
 
@@ -49,24 +50,30 @@ CARS = ("Car", "EgoCar", "NPCCar", "Vehicle", "Truck", "Rover")
 
 
 @dataclass(frozen=True, slots=True)
-class Action:
+class Action(TakesPoints, TakesObjects):
     """An action; `reason_against` says why a body cannot take it."""
 
     scenic_names: ClassVar[frozenset[str]] = frozenset(
-        {"throttle", "brake", "steer", "handbrake", "reverse", "position", "velocity", "heading", "speed", "enabled"}
+        {"throttle", "brake", "steer", "handbrake", "reverse", "pos", "offset", "velocity", "heading", "speed", "enabled", "canBeTakenBy"}
     )
     """What a program may ask of actions."""
 
-    def reason_against(self, body: Body) -> str | None:
+    def reason_against(self, body: Body | Described) -> str | None:
         """Why this object cannot take the action, None if it can."""
         return None
+
+    def canBeTakenBy(self, agent: object) -> bool:
+        """Whether an object can take the action; under this name in programs."""
+        if not isinstance(agent, Described):
+            raise TypeError(f"canBeTakenBy(agent) takes an object, not {kind_name(agent)}")
+        return self.reason_against(agent) is None
 
 
 @dataclass(frozen=True, slots=True)
 class DrivingAction(Action):
     """An action of a vehicle."""
 
-    def reason_against(self, body: Body) -> str | None:
+    def reason_against(self, body: Body | Described) -> str | None:
         """Only vehicles drive."""
         return None if drives(body) else f"only vehicles can (a {body.class_name} with property {VEHICLES} True is one)"
 
@@ -104,15 +111,15 @@ class SetSteerAction(DrivingAction):
         refuse(in_range(self.steer, -1, 1, "steering"))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, init=False)
 class SetHandBrakeAction(DrivingAction):
-    """The hand brake, on or off."""
+    """The hand brake, on or off; its argument has another name than what the action has, as in the released library."""
 
     handbrake: bool
 
-    def __post_init__(self) -> None:
-        """Check the truth value."""
-        refuse(truth_value(self.handbrake, "hand brake"))
+    def __init__(self, handBrake: bool) -> None:
+        refuse(truth_value(handBrake, "hand brake"))
+        object.__setattr__(self, "handbrake", handBrake)
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,11 +177,11 @@ class SetAutopilotAction(DrivingAction):
 class SetPositionAction(Action):
     """The object is at this position at once (metres)."""
 
-    position: Vector
+    pos: Vector
 
     def __post_init__(self) -> None:
         """A pair is a vector."""
-        object.__setattr__(self, "position", vector(self.position, "position"))
+        object.__setattr__(self, "pos", vector(self.pos, "position"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -216,7 +223,7 @@ class SetSpeedAction(Action):
 class WalkingAction(Action):
     """An action of a pedestrian."""
 
-    def reason_against(self, body: Body) -> str | None:
+    def reason_against(self, body: Body | Described) -> str | None:
         """Only pedestrians walk."""
         return None if walks(body) else f"only pedestrians can (a {body.class_name} with property {PEDESTRIANS} True is one)"
 
@@ -240,13 +247,14 @@ class SetWalkingSpeedAction(WalkingAction):
 
     def __post_init__(self) -> None:
         """Check the number."""
-        refuse(in_range(self.speed, 0, math.inf, "speed"))
+        refuse(None if is_number(self.speed) else f"the speed must be a number, not {kind_name(self.speed)}")
+        refuse(None if self.speed >= 0 else f"the speed must not be negative, as {self.speed} is: SetWalkingDirectionAction turns a pedestrian round")
 
 
 def vector(value: object, what: str) -> Vector:
-    """A vector, or a pair of numbers as one. Raises `ValueError`."""
+    """A vector, or two numbers as one. Raises `ValueError`."""
     parts = (value.x, value.y) if isinstance(value, Vector) else value
-    if not (isinstance(parts, tuple) and len(parts) == 2 and all(map(is_number, parts))):
+    if not (isinstance(parts, (tuple, list)) and len(parts) == 2 and all(map(is_number, parts))):
         raise ValueError(f"the {what} must be a vector, not {kind_name(value)}")
     return Vector(float(parts[0]), float(parts[1]))
 

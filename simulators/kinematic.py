@@ -115,7 +115,7 @@ def take(body: Moving, action: object) -> None:
     if body.controls.set(action):
         return
     match action:
-        case a.SetPositionAction(position=position):
+        case a.SetPositionAction(pos=position):
             body.x, body.y = position.x, position.y
         case a.OffsetAction(offset=offset):
             moved = rotate(offset, body.heading)

@@ -128,7 +128,7 @@ class Physics:
         if moving.controls.set(action):
             return
         match action:
-            case a.SetPositionAction(position=position):
+            case a.SetPositionAction(pos=position):
                 body.position = (position.x, position.y)
                 self.space.reindex_shapes_for_body(body)
             case a.OffsetAction(offset=offset):

@@ -99,7 +99,7 @@ ATTRIBUTES: Mapping[type, Names] = {
     SectorRegion: names("center radius heading angle"),
     RectangularRegion: names("position heading width length"),
     PolygonalRegion: names("polygon"),
-    PolylineRegion: names("heading_at nearestSegmentTo signedDistanceTo project pointAlongBy equallySpacedPoints pointsSeparatedBy"),
+    PolylineRegion: names("lineString heading_at nearestSegmentTo signedDistanceTo project pointAlongBy equallySpacedPoints pointsSeparatedBy"),
     Workspace: names("region"),
 }
 """The attributes of each type of values; those of the types that it is derived from are its own as well."""

@@ -196,6 +196,11 @@ def of_cases(value: Any, results: Sequence[object], *, drawn: bool) -> object:
     return value.of_cases(results)
 
 
+def may_be_none(value: object) -> bool:
+    """Whether a value that is not wrapped is None, or may be in some run."""
+    return value is None or isinstance(value, Symbol)
+
+
 def is_vector(value: object) -> bool:
     """Whether the value is a vector, not a pair or a point."""
     return value.always(is_vector) if isinstance(value, Symbol) else isinstance(value, Vector)

@@ -146,6 +146,13 @@ class Instance:
         return f"<{self.class_.name} {self.number}>"
 
 
+class Described(NamedTuple):
+    """An instance as methods of a library meet it (`TakesObjects`): the name of its class, and its properties."""
+
+    class_name: str
+    properties: Mapping[str, object]
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Function:
     """A function of the program: closed over its scope, its default values evaluated when `def` ran."""

@@ -21,14 +21,29 @@ from ..kernel.premises import premises
 from ..kernel.queries import Clock, Closest, check_running, distance_to_closest
 from ..kernel.scenic_classes import ScenicClass
 from ..kernel.scopes import Scope, function_names
-from ..kernel.values import Bound, Constructor, Dynamic, Function, Instance, Method, Native, Origin, Random, Special, plain, unwrap, wrap  # fmt: skip
+from ..kernel.values import (
+    Bound,
+    Constructor,
+    Described,
+    Dynamic,
+    Function,
+    Instance,
+    Method,
+    Native,
+    Origin,
+    Random,
+    Special,
+    plain,
+    unwrap,
+    wrap,
+)
 from ..kernel.versions import STORED, note_call
 from ..kernel.waiting import refuse_waiting
 from ..space.distributions import BadParameters
 from ..space.fields import BadField, VectorField
 from ..space.numeric import number
 from ..space.regions import BadRegion, Region
-from ..space.vectors import TakesPoints, Vector
+from ..space.vectors import TakesObjects, TakesPoints, Vector
 from ..syntax import python_expressions as p
 from ..syntax.dynamics import ScenarioDefinition
 from ..syntax.nodes import Node
@@ -175,7 +190,10 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
         if type(function) is not Random:
             return returned(node, call_container_method(node, function, arguments, keywords, state), stack, state)  # type: ignore[arg-type]
     function = on_plain_elements(function)
-    if always(is_geometric, plain(function)):
+    if isinstance(own_word(plain(function), "__self__"), TakesObjects):
+        arguments = tuple(described(a, state) for a in arguments)
+        keywords = {k: described(v, state) for k, v in keywords.items()}
+    elif always(is_geometric, plain(function)):
         arguments = tuple(as_positions(a, state) for a in arguments)
         keywords = {k: as_positions(v, state) for k, v in keywords.items()}
 
@@ -185,7 +203,7 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
         if isinstance(problem.exception, (BadField, BadRegion, BadParameters)):
             raise RunError(without_addresses(str(problem.exception)), node.span, rule="E-Call-Host") from None
         class_ = plain(function)
-        if isinstance(problem.exception, TypeError) and isinstance(class_, type) and is_geometric(class_):
+        if isinstance(problem.exception, TypeError) and isinstance(class_, type) and issubclass(class_, NAMED):
             problem.exception.add_note(f"write {class_.__name__}({', '.join(inspect.signature(class_).parameters)})")
         raise
     return returned(node, result, stack, state)
@@ -228,10 +246,14 @@ def on_plain_elements(function: object) -> object:
     return function if origin is None else wrap(getattr(values, function.__name__), origin)
 
 
+NAMED = (Region, VectorField, TakesObjects)
+"""Classes of which an error in the arguments says what they are called."""
+
+
 def is_geometric(function: object) -> bool:
-    """Whether this constructs a region or field, or is a method of one: it takes vectors, and Points count as such."""
+    """Whether this constructs a region, a field or the like, or is a method of one: it takes vectors, and Points count as such."""
     if isinstance(function, type):
-        return issubclass(function, (Region, VectorField))
+        return issubclass(function, (Region, VectorField, TakesPoints))
     return isinstance(own_word(function, "__self__"), (Region, VectorField, Vector, TakesPoints))
 
 
@@ -246,6 +268,15 @@ def as_positions(argument: object, state: State) -> object:
             return type(argument)(as_positions(a, state) for a in argument)
         case _:
             return argument
+
+
+def described(argument: object, state: State) -> object:
+    """An object as what it is now."""
+    if not isinstance(plain(argument), Instance):
+        return argument
+    instance, origin = unwrap(argument)
+    properties = {name: unwrap(v)[0] for name, v in state.objects[instance.number].items()}  # type: ignore[attr-defined]
+    return wrap(Described(instance.class_.name, properties), origin)  # type: ignore[attr-defined]
 
 
 def instantiate(

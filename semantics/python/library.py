@@ -22,7 +22,7 @@ from ..kernel.generators import Generator
 from ..kernel.sets import FrozenSet, Set
 from ..kernel.values import Bound, Hint, Native
 from ..kernel.versions import note_attribute, note_container
-from ..space.regions import PolygonalRegion
+from ..space.regions import PolygonalRegion, PolylineRegion
 from .arithmetic import BINARY
 from .prices import as_callback, with_callbacks
 from .texts import METHODS as OF_TEXTS
@@ -385,14 +385,15 @@ def name_of_class(class_: type) -> str:
 
 
 GIVEN: Mapping[type, Mapping[str, Callable[[Any], object]]] = {
-    PolygonalRegion: {"polygon": lambda region: region}, type: {"__name__": name_of_class},
+    PolygonalRegion: {"polygon": lambda region: region}, PolylineRegion: {"lineString": lambda line: line}, type: {"__name__": name_of_class},
 }  # fmt: skip
-"""Attributes whose value is not Python's: a polygonal region stands for its polygon."""
+"""Attributes whose value is not Python's: a polygonal region stands for its polygon, a polyline for its line."""
 
 
 def attribute_of(subject: object, name: str, budget: Budget) -> object:
     """An attribute that a program may ask for (`allowed.may_ask`)."""
-    given = GIVEN.get(type(subject), {}).get(name)
+    kinds = type(subject).__mro__ if name in ("polygon", "lineString") else (type(subject),)
+    given = next((GIVEN[kind][name] for kind in kinds if name in GIVEN.get(kind, ())), None)
     if given is not None:
         return given(subject)
     ours = method_of(subject, name, budget)

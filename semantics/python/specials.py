@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter, deque
 from collections.abc import Callable, Collection, Mapping
-from types import BuiltinFunctionType, MethodType
+from types import BuiltinFunctionType, MethodType, NoneType
 
 from ..kernel.allowed import is_known
 from ..kernel.conditions import random_branch
@@ -84,22 +84,30 @@ def local_path(node: Node, arguments: Arguments, keywords: Keywords, stack: Stac
 
 MAPS = "scenic.domains.driving.roads", "_maps"
 """A module of the driving library, and the name in it of the maps that were read before the program runs (or why not), by the texts for them."""
-WITHOUT_EFFECT = frozenset({"useCache", "writeCache", "ref_points"})
-"""Parameters of the released `fromFile` that change nothing here: maps are kept while they are in use, and curves are exact."""
+WITHOUT_EFFECT = frozenset({"useCache", "writeCache", "ref_points", "fill_gaps", "fill_intersections", "elide_short_roads"})
+"""Parameters of the released `fromFile` that change nothing here: maps are kept while they are in use, curves are exact, and a map is what it is."""
+NO_PICKLES = "reading a pickle may run whatever is in it: Network.fromFile reads an OpenDRIVE file (.xodr), and networks are not written"
 
 
 def network_from_file(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
     """`Network.fromFile(P, ...)` of the driving library: the map of the file P, which was read before, since the machine reads no files."""
-    other = next((name for name in keywords if name not in WITHOUT_EFFECT), None)
+    other = next((name for name in keywords if name not in WITHOUT_EFFECT and name != "tolerance"), None)
     if other is not None or not arguments:
         raise HostException(TypeError(f"Network.fromFile has no {other} in this reference" if arguments else "Network.fromFile() takes a path"))
     module, path = state.settings.library.get(MAPS[0]), plain(arguments[0])
     maps = module.get(MAPS[1]) if isinstance(module, Mapping) else None
-    found = maps.get(path) if isinstance(maps, Mapping) and isinstance(path, str) else None
+    tolerance = plain(keywords.get("tolerance"))
+    key = path if tolerance is None else (path, tolerance)
+    found = maps.get(key) if isinstance(maps, Mapping) and isinstance(path, str) and isinstance(tolerance, (float, int, NoneType)) else None
     if found is None or isinstance(found, str):
-        ways = "a text, localPath(a text), or globalParameters.map"
+        ways = "a text, localPath(a text), or globalParameters.map" + ("" if tolerance is None else ", with tolerance a number")
         raise HostException(ValueError(found or f"Network.fromFile reads what the main program names by {ways}: maps are read before it runs"))
     return returned(node, found, stack, state)
+
+
+def network_from_pickle(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
+    """`Network.fromPickle(P)` of the driving library is refused."""
+    raise HostException(ValueError(NO_PICKLES))
 
 
 def isinstance_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
@@ -348,6 +356,7 @@ SPECIALS: Mapping[str, Rule] = {
     "verbosePrint": verbose_print,
     "localPath": local_path,
     "Network.fromFile": network_from_file,
+    "Network.fromPickle": network_from_pickle,
     "isinstance": isinstance_rule,
     "issubclass": issubclass_rule,
     "type": type_rule,

@@ -12,7 +12,7 @@ from ..kernel.budget import ITEM, refuse_too_long, size_of
 from ..kernel.conditions import before_operands, bool_of, combine, truth_of, where_open
 from ..kernel.config import Stack, State, Value, reduce, value
 from ..kernel.host import HostException, host
-from ..kernel.kinds import has_kind, is_a, kind_name
+from ..kernel.kinds import has_kind, is_a, kind_name, may_be_none
 from ..kernel.nesting import check_written
 from ..kernel.outcome import Next, Outcome
 from ..kernel.premises import Premises, premises
@@ -133,4 +133,4 @@ def never_none(subject: object) -> bool:
     if type(subject) is not Random or subject.origin.distribution is None:
         return False
     support = subject.origin.distribution.support()
-    return support is None or all(plain(v) is not None for v, _ in support)
+    return support is None or not any(may_be_none(plain(v)) for v, _ in support)

@@ -74,7 +74,8 @@ def collisions(solid: Sequence[Instance], made: set[int], names: Mapping[int, st
     Those about objects whose numbers are not among `made` alone are left out.
     """
     near = pairs_that_may_meet(solid, state) if made.issuperset(o.number for o in solid) else None
-    for i, j in ((i, j) for j in range(len(solid)) for i in range(j)) if near is None else near:
+    pairs = [(i, j) for j in range(len(solid)) for i in range(j)] if near is None else near
+    for i, j in pairs:
         first, second = solid[i], solid[j]
         if second.number in made:
             text = f"{names[first.number]} and {names[second.number]} do not intersect"

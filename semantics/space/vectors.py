@@ -64,3 +64,11 @@ class Vector:
 
 class TakesPoints:
     """A value of a library whose methods take vectors, so that points and objects are given to them as their positions."""
+
+    __slots__ = ()
+
+
+class TakesObjects:
+    """A value of a library whose methods are given objects with their properties."""
+
+    __slots__ = ()

@@ -10,7 +10,7 @@ MODEL = "model scenic.domains.driving.model\n"
 CALLS = {
     "a behavior of an object": ("ego = Car with behavior FollowLaneBehavior('fast')\n", 2),
     "a behavior that a behavior invokes": (
-        "behavior B():\n    wait\n    do FollowTrajectoryBehavior(5, network.lanes[0])\nego = Car with behavior B\n", 4,
+        "behavior B():\n    wait\n    do FollowTrajectoryBehavior(5, network.intersections[0])\nego = Car with behavior B\n", 4,
     ),
     "a function": ("ego = Car\nsetTrafficLightStatus(3, 'pink')\n", 3),
     "a function in a function": ("ego = Car\ndef f():\n    setTrafficLightStatus(3, 'pink')\nf()\n", 4),

@@ -60,7 +60,9 @@ WRONG = {
     "broken": ("localPath('maps/broken.xodr')", r"broken\.xodr is no usable OpenDRIVE map: line 1: it is no XML"),
     "no OpenDRIVE": ("localPath('maps/town.net')", r"the map of a program is an OpenDRIVE file \(\.xodr\), not town\.net"),
     "computed": ("localPath('maps/' + 'town.xodr')", "maps are read before it runs"),
-    "other": ("localPath('maps/town.xodr'), tolerance=1", "fromFile has no tolerance in this reference"),
+    "other": ("localPath('maps/town.xodr'), radius=1", "fromFile has no radius in this reference"),
+    "too far": ("localPath('maps/town.xodr'), tolerance=99", "the tolerance of a map is a number of metres from 0 to 10"),
+    "computed tolerance": ("localPath('maps/town.xodr'), tolerance=1 + 1", "with tolerance a number: maps are read before it runs"),
     "nothing": ("3", "maps are read before it runs"),
 }
 
@@ -74,6 +76,71 @@ def test_a_wrong_map_is_an_error_at_the_call_that_can_be_caught(name: str, folde
     assert told.value.span.line == 3
     caught = f"{head}param ok = False\ntry:\n    town = Network.fromFile({call})\nexcept (ValueError, TypeError):\n    param ok = True\n"
     assert scenic_ref.loads(caught, directory=folder).sample().params["ok"] is True
+
+
+NEAR = """{}model scenic.domains.driving.model
+lane = network.lanes[0]
+edge = lane.rightEdge.pointAlongBy(20)
+off = Point at edge offset along lane.heading_at(edge) by 0.3 @ 0
+other = {}
+ego = Object
+param there = network.roadAt(off) is not None, also = other.roadAt(off) is not None, metres = [network.tolerance, other.tolerance]
+"""
+
+
+@pytest.mark.parametrize(
+    ("options", "other", "params"),
+    [
+        ("", "network", (False, False, [0.05, 0.05])),
+        ("param map_options = {'tolerance': 0.5, 'ref_points': 40, 'fill_gaps': False}\n", "network", (True, True, [0.5, 0.5])),
+        ("", "Network.fromFile(localPath('maps/bare.xodr'), tolerance=0.5)", (False, True, [0.05, 0.5])),
+        ("", "Network.fromOpenDrive(localPath('maps/bare.xodr'), 20, tolerance=0.5, elide_short_roads=True)", (False, True, [0.05, 0.5])),
+        ("param map_options = {'tolerance': 0.5}\n", "Network.fromFile(globalParameters.map)", (True, True, [0.5, 0.5])),
+    ],
+)
+def test_the_tolerance_of_a_map_is_given_by_its_options(options: str, other: str, params: tuple[object, ...], folder: Path) -> None:
+    (folder / "maps" / "bare.xodr").write_text(made("crossing"))
+    text = NEAR.format(f"param map = localPath('maps/bare.xodr')\n{options}", other)
+    found = scenic_ref.loads(text, directory=folder).sample().params
+    assert (found["there"], found["also"], found["metres"]) == params
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ("{'tolerence': 1}", "there is no map option 'tolerence'"), ("{'tolerance': 'wide'}", "is a number of metres from 0 to 10"),
+        ("{'tolerance': True}", "is a number of metres"), ("{'tolerance': 2 + 3}", "must be a dictionary of texts and constants"),
+        ("[3]", "must be a dictionary"),
+    ],
+)  # fmt: skip
+def test_map_options_that_mean_nothing_are_refused(options: str, message: str) -> None:
+    with pytest.raises(scenic_ref.errors.ScenicError, match=message) as told:
+        scenic_ref.loads(f"param map_options = {options}\nmodel scenic.domains.driving.model\nego = Car\n").sample()
+    assert told.value.span.line == 1
+    if "tolerence" in options:
+        assert "tolerance" in told.value.hint
+
+
+@pytest.mark.parametrize("call", ["Network.fromPickle('a.snet')", "network.dumpPickle('a.snet', 1, 2)"])
+def test_pickles_are_refused_with_what_to_do_instead(call: str) -> None:
+    text = f"model scenic.domains.driving.model\nego = Car\nx = {call}\n"
+    with pytest.raises(UncaughtException, match=r"may run whatever is in it.*Network\.fromFile reads an OpenDRIVE file"):
+        scenic_ref.loads(text).sample()
+
+
+def test_the_type_of_a_maneuver_can_be_asked_for_by_its_lanes() -> None:
+    text = """model scenic.domains.driving.model
+ego = Car
+ways = [m for i in network.intersections for m in i.maneuvers]
+param same = all([ManeuverType.guessTypeFromLanes(m.startLane, m.endLane, m.connectingLane) is m.type for m in ways])
+m = [m for m in ways if m.type is ManeuverType.LEFT_TURN][0]
+param wide = ManeuverType.guessTypeFromLanes(m.startLane, m.endLane, m.connectingLane, turnThreshold=3).name
+param merge = ManeuverType.guessTypeFromLanes(m.startLane, m.endLane, None).name
+network.show(labelIncomingLanes=True, showCurbArrows=True)
+"""
+    assert scenic_ref.loads(text).sample().params == {"same": True, "wide": "STRAIGHT", "merge": "STRAIGHT"}
+    with pytest.raises(UncaughtException, match="takes lanes"):
+        scenic_ref.loads(f"{text}x = ManeuverType.guessTypeFromLanes(3, 4, None)\n").sample()
 
 
 def test_a_network_is_made_by_reading() -> None:

@@ -191,7 +191,7 @@ def _calling(call: RowCall) -> InRow:
         call.budget.renew()
         result = call.function(*arguments(resolve), **keywords(resolve))
         result = float(result) if call.converts and type(result) is not bool else result  # type: ignore[arg-type]
-        if type(result) is not call.result or symbols_in(result):
+        if not call.gives(result) or symbols_in(result):
             raise NotLifted("another type than in the traced run")
         return result
 

@@ -86,8 +86,9 @@ class Crowd:
 class RowCall:
     """A Python function, called for one row after the other; `structure` holds its arguments, with symbols inside.
 
-    `result` is the type that every row must give; else, or if an exception is raised, the row is left to the interpreter. With
-    `converts`, numbers are made floats first. Functions of the program that it calls pay from `budget`, which is that of one row.
+    `result` is the type that every row must give, or None where that is `optional`; else, or if an exception is raised, the row is left
+    to the interpreter. With `converts`, numbers are made floats first. Functions of the program that it calls pay from `budget`, which is
+    that of one row.
     """
 
     function: Callable[..., object]
@@ -97,6 +98,11 @@ class RowCall:
     converts: bool
     text: str
     budget: Budget
+    optional: bool = False
+
+    def gives(self, value: object) -> bool:
+        """Whether a row may have this value. Where the run that was traced has None, nothing was done that depends on what others have."""
+        return type(value) is self.result or (self.optional and (value is None or self.result is type(None)))
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -33,6 +33,8 @@ LIFTED: dict[Callable[..., object], Callable[..., object]] = {
     builtins.abs: operator.abs,
 }
 """Operations of the machine, and the operators that they are on floats; `~` is left out on truth values, which it takes for whole numbers."""
+EXAMINES = (operator.is_, operator.is_not, operator.eq, operator.ne, bool, UNARY["not"])
+"""Operations by which a program asks, among other things, whether a value is None."""
 ZERO_DIVIDES = (operator.truediv, operator.mod)
 FEW = 64
 DIRECT = (CircularRegion, SectorRegion, RectangularRegion, Workspace)
@@ -44,6 +46,8 @@ def lift(trace: Recorder, operation: Callable[..., object], arguments: list[obje
     found = symbols_in((arguments, keywords))
     if not found:
         return operation(*arguments, **keywords)
+    if operation in EXAMINES:
+        trace.examined.update(symbol.node.number for symbol in found)
     if operation is invoke:
         check_method(arguments[0])
         if not symbols_in(arguments[0]) or is_direct(arguments[0]):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,14 +13,13 @@ from ....semantics.kernel.errors import ScenicError
 from ....semantics.kernel.host import DoorStuck, HostException
 from ....semantics.kernel.outcome import Requirement
 from ....semantics.kernel.unmet import UNMET
-from ....semantics.kernel.values import Bound, Native
 from ....semantics.python.calls import invoke
 from ....semantics.space.crowds import crowd_meets
-from ....semantics.space.fields import OutsideField, PolygonalVectorField, VectorField
 from ....semantics.space.numeric import Elementary, is_macro, position_in
 from ....semantics.space.symbols import NotLifted
 from ....semantics.space.vectors import Vector
 from ....semantics.syntax.nodes import NOWHERE
+from .calls import bounds_of_field, name_of, premise_of
 from .graph import AsFloat, Crowd, Graph, GraphEvent, GraphNode, Kind, Lookup, Macro, Part, PartialRun, RowCall, Search, Site, bounds_of, decided
 from .structures import in_row, symbols_in
 from .symbols import OPERATORS, Choice, Mistaken, Opaque, Retry, Scalar, Traced
@@ -44,6 +44,7 @@ class Recorder:
         self.conditions: list[GraphNode] = []
         self.partial: PartialRun | None = None  # what is reduced next
         self.counted: set[tuple[int, GraphNode | None]] = set()
+        self.examined: set[int] = set()  # nodes of which the program has asked whether they are None
         self.place: Callable[[str], Requirement] = lambda text: Requirement("", NOWHERE, text)
         self.open = True
 
@@ -280,8 +281,9 @@ class Recorder:
         if result is float and type(example) is not bool:
             example = float(example)  # type: ignore[arg-type]
         text = name_of(arguments[0] if function is invoke else function)
-        call = RowCall(function, arguments, dict(keywords), type(example), result is float, text, self.budget)
         kind: Kind = "float" if type(example) is float else "bool" if type(example) is bool else "object"
+        optional = kind == "object" and not isinstance(example, Vector)
+        call = RowCall(function, arguments, dict(keywords), type(example), result is float, text, self.budget, optional)
         key = self.key_of(function, arguments, keywords)
         before = len(self.graph.nodes)
         node = self.node(call, (), kind, example, key)
@@ -343,10 +345,32 @@ class Recorder:
             return bool(truth.example)
         return truth
 
+    def need(self, symbol: Opaque | Choice) -> None:
+        """What comes supposes that a value is there, or is not, as in the traced run: the interpreter does the runs in which that differs.
+
+        If the program has asked before, these may be none. Raises `Retry` where the value is then None, and so of no known type.
+        """
+        if isinstance(symbol, Opaque) and symbol.node.number not in self.examined:
+            self.settle(symbol)
+        elif symbol.example is None:
+            raise Retry("a value is None that is used as something else")
+        else:
+            self.suppose(symbol.there())
+
+    def suppose(self, truth: Scalar) -> None:
+        """Guard a truth value once in the same runs."""
+        if not self.counted & {(~truth.node.number, condition) for condition in (None, *self.conditions)}:
+            self.counted.add((~truth.node.number, self.condition))
+            self.guard(truth)
+
+    def settle(self, symbol: Opaque) -> None:
+        """The interpreter does the runs in which a value is None and in the traced run is not, or the other way round."""
+        symbol.node.function = replace(symbol.node.function, optional=False)  # type: ignore[type-var]
+
     def forget(self, number: int) -> None:
         """Take back the events after so many."""
         events = self.graph.events
-        self.counted -= {(event.node.number, event.condition) for event in events[number:]}
+        self.counted -= {(n, e.condition) for e in events[number:] for n in (e.node.number, ~e.node.number)}
         del events[number:]
 
     # What is evaluated in some runs only
@@ -367,31 +391,17 @@ class Recorder:
         return self.conditions[-1] if self.conditions else None
 
     @property
+    def rejected(self) -> bool:
+        """Whether the traced run has failed a requirement, so that it would not reach the place where the machine is."""
+        return any(
+            e.kind == "require" and bool(e.node.example) is not e.expected and (e.condition is None or bool(e.condition.example))
+            for e in self.graph.events
+        )
+
+    @property
     def imagined(self) -> bool:
         """Whether the traced run would not reach the place where the machine is."""
         return self.condition is not None and not self.condition.example
-
-
-def name_of(function: object) -> str:
-    """A function as reports call it."""
-    if isinstance(function, Traced):
-        return name_of(function.example)
-    owner = getattr(function, "__self__", function)
-    return owner.name if isinstance(owner, (Native, Bound)) else getattr(function, "__qualname__", repr(function))
-
-
-def premise_of(arguments: tuple[object, ...], text: str) -> str:
-    """What a call supposes, in words: that a field has a value, or a region a point."""
-    fields = [a for a in arguments if isinstance(a, VectorField)]
-    return OutsideField(fields[0], Vector(0.0, 0.0)).premise if fields else text
-
-
-def bounds_of_field(subject: object = None, *rest: object) -> tuple[float, float] | None:
-    """The least and greatest heading of a field with constant cells."""
-    if not (isinstance(subject, PolygonalVectorField) and subject.cells and all(isinstance(h, (int, float)) for _, h in subject.cells)):
-        return None
-    headings = [float(h) for _, h in subject.cells] + ([] if subject.defaultHeading is None else [subject.defaultHeading])  # type: ignore[arg-type]
-    return min(headings), max(headings)
 
 
 __all__ = ["Recorder"]

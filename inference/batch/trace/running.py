@@ -55,8 +55,8 @@ PURE = (s.Return, s.If, s.While, s.For)
 """Statements that change nothing but what they contain does."""
 LONGEST = 80
 """Letters of a construct that a reason shows."""
-FEW = 5
-"""How many of these may end with an error of the program."""
+FEW, SOME = 5, 40
+"""How many of these may end with an error of the program; and how many where a requirement has failed before, which is why there may be one."""
 
 
 class Impossible(NotLifted):
@@ -76,15 +76,16 @@ class Lifted(NamedTuple):
 
 def trace(start: Callable[[], Config], fuel: int, draws: Draws = AS_THEY_ARE) -> Lifted:
     """The graph of a program. Raises `NotLifted` with the reason if it has none, `Impossible` if it has no scenes."""
-    reason, errors = "", 0
+    reason, errors = "", {FEW: 0, SOME: 0}
     for attempt in range(TRIES):
         try:
             return trace_run(start(), attempt, fuel, draws)
         except Retry as retry:
             reason = str(retry)
         except Mistaken as mistake:
-            reason, errors = str(mistake), errors + 1
-            if errors == FEW:
+            reason, most = str(mistake), SOME if mistake.late else FEW
+            errors[most] += 1
+            if errors[most] == most:
                 raise
     raise NotLifted(f"in {TRIES} runs this always failed: {reason}")
 
@@ -110,14 +111,21 @@ def trace_run(config: Config, attempt: int, fuel: int, draws: Draws = AS_THEY_AR
     except NotLifted as problem:
         if made.imagined:
             raise Retry(str(problem)) from None
-        raise type(problem)(with_place(str(problem), traced.config, beginning)) from None
+        raise late(type(problem)(with_place(str(problem), traced.config, beginning)), made) from None
     finally:
         made.open = False
         door.lift = None
     if isinstance(end, Done):
         return Lifted(made.graph, end.state)
     reason = no_graph(end)
-    raise Retry(str(reason)) if made.imagined else reason
+    raise Retry(str(reason)) if made.imagined else late(reason, made)
+
+
+def late(problem: BaseException, made: Recorder) -> BaseException:
+    """The problem; of an error of the program, with whether a requirement has failed before, so that it may be the program's only here."""
+    if isinstance(problem, Mistaken):
+        problem.late = made.rejected
+    return problem
 
 
 def no_graph(end: End) -> BaseException:

@@ -34,7 +34,9 @@ class Retry(BaseException):
 
 
 class Mistaken(NotLifted):
-    """The run that was traced ends with an error of the program; others may not."""
+    """The run that was traced ends with an error of the program, perhaps `late`, after a requirement has failed; others may not."""
+
+    late = False
 
 
 def _binary(operation: Callable[..., object], *, swapped: bool = False) -> Callable[[Any, object], object]:
@@ -161,6 +163,19 @@ class Scalar(Traced):
         return self.trace.pick(self, values)
 
 
+def is_there(value: object) -> bool:
+    """Whether a value is not None."""
+    return value is not None
+
+
+def of_nothing(predicate: Callable[[Any], bool]) -> bool | None:
+    """Whether the predicate holds of None; None if it cannot be asked of it."""
+    try:
+        return predicate(None)
+    except Exception:
+        return None
+
+
 class Choice(Traced):
     """One of some values, which may hold symbols themselves; the node says which."""
 
@@ -172,18 +187,24 @@ class Choice(Traced):
         super().__init__(trace, node, chosen.example if isinstance(chosen, Traced) else chosen)
 
     def always(self, predicate: Callable[[Any], bool]) -> bool:
-        answers = {predicate(v) for v in self.values}
-        if len(answers) == 1:
-            return answers.pop()
-        there = [v is not None for v in self.values]
-        of_those = {predicate(v) for v in self.values if v is not None}
-        if all(there) or len(of_those) != 1:
+        nothing = [v for v in self.values if v is None or (isinstance(v, Opaque) and v.example is None)]
+        for value in nothing:
+            if value is not None:
+                self.trace.settle(value)
+        answers = {predicate(v.example if isinstance(v, Opaque) else v) for v in self.values if all(v is not n for n in nothing)}
+        if len(answers) > 1:
             raise NotLifted("a choice among values of different types is used as one of them")
-        is_there = self.trace.table(self.node, np.array(there))
-        if self.example is None:
-            raise Retry("a value is None that is used as something else")
-        self.trace.guard(is_there)
-        return of_those.pop()
+        answer = answers.pop() if answers else predicate(None)
+        perhaps = nothing or any(isinstance(v, Opaque) for v in self.values)
+        if perhaps and answer is not of_nothing(predicate):
+            self.trace.need(self)
+        return answer
+
+    def there(self) -> Any:
+        """Whether it is not None."""
+        if any(isinstance(v, Traced) for v in self.values):
+            return self.trace.call(is_there, (self,), {}, bool)
+        return self.trace.table(self.node, np.array([v is not None for v in self.values]))
 
     def each(self, function: Callable[[Any], object]) -> Any:
         events = len(self.trace.graph.events)
@@ -231,12 +252,19 @@ class Choice(Traced):
 
 
 class Opaque(Traced):
-    """Anything, computed row by row; every row's value is of the example's type."""
+    """Anything, computed row by row; every row's value is of the example's type, or None."""
 
     __slots__ = ()
 
     def always(self, predicate: Callable[[Any], bool]) -> bool:
-        return predicate(self.example)
+        answer = predicate(self.example)
+        if self.example is None or answer is not of_nothing(predicate):
+            self.trace.need(self)
+        return answer
+
+    def there(self) -> Any:
+        """Whether it is not None."""
+        return self.trace.call(is_there, (self,), {}, bool)
 
     def each(self, function: Callable[[Any], object]) -> Any:
         return self.trace.call(function, (self,), {})

@@ -9,15 +9,16 @@ from pathlib import Path
 
 from ....interpreter.modules import World
 from ....maps import elements, intersections, network, paths, signals
+from ....maps.making import made
 from ....maps.network import Network
-from ....maps.reading import made_map
+from ....maps.reading import TOLERANCE, network_from
 from ....semantics.kernel.errors import ImportRefused
 from ....semantics.python.specials import MAPS
 from ....semantics.syntax import Program
 from ....semantics.syntax.nodes import NOWHERE, Span
 from ....semantics.syntax.statements import Param
 from ...actions import ACTIONS
-from .named_maps import maps_of, read, text_and_path
+from .named_maps import constants, maps_of, read, text_and_path, tolerance_in
 
 MAP = "scenic.domains.driving.map"
 """The module that gives `network`, the map of the program."""
@@ -45,9 +46,9 @@ def text(name: str) -> str:
 
 
 @cache
-def default_network() -> Network:
+def default_network(tolerance: float = TOLERANCE) -> Network:
     """The map of programs that name none: nine crossings with traffic lights and crosswalks."""
-    return made_map("grid", **DEFAULT)
+    return network_from(made("grid", **DEFAULT).encode(), tolerance)
 
 
 def map_of(program: Program, params: Mapping[str, object], directory: Path | None) -> tuple[str, Path, Span] | Exception | None:
@@ -65,17 +66,36 @@ def map_of(program: Program, params: Mapping[str, object], directory: Path | Non
     return None
 
 
+def tolerance_of(program: Program, params: Mapping[str, object]) -> float:
+    """The tolerance of the map, by the global parameter `map_options`. Raises `ImportRefused`."""
+    if "map_options" in params:
+        return tolerance_in(params["map_options"], NOWHERE)
+    for statement in reversed(program.statements):
+        for one in statement.assignments if isinstance(statement, Param) else ():
+            if one.name == "map_options":
+                return tolerance_in(constants(one.value), one.value.span)
+    return TOLERANCE
+
+
 def modules(program: Program, params: Mapping[str, object], directory: Path | None) -> Mapping[str, World]:
     """The modules that depend on the maps of a program."""
 
     def of_map() -> Mapping[str, object] | Exception:
         named = map_of(program, params, directory)
-        found = default_network() if named is None else read(*named[1:]) if isinstance(named, tuple) else named
+        try:
+            tolerance = tolerance_of(program, params)
+        except ImportRefused as wrong:
+            return wrong
+        found = default_network(tolerance) if named is None else read(*named[1:], tolerance) if isinstance(named, tuple) else named
         return found if isinstance(found, Exception) else {"network": found}
 
     def of_roads() -> Mapping[str, object]:
         own = map_of(program, params, directory)
-        return {**FIXED_ROADS, MAPS[1]: maps_of(program, directory, [own[:2]] if isinstance(own, tuple) else [])}
+        try:
+            tolerance = tolerance_of(program, params)
+        except ImportRefused:  # which the module of the map says
+            tolerance = TOLERANCE
+        return {**FIXED_ROADS, MAPS[1]: maps_of(program, directory, {own[0]: (own[1], tolerance)} if isinstance(own, tuple) else {})}
 
     return {MAP: of_map, MAPS[0]: of_roads}
 

@@ -47,8 +47,15 @@ behavior FollowTrajectoryBehavior(target_speed=10, trajectory=None, turn_speed=N
         take following(self, path, place, turn_speed if bend else target_speed)
         place = path.along(self.position, place)
 
+# Along a trajectory through an intersection, until it ends or the vehicle has left the intersection, to which it may have to come first.
 behavior TurnBehavior(trajectory, target_speed=6):
-    do FollowTrajectoryBehavior(target_speed, trajectory)
+    path = Trajectory(trajectory)
+    place = path.along(self.position)
+    within = False
+    while place < path.length - 1 and not (within and self._intersection is None):
+        within = within or self._intersection is not None
+        take following(self, path, place, target_speed)
+        place = path.along(self.position, place)
 
 # Along a lane, straight on where it goes on (else by some maneuver), until the road ends; then the vehicle stops.
 behavior FollowLaneBehavior(target_speed=10, laneToFollow=None, is_oppositeTraffic=False):
@@ -163,7 +170,7 @@ behavior TurnLeftBehavior():
     left = [m for m in lane.maneuvers if m.type is ManeuverType.LEFT_TURN]
     require len(left) > 0
     maneuver = Uniform(*left)
-    do TurnBehavior([lane, maneuver.connectingLane, maneuver.endLane.centerline.pointAlongBy(12)])
+    do FollowTrajectoryBehavior(6, [lane, maneuver.connectingLane, maneuver.endLane.centerline.pointAlongBy(12)])
     take SetSteerAction(0)
 
 # A driver of the simulator's (`--simulator sumo`), until SetAutopilotAction(False).

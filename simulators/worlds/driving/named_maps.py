@@ -2,26 +2,58 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from ....maps.network import Network
-from ....maps.reading import read_map
+from ....maps.reading import TOLERANCE, read_map
 from ....semantics.kernel.errors import ImportRefused, ScenicError
 from ....semantics.kernel.scopes import descendants
+from ....semantics.kernel.suggestions import did_you_mean
+from ....semantics.python.specials import WITHOUT_EFFECT
 from ....semantics.syntax import Program
 from ....semantics.syntax.nodes import NOWHERE, Span
-from ....semantics.syntax.python_expressions import Attribute, Call, Constant, Name
+from ....semantics.syntax.python_expressions import Attribute, Call, Constant, DictDisplay, Name
+
+LARGEST_TOLERANCE = 10.0
+"""Metres by which a point may miss an element at most."""
 
 
-def read(path: Path, span: Span = NOWHERE) -> Network | Exception:
+def read(path: Path, span: Span = NOWHERE, tolerance: float = TOLERANCE) -> Network | Exception:
     """The map of a file, which the program names there, or why it cannot be had."""
     if path.suffix.lower() != ".xodr":
         return ImportRefused(f"the map of a program is an OpenDRIVE file (.xodr), not {path.name}", span)
     try:
-        return read_map(path)
+        return read_map(path, checked(tolerance, span))
     except ScenicError as problem:
         return ImportRefused(problem.message, span)
+
+
+def checked(tolerance: object, span: Span) -> float:
+    """A tolerance. Raises `ImportRefused`."""
+    if isinstance(tolerance, bool) or not isinstance(tolerance, (int, float)) or not 0 <= tolerance <= LARGEST_TOLERANCE:
+        raise ImportRefused(f"the tolerance of a map is a number of metres from 0 to {LARGEST_TOLERANCE:g}", span)
+    return float(tolerance)
+
+
+def tolerance_in(options: object, span: Span) -> float:
+    """The tolerance in the global parameter `map_options`, among options that change nothing here. Raises `ImportRefused`."""
+    known = sorted({*WITHOUT_EFFECT, "tolerance"})
+    if not isinstance(options, Mapping):
+        raise ImportRefused("the parameter map_options must be a dictionary of texts and constants: the map is read before the program runs", span)
+    for name in options:
+        if name not in known:
+            raise ImportRefused(f"there is no map option {name!r}", span, hint=did_you_mean(str(name), known) or f"there are {', '.join(known)}")
+    return checked(options.get("tolerance", TOLERANCE), span)
+
+
+def constants(node: object) -> object:
+    """What a dictionary of constants that is written in a program holds; None for other expressions."""
+    match node:
+        case DictDisplay(items=items) if all(isinstance(k, Constant) and isinstance(v, Constant) for k, v in items):
+            return {k.value: v.value for k, v in items}  # type: ignore[union-attr]
+        case _:
+            return None
 
 
 def text_and_path(node: object, directory: Path | None) -> tuple[str, Path] | None:
@@ -36,18 +68,20 @@ def text_and_path(node: object, directory: Path | None) -> tuple[str, Path] | No
             return None
 
 
-def named(program: Program, directory: Path | None) -> Iterator[tuple[str, Path]]:
-    """The texts that a program gives to `fromFile`, and the files that they name."""
+def named(program: Program, directory: Path | None) -> Iterator[tuple[object, tuple[Path, object]]]:
+    """The texts that a program gives to `fromFile` (each with the tolerance, if there is one), and the files that they name."""
     for statement in program.statements:
         for node in descendants(statement):
             match node:
-                case Call(function=Attribute(name="fromFile"), arguments=(first, *_)) if found := text_and_path(first, directory):
-                    yield found
+                case Call(function=Attribute(name="fromFile" | "fromOpenDrive"), arguments=(first, *_)) if found := text_and_path(first, directory):
+                    given = next((k.value.value for k in node.keywords if k.name == "tolerance" and isinstance(k.value, Constant)), None)
+                    text, path = found
+                    yield text if given is None else (text, given), (path, TOLERANCE if given is None else given)
                 case _:
                     pass
 
 
-def maps_of(program: Program, directory: Path | None, own: Iterable[tuple[str, Path]]) -> dict[str, Network | str]:
+def maps_of(program: Program, directory: Path | None, own: Mapping[object, tuple[Path, object]]) -> dict[object, Network | str]:
     """The maps that a program may read by `fromFile`, its `own` one among them, by the texts that it gives, or why they cannot be had."""
-    found = {text: read(path) for text, path in dict([*own, *named(program, directory)]).items()}
+    found = {key: read(path, NOWHERE, tolerance) for key, (path, tolerance) in {**dict(named(program, directory)), **own}.items()}  # type: ignore[arg-type]
     return {text: str(one) if isinstance(one, Exception) else one for text, one in found.items()}

@@ -8,6 +8,38 @@ def beside(element, vehicle, metres):
     place = line.along(lane.point(lane.along(vehicle.position) + metres))
     return line.point(max(1, min(line.length - 1, place)))
 
+# The lanes that come after one: those of the first way straight on, else of the first maneuver.
+def lanesAfter(lane):
+    for maneuver in onward(lane)[:1]:
+        return [maneuver.endLane] if maneuver.connectingLane is None else [maneuver.connectingLane, maneuver.endLane]
+    return [] if lane._successor is None or lane._successor not in network.lanes else [lane._successor]
+
+# The lanes from a vehicle's to the one that is so many metres further along them, or to the end of the road.
+def wayAhead(vehicle, metres):
+    way, more = [], [vehicle.lane]
+    left = -metres - Trajectory(more).along(vehicle.position)
+    while left < 1 and len(more) > 0:
+        way.append(more[0])
+        left += Trajectory(more[:1]).length
+        more = more[1:] if len(more) > 1 else lanesAfter(way[-1])
+    return way
+
+# The point so many metres ahead of a vehicle along its lane and those after it; not at the very end of the road.
+def pointAhead(way, vehicle, metres):
+    if len(way) == 1:
+        return beside(way[0], vehicle, metres)
+    path = Trajectory(way)
+    return path.point(min(path.length - 1, path.along(vehicle.position) + metres))
+
+# The direction of traffic at a point of the last lane of a way.
+def directionOn(way, point):
+    return (roadDirection at point) if len(way) == 1 else way[-1].centerline.heading_at(point)
+
+# How many metres of a vehicle's lane are ahead of it.
+def leftOfLane(vehicle):
+    lane = Trajectory([vehicle.lane])
+    return lane.length - lane.along(vehicle.position)
+
 # The place at the curb so many metres ahead of a vehicle.
 def curbAhead(vehicle, metres):
     return OrientedPoint at beside(vehicle.laneGroup.curb, vehicle, metres), facing roadDirection
@@ -19,12 +51,24 @@ def redWays(vehicle, seconds=5):
     ways = [m for m in own[0].conflictingManeuvers if m.type is ManeuverType.STRAIGHT] if len(own) > 0 else []
     return [m for m in ways if m.startLane._trafficLight is not None and staysRed(m.startLane._trafficLight, seconds)]
 
-# A driver who closes up to the car ahead, then falls back and keeps away.
-behavior CloseUpAndFallBack(leader, speed=10):
+# Along some lanes and on, braking before what is ahead.
+behavior FollowWay(way, speed):
+    if len(way) > 1:
+        do FollowTrajectoryBehavior(speed, way)
+    do FollowLaneBehavior(speed)
+
+behavior KeepAway(way, speed):
     try:
-        do FollowLaneBehavior(speed) until (distance from self to leader) < 9
-        do FollowLaneBehavior(2) until (distance from self to leader) > 20
-        do DriveAvoidingCollisions(leader.speed, 10)
+        do FollowWay(way, speed)
+    interrupt when self.distanceToNextObstacle() <= 10:
+        take SetThrottleAction(0), SetBrakeAction(1)
+
+# A driver who closes up to the car ahead, then falls back and keeps away; along the lanes to where that car was at first.
+behavior CloseUpAndFallBack(leader, speed=10, way=()):
+    try:
+        do FollowWay(way, speed) until (distance from self to leader) < 9
+        do FollowWay(way, 2) until (distance from self to leader) > 20
+        do KeepAway(way, leader.speed)
     interrupt when self.timeToCollision() < 1 or self.distanceToNextObstacle() < 2:
         take SetThrottleAction(0), SetBrakeAction(1)
 
@@ -38,12 +82,24 @@ behavior CrossInFrontOf(vehicle, other, speed, threshold):
     do CrossingBehavior(vehicle, speed, threshold) until (distance from self to other) < 0.5
     take SetWalkingSpeedAction(0)
 
-# Ego follows a car, too closely at first.
+# Ego follows a car, too closely at first. Near the end of ego's lane that car is on one of the lanes after it.
 scenario FollowingScenario(gap=20, speed=5):
     precondition: ego._lane is not None
     setup:
-        leadCar = Car at beside(ego.lane, ego, gap), with behavior FollowLaneBehavior(speed)
-        override ego with behavior CloseUpAndFallBack(leadCar)
+        way = wayAhead(ego, gap)
+        spot = pointAhead(way, ego, gap)
+        leadCar = Car at spot, facing directionOn(way, spot), with behavior FollowLaneBehavior(speed, way[-1])
+        override ego with behavior CloseUpAndFallBack(leadCar, 10, way)
+
+# The paper's scenario of this name: a car parked at the curb pulls out ahead of `target`, which keeps away; it ends when that car is in the lane.
+scenario ParkedCarPullingAheadOf(target, metres=25, gap=0.25):
+    precondition: target._laneGroup is not None and target._laneGroup._shoulder is not None
+    precondition: target._lane is not None and leftOfLane(target) > metres + 25
+    setup:
+        override target with behavior FollowLaneAvoidingCollisions
+        lane = target.lane
+        parkedCar = Car left of curbAhead(target, metres) by gap, with behavior PullOutBehavior(lane)
+        terminate when parkedCar in lane
 
 # While ego comes to an intersection, a car from the side drives on at a red light; it ends when this car has left the intersection.
 scenario RedLightRunner(speed=9):
