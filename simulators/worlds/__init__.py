@@ -69,6 +69,11 @@ WORLDS: Mapping[str, Callable[[], str | Mapping[str, object]]] = {
 }
 """Shipped modules by name: the text of a Scenic module, or the namespace of a Python one."""
 
+PARAMS_READ: Mapping[str, tuple[str, ...]] = {
+    "map": ("scenic.domains.driving.model", site_maps.MODEL, driving.MAP, driving.MAPS[0]), site_maps.CRS: (site_maps.MODEL,),
+}  # fmt: skip
+"""The global parameters that modules read before a program runs, with these modules."""
+
 
 def modules_of(program: Program, params: Mapping[str, object], directory: Path | None) -> Mapping[str, World]:
     """All shipped modules for a program: those that depend on its map as well."""

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+import warnings
 from pathlib import Path
 
 import pytest
 from scenic_ref.conformance import load_vectors
 from scenic_ref.scenario import load, loads
+from scenic_ref.scenario.loading import scenario_of
 from scenic_ref.scenario.noticing import warnings_about
 from scenic_ref.semantics.kernel.errors import ScenicError
 
@@ -90,3 +92,46 @@ def test_vectors_are_warned_about_imports_that_they_do_not_use_alone() -> None:
                 if len(re.findall(rf"\b{name}\b", text)) != 1:
                     wrong.append((vector.name, dialect, warning.message))
     assert wrong == []
+
+
+PARAMS = "param weight = 4\nego = Object with width globalParameters.weight, with length globalParameters.get('deep', 1)\n"
+ONLY_WRITTEN = "it is written with the scenes, and a simulator is told of it; the program does nothing with it"
+
+
+@pytest.mark.parametrize(
+    ("text", "given", "expected"),
+    [
+        (PARAMS, ["wieght"], [("wieght", "did you mean weight?")]),
+        (PARAMS, ["weight", "deep"], []),
+        ("ego = Object\n", ["weather"], [("weather", ONLY_WRITTEN)]),
+        ("ego = Object at weather @ 0\nweather = 3\n", ["weather"], [("weather", ONLY_WRITTEN)]),  # a variable is no parameter
+        ("model gtaLib\nego = Car\n", ["weathr", "time"], [("weathr", "did you mean weather?")]),
+        ("scenario Main():\n    setup:\n        param depth = 3\n        ego = Object\n", ["depth"], []),
+        ("model scenic.domains.driving.model\nego = Car\n", ["mpa"], [("mpa", "did you mean map?")]),
+    ],
+)
+def test_a_parameter_that_nothing_reads_is_warned_about(text: str, given: list[str], expected: list[tuple[str, str]]) -> None:
+    scenario = scenario_of(text, params=dict.fromkeys(given, 2))
+    assert [(w.message, w.hint, w.span.line) for w in warnings_about(scenario)] == [
+        (f"nothing reads or sets the parameter {name}", hint, 0) for name, hint in expected
+    ]
+
+
+def test_a_map_that_no_module_reads_is_warned_about() -> None:
+    (found,) = warnings_about(scenario_of("ego = Object\n", params={"map": "a.xodr"}))
+    assert found.hint.startswith("the program has none of the modules that read it: scenic.domains.driving.model, site_map")
+
+
+def test_python_warns_the_caller_of_parameters_that_nothing_reads_and_the_scene_has_them_all_the_same(tmp_path: Path) -> None:
+    with pytest.warns(UserWarning, match=r"^nothing reads or sets the parameter wieght: did you mean weight\?$") as found:
+        scenario = loads(PARAMS, params={"wieght": 3})
+    assert found[0].filename == __file__
+    assert scenario.sample().params["wieght"] == 3
+    (tmp_path / "p.scenic").write_text(PARAMS)
+    with pytest.warns(UserWarning, match="wieght") as found:
+        load(tmp_path / "p.scenic", params={"wieght": 3})
+    assert found[0].filename == __file__
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        loads(PARAMS, params={"weight": 3})
+        loads("model nosuch\n", params={"weight": 3})  # the error comes with the first scene
