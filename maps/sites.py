@@ -17,6 +17,8 @@ from ..semantics.space.vectors import Vector
 from .xml import MapError
 
 KINDS = {Polygon: "areas", LineString: "lines", Point: "points"}
+FEATURES, SITE = "site_map.features", "_site"
+"""The module that gives what is on a map, and its name for the whole."""
 HEADING, BEARING = "heading", "bearing"
 """Properties of an area that give its direction, in degrees from North: to the left, as Scenic counts, or to the right, as a compass does."""
 
@@ -66,6 +68,10 @@ class SiteMap:
     features: tuple[MapFeature, ...]
     notes: tuple[str, ...] = ()
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """It is pickled without the regions that were made of it."""
+        return SiteMap, (self.features, self.notes)
+
     def names(self) -> dict[str, list[MapFeature]]:
         """The features with each name, in the order of the map."""
         found: dict[str, list[MapFeature]] = {}
@@ -82,12 +88,15 @@ class SiteMap:
     def namespace(self) -> Mapping[str, object]:
         """What a program gets: `regions` and `properties` by name, `area`, the union of all areas, and `directions`, if an area has one.
 
+        Also the map itself, for pictures.
+
         Raises `MapError` for shapes that are no regions.
         """
         directed = [(feature, heading) for feature in self.areas() if (heading := feature.heading) is not None]
         cells = [(area, heading) for feature, heading in directed for area in feature.polygons]
         field = PolygonalVectorField("directions", cells) if cells else None
         found: dict[str, object] = {
+            SITE: self,
             "regions": {name: region_of(name, features, field) for name, features in self.names().items()},
             "properties": {name: dict(features[0].properties) for name, features in self.names().items()},
         }

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ...formats.geodata import read_site
 from ...interpreter.modules import World
-from ...maps.sites import SiteMap
+from ...maps.sites import FEATURES, SiteMap
 from ...semantics.kernel.errors import ImportRefused, ScenicError
 from ...semantics.syntax import Program
 from ...semantics.syntax.nodes import NOWHERE, Span
@@ -15,7 +15,7 @@ from ...semantics.syntax.python_expressions import Constant
 from ...semantics.syntax.statements import Param
 from .driving import map_of
 
-MODEL, FEATURES = "site_map", "site_map.features"
+MODEL = "site_map"
 CRS = "map_crs"
 TEXT = f"from {FEATURES} import *\n"
 """The module in Scenic."""

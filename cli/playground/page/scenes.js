@@ -4,6 +4,7 @@ function askScenes() {
   state.scenes = []; state.base = []; state.features = []; state.names = {}; state.tally = null; state.problem = null; state.dynamic = false;
   classes.clear();
   at("grid").replaceChildren();
+  document.body.classList.remove("partly");
   at("grid").classList.remove("stale");
   say("message", "");
   rejected = new Map();
@@ -42,6 +43,7 @@ function askBase(count) {
 
 function addScene(scene) {
   state.scenes.push(scene);
+  if (!scene.problem && scene.view.length && !scene.allSeen) document.body.classList.add("partly");  // what ego sees is told apart in some scene
   if (scene.objects.some(o => o.properties.behavior)) state.dynamic = true;
   const card = make(
     "button", {class: "card", "aria-pressed": "false", title: "show it in full", onclick: () => choose(scene.scene)}, drawScene(scene),
