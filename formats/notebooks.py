@@ -63,7 +63,11 @@ def row_of(scene: Scene, o: SceneObject) -> tuple[str, ...]:
 
 def short(value: object) -> str:
     """The text of a value, or its beginning."""
-    text = stable_repr(value)  # type: ignore[arg-type]
+    return short_text(stable_repr(value))  # type: ignore[arg-type]
+
+
+def short_text(text: str) -> str:
+    """A text, or its beginning."""
     return text if len(text) <= LONGEST else text[:LONGEST] + "…"
 
 

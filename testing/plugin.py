@@ -258,7 +258,7 @@ def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) ->
     number = scene_number(item)
     if error is not None and report.failed:
         if call.when == "call":
-            report.sections.append(("the program", told(error)))
+            report.sections.append(("the program", told(error, hint=False)))  # pytest shows it with the error
         else:
             report.longrepr = told(error)
     if number is not None and call.when in ("setup", "call"):
@@ -284,12 +284,12 @@ def program_error(call: pytest.CallInfo[None]) -> ScenicError | None:
     return value if errors is not None and isinstance(value, errors.ScenicError) else None
 
 
-def told(error: ScenicError) -> str:
-    """An error with its place in the program, the line there, and the hint."""
+def told(error: ScenicError, *, hint: bool = True) -> str:
+    """An error with its place in the program, the line there, and, unless it is shown already, the hint."""
     lines = [f"{error.kind}: {error.message}"]
     if error.span.line > 0:
         lines.append(f"  {error.span}: {source_line(error.span.file, error.span.line)}".rstrip(": "))
-    return "\n".join([*lines, *([f"  hint: {error.hint}"] if error.hint else []), *([f"  rule: {error.rule}"] if error.rule else [])])
+    return "\n".join([*lines, *([f"  hint: {error.hint}"] if hint and error.hint else []), *([f"  rule: {error.rule}"] if error.rule else [])])
 
 
 def source_line(file: str, number: int) -> str:
