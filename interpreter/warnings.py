@@ -34,19 +34,22 @@ class ProgramWarning(NamedTuple):
 
 
 UNREAD, UNUSED, UNREAD_PARAM = "unread property", "unused import", "unread parameter"
+UNKNOWN, DEGREES, ONE_VALUE = "unknown name", "heading in degrees", "one value"
 KINDS = {
     UNREAD_PARAM: "nothing reads or sets a global parameter that was given from outside",
     UNREAD: "nothing reads a property, and its name is nearly that of one that is read",
+    UNKNOWN: "nothing binds a name that a function, behavior, monitor or scenario uses",
+    DEGREES: "a heading is more than a full turn in radians",
+    ONE_VALUE: "Uniform is given one list, in place of the values in it",
     UNUSED: "nothing uses what an import gives, and the module does nothing else",
 }
 """The kinds of warnings, and when each is given."""
 
 
 def warnings_of(program: Program, library: Library, read: Collection[str], *, trust: bool) -> list[ProgramWarning]:
-    """The warnings about a program, in the order of its text. `read` are the properties that simulators read; Python code may read any."""
+    """The warnings about properties and imports. `read` are the properties that simulators read; Python code may read any."""
     nodes = [node for statement in program.statements for node in descendants(statement)]
-    found = [*_unused_imports(program, nodes, library), *([] if trust else _unread_properties(program.text, nodes, library, read))]
-    return sorted(found, key=lambda warning: (warning.span.line, warning.span.column))
+    return [*_unused_imports(program, nodes, library), *([] if trust else _unread_properties(program.text, nodes, library, read))]
 
 
 # Properties

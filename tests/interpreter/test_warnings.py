@@ -8,11 +8,13 @@ from pathlib import Path
 
 import pytest
 from scenic_ref.conformance import load_vectors
+from scenic_ref.interpreter.warnings import DEGREES, ONE_VALUE, UNKNOWN, UNUSED
 from scenic_ref.scenario import load, loads
 from scenic_ref.scenario.loading import scenario_of
 from scenic_ref.scenario.noticing import warnings_about
 from scenic_ref.semantics.kernel.errors import ScenicError
 
+ONE = "Uniform draws one of its arguments, and this is one: always the whole list"
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
@@ -31,6 +33,21 @@ def warned(text: str, directory: Path | None = None) -> list[tuple[int, int, str
         ("behavior B():\n    take 1\nego = Object with behaviour B()\n", (3, 19, "nothing reads the property behaviour", "did you mean behavior?")),
         ("import math\nego = Object\n", (1, 8, "nothing uses the import math", "remove it")),
         ("from math import sin, cos\nego = Object with width cos(0)\n", (1, 18, "nothing uses the import sin", "remove it")),
+        ("ego = Object facing 90\n", (1, 21, "headings are in radians, and 90 is more than a full turn", "for degrees write 90 deg")),
+        (
+            "ego = Object facing Range(-180, 90)\n",
+            (1, 21, "headings are in radians, and -180 is more than a full turn", "for degrees write Range(-180, 90) deg"),
+        ),
+        ("class A:\n    heading: -45\nego = A\n", (2, 14, "headings are in radians, and -45 is more than a full turn", "for degrees write -45 deg")),
+        ("ego = Object with tag Uniform([1, 2])\n", (1, 31, ONE, "write the values themselves: Uniform(1, 2, 3), or Uniform(*values)")),
+        (
+            "def f():\n    return nosuch\nego = Object\n",
+            (2, 12, "nosuch is not defined", "assign it first, or import it; a text stands in quotation marks"),
+        ),
+        (
+            "model scenic.domains.driving.model\nbehavior B():\n    take SetBrakAction(1)\nego = Car with behavior B()\n",
+            (3, 10, "SetBrakAction is not defined", "did you mean SetBrakeAction?"),
+        ),
         ("import math as m\nmath = 3\nego = Object with width math\n", (1, 8, "nothing uses the import m", "remove it")),
     ],
 )
@@ -52,6 +69,12 @@ def test_a_slip_is_warned_about(text: str, expected: tuple[int, int, str, str]) 
         "from math import *\nego = Object\n",
         "from __future__ import annotations\nego = Object\n",
         "class A:\n    weight: 3\nego = A\n",
+        "ego = Object facing 6.28\n",
+        "ego = Object facing 90 deg\n",
+        "def f(a, *b, c=1, **d):\n    e = [g for g in b]\n    try:\n        h = a\n    except ValueError as i:\n        raise i\n"
+        "    return e, c, d, h, later, ego\nlater = 3\nego = Object\n",
+        "from nosuch import *\ndef f():\n    return g\nego = Object\n",
+        "scenario Main():\n    setup:\n        ego = Object\n        speed = 3\n    compose:\n        wait\nbehavior B():\n    take speed\n",
         "import mars\nego = Object\n",  # it makes a workspace
     ],
 )
@@ -79,8 +102,9 @@ def test_no_example_is_warned_about(path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_vectors_are_warned_about_imports_that_they_do_not_use_alone() -> None:
+def test_vectors_are_warned_about_imports_that_they_do_not_use_and_what_they_are_about_alone() -> None:
     wrong = []
+    others: set[tuple[str, str]] = set()
     for vector in load_vectors():
         for dialect, text in vector.texts.items():
             try:
@@ -88,10 +112,16 @@ def test_vectors_are_warned_about_imports_that_they_do_not_use_alone() -> None:
             except ScenicError:
                 continue
             for warning in warnings:
+                if warning.kind != UNUSED:
+                    others.add((vector.name, warning.kind))
+                    continue
                 name = warning.message.removeprefix("nothing uses the import ")
                 if len(re.findall(rf"\b{name}\b", text)) != 1:
                     wrong.append((vector.name, dialect, warning.message))
     assert wrong == []
+    assert others == {
+        ("refused-a-local-variable-before-it-is-bound", UNKNOWN), ("uniform-of-one-list", ONE_VALUE), ("headings-as-properties-wrapped", DEGREES),
+    }  # fmt: skip
 
 
 PARAMS = "param weight = 4\nego = Object with width globalParameters.weight, with length globalParameters.get('deep', 1)\n"

@@ -70,7 +70,7 @@ def modules(program: Program, params: Mapping[str, object], directory: Path | No
 
     def of_map() -> Mapping[str, object] | Exception:
         named = map_of(program, params, directory)
-        found = default_network() if named is None else read(*named[1:]) if isinstance(named, tuple) else named
+        found = default_network() if named is None else read(*named[1:], directory) if isinstance(named, tuple) else named
         return found if isinstance(found, Exception) else {"network": found}
 
     def of_roads() -> Mapping[str, object]:
