@@ -35,12 +35,14 @@ class ProgramWarning(NamedTuple):
 
 UNREAD, UNUSED, UNREAD_PARAM = "unread property", "unused import", "unread parameter"
 UNKNOWN, DEGREES, ONE_VALUE = "unknown name", "heading in degrees", "one value"
+IMPLAUSIBLE = "implausible map"
 KINDS = {
     UNREAD_PARAM: "nothing reads or sets a global parameter that was given from outside",
     UNREAD: "nothing reads a property, and its name is nearly that of one that is read",
     UNKNOWN: "nothing binds a name that a function, behavior, monitor or scenario uses",
     DEGREES: "a heading is more than a full turn in radians",
     ONE_VALUE: "Uniform is given one list, in place of the values in it",
+    IMPLAUSIBLE: "a map of one's own is so large or so small that its coordinates are most likely others than those that are read",
     UNUSED: "nothing uses what an import gives, and the module does nothing else",
 }
 """The kinds of warnings, and when each is given."""

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import shapely
 from shapely.geometry import LinearRing, LineString, Point, Polygon
@@ -61,16 +62,24 @@ class MapFeature:
         return math.radians(math.remainder(degrees if name == HEADING else -degrees, 360))
 
 
+class Doubt(NamedTuple):
+    """Why a map is most likely not in the coordinates that it is read in, and what to do about it."""
+
+    what: str
+    remedy: str
+
+
 @dataclass(frozen=True)
 class SiteMap:
     """A map of one's own: its features, and notes about how they were read."""
 
     features: tuple[MapFeature, ...]
     notes: tuple[str, ...] = ()
+    doubt: Doubt | None = None
 
     def __reduce__(self) -> tuple[object, ...]:
         """It is pickled without the regions that were made of it."""
-        return SiteMap, (self.features, self.notes)
+        return SiteMap, (self.features, self.notes, self.doubt)
 
     def names(self) -> dict[str, list[MapFeature]]:
         """The features with each name, in the order of the map."""
@@ -117,7 +126,7 @@ class SiteMap:
             ],
             "area_m2": round(shapely.union_all([feature.shape for feature in self.areas()]).area, 3),
             "bounds": [round(float(x), 3) for x in (west, south, east, north)],
-            "notes": list(self.notes),
+            "notes": [*self.notes, *([] if self.doubt is None else [f"{self.doubt.what}: {self.doubt.remedy}"])],
         }  # fmt: skip
 
 
