@@ -17,7 +17,7 @@ from ...semantics.kernel.outcome import Requirement
 from ...semantics.syntax.nodes import Span
 from ..drawing import Softness
 from ..reports import rejecting
-from .texts import Json, cut, cut_text
+from .texts import Json, cut, cut_text, on_page
 
 MOST_OBJECTS = 1_000
 """A scene with more objects is not drawn on the page."""
@@ -66,8 +66,9 @@ def place_of(span: Span) -> Json:
 
 
 def diagnostic_shown(one: Diagnostic) -> Json:
-    """A diagnostic as `check --format json` has it, with texts that are not too long."""
-    return {name: cut(value) if name != "message" else cut_text(str(value), 2000) for name, value in record(one).items()}
+    """A diagnostic as `check --format json` has it, with texts that are not too long, and advice that can be followed on the page."""
+    said = one._replace(hint=on_page(one.hint))
+    return {name: cut(value) if name != "message" else cut_text(str(value), 2000) for name, value in record(said).items()}
 
 
 def requirements_shown(stuck: Iterable[tuple[Requirement, int]]) -> list[Json]:

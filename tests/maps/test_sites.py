@@ -283,10 +283,10 @@ def moved(scale: float, east: float = 0.0, north: float = 0.0) -> list[list[list
 @pytest.mark.parametrize(
     ("coordinates", "crs", "what", "remedy"),
     [
-        (moved(1), "EPSG:4326", "the map is 1,115 km across, since its coordinates are read as degrees", "if they are metres, set the parameter map_crs"),
+        (moved(1), "EPSG:4326", "the map is 1,115 km across, since its coordinates are read as degrees", "if they are metres, set"),
         (moved(0.0001, 200, 50), "EPSG:4326", "the map has longitudes beyond 180 degrees", "if its coordinates are no degrees"),
         (moved(20_000), "metres", "the map is 200 km across", "if its coordinates are not those of metres, set the parameter map_crs"),
-        (moved(0.001, 13, 52), "metres", "the map is 0.01 m across, since its coordinates are read as metres", "set the parameter map_crs to 'EPSG:4326'"),
+        (moved(0.001, 13, 52), "metres", "the map is 0.01 m across, since its coordinates are read as metres", "map_crs to 'EPSG:4326'"),
         (moved(0.0001, 13, 52), "EPSG:4326", None, None),
         (moved(2), "metres", None, None),
         (moved(0.01, 4_000), "metres", None, None),
