@@ -84,7 +84,8 @@ def check(
     """Check a program, or compare samples with it.
 
     The program is parsed, checked and run once; the answer is "ok" or the error, and warnings: properties that nothing reads though their names
-    are nearly those of others, imports that nothing uses. Exit codes: 0 ok, 1 an error, or with --strict a warning.
+    are nearly those of others, parameters that nothing reads, imports that nothing uses, names in bodies that nothing
+    binds, headings in degrees, `Uniform` of one list. Exit codes: 0 ok, 1 an error, or with --strict a warning.
 
     With --samples: were these scenes drawn from the program's distribution? Exit codes: 0 equivalent, 1 different, 2 wrong usage, 5
     inconclusive (too few samples for --detect-tv).

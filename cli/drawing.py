@@ -174,7 +174,8 @@ def tell_warnings(scenario: Scenario) -> None:
     """Tell what looks like a slip in the program, a line for each of the first."""
     warnings = warnings_about(scenario)
     for warning in warnings[:MOST_WARNINGS]:
-        tell(f"warning: {warning.span}: {warning.message}: {warning.hint}")
+        place = f"{warning.span}: " if warning.span.line else ""
+        tell(f"warning: {place}{warning.message}: {warning.hint}")
     if len(warnings) > MOST_WARNINGS:
         tell(f"and {len(warnings) - MOST_WARNINGS:,} more warnings, which `scenic-ref check` tells")
 

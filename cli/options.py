@@ -83,13 +83,13 @@ class Source:
         """The scenario. Raises `ParseError`, `CheckError`, `UsageError`."""
         from ..inference.batch.devices import check_device
         from ..interpreter.walls import WALL
-        from ..scenario import loads
+        from ..scenario.loading import scenario_of
 
         if self.device is not None:
             check_device(self.device)  # which also prepares it: CUDA takes more of the address space than the wall leaves
         if not self.trust:
             WALL.build(self.limits)
-        scenario = loads(
+        scenario = scenario_of(
             self.text, file=self.file, dialect=self.dialect, profile=self.profile, readings=dict(self.readings),
             params={name: literal(value) for name, value in self.params}, model=self.model, trust=self.trust,
             directory=Path(self.file).parent if self.beside else None, fuel=self.fuel, scenario=self.scenario,

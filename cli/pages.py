@@ -25,7 +25,7 @@ class PageRun(NamedTuple):
     """A simulation in the simulation format, and the land below its objects; None where that is the program's map."""
 
     run: Mapping[str, object]
-    land: list[object] | None
+    land: Mapping[str, object] | None
 
 
 def write_page(path: str, title: str, runs: Sequence[PageRun], scenario: Scenario) -> None:

@@ -11,6 +11,7 @@ from .options import (
     DialectOption,
     FuelOption,
     LimitMemoryOption,
+    MapOption,
     ModelOption,
     ParamOption,
     ProfileOption,
@@ -43,6 +44,7 @@ def play(
     model: ModelOption = None,
     scenario: ScenarioOption = None,
     param: ParamOption = None,
+    map_file: MapOption = None,
     fuel: FuelOption = FUEL,
     limit_memory: LimitMemoryOption = MEMORY,
     limit_seconds: Annotated[
@@ -63,7 +65,7 @@ def play(
     session = context.obj
     session.seed = seed
     source, linked = source_of(
-        session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, fuel=fuel, trust=trust,
+        session, file, profile=profile, reading=reading, dialect=dialect, model=model, param=param, map=map_file, fuel=fuel, trust=trust,
         limits=limits_of(limit_memory, limit_seconds), scenario=scenario,
     )
     begin(source, linked, seed, PORT if port is None else port, otherwise=port is None, browser=not no_browser)

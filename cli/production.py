@@ -7,18 +7,21 @@ from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager, ExitStack
 from typing import NamedTuple, Protocol, TypeVar
 
+from ..formats.notebooks import counted
 from ..formats.table_files import SUFFIXES
 from ..inference.batch.jobs.blocks import Workers, cluster, processes
 from ..inference.batch.jobs.failures import FailedDraw
+from ..inference.rejection import InterruptedDraw
 from ..scenario import FEW
 from ..semantics.kernel.errors import ScenicError, UsageError
 from .drawing import Drawing, drawing_of, tell_notes, tell_warnings
+from .errors import WORST
 from .files import LINES, PICTURES, check_ending, check_file, check_place
 from .options import Source
 from .outputs import Output, Resumed, open_output
 from .portions import batch_of, portions
 from .progress import Progress
-from .reports import Tally, processor_seconds, summary, write_report
+from .reports import Tally, processor_seconds, requirement_lines, summary, write_report
 from .session import Session, tell
 from .workers import Job, draw_here, drawn_by
 
@@ -50,21 +53,27 @@ def produce(source: Source, request: SceneRequest, session: Session) -> None:
     rehearse(drawing)
     begun, used = time.perf_counter(), processor_seconds()
     tally = Tally()
-    with ExitStack() as stack:
-        output = open_output(request.output, resume=request.resume, stream=request.stream)
-        stack.push(output)
-        earlier = output.earlier(request.seed) if request.resume else Resumed()
-        check_earlier(drawing, request, earlier)
-        start = max(request.start, earlier.count)
-        job = Job(source, request.seed, start, max(start, request.stop), request.max_attempts)
-        interpreted = why_interpreted(drawing, request)
-        progress = stack.enter_context(Progress(request.stop - request.start, start - request.start, foresight=BatchForesight(drawing, request)))
-        known = list(earlier.first)
-        if interpreted is None:
-            produce_by_batch(job, request, output, tally, progress, known, stack)
-        else:
-            produce_one_by_one(drawing, job, request, output, tally, progress, known, stack)
-        output.finish()
+    start = request.start
+    try:
+        with ExitStack() as stack:
+            output = open_output(request.output, resume=request.resume, stream=request.stream)
+            stack.push(output)
+            earlier = output.earlier(request.seed) if request.resume else Resumed()
+            check_earlier(drawing, request, earlier)
+            start = max(request.start, earlier.count)
+            job = Job(source, request.seed, start, max(start, request.stop), request.max_attempts)
+            interpreted = why_interpreted(drawing, request)
+            progress = stack.enter_context(Progress(request.stop - request.start, start - request.start, foresight=BatchForesight(drawing, request)))
+            known = list(earlier.first)
+            if interpreted is None:
+                produce_by_batch(job, request, output, tally, progress, known, stack)
+            else:
+                produce_one_by_one(drawing, job, request, output, tally, progress, known, stack)
+            output.finish()
+    except KeyboardInterrupt as stop:
+        for line in lines_so_far(drawing, tally, start, stop, session):
+            tell(line)
+        raise
     if source.prune:
         for line in pruning_lines(drawing):
             tell(line)
@@ -81,6 +90,19 @@ def produce(source: Source, request: SceneRequest, session: Session) -> None:
         write_report(request.report, drawing, tally, "batch" if interpreted is None else "interpreter", earlier.count, seconds)
     if request.plot is not None:
         plot(drawing, request, known[: request.stop])
+
+
+def lines_so_far(drawing: Drawing, tally: Tally, start: int, stop: KeyboardInterrupt, session: Session) -> list[str]:
+    """What a run from scene `start` came to that was interrupted, with the attempts at scenes that were not found yet."""
+    stuck = tally.stuck.copy()
+    batch = drawing.scenario.batch if "_lifted" in vars(drawing.scenario) else None
+    block = None if batch is None else batch.drawing
+    if isinstance(stop, InterruptedDraw):
+        stuck.update(stop.stuck)
+    elif block is not None and block.start >= start + tally.scenes:
+        stuck.update(block.stuck)
+    head = f"{counted(tally.scenes, 'scene')} so far, and {counted(stuck.total(), 'stuck attempt')}"
+    return [head, *(requirement_lines(stuck.most_common(), session.texts, limit=WORST) if stuck else [])]
 
 
 class BatchForesight:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -56,7 +56,7 @@ class ReportedRun:
     told: str
     stuck: Counter[Failed]
     printed: tuple[str, ...]
-    land: list[object] | None
+    land: Mapping[str, object] | None
     run: SampledRun | None
 
     def __reduce__(self) -> tuple[Callable[..., ReportedRun], tuple[object, ...]]:
@@ -80,7 +80,7 @@ def reported(run: SampledRun, wanted: bool, printed: tuple[str, ...] = (), *, sh
         line = to_line(simulation, run.attempts) if wanted else ""
     except ValueError as problem:
         raise InternalError(f"simulation {index} cannot be written: {problem}") from None
-    land = land_below(simulation.scene.workspace, json.loads(line)) if shown and line else None
+    land = land_below(simulation.scene, json.loads(line)) if shown and line else None
     return ReportedRun(index, run.attempts, line, told, run.stuck, printed, land, run)
 
 

@@ -147,7 +147,7 @@ def write_text(found: TracedRun, texts: Mapping[str, str], *, everything: bool) 
             print(escaped(f"\n{event.span.file}:{event.span.line}: {line}" if event.span.line else "\n(no place in the source)"))
         print(escaped(event_line(event)))
     hidden = len(found.trace.events) - sum(1 for _ in shown_events(found.trace, everything=everything))
-    print(escaped(f"\n{found.ending}"))
+    print(escaped(f"\n{found.ending if found.error is None else 'the program is wrong, and the run ends here'}"))  # the error follows
     if hidden:
         print(f"{hidden:,} rules inherited from Python or for default values are hidden; --all shows them")
     sys.stdout.flush()

@@ -16,7 +16,7 @@ import scenic_ref
 from rich.console import Console
 from rich.text import Text
 from scenic_ref.formats.movies import movie
-from scenic_ref.formats.pictures import SIDE, colours_of, draw, new_figure, written
+from scenic_ref.formats.pictures import SIDE, colours_of, draw, new_figure, views_of, written
 
 ROOT = Path(__file__).resolve().parents[1]
 PLACE = Path(__file__).parent / "images"
@@ -39,7 +39,7 @@ def scenes() -> bytes:
     for number, (title, (name, seed)) in enumerate(PROGRAMS.items(), 1):
         scene = scenic_ref.load(ROOT / "examples" / name).sample(seed)
         axes = figure.add_subplot(2, 3, number)
-        draw(axes, scene, None, colours_of([scene]), small=True)
+        draw(axes, scene, None, colours_of([scene]), *views_of([scene]), small=True)
         axes.set_title(title, fontsize=10)
     return written(figure, "png")
 

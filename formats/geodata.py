@@ -21,13 +21,15 @@ from shapely.geometry import shape as geometry_of
 from shapely.geometry.base import BaseGeometry
 
 from ..interpreter.extras import needed
-from ..maps.sites import MapFeature, SiteMap
+from ..maps.sites import Doubt, MapFeature, SiteMap
 from ..maps.xml import MapError
 from ..semantics.kernel.errors import UsageError
 
 LARGEST = 64 << 20
 """Bytes that a file may have."""
 MOST_POINTS = 2_000_000
+LARGEST_EXTENT, LEAST_EXTENT = 100_000.0, 1.0
+"""Metres beyond which a map is most likely in other coordinates."""
 METRES, DEGREES = "metres", "EPSG:4326"
 """Coordinates that need no projection, and those of GeoJSON if it says nothing else."""
 SUFFIXES = (".geojson", ".json", ".wkt", ".shp")
@@ -190,18 +192,38 @@ def in_metres(features: list[MapFeature], told: str | None, crs: str | None) -> 
         raise MapError(f"the map has more than {MOST_POINTS:,} points")
     meant = crs or told or METRES
     flat = [replace(feature, shape=shapely.force_2d(feature.shape)) for feature in features]
-    if meant == METRES:
-        return SiteMap(tuple(flat))
     coordinates = shapely.get_coordinates([feature.shape for feature in flat])
-    projected, note = projection(meant, coordinates)
+    if meant == METRES:
+        return SiteMap(tuple(flat), (), doubt_about(coordinates, coordinates, meant, degrees=False))
+    projected, note, degrees = projection(meant, coordinates)
     shapes = shapely.transform(np.array([feature.shape for feature in flat], dtype=object), projected)
     if not np.isfinite(shapely.get_coordinates(shapes)).all():
         raise MapError(f"its coordinates lie outside what {meant:.60} can project: say what they are with the parameter map_crs, such as 'metres'")
-    return SiteMap(tuple(replace(feature, shape=shape) for feature, shape in zip(flat, shapes, strict=True)), (note,))
+    doubt = doubt_about(coordinates, shapely.get_coordinates(shapes), meant, degrees=degrees)
+    return SiteMap(tuple(replace(feature, shape=shape) for feature, shape in zip(flat, shapes, strict=True)), (note,), doubt)
 
 
-def projection(crs: str, coordinates: np.ndarray) -> tuple[Callable[[np.ndarray], np.ndarray], str]:
-    """What turns coordinates of a reference system into metres, and a note that says how. Raises `MapError`, `UsageError` (package missing)."""
+def doubt_about(given: np.ndarray, metres: np.ndarray, crs: str, *, degrees: bool) -> Doubt | None:
+    """What is implausible about the coordinates of a map, as they were `given` and in `metres`; None if nothing is."""
+    across = float(np.ptp(metres, axis=0).max()) if len(metres) else 0.0
+    if degrees and across > LARGEST_EXTENT:
+        what = f"the map is {across / 1000:,.0f} km across, since its coordinates are read as degrees"
+        return Doubt(what, "if they are metres, set the parameter map_crs to 'metres', or write \"crs\": null into the GeoJSON")
+    if degrees and (np.abs(given[:, 0]) > 180).any():
+        return Doubt("the map has longitudes beyond 180 degrees", "if its coordinates are no degrees, set the parameter map_crs, such as to 'metres'")
+    if across > LARGEST_EXTENT:
+        return Doubt(f"the map is {across / 1000:,.0f} km across", f"if its coordinates are not those of {crs:.60}, set the parameter map_crs")
+    if not degrees and 0 < across < LEAST_EXTENT and (np.abs(given) <= (180.0, 90.0)).all():
+        what = f"the map is {across:.3g} m across, since its coordinates are read as {crs:.60}"
+        return Doubt(what, f"if they are longitude and latitude, set the parameter map_crs to {DEGREES!r}")
+    return None
+
+
+def projection(crs: str, coordinates: np.ndarray) -> tuple[Callable[[np.ndarray], np.ndarray], str, bool]:
+    """What turns coordinates of a reference system into metres, a note that says how, and whether they are degrees.
+
+    Raises `MapError`, and `UsageError` where the package is missing.
+    """
     try:
         from pyproj import CRS, Transformer
         from pyproj.exceptions import ProjError
@@ -216,7 +238,8 @@ def projection(crs: str, coordinates: np.ndarray) -> tuple[Callable[[np.ndarray]
         if not system.is_projected or len(factors) != 1:
             raise MapError(f"{system.name} is no plane of metres, nor in degrees")
         [factor] = factors
-        return (lambda points: points * factor), f"coordinates are those of {system.name}" + ("" if factor == 1 else f", in metres ({factor:g} each)")
+        note = f"coordinates are those of {system.name}" + ("" if factor == 1 else f", in metres ({factor:g} each)")
+        return (lambda points: points * factor), note, False
     if (np.abs(coordinates) > (360.0, 90.0)).any():
         raise MapError("its coordinates are no degrees: say what they are with the parameter map_crs, such as 'metres' or 'EPSG:25832'")
     west, south = coordinates.min(axis=0)
@@ -225,7 +248,7 @@ def projection(crs: str, coordinates: np.ndarray) -> tuple[Callable[[np.ndarray]
     plane = CRS.from_dict({"proj": "tmerc", "lat_0": latitude, "lon_0": longitude, "k": 1, "ellps": "WGS84", "units": "m"})
     transformer = Transformer.from_crs(system, plane, always_xy=True)
     note = f"metres East and North of longitude {longitude:g}, latitude {latitude:g}"
-    return (lambda points: np.column_stack(transformer.transform(points[:, 0], points[:, 1]))), note
+    return (lambda points: np.column_stack(transformer.transform(points[:, 0], points[:, 1]))), note, True
 
 
 def save_map(source: object, path: str | Path, *, crs: str | None = None) -> None:
@@ -236,6 +259,8 @@ def save_map(source: object, path: str | Path, *, crs: str | None = None) -> Non
     """
     site = in_metres([replace(one, place=f"feature {k}") for k, one in enumerate(features_in(source))], crs or METRES, None)
     usable(site)
+    if site.doubt is not None:
+        warnings.warn(f"{site.doubt.what}: {site.doubt.remedy.replace('the parameter map_crs', 'crs')}", stacklevel=2)
     members = []
     for one in site.features:
         named = {} if one.name is None else {"name": one.name}

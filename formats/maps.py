@@ -62,7 +62,7 @@ def draw_areas(axes: Axes, network: Network, window: Window) -> None:
         fill(axes, shapes, colour, layer, edge)
 
 
-def fill(axes: Axes, shapes: Iterable[BaseGeometry], colour: str, layer: int, edge: str | None = None) -> None:
+def fill(axes: Axes, shapes: Iterable[BaseGeometry], colour: str, layer: float, edge: str | None = None) -> None:
     """Shapes in one colour."""
     from matplotlib.collections import PathCollection
     from matplotlib.path import Path as Outline

@@ -15,6 +15,7 @@ from ..semantics.space.geometry import corners, direction
 from ..semantics.space.vectors import Vector
 from .pictures import CROWD, EGO, FARTHEST, INK, MARGIN, Window, colours_by_class, draw_land, draw_scale
 from .recordings import Simulated
+from .site_land import draw_site
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -155,6 +156,7 @@ def stage(window: Window, title: str, simulation: Simulated) -> tuple[FigureCanv
     for spine in axes.spines.values():
         spine.set_edgecolor("#bbbbbb")
     draw_land(axes, simulation.scene.workspace, window)
+    draw_site(axes, simulation.scene.site, window)
     draw_scale(axes, window, 9)
     return canvas, axes
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from ..semantics.kernel.errors import UsageError
 from ..semantics.python.texts import stable_repr
-from .pictures import colours_of, draw, picture
+from .pictures import colours_of, draw, picture, views_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -63,7 +63,11 @@ def row_of(scene: Scene, o: SceneObject) -> tuple[str, ...]:
 
 def short(value: object) -> str:
     """The text of a value, or its beginning."""
-    text = stable_repr(value)  # type: ignore[arg-type]
+    return short_text(stable_repr(value))  # type: ignore[arg-type]
+
+
+def short_text(text: str) -> str:
+    """A text, or its beginning."""
     return text if len(text) <= LONGEST else text[:LONGEST] + "…"
 
 
@@ -106,5 +110,5 @@ def plotted(scene: Scene, ax: Axes | None) -> Axes:
         import matplotlib.pyplot as plt
 
         ax = plt.figure(layout="constrained").add_subplot()
-    draw(ax, scene, None, colours_of([scene]), small=False)
+    draw(ax, scene, None, colours_of([scene]), *views_of([scene]), small=False)
     return ax

@@ -18,6 +18,7 @@ from ..semantics.space.geometry import corners, direction
 from ..semantics.space.regions import Region, everywhere
 from ..semantics.space.vectors import Vector
 from .maps import Window, draw_map, polygons_in
+from .site_land import draw_site
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 
     from .scenes import Scene, SceneObject
 
+Outline = Sequence[tuple[float, float]]
 FORMATS = ("png", "pdf", "svg")
 LAND, EDGE, EGO, INK = "#e4e4e1", "#c2c2bd", "#d55e00", "#222222"
 CLASSES = ("#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#555555")
@@ -39,7 +41,6 @@ LETTER, LINE = 0.62, 1.35  # a letter's width and a line's height, in sizes of t
 INCH = 72  # points
 ARC_STEP = math.radians(2)
 CIRCLE_SIDES = 256
-
 
 
 def picture(scenes: Iterable[Scene], *, format: str = "png", roads: Region | None = None) -> bytes:
@@ -116,12 +117,12 @@ def draw_scenes(figure: Figure | SubFigure, scenes: Sequence[Scene], roads: Regi
 
     rows, columns, _ = size_of(len(scenes))
     colours = colours_of(scenes)
-    seen = False
-    for number, scene in enumerate(scenes):
-        seen |= draw(figure.add_subplot(rows, columns, number + 1), scene, roads, colours, small=len(scenes) > 1)
+    views = views_of(scenes)
+    for number, (scene, view) in enumerate(zip(scenes, views, strict=True), 1):
+        draw(figure.add_subplot(rows, columns, number), scene, roads, colours, view, small=len(scenes) > 1)
     egos = {"ego": EGO} if any(scene.ego_id is not None for scene in scenes) else {}
     patches = [Patch(facecolor=colour, alpha=0.7, label=shortened(name)) for name, colour in (egos | colours).items()]
-    if seen:
+    if any(views):
         patches.append(Patch(facecolor=(EGO, 0.10), edgecolor=(EGO, 0.45), label="what ego can see"))
     if len(patches) > len(egos):
         figure.legend(handles=patches, loc="outside lower center", ncols=min(len(patches), max(5, 3 * columns)), frameon=False, fontsize=8)
@@ -137,8 +138,8 @@ def colours_by_class(names: Iterable[str]) -> dict[str, str]:
     return dict(zip(dict.fromkeys(names), itertools.cycle(CLASSES), strict=False))
 
 
-def draw(axes: Axes, scene: Scene, roads: Region | None, colours: Mapping[str, str], *, small: bool) -> bool:
-    """One scene: its workspace, ego's view, the objects with their headings and names, and a scale. Whether ego's view is part of it."""
+def draw(axes: Axes, scene: Scene, roads: Region | None, colours: Mapping[str, str], view: Outline = (), *, small: bool) -> None:
+    """One scene: its workspace, ego's view if there is one, the objects with their headings and names, and a scale."""
     west, south, east, north = window = window_of(scene)
     axes.set_aspect("equal")
     axes.set_xlim(west, east)
@@ -152,12 +153,12 @@ def draw(axes: Axes, scene: Scene, roads: Region | None, colours: Mapping[str, s
     for spine in axes.spines.values():
         spine.set_edgecolor("#bbbbbb")
     draw_land(axes, scene.workspace if roads is None else roads, window)
-    seen = scene.ego_id is not None and draw_view(axes, scene.ego, window)
+    draw_site(axes, scene.site, window)
+    draw_view(axes, view)
     for o in scene.objects:
         draw_object(axes, o, EGO if o.id == scene.ego_id else colours[o.class_name], east - west)
     draw_names(axes, scene, size, window)
     draw_scale(axes, window, size)
-    return seen
 
 
 def window_of(scene: Scene) -> Window:
@@ -183,14 +184,14 @@ def bounds_of_shape(shapes: Sequence[BaseGeometry]) -> Window:
 def draw_land(axes: Axes, region: object, window: Window) -> None:
     """The part of a region, or of the map, inside the window; nothing if there is no region, or if it is the whole plane."""
     from matplotlib.patches import PathPatch
-    from matplotlib.path import Path as Outline
+    from matplotlib.path import Path as Rings
 
     if isinstance(region, MapWorkspace):
         draw_map(axes, region.network, window)
         return
     for polygon in land_in(region, window):
         rings = [polygon.exterior, *polygon.interiors]
-        outline = Outline.make_compound_path(*(Outline(np.asarray(ring.coords)[:, :2], closed=True) for ring in rings))
+        outline = Rings.make_compound_path(*(Rings(np.asarray(ring.coords)[:, :2], closed=True) for ring in rings))
         axes.add_patch(PathPatch(outline, facecolor=LAND, edgecolor=EDGE, linewidth=0.8, zorder=0))
 
 
@@ -202,20 +203,29 @@ def land_in(region: object, window: Window) -> list[shapely.Polygon]:
     return polygons_in(shapely.intersection(region.approximate(CIRCLE_SIDES, box).cover, box))
 
 
-def draw_view(axes: Axes, ego: SceneObject, window: Window) -> bool:
-    """Ego's visible region, the sector of its view angle and view distance, unless it is all that the picture shows. Whether it was drawn."""
+def draw_view(axes: Axes, points: Outline) -> None:
+    """Ego's visible region, the sector of its view angle and view distance; nothing where there are no points."""
     from matplotlib.patches import Polygon
 
-    points = view_of(ego, window)
-    if not points:
-        return False
-    axes.add_patch(Polygon(points, closed=True, facecolor=EGO, alpha=0.10, linewidth=0, zorder=1))
-    axes.add_patch(Polygon(points, closed=True, fill=False, edgecolor=EGO, alpha=0.45, linewidth=0.7, zorder=1))
-    return True
+    if points:
+        axes.add_patch(Polygon(points, closed=True, facecolor=EGO, alpha=0.10, linewidth=0, zorder=1))
+        axes.add_patch(Polygon(points, closed=True, fill=False, edgecolor=EGO, alpha=0.45, linewidth=0.7, zorder=1))
 
 
-def view_of(ego: SceneObject, window: Window) -> list[tuple[float, float]]:
-    """The outline of what an object sees; nothing if that is all of the window, or not known."""
+def views_of(scenes: Sequence[Scene]) -> list[Outline]:
+    """What ego sees in each of the scenes that are shown together; nothing for all where nothing else is shown in any."""
+    views = [view_of(scene.ego) if scene.ego_id is not None else [] for scene in scenes]
+    partly = any(view and not is_all(view, window_of(scene)) for view, scene in zip(views, scenes, strict=True))
+    return list(views) if partly else [[] for _ in views]
+
+
+def is_all(view: Outline, window: Window) -> bool:
+    """Whether an object that sees this sees all of the window."""
+    return shapely.Polygon(view).buffer(0).covers(shapely.box(*window))
+
+
+def view_of(ego: SceneObject) -> list[tuple[float, float]]:
+    """The outline of what an object sees; nothing if that is not known."""
     reach = ego.properties.get("visibleDistance", ego.properties.get("viewDistance"))  # reading `view-distance`
     distance, angle = number(reach), number(ego.properties.get("viewAngle"))
     if not distance or not angle:
@@ -223,8 +233,7 @@ def view_of(ego: SceneObject, window: Window) -> list[tuple[float, float]]:
     x, y = ego.position
     turns = np.linspace(-angle / 2, angle / 2, max(2, math.ceil(angle / ARC_STEP) + 1)) + ego.heading
     arc = [(x - distance * math.sin(t), y + distance * math.cos(t)) for t in turns]
-    points = arc if angle >= math.tau - 1e-9 else [(x, y), *arc]
-    return [] if shapely.Polygon(points).buffer(0).covers(shapely.box(*window)) else points
+    return arc if angle >= math.tau - 1e-9 else [(x, y), *arc]
 
 
 def number(value: object) -> float | None:

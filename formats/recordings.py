@@ -7,6 +7,7 @@ from dataclasses import fields, is_dataclass
 from types import MappingProxyType
 from typing import NamedTuple
 
+from .notebooks import counted, short_text
 from .scenes import OWN_FIELDS, Scene, in_json, json_value, portable
 
 SCHEMA = "scenic-ref/simulation/1"
@@ -37,6 +38,10 @@ class Moment(NamedTuple):
     events: tuple[str, ...]
     doing: Mapping[int, str] = MappingProxyType({})
 
+    def __repr__(self) -> str:
+        happened = f", {short_text('; '.join(self.events))}" if self.events else ""
+        return f"<time step {self.step}, {counted(len(self.objects), 'object')}, {counted(len(self.actions), 'agent')} acting{happened}>"
+
     def __reduce__(self) -> tuple[Callable[..., Moment], tuple[object, ...]]:
         """For `pickle`."""
         return Moment, (self.step, self.objects, dict(self.actions), self.events, dict(self.doing))
@@ -55,6 +60,11 @@ class Simulated(NamedTuple):
     timestep: float
     created: tuple[Body, ...] = ()
     records: Mapping[str, tuple[tuple[int, object], ...]] = MappingProxyType({})
+
+    def __repr__(self) -> str:
+        last = self.moments[-1].step if self.moments else 0
+        scene = f"simulation {self.scene.index} of seed {self.scene.seed}, {counted(len(self.scene.objects), 'object')}"
+        return f"<{scene}, {counted(last, 'time step')} ({last * self.timestep:g} s), {self.result}: {short_text(self.reason)}>"
 
     def __reduce__(self) -> tuple[Callable[..., Simulated], tuple[object, ...]]:
         """For `pickle`; see `SceneObject.__reduce__`."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
@@ -12,6 +13,10 @@ from shapely.geometry.base import BaseGeometry
 from ..maps.network import MapWorkspace, Network
 from .maps import ARROW, Window, areas_of, arrows_of, polygons_in, ways_of
 from .pictures import EDGE, EGO, FARTHEST, LAND, colours_by_class, land_in
+from .site_land import laid, lines_in
+
+if TYPE_CHECKING:
+    from .scenes import Scene
 
 Json = Mapping[str, object]
 ROOM, LEAST = 1.25, 30.0
@@ -36,12 +41,28 @@ def run_shown(run: Json) -> dict[str, object]:
     return {name: run[name] for name in ("seed", "run", "timestep", "steps", "result", "reason")} | {"ego": ego, "objects": objects}
 
 
-def land_below(region: object, run: Json) -> list[object] | None:
-    """The workspace of a simulation around its objects, as areas for the page; None for that of a map (`map_below`), of which all runs show one."""
+def land_below(scene: Scene, run: Json) -> dict[str, object] | None:
+    """What lies around the objects of a simulation (`land_around`); None for a network of roads (`map_below`), of which all runs show one."""
     window = window_around([run])
-    if isinstance(region, MapWorkspace):
+    if isinstance(scene.workspace, MapWorkspace):
         return None
-    return [] if window is None else areas(land_in(region, window), LAND, EDGE, window)
+    return {"areas": []} if window is None else land_around(scene, window)
+
+
+def land_around(scene: Scene, window: Window) -> dict[str, object]:
+    """The workspace of a scene, and the areas, lines and points of a map of one's own, in a window."""
+    digits = digits_for(window)
+    features = laid(scene.site, window)
+    found = areas(land_in(scene.workspace, window), LAND, EDGE, window)
+    found += [area for one in features if one.kind == "areas" for area in areas([one.shape], one.faint, one.dim, window)]
+    ways = [(one.dim, line) for one in features if one.kind == "lines" for line in lines_in(one.shape)]
+    points = [(one.dim, shapely.get_coordinates(one.shape)) for one in features if one.kind == "points"]
+    drawn = {"lines": ways, "points": points}
+    below: dict[str, object] = {"areas": found}
+    return below | {
+        kind: [{"colour": colour, "points": [rounded(point, digits) for point in places.tolist()]} for colour, places in some]
+        for kind, some in drawn.items() if some
+    }
 
 
 def map_below(network: Network, runs: Sequence[Json]) -> dict[str, object]:

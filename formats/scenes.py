@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from ..maps.sites import SiteMap
 from ..semantics.kernel.config import State
 from ..semantics.kernel.errors import UsageError
 from ..semantics.kernel.kinds import is_scalar
@@ -26,6 +27,7 @@ from ..semantics.space.vectors import Vector
 from .notebooks import line_of_object, line_of_scene, page_of_scene, plotted
 from .pictures import picture
 from .programs import program_of
+from .site_land import site_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -153,6 +155,8 @@ class Scene:
     weight: float = 1.0
     workspace: Region = everywhere
     pruned: bool = False
+    site: SiteMap | None = field(default=None, compare=False, repr=False)
+    """The map of the model `site_map`, which pictures show."""
 
     @property
     def ego(self) -> SceneObject:
@@ -271,7 +275,7 @@ def scene_of(
     params = {name: unwrap(value)[0] for name, value in state.params.items()}
     workspace = workspace_of(state)
     ego = ego_of(state, simulated=simulated)
-    return Scene(objects, None if ego is None else numbers[ego.number], params, seed, index, attempts, weight, workspace, pruned)
+    return Scene(objects, None if ego is None else numbers[ego.number], params, seed, index, attempts, weight, workspace, pruned, site_of(state))
 
 
 def check_written(state: State) -> None:

@@ -12,6 +12,7 @@ from .maps import Window, draw_lights
 from .movies import Course, courses_of
 from .pictures import INK, draw_land, draw_scale, new_figure, written
 from .recordings import Simulated
+from .site_land import draw_site
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -61,6 +62,7 @@ def draw_moment(axes: Axes, simulation: Simulated, courses: Sequence[Course], st
         spine.set_edgecolor("#bbbbbb")
     land = simulation.scene.workspace
     draw_land(axes, land, window)
+    draw_site(axes, simulation.scene.site, window)
     if isinstance(land, MapWorkspace):
         draw_lights(axes, land.network, window, seconds)
     for course in courses:

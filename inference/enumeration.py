@@ -15,6 +15,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import NamedTuple
 
+from ..formats.notebooks import counted
 from ..formats.scenes import Scene, scene_of
 from ..interpreter.running import DEFAULT_FUEL, Accepted, run
 from ..semantics.kernel.config import Config, State
@@ -57,6 +58,11 @@ class Enumeration:
     coins: tuple[Coins, ...]
     runs: int
     discretized: int | None = None
+
+    def __repr__(self) -> str:
+        exact = "exact" if self.discretized is None else f"an approximation by {counted(self.discretized, 'value')} for each continuous draw"
+        accepted = f"a run is accepted with probability {float(self.acceptance):.6g}"
+        return f"<{counted(len(self.outcomes), 'outcome')}, {exact}, of {counted(self.runs, 'run')}; {accepted}>"
 
     def law(self, read: Callable[[Scene], Hashable]) -> dict[Hashable, Fraction]:
         """The distribution of `read(scene)`."""

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple
 
+from ..formats.notebooks import counted
 from ..formats.recordings import Simulated, to_json
 from ..interpreter.running import DEFAULT_FUEL
 from ..semantics.kernel.config import Config
@@ -37,6 +38,10 @@ class Histories:
     acceptance: Fraction
     stuck: Mapping[Failed, Fraction]
     runs: int
+
+    def __repr__(self) -> str:
+        accepted = f"a run is accepted with probability {float(self.acceptance):.6g}"
+        return f"<{counted(len(self.outcomes), 'simulation')}, exact, of {counted(self.runs, 'run')}; {accepted}>"
 
     def law(self, read: Callable[[Simulated], Hashable]) -> dict[Hashable, Fraction]:
         """The distribution of `read(simulation)`."""

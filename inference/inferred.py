@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..formats.notebooks import counted
 from ..formats.scenes import Scene
 from .diagnostics import Diagnosis
 
@@ -59,6 +60,10 @@ class Inferred(NamedTuple):
     """Of splitting: each level of violation, the part of the states that met it, and by kind of move the part that was taken there."""
     moves: Mapping[str, float] = MappingProxyType({})
     """Of chains: by kind of move the part that was taken."""
+
+    def __repr__(self) -> str:
+        trusted = "" if self.agrees else ", not to be trusted"
+        return f"<{counted(len(self.scenes), 'scene')} by {self.backend} in {counted(self.attempts, 'run')}{trusted}>"
 
     @property
     def agrees(self) -> bool:

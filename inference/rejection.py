@@ -32,6 +32,14 @@ class Sampled(NamedTuple):
     steps: int
 
 
+class InterruptedDraw(KeyboardInterrupt):
+    """Ctrl-C while a scene was looked for; `stuck` is what failed in the attempts at it so far."""
+
+    def __init__(self, stuck: Counter[Requirement]) -> None:
+        super().__init__()
+        self.stuck = stuck
+
+
 def sample(
     start: Callable[[], Config], seed: int, index: int, *, max_attempts: int = DEFAULT_ATTEMPTS, fuel: int = DEFAULT_FUEL,
     on_attempt: Callable[[int], None] | None = None, witnessed: Callable[[int], Witness] | None = None, draws: Draws = AS_THEY_ARE,
@@ -46,7 +54,10 @@ def sample(
     for attempt in range(max_attempts):
         witness = None if witnessed is None else witnessed(attempt)
         choose, drawn = counting(from_stream(seed, index, attempt, draws))
-        result = run(start(), choose, fuel=fuel, witness=witness)
+        try:
+            result = run(start(), choose, fuel=fuel, witness=witness)
+        except KeyboardInterrupt:
+            raise InterruptedDraw(stuck) from None
         steps += result.steps
         if isinstance(result, Accepted):
             return Sampled(scene_of(result.state, seed, index, attempt + 1, pruned=bool(draws)), stuck, steps)

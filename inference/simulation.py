@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from itertools import count, islice
 from typing import NamedTuple
 
+from ..formats.notebooks import counted
 from ..formats.recordings import Simulated
 from ..interpreter.choosers import from_stream
 from ..interpreter.running import DEFAULT_FUEL, Witness
@@ -27,6 +28,9 @@ class SampledRun(NamedTuple):
     simulation: Simulated
     attempts: int
     stuck: Counter[Failed]
+
+    def __repr__(self) -> str:
+        return f"<{counted(self.attempts, 'attempt')}, the last one accepted: {self.simulation!r}>"
 
 
 def sample_simulation(

@@ -1,4 +1,5 @@
-"""Warnings: what in a program does no harm and is still, most likely, a mistake: a property that nothing reads, an import that nothing uses.
+"""Warnings: what in a program does no harm and is still, most likely, a mistake: a property or a given parameter that nothing
+reads, an import that nothing uses.
 
 Every property of an object is written with the scene, so that one that nothing reads may be meant for whoever reads scenes. It is warned about
 where its name is nearly that of a property that is read; where a class gives it a default, only if letters are swapped or in another case.
@@ -8,13 +9,13 @@ Library modules are not warned about.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from typing import NamedTuple
 
 from ..semantics.kernel.classes import BUILT_IN_CLASSES, SPELLINGS
 from ..semantics.kernel.kinds import SPATIAL_PROPERTIES
 from ..semantics.kernel.scopes import descendants
-from ..semantics.kernel.suggestions import nearest
+from ..semantics.kernel.suggestions import did_you_mean, nearest
 from ..semantics.syntax import Node, Program, Span
 from ..semantics.syntax import dynamics as d
 from ..semantics.syntax import statements as s
@@ -32,19 +33,25 @@ class ProgramWarning(NamedTuple):
     hint: str
 
 
-UNREAD, UNUSED = "unread property", "unused import"
+UNREAD, UNUSED, UNREAD_PARAM = "unread property", "unused import", "unread parameter"
+UNKNOWN, DEGREES, ONE_VALUE = "unknown name", "heading in degrees", "one value"
+IMPLAUSIBLE = "implausible map"
 KINDS = {
+    UNREAD_PARAM: "nothing reads or sets a global parameter that was given from outside",
     UNREAD: "nothing reads a property, and its name is nearly that of one that is read",
+    UNKNOWN: "nothing binds a name that a function, behavior, monitor or scenario uses",
+    DEGREES: "a heading is more than a full turn in radians",
+    ONE_VALUE: "Uniform is given one list, in place of the values in it",
+    IMPLAUSIBLE: "a map of one's own is so large or so small that its coordinates are most likely others than those that are read",
     UNUSED: "nothing uses what an import gives, and the module does nothing else",
 }
 """The kinds of warnings, and when each is given."""
 
 
 def warnings_of(program: Program, library: Library, read: Collection[str], *, trust: bool) -> list[ProgramWarning]:
-    """The warnings about a program, in the order of its text. `read` are the properties that simulators read; Python code may read any."""
+    """The warnings about properties and imports. `read` are the properties that simulators read; Python code may read any."""
     nodes = [node for statement in program.statements for node in descendants(statement)]
-    found = [*_unused_imports(program, nodes, library), *([] if trust else _unread_properties(program.text, nodes, library, read))]
-    return sorted(found, key=lambda warning: (warning.span.line, warning.span.column))
+    return [*_unused_imports(program, nodes, library), *([] if trust else _unread_properties(program.text, nodes, library, read))]
 
 
 # Properties
@@ -88,6 +95,40 @@ def _mentioned(nodes: list[Node]) -> Iterator[str]:
             yield node.name
         elif isinstance(node, Constant) and isinstance(node.value, str):
             yield node.value
+
+
+# Global parameters
+
+
+def unread_params(program: Program, library: Library, given: Collection[str], read: Mapping[str, Collection[str]]) -> list[ProgramWarning]:
+    """Global parameters that were given from outside, and that neither the program nor a module of it reads or sets.
+
+    `read` has the parameters that are read before a program runs, each with the modules that read it.
+    """
+    if any(isinstance(module, Exception) for module in library.values()):
+        return []  # what is missing might read them
+    programs = [program, *(module for module in library.values() if isinstance(module, Program))]
+    nodes = [node for one in programs for statement in one.statements for node in descendants(statement)]
+    known = {one.name for node in nodes if isinstance(node, s.Param) for one in node.assignments}
+    known |= {name for name, modules in read.items() if any(module in library for module in modules)}
+    if any(isinstance(node, Name) and node.name == PARAMS for node in nodes):
+        known |= set(_mentioned(nodes))
+    whole = Span(program.file, 0, 0, 0, 0)
+    return [
+        ProgramWarning(UNREAD_PARAM, f"nothing reads or sets the parameter {name}", whole, _meant_param(name, known, read))
+        for name in given if name not in known
+    ]
+
+
+PARAMS = "globalParameters"
+WRITTEN = "it is written with the scenes, and a simulator is told of it; the program does nothing with it"
+
+
+def _meant_param(name: str, known: Collection[str], read: Mapping[str, Collection[str]]) -> str:
+    """What to do about a parameter that nothing reads."""
+    if name in read:
+        return f"the program has none of the modules that read it: {', '.join(read[name])}"
+    return did_you_mean(name, known, WRITTEN)
 
 
 # Imports

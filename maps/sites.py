@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import shapely
 from shapely.geometry import LinearRing, LineString, Point, Polygon
@@ -17,6 +18,8 @@ from ..semantics.space.vectors import Vector
 from .xml import MapError
 
 KINDS = {Polygon: "areas", LineString: "lines", Point: "points"}
+FEATURES, SITE = "site_map.features", "_site"
+"""The module that gives what is on a map, and its name for the whole."""
 HEADING, BEARING = "heading", "bearing"
 """Properties of an area that give its direction, in degrees from North: to the left, as Scenic counts, or to the right, as a compass does."""
 
@@ -59,12 +62,24 @@ class MapFeature:
         return math.radians(math.remainder(degrees if name == HEADING else -degrees, 360))
 
 
+class Doubt(NamedTuple):
+    """Why a map is most likely not in the coordinates that it is read in, and what to do about it."""
+
+    what: str
+    remedy: str
+
+
 @dataclass(frozen=True)
 class SiteMap:
     """A map of one's own: its features, and notes about how they were read."""
 
     features: tuple[MapFeature, ...]
     notes: tuple[str, ...] = ()
+    doubt: Doubt | None = None
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """It is pickled without the regions that were made of it."""
+        return SiteMap, (self.features, self.notes, self.doubt)
 
     def names(self) -> dict[str, list[MapFeature]]:
         """The features with each name, in the order of the map."""
@@ -82,12 +97,15 @@ class SiteMap:
     def namespace(self) -> Mapping[str, object]:
         """What a program gets: `regions` and `properties` by name, `area`, the union of all areas, and `directions`, if an area has one.
 
+        Also the map itself, for pictures.
+
         Raises `MapError` for shapes that are no regions.
         """
         directed = [(feature, heading) for feature in self.areas() if (heading := feature.heading) is not None]
         cells = [(area, heading) for feature, heading in directed for area in feature.polygons]
         field = PolygonalVectorField("directions", cells) if cells else None
         found: dict[str, object] = {
+            SITE: self,
             "regions": {name: region_of(name, features, field) for name, features in self.names().items()},
             "properties": {name: dict(features[0].properties) for name, features in self.names().items()},
         }
@@ -108,7 +126,7 @@ class SiteMap:
             ],
             "area_m2": round(shapely.union_all([feature.shape for feature in self.areas()]).area, 3),
             "bounds": [round(float(x), 3) for x in (west, south, east, north)],
-            "notes": list(self.notes),
+            "notes": [*self.notes, *([] if self.doubt is None else [f"{self.doubt.what}: {self.doubt.remedy}"])],
         }  # fmt: skip
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from ..semantics.kernel.errors import UsageError
+from ..semantics.kernel.suggestions import did_you_mean
 
 
 def check_whole(*named: tuple[str, object, int | None]) -> None:
@@ -20,3 +21,10 @@ def check_settings(readings: object, params: object, fuel: object) -> None:
         if given is not None and not (isinstance(given, Mapping) and all(isinstance(name, str) for name in given)):
             raise UsageError(f"{what} maps names to values, as in {example}, and is not {given!r:.60}")
     check_whole(("fuel", fuel, 1))
+
+
+def no_backend(backend: object, known: Sequence[str], *, elsewhere: Sequence[str], there: str) -> UsageError:
+    """The error that there is no such backend here; others are `elsewhere`, of the method `there`."""
+    listed = f"the backends are {', '.join(known[:-1])} and {known[-1]}"
+    hint = f"{there} has it" if backend in elsewhere else did_you_mean(str(backend), known, listed)
+    return UsageError(f"there is no backend {backend}", hint=hint)

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..formats.arrow import arrow_for, arrow_table
 from ..formats.columns import JSON, NOTHING, TEXT, TypedColumn, length_of
+from ..formats.notebooks import counted
 from ..formats.scenes import Scene
 from ..formats.tables import Columns, columns_of, pieces_of, together
 from ..inference.batch import Batch, Block
@@ -16,6 +17,7 @@ from ..inference.batch.jobs.blocks import jobs
 from ..inference.batch.jobs.tables import table_of
 from ..interpreter.extras import needed
 from ..semantics.kernel.errors import UsageError
+from .checking import no_backend
 
 if TYPE_CHECKING:
     import pandas
@@ -45,7 +47,7 @@ class Drawn(Iterator[Scene]):
         self._done = 0
 
     def __repr__(self) -> str:
-        return f"<{self._count:,} scenes, {self._done:,} of them drawn>"
+        return f"<{counted(self._count, 'scene')}, {self._done:,} of them drawn>"
 
     def __next__(self) -> Scene:
         try:
@@ -116,7 +118,7 @@ class Drawn(Iterator[Scene]):
 def drawn(scenario: Scenario, n: int, seed: int, start: int, max_attempts: int, backend: Backend, tell: ToldScenes | Bar) -> Drawn:
     """What `Scenario.sample_many` returns. Raises as it does."""
     if backend not in ("auto", "interpreter", "batch"):
-        raise UsageError(f"there is no backend {backend}", hint="the backends are auto, interpreter and batch")
+        raise no_backend(backend, ("auto", "interpreter", "batch"), elsewhere=("importance", "smc", "mcmc"), there="`infer`")
     many = backend == "batch" or (backend == "auto" and n >= FEW)
     if many and scenario.impossible is not None:
         raise scenario.impossible

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 
 from ..interpreter.modules import read_text
 from ..interpreter.parser import parse
 from ..interpreter.running import DEFAULT_FUEL
-from ..semantics.kernel.errors import UsageError
+from ..semantics.kernel.errors import ScenicError, UsageError
+from .noticing import given_in_vain
 from .scenario import Scenario
 
 
@@ -17,7 +19,21 @@ def loads(
     params: Mapping[str, object] | None = None, model: str | None = None, trust: bool = False, directory: Path | None = None,
     fuel: int = DEFAULT_FUEL, scenario: str | None = None,
 ) -> Scenario:
-    """The scenario of a program text. Raises `ParseError`, `CheckError`, `UsageError`."""
+    """The scenario of a program text. Raises `ParseError`, `CheckError`, `UsageError`; warns of parameters that nothing reads."""
+    return warned(
+        scenario_of(
+            text, file=file, dialect=dialect, profile=profile, readings=readings, params=params, model=model, trust=trust, directory=directory,
+            fuel=fuel, scenario=scenario,
+        )
+    )  # fmt: skip
+
+
+def scenario_of(
+    text: str, *, file: str = "<string>", dialect: str | None = None, profile: str = "paper", readings: Mapping[str, str] | None = None,
+    params: Mapping[str, object] | None = None, model: str | None = None, trust: bool = False, directory: Path | None = None,
+    fuel: int = DEFAULT_FUEL, scenario: str | None = None,
+) -> Scenario:
+    """As `loads`, without a warning."""
     if not isinstance(text, str):
         raise UsageError(f"a program is a text, not {text!r:.60}", hint="`load` takes the path of a file")
     program = parse(text, file, dialect)
@@ -35,7 +51,21 @@ def load(
     if not isinstance(path, (str, Path)):
         raise UsageError(f"a path is a text or a `pathlib.Path`, not {path!r:.60}", hint="`loads` takes the text of a program")
     where = Path(path)
-    return loads(
-        read_text(where), file=str(path), dialect=dialect, profile=profile, readings=readings, params=params, model=model, trust=trust,
-        directory=where.parent, fuel=fuel, scenario=scenario,
-    )
+    return warned(
+        scenario_of(
+            read_text(where), file=str(path), dialect=dialect, profile=profile, readings=readings, params=params, model=model, trust=trust,
+            directory=where.parent, fuel=fuel, scenario=scenario,
+        )
+    )  # fmt: skip
+
+
+def warned(scenario: Scenario) -> Scenario:
+    """The scenario, with a warning to the caller of `load` or `loads` about each parameter that nothing reads."""
+    if scenario.params:
+        try:
+            found = given_in_vain(scenario)
+        except ScenicError:  # it is raised where scenes are asked for
+            return scenario
+        for one in found:
+            warnings.warn(f"{one.message}: {one.hint}", stacklevel=3)
+    return scenario

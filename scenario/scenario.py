@@ -44,7 +44,7 @@ from ..simulators.protocol import Simulator
 from ..simulators.simulating import Failed
 from ..simulators.worlds import modules_of
 from ..simulators.worlds.names import MODELS_BY_NAME
-from .checking import check_settings, check_whole
+from .checking import check_settings, check_whole, no_backend
 from .conditioning import conditioned
 from .constants import constants_of, facts_of
 from .drawn import Backend, Drawn, ToldScenes, drawn, progress_of
@@ -342,7 +342,7 @@ class Scenario(Portable, Shown):
         """
         check_whole(("n", n, 1), ("seed", seed, None), ("max_attempts", max_attempts, 1))
         if backend not in ("importance", "smc", "mcmc"):
-            raise UsageError(f"there is no backend {backend}", hint="these backends are importance, smc and mcmc")
+            raise no_backend(backend, ("importance", "smc", "mcmc"), elsewhere=("auto", "interpreter", "batch"), there="`sample_many`")
         batch = self._pruned_batch(backend)
         share = self.pruning.share
         tell = on_progress or (lambda text: None)

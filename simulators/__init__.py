@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from ..semantics.kernel.errors import UsageError
+from ..semantics.kernel.suggestions import did_you_mean
 from .own import own_simulator
 from .protocol import EndRun, RejectRun, Simulator, Surroundings
 
@@ -45,8 +46,8 @@ def by_name(name: str, timestep: float | None = None) -> Simulator:
     if ":" in name:
         return own_simulator(name, timestep)
     if name not in SIMULATORS:
-        hint = f"the simulators are {', '.join(SIMULATORS)}; one of your own is named package.module:Class"
-        raise UsageError(f"there is no simulator {name}", hint=hint)
+        known = f"the simulators are {', '.join(SIMULATORS)}; one of your own is named package.module:Class"
+        raise UsageError(f"there is no simulator {name}", hint=did_you_mean(name, SIMULATORS, known))
     try:
         return SIMULATORS[name](timestep)
     except ValueError as problem:

@@ -159,22 +159,48 @@ def asked(program: object, folder: Path, options: Mapping[str, object]) -> Named
     return NamedProgram(folder / program, "", folder, options)
 
 
+def checked(node: pytest.Item | pytest.Function, config: pytest.Config, path: Path) -> Marked | None:
+    """What the markers say, where there is such a file. Raises `pytest.UsageError`."""
+    found = marked(node, config, path)
+    if found is not None and found.program.file is not None and not found.program.file.is_file():
+        from ..semantics.kernel.suggestions import nearest
+
+        file = found.program.file
+        near = nearest(file.name, [other.name for other in file.parent.glob("*.scenic")])
+        raise pytest.UsageError(f"there is no file {shown_path(file, config)}" + (f"; did you mean {near}?" if near is not None else ""))
+    return found
+
+
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
-    """A test with the fixture `scene` and the marker is run for each scene, those first for which it failed the last time."""
+    """A test with the fixture `scene` and the marker is run for each scene, those first for which it failed the last time.
+
+    One whose marker is wrong is run once, and told by `pytest_runtest_setup`: an error here would hide all other tests of the file.
+    """
     if "scene" not in metafunc.fixturenames:
-        if any(marker.name == "scenic" for marker in metafunc.definition.own_markers):
-            pytest.fail("a test with the marker scenic takes the fixture `scene`: def test_...(scene)", pytrace=False)
         return
     try:
-        found = marked(metafunc.definition, metafunc.config, metafunc.definition.path)
-    except pytest.UsageError as problem:
-        pytest.fail(str(problem), pytrace=False)
+        found = checked(metafunc.definition, metafunc.config, metafunc.definition.path)
+    except pytest.UsageError:
+        return
     if found is not None:
         from .kept import SceneNumber
 
         numbers = [*kept_scenes(metafunc.config).of(metafunc.definition.nodeid), *(SceneNumber(found.seed, n) for n in range(found.scenes))]
         numbers = list(dict.fromkeys(numbers))
         metafunc.parametrize("scene", numbers, indirect=True, ids=[str(number) for number in numbers])
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Tell of a test whose marker is wrong."""
+    if "scene" in getattr(item, "fixturenames", ()):
+        if scene_number(item) is None:
+            try:
+                checked(item, item.config, item.path)
+            except pytest.UsageError as problem:
+                pytest.fail(f"the marker scenic of {item.name}: {problem}", pytrace=False)
+    elif any(marker.name == "scenic" for marker in item.own_markers):
+        pytest.fail(f"{item.name} has the marker scenic, and must take the fixture `scene`: def {item.name}(scene)", pytrace=False)
 
 
 # Fixtures
@@ -232,7 +258,7 @@ def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) ->
     number = scene_number(item)
     if error is not None and report.failed:
         if call.when == "call":
-            report.sections.append(("the program", told(error)))
+            report.sections.append(("the program", told(error, hint=False)))  # pytest shows it with the error
         else:
             report.longrepr = told(error)
     if number is not None and call.when in ("setup", "call"):
@@ -258,12 +284,12 @@ def program_error(call: pytest.CallInfo[None]) -> ScenicError | None:
     return value if errors is not None and isinstance(value, errors.ScenicError) else None
 
 
-def told(error: ScenicError) -> str:
-    """An error with its place in the program, the line there, and the hint."""
+def told(error: ScenicError, *, hint: bool = True) -> str:
+    """An error with its place in the program, the line there, and, unless it is shown already, the hint."""
     lines = [f"{error.kind}: {error.message}"]
     if error.span.line > 0:
         lines.append(f"  {error.span}: {source_line(error.span.file, error.span.line)}".rstrip(": "))
-    return "\n".join([*lines, *([f"  hint: {error.hint}"] if error.hint else []), *([f"  rule: {error.rule}"] if error.rule else [])])
+    return "\n".join([*lines, *([f"  hint: {error.hint}"] if hint and error.hint else []), *([f"  rule: {error.rule}"] if error.rule else [])])
 
 
 def source_line(file: str, number: int) -> str:

@@ -38,7 +38,7 @@ ONLY_IN = {
     "matplotlib": {
         "formats/notebooks.py", "formats/scenes.py", "scenario/showing.py",
         "formats/chains.py", "formats/comparisons.py", "formats/maps.py", "formats/pictures.py", "formats/map_pictures.py", "formats/movies.py",
-        "formats/sheets.py", "formats/site_pictures.py", "benchmarks/bars.py",
+        "formats/sheets.py", "formats/site_land.py", "formats/site_pictures.py", "benchmarks/bars.py",
     },
     "PIL": {"formats/movies.py"},
     "pygments": {"formats/highlighting.py"}, "pyarrow": {"formats/arrow.py", "formats/table_files.py", "scenario/drawn.py"},

@@ -76,9 +76,9 @@ def simulate(asked: PlayRequest, send: Send) -> None:
             if len(simulation.moments) * max(1, len(simulation.moments[-1].objects)) > MOST_POSES:
                 raise UsageError("this simulation is too long to be shown here", hint="take fewer time steps")
             written = json.loads(to_line(simulation, run.attempts))
-            land = land_below(simulation.scene.workspace, written)
+            land = land_below(simulation.scene, written)
             network = network_of(scenario) if land is None else None
-            ground = {"areas": land or []} if network is None else map_below(network, [written])
+            ground = land or {"areas": []} if network is None else map_below(network, [written])
             records = {cut_text(name, 60): cut(values) for name, values in written.get("records", {}).items()}
             send({"kind": "run", "attempts": run.attempts, "ground": ground, "records": records, "run": cut_run(run_shown(written))})
     finally:

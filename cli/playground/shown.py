@@ -5,8 +5,8 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable, Mapping
 
-from ...formats.pictures import EDGE, FARTHEST, LAND, land_in, view_of, window_of
-from ...formats.replay_pages import areas, map_in
+from ...formats.pictures import FARTHEST, is_all, view_of, window_of
+from ...formats.replay_pages import land_around, map_in
 from ...formats.scenes import OWN_FIELDS, Scene
 from ...inference.enumeration import content_of
 from ...inference.rejection import acceptance
@@ -17,7 +17,7 @@ from ...semantics.kernel.outcome import Requirement
 from ...semantics.syntax.nodes import Span
 from ..drawing import Softness
 from ..reports import rejecting
-from .texts import Json, cut, cut_text
+from .texts import Json, cut, cut_text, on_page
 
 MOST_OBJECTS = 1_000
 """A scene with more objects is not drawn on the page."""
@@ -38,8 +38,9 @@ def scene_shown(scene: Scene) -> Json:
         window = window_of(scene)
     except UsageError:
         return found | {"objects": objects, "problem": f"it has coordinates of {FARTHEST:g} m or more"}
-    view = view_of(scene.ego, window) if scene.ego_id is not None else []
-    return found | {"objects": objects, "window": window, "view": view, "ground": ground_of(scene, window)}
+    view = view_of(scene.ego) if scene.ego_id is not None else []
+    seen = bool(view) and is_all(view, window)
+    return found | {"objects": objects, "window": window, "view": view, "allSeen": seen, "ground": ground_of(scene, window)}
 
 
 def object_shown(written: Mapping[str, object]) -> Json:
@@ -53,10 +54,10 @@ def object_shown(written: Mapping[str, object]) -> Json:
 
 
 def ground_of(scene: Scene, window: tuple[float, float, float, float]) -> Json:
-    """What lies below the objects: the map, or the workspace."""
+    """What lies below the objects: the roads, or the workspace with a map of one's own."""
     if isinstance(scene.workspace, MapWorkspace):
         return map_in(scene.workspace.network, window)
-    return {"areas": areas(land_in(scene.workspace, window), LAND, EDGE, window)}
+    return land_around(scene, window)
 
 
 def place_of(span: Span) -> Json:
@@ -65,8 +66,9 @@ def place_of(span: Span) -> Json:
 
 
 def diagnostic_shown(one: Diagnostic) -> Json:
-    """A diagnostic as `check --format json` has it, with texts that are not too long."""
-    return {name: cut(value) if name != "message" else cut_text(str(value), 2000) for name, value in record(one).items()}
+    """A diagnostic as `check --format json` has it, with texts that are not too long, and advice that can be followed on the page."""
+    said = one._replace(hint=on_page(one.hint))
+    return {name: cut(value) if name != "message" else cut_text(str(value), 2000) for name, value in record(said).items()}
 
 
 def requirements_shown(stuck: Iterable[tuple[Requirement, int]]) -> list[Json]:

@@ -15,7 +15,7 @@ from ...formats.highlighting import rules_for_browsers
 from ...formats.scenes import in_json
 from ...interpreter.extras import is_installed, needed
 from ...semantics.readings import READINGS, select
-from ..options import Source, pairs, read_source
+from ..options import Source, pairs, read_source, with_map
 from ..session import Session
 from .links import Linked, is_link, linked_of
 from .texts import cut_text
@@ -35,10 +35,10 @@ def source_of(session: Session, file: str | None, *, reading: list[str] | None, 
     if file is not None and not is_link(file):
         return read_source(session, file, reading=reading, **options), None
     linked = None if file is None else linked_of(file)
-    param = options.pop("param")
+    params = with_map(pairs(options.pop("param"), "-p", "NAME=VALUE"), options.pop("map"))
     text = programs()[0]["program"] if linked is None else linked.program
     return Source(
-        UNNAMED, text, readings=pairs(reading, "--reading", "ID=ALT"), params=pairs(param, "-p", "NAME=VALUE"), beside=False, **options
+        UNNAMED, text, readings=pairs(reading, "--reading", "ID=ALT"), params=params, beside=False, **options
     ), linked
 
 

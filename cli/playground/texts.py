@@ -30,3 +30,23 @@ def cut(value: object, depth: int = 0) -> object:
 def cut_text(text: str, longest: int = LONGEST_TEXT) -> str:
     """A text that is not too long."""
     return escaped(text if len(text) <= longest else f"{text[:longest]}… ({len(text):,} characters)")
+
+
+IN_PAGE = (
+    ("give --trust if you know the code", "start `scenic-ref play --trust` if you know the code"),
+    ("--limit-memory allows more", "start `scenic-ref play` with a larger --limit-memory"),
+    ("--limit-seconds allows more", "start `scenic-ref play` with a larger --limit-seconds"),
+    ("raise --fuel if it really takes that long", "if it really takes that long, start `scenic-ref play` with a larger --fuel"),
+    ("choose that dialect by --dialect", "choose that dialect by a first line such as `# dialect: scenic-3`"),
+    ("try --backend smc, or more --max-attempts", "make them less strict here, or save the program, and use `scenic-ref run --backend smc`"),
+    ("the interpreter can: --backend interpreter", "save the program, and use `scenic-ref run`"),
+    ("(-p map=site.geojson)", "(`scenic-ref play --map site.geojson`)"),
+)
+"""Advice for a command line, and what it is on the page."""
+
+
+def on_page(advice: str) -> str:
+    """The advice for who has the page, where it is for who has a command line."""
+    for command, page in IN_PAGE:
+        advice = advice.replace(command, page)
+    return advice

@@ -15,7 +15,7 @@ class ScenicError(Exception):
     """Anything that `scenic_ref` raises on purpose.
 
     `message` is one sentence; `span` says where in the source; `rule` is the id of the rule that could not be applied
-    (or ""); `hint` is one suggested repair (or "").
+    (or ""); `hint` is one suggested repair (or ""), which tracebacks show as a note.
     """
 
     exit_code = 1
@@ -27,6 +27,16 @@ class ScenicError(Exception):
         self.span = span
         self.rule = rule
         self.hint = hint
+
+    @property
+    def hint(self) -> str:
+        """One suggested repair, or ""."""
+        return self._hint
+
+    @hint.setter
+    def hint(self, hint: str) -> None:
+        self._hint = hint
+        self.__notes__ = [f"hint: {hint}"] if hint else []
 
     def __reduce__(self) -> tuple[object, ...]:
         """Errors cross processes whole, whatever the arguments of their constructors are."""

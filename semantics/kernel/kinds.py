@@ -329,8 +329,16 @@ def lacking(module: str, member: str, error: Exception, known: Iterable[str]) ->
 def refuse_third_dimension(what: str, operands: Iterable[object], span: Span, rule: str) -> None:
     """Raises `RunError` if one of the operands has three coordinates or angles."""
     for operand in operands:
+        if what == "`@`" and isinstance(operand, list):
+            hint = "for one of its elements write `Uniform(*values)`"
+            raise RunError(f"{what} stands between two numbers, not beside a list", span, rule=rule, hint=hint)
         if isinstance(operand, (tuple, list)) and len(operand) == 3 and all(map(is_scalar, operand)):
-            raise RunError(f"{what} is given three numbers, which {FLAT}", span, rule=rule, hint="leave out the third")
+            raise RunError(f"{what} is given three numbers, which {FLAT}", span, rule=rule, hint=third_left_out(operand))
+
+
+def third_left_out(operand: object) -> str:
+    """What to do about three coordinates."""
+    return "leave out the third" + ("; for one of the three write `Uniform(*values)`" if isinstance(operand, list) else "")
 
 
 def kind_name(value: object) -> str:

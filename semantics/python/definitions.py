@@ -14,10 +14,10 @@ from ..kernel.kinds import kind_name
 from ..kernel.outcome import Change, Next, Outcome
 from ..kernel.premises import premises
 from ..kernel.scenic_classes import ScenicClass
-from ..kernel.scopes import NO_NAMES, Scope
+from ..kernel.scopes import NO_NAMES, Scope, target_names
 from ..kernel.values import plain
 from ..syntax import statements as s
-from ..syntax.nodes import Node
+from ..syntax.nodes import Node, Span
 from .assignment import done
 from .control import block
 
@@ -78,6 +78,16 @@ def unwind_class_body(frame: ClassBody, abrupt: Abrupt, stack: Stack, state: Sta
     return Next("", Config(abrupt, stack, state._replace(sigma=frame.outer)))
 
 
+def place_of_member(name: str, node: s.ClassDefinition) -> Span:
+    """The statement in the body of a class that binds a name; the class itself where none does directly."""
+    for statement in node.body:
+        targets = statement.targets if isinstance(statement, s.Assignment) else ()
+        bound = {one for target in targets for one in target_names(target)}
+        if name in bound or getattr(statement, "name", None) == name:
+            return statement.span
+    return node.span
+
+
 def make_scenic_class(
     node: s.ClassDefinition, superclasses: tuple[ScenicClass, ...], members: Mapping[str, object], scope: Scope, readings: Mapping[str, str]
 ) -> ScenicClass:
@@ -98,7 +108,8 @@ def make_scenic_class(
         if canonical(name, readings) in inherited:
             owner = inherited[canonical(name, readings)][1]
             raise RunError(
-                f"{name} is a property of {owner.name}, and `=` does not give it a default", node.span, rule="S-Class", hint=f"write {name}: ..."
+                f"{name} is a property of {owner.name}, and `=` does not give it a default", place_of_member(name, node), rule="S-Class",
+                hint=f"write {name}: ...",
             )
     if "__init__" in members:
         raise RunError(

@@ -8,6 +8,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from ...interpreter.modules import World
+from ...maps.sites import FEATURES
 from ...semantics.kernel.values import Native
 from ...semantics.python.builtins import BUILTINS
 from ...semantics.syntax import Program
@@ -65,9 +66,14 @@ WORLDS: Mapping[str, Callable[[], str | Mapping[str, object]]] = {
     "mars": lambda: _text("mars/mars.scenic"),
     "scenic.simulators.webots.mars.model": lambda: "from mars import *\n",
     site_maps.MODEL: lambda: site_maps.TEXT,
-    site_maps.FEATURES: dict,
+    FEATURES: dict,
 }
 """Shipped modules by name: the text of a Scenic module, or the namespace of a Python one."""
+
+PARAMS_READ: Mapping[str, tuple[str, ...]] = {
+    "map": ("scenic.domains.driving.model", site_maps.MODEL, driving.MAP, driving.MAPS[0]), site_maps.CRS: (site_maps.MODEL,),
+}  # fmt: skip
+"""The global parameters that modules read before a program runs, with these modules."""
 
 
 def modules_of(program: Program, params: Mapping[str, object], directory: Path | None) -> Mapping[str, World]:

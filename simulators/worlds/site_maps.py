@@ -7,15 +7,16 @@ from pathlib import Path
 
 from ...formats.geodata import read_site
 from ...interpreter.modules import World
-from ...maps.sites import SiteMap
+from ...maps.sites import FEATURES, SiteMap
 from ...semantics.kernel.errors import ImportRefused, ScenicError
 from ...semantics.syntax import Program
 from ...semantics.syntax.nodes import NOWHERE, Span
 from ...semantics.syntax.python_expressions import Constant
 from ...semantics.syntax.statements import Param
 from .driving import map_of
+from .driving.named_maps import beside
 
-MODEL, FEATURES = "site_map", "site_map.features"
+MODEL = "site_map"
 CRS = "map_crs"
 TEXT = f"from {FEATURES} import *\n"
 """The module in Scenic."""
@@ -59,7 +60,7 @@ def site_of(program: Program, params: Mapping[str, object], directory: Path | No
     try:
         return read_site(path, crs)
     except ScenicError as problem:
-        return ImportRefused(problem.message, span, hint=problem.hint)
+        return ImportRefused(problem.message, span, hint=beside(path, directory) or problem.hint)
 
 
 def crs_of(program: Program, params: Mapping[str, object]) -> tuple[object, Span]:

@@ -79,3 +79,13 @@ def test_run_tells_the_first_warnings_and_how_many_there_are(ask) -> None:
     said = ask("run", written(text), "-n", "1").err
     assert said.count("nothing reads the property widht") == 10 and "and 2 more warnings" in said
     assert ask("check", written(text)).err.count("nothing reads the property widht") == 12
+
+
+def test_a_parameter_that_nothing_reads_is_told_without_a_place(ask) -> None:
+    program = written("param speed = 3\nego = Object\n")
+    assert "warning: nothing reads or sets the parameter speeed: did you mean speed?\n" in ask("run", program, "-p", "speeed=4").err
+    found = ask("check", "p.scenic", "-p", "speeed=4")
+    assert found.err == "warning: nothing reads or sets the parameter speeed\n  = hint: did you mean speed?\n"
+    (told,) = json.loads(ask("check", "p.scenic", "-p", "speeed=4", "--format", "json").out)["diagnostics"]
+    assert (told["kind"], told["file"], "line" in told) == ("unread parameter", "p.scenic", False)
+    assert ask("check", "p.scenic", "-p", "speeed=4", "--strict").code == 1

@@ -8,6 +8,7 @@ import pytest
 import shapely
 from scenic_ref.formats import maps
 from scenic_ref.formats.pictures import CLASSES, EGO, LAND
+from scenic_ref.formats.site_land import DIM, FAINT
 
 ROAD = "model scenic.domains.driving.model\nego = Car on road\nTruck on road\nCar on road\n"
 
@@ -53,20 +54,35 @@ def test_each_simulation_has_its_own_workspace(ask, tmp_path):
     widths = [json.loads(line)["scene"]["params"]["r"] for line in (tmp_path / "runs.jsonl").read_text().splitlines()]
     assert data["map"] is None
     for run, width in zip(data["runs"], widths, strict=True):
-        (area,) = run["land"]
+        (area,) = run["land"]["areas"]
         assert area["colour"] == LAND
-        assert cover(run["land"], LAND).bounds == pytest.approx((-width / 2, -5, width / 2, 5), abs=0.01)
+        assert cover(run["land"]["areas"], LAND).bounds == pytest.approx((-width / 2, -5, width / 2, 5), abs=0.01)
 
 
 def test_a_workspace_with_a_hole_keeps_it(ask, tmp_path):
     text = "workspace = Workspace(CircularRegion((0, 0), 20).difference(CircularRegion((10, 0), 3)))\nego = Object at (0, 0)\n"
     (run,) = data_of(ask, tmp_path, text)["runs"]
-    ground = cover(run["land"], LAND)
+    ground = cover(run["land"]["areas"], LAND)
     assert not ground.covers(shapely.Point(10, 0))
     assert ground.covers(shapely.Point(0, 15))
 
 
 def test_the_whole_plane_and_objects_beyond_all_bounds_have_no_land(ask, tmp_path):
-    assert data_of(ask, tmp_path, "ego = Object at (0, 0)\n")["runs"][0]["land"] == []
+    assert data_of(ask, tmp_path, "ego = Object at (0, 0)\n")["runs"][0]["land"] == {"areas": []}
     far = "workspace = Workspace(CircularRegion((0, 0), 1e12))\nego = Object at (1e10, 0)\n"
-    assert data_of(ask, tmp_path, far)["runs"][0]["land"] == []
+    assert data_of(ask, tmp_path, far)["runs"][0]["land"] == {"areas": []}
+
+
+SITE = """{"type": "FeatureCollection", "crs": null, "features": [
+{"type": "Feature", "properties": {"name": "yard"}, "geometry": {"type": "Polygon", "coordinates": [[[0, 0], [20, 0], [20, 20], [0, 20], [0, 0]]]}},
+{"type": "Feature", "properties": {"name": "wall"}, "geometry": {"type": "LineString", "coordinates": [[1, 1], [9, 1]]}},
+{"type": "Feature", "properties": {"name": "posts"}, "geometry": {"type": "MultiPoint", "coordinates": [[3, 3], [5, 3], [900, 900]]}}]}"""
+
+
+def test_a_map_of_ones_own_is_below_with_its_areas_lines_and_points(ask, tmp_path):
+    (tmp_path / "s.geojson").write_text(SITE)
+    text = f"param map = {str(tmp_path / 's.geojson')!r}\nmodel site_map\nego = Object at 10 @ 10\n"
+    land = data_of(ask, tmp_path, text)["runs"][0]["land"]
+    assert cover(land["areas"], FAINT[0]).bounds == (0, 0, 20, 20)
+    assert land["lines"] == [{"colour": DIM[1], "points": [[1, 1], [9, 1]]}]
+    assert land["points"] == [{"colour": DIM[2], "points": [[3, 3], [5, 3]]}]

@@ -201,10 +201,33 @@ def test_an_interrupt_leaves_whole_lines_and_says_one(ask, start):
         process.send_signal(signal.SIGINT)
         out, err = process.communicate()
     data = Path("scenes.jsonl").read_bytes()
-    assert (process.returncode, out, err.count("\n")) == (130, "", 1)
-    assert err.startswith("interrupted;")
+    told, *_, last = err.splitlines()
+    assert (process.returncode, out) == (130, "") and " scenes so far, and " in told
+    assert last.startswith("interrupted;")
     assert data.endswith(b"\n")
     assert all(json.loads(line)["scene"] == k for k, line in enumerate(data.splitlines()))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("count", [1, 200])
+def test_an_interrupt_tells_what_rejected_the_attempts_at_a_scene_that_was_not_found(ask, start, count):
+    Path("seldom.scenic").write_text("ego = Object at Range(0, 1) @ 0\nrequire ego.position.x < 0\nrequire ego.position.x > 2\n")
+    command = [sys.executable, "-m", "scenic_ref", "run", "seldom.scenic", "-n", str(count), "--max-attempts", "1000000000"]
+    if count > 1:
+        Path("seldom.scenic").write_text("ego = Object at Normal(0, 1) @ 0\nrequire ego.position.x > 30\n")
+    with start(command) as process:
+        process.until(lambda: processor_time(process.pid) > 4)
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate()
+    assert process.returncode == 130 and err.splitlines()[-1].startswith("interrupted;")
+    assert re.search(r"^0 scenes so far, and [1-9][\d,]* stuck attempts\nrequirements that rejected most", err, re.MULTILINE)
+    assert "seldom.scenic:2: require ego.position.x" in err
+
+
+def processor_time(pid: int) -> float:
+    """Seconds of a processor that a process has used."""
+    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def test_a_reader_that_goes_away_is_no_error(ask, start):
@@ -214,3 +237,21 @@ def test_a_reader_that_goes_away_is_no_error(ask, start):
         process.stdout.close()
         assert process.stderr.read() == ""
         assert process.wait() == 0
+
+
+def test_one_attempt_per_scene_is_one(ask):
+    assert "3 scenes of seed 0 in 3 attempts, 1 attempt per scene," in ask("run", "ok.scenic", "-n", 3).err
+
+
+def test_a_map_that_is_beside_the_program_is_told_with_how_to_name_it(ask):
+    Path("programs").mkdir()
+    for name, model in (("m.xodr", "scenic.domains.driving.model"), ("m.geojson", "site_map")):
+        Path("programs", name).write_text("")
+        Path("programs/p.scenic").write_text(f"param map = '{name}'\nmodel {model}\nego = Object\n")
+        assert f"hint: {name} is beside the program: write localPath('{name}'), or give the path" in ask("run", "programs/p.scenic").err
+
+
+def test_a_list_beside_an_at_sign_is_told_of_uniform(ask):
+    Path("p.scenic").write_text("x = Uniform([1, 2, 3])\nego = Object at x @ 0\n")
+    said = ask("run", "p.scenic").err
+    assert "`@` stands between two numbers, not beside a list" in said and "hint: for one of its elements write `Uniform(*values)`" in said

@@ -71,3 +71,10 @@ def test_the_page_is_self_contained_and_holds_the_whole_trace(ask):
 
 def test_a_page_that_cannot_be_written_is_wrong_usage(ask):
     assert ask("trace", "ok.scenic", "--html", "missing/trace.html").code == 2
+
+
+def test_an_error_is_told_once(ask) -> None:
+    Path("wrong.scenic").write_text("ego = Objct\n")
+    found = ask("trace", "wrong.scenic")
+    assert (found.out + found.err).count("Objct is not defined") == 1
+    assert "the program is wrong" in found.out and "error: Objct is not defined" in found.err

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import re
+import warnings
 from pathlib import Path
 
 import pytest
 from scenic_ref.conformance import load_vectors
+from scenic_ref.interpreter.warnings import DEGREES, ONE_VALUE, UNKNOWN, UNUSED
 from scenic_ref.scenario import load, loads
+from scenic_ref.scenario.loading import scenario_of
 from scenic_ref.scenario.noticing import warnings_about
 from scenic_ref.semantics.kernel.errors import ScenicError
 
+ONE = "Uniform draws one of its arguments, and this is one: always the whole list"
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
@@ -29,6 +33,21 @@ def warned(text: str, directory: Path | None = None) -> list[tuple[int, int, str
         ("behavior B():\n    take 1\nego = Object with behaviour B()\n", (3, 19, "nothing reads the property behaviour", "did you mean behavior?")),
         ("import math\nego = Object\n", (1, 8, "nothing uses the import math", "remove it")),
         ("from math import sin, cos\nego = Object with width cos(0)\n", (1, 18, "nothing uses the import sin", "remove it")),
+        ("ego = Object facing 90\n", (1, 21, "headings are in radians, and 90 is more than a full turn", "for degrees write 90 deg")),
+        (
+            "ego = Object facing Range(-180, 90)\n",
+            (1, 21, "headings are in radians, and -180 is more than a full turn", "for degrees write Range(-180, 90) deg"),
+        ),
+        ("class A:\n    heading: -45\nego = A\n", (2, 14, "headings are in radians, and -45 is more than a full turn", "for degrees write -45 deg")),
+        ("ego = Object with tag Uniform([1, 2])\n", (1, 31, ONE, "write the values themselves: Uniform(1, 2, 3), or Uniform(*values)")),
+        (
+            "def f():\n    return nosuch\nego = Object\n",
+            (2, 12, "nosuch is not defined", "assign it first, or import it; a text stands in quotation marks"),
+        ),
+        (
+            "model scenic.domains.driving.model\nbehavior B():\n    take SetBrakAction(1)\nego = Car with behavior B()\n",
+            (3, 10, "SetBrakAction is not defined", "did you mean SetBrakeAction?"),
+        ),
         ("import math as m\nmath = 3\nego = Object with width math\n", (1, 8, "nothing uses the import m", "remove it")),
     ],
 )
@@ -50,6 +69,12 @@ def test_a_slip_is_warned_about(text: str, expected: tuple[int, int, str, str]) 
         "from math import *\nego = Object\n",
         "from __future__ import annotations\nego = Object\n",
         "class A:\n    weight: 3\nego = A\n",
+        "ego = Object facing 6.28\n",
+        "ego = Object facing 90 deg\n",
+        "def f(a, *b, c=1, **d):\n    e = [g for g in b]\n    try:\n        h = a\n    except ValueError as i:\n        raise i\n"
+        "    return e, c, d, h, later, ego\nlater = 3\nego = Object\n",
+        "from nosuch import *\ndef f():\n    return g\nego = Object\n",
+        "scenario Main():\n    setup:\n        ego = Object\n        speed = 3\n    compose:\n        wait\nbehavior B():\n    take speed\n",
         "import mars\nego = Object\n",  # it makes a workspace
     ],
 )
@@ -77,8 +102,9 @@ def test_no_example_is_warned_about(path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_vectors_are_warned_about_imports_that_they_do_not_use_alone() -> None:
+def test_vectors_are_warned_about_imports_that_they_do_not_use_and_what_they_are_about_alone() -> None:
     wrong = []
+    others: set[tuple[str, str]] = set()
     for vector in load_vectors():
         for dialect, text in vector.texts.items():
             try:
@@ -86,7 +112,56 @@ def test_vectors_are_warned_about_imports_that_they_do_not_use_alone() -> None:
             except ScenicError:
                 continue
             for warning in warnings:
+                if warning.kind != UNUSED:
+                    others.add((vector.name, warning.kind))
+                    continue
                 name = warning.message.removeprefix("nothing uses the import ")
                 if len(re.findall(rf"\b{name}\b", text)) != 1:
                     wrong.append((vector.name, dialect, warning.message))
     assert wrong == []
+    assert others == {
+        ("refused-a-local-variable-before-it-is-bound", UNKNOWN), ("uniform-of-one-list", ONE_VALUE), ("headings-as-properties-wrapped", DEGREES),
+    }  # fmt: skip
+
+
+PARAMS = "param weight = 4\nego = Object with width globalParameters.weight, with length globalParameters.get('deep', 1)\n"
+ONLY_WRITTEN = "it is written with the scenes, and a simulator is told of it; the program does nothing with it"
+
+
+@pytest.mark.parametrize(
+    ("text", "given", "expected"),
+    [
+        (PARAMS, ["wieght"], [("wieght", "did you mean weight?")]),
+        (PARAMS, ["weight", "deep"], []),
+        ("ego = Object\n", ["weather"], [("weather", ONLY_WRITTEN)]),
+        ("ego = Object at weather @ 0\nweather = 3\n", ["weather"], [("weather", ONLY_WRITTEN)]),  # a variable is no parameter
+        ("model gtaLib\nego = Car\n", ["weathr", "time"], [("weathr", "did you mean weather?")]),
+        ("scenario Main():\n    setup:\n        param depth = 3\n        ego = Object\n", ["depth"], []),
+        ("model scenic.domains.driving.model\nego = Car\n", ["mpa"], [("mpa", "did you mean map?")]),
+    ],
+)
+def test_a_parameter_that_nothing_reads_is_warned_about(text: str, given: list[str], expected: list[tuple[str, str]]) -> None:
+    scenario = scenario_of(text, params=dict.fromkeys(given, 2))
+    assert [(w.message, w.hint, w.span.line) for w in warnings_about(scenario)] == [
+        (f"nothing reads or sets the parameter {name}", hint, 0) for name, hint in expected
+    ]
+
+
+def test_a_map_that_no_module_reads_is_warned_about() -> None:
+    (found,) = warnings_about(scenario_of("ego = Object\n", params={"map": "a.xodr"}))
+    assert found.hint.startswith("the program has none of the modules that read it: scenic.domains.driving.model, site_map")
+
+
+def test_python_warns_the_caller_of_parameters_that_nothing_reads_and_the_scene_has_them_all_the_same(tmp_path: Path) -> None:
+    with pytest.warns(UserWarning, match=r"^nothing reads or sets the parameter wieght: did you mean weight\?$") as found:
+        scenario = loads(PARAMS, params={"wieght": 3})
+    assert found[0].filename == __file__
+    assert scenario.sample().params["wieght"] == 3
+    (tmp_path / "p.scenic").write_text(PARAMS)
+    with pytest.warns(UserWarning, match="wieght") as found:
+        load(tmp_path / "p.scenic", params={"wieght": 3})
+    assert found[0].filename == __file__
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        loads(PARAMS, params={"weight": 3})
+        loads("model nosuch\n", params={"weight": 3})  # the error comes with the first scene

@@ -15,6 +15,7 @@ from scenic_ref.errors import AttemptsExhausted, ProgramError, UsageError
 from scenic_ref.formats.geodata import in_metres, of_geojson, read_site
 from scenic_ref.formats.site_pictures import site_picture
 from scenic_ref.maps.sites import SiteMap
+from scenic_ref.scenario.noticing import warnings_about
 
 ROOT = Path(__file__).parents[2]
 YARD = ROOT / "examples" / "maps" / "yard.geojson"
@@ -271,3 +272,41 @@ def test_reading_knows_whatever_geojson_may_be() -> None:
     shape = {"type": "GeometryCollection", "geometries": [{"type": "Point", "coordinates": [1, 2]}, {"type": "Point", "coordinates": [3, 4]}]}
     found = in_metres(*of_geojson(shape), "metres")
     assert found.features[0].kind == "points" and found.summary()["bounds"] == [1.0, 2.0, 3.0, 4.0]
+
+
+def moved(scale: float, east: float = 0.0, north: float = 0.0) -> list[list[list[float]]]:
+    """A square of ten times the scale."""
+    return [[[x * scale + east, y * scale + north] for x, y in SQUARE]]
+
+
+@GEO
+@pytest.mark.parametrize(
+    ("coordinates", "crs", "what", "remedy"),
+    [
+        (moved(1), "EPSG:4326", "the map is 1,115 km across, since its coordinates are read as degrees", "if they are metres, set"),
+        (moved(0.0001, 200, 50), "EPSG:4326", "the map has longitudes beyond 180 degrees", "if its coordinates are no degrees"),
+        (moved(20_000), "metres", "the map is 200 km across", "if its coordinates are not those of metres, set the parameter map_crs"),
+        (moved(0.001, 13, 52), "metres", "the map is 0.01 m across, since its coordinates are read as metres", "map_crs to 'EPSG:4326'"),
+        (moved(0.0001, 13, 52), "EPSG:4326", None, None),
+        (moved(2), "metres", None, None),
+        (moved(0.01, 4_000), "metres", None, None),
+        (moved(2, 600_000, 5_800_000), "EPSG:25832", None, None),
+    ],
+)  # fmt: skip
+def test_a_map_that_is_most_likely_in_other_coordinates_is_doubted(site, tmp_path: Path, coordinates, crs, what, remedy) -> None:
+    found = site(collection(feature("Polygon", coordinates, name="yard")), crs=crs)
+    scenario = scenic_ref.loads(
+        f"param map_crs = '{crs}'\nparam map = localPath('site.geojson')\nmodel site_map\nego = Object on area\n", directory=tmp_path
+    )
+    warned = [(w.kind, w.message, w.span.line) for w in warnings_about(scenario)]
+    if what is None:
+        assert found.doubt is None and warned == []
+    else:
+        assert found.doubt is not None and found.doubt.what == what and remedy in found.doubt.remedy
+        assert warned == [("implausible map", what, 2)]
+        assert f"{what}: {found.doubt.remedy}" in found.summary()["notes"]
+
+
+def test_python_warns_of_a_map_in_degrees_that_is_saved_as_metres(tmp_path: Path) -> None:
+    with pytest.warns(UserWarning, match="if they are longitude and latitude, set crs to 'EPSG:4326'"):
+        scenic_ref.save_map(shapely.box(13.4, 52.5, 13.401, 52.501), tmp_path / "site.geojson")

@@ -351,6 +351,32 @@ def test_program_and_pictures_are_exported(page: Page):
         assert saved.read_bytes().startswith(begins)
 
 
+def test_both_pictures_are_saved_though_asked_for_at_once(page: Page):
+    page.typed("ego = Object at (0, 0)\nother = Object at (3, 3)\n")
+    page.settled()
+    page.driver.execute_script("window.saved = []; window.save = (data, type, name) => window.saved.push(name)")
+    page.driver.execute_script("document.getElementById('save-png').click(); document.getElementById('save-svg').click()")
+    page.until(lambda: sorted(page.driver.execute_script("return window.saved")) == ["program.png", "program.svg"])
+
+
+def test_angles_of_a_scene_are_in_both_units_and_its_columns_are_wide_enough(page: Page):
+    page.typed("ego = Object at (0, 0), facing 90 deg\n")
+    page.settled()
+    page.driver.find_element("css selector", "#grid .card").click()
+    assert "1.571 rad (90°)" in page.text("detail") or "1.5708 rad (90°)" in page.text("detail")
+    widths = page.driver.execute_script("return [...document.querySelectorAll('#detail tbody tr:first-child td')].map(d => d.clientWidth)")
+    assert widths[0] > 50 and widths[2] > 100
+
+
+def test_an_expression_is_forgotten_with_its_program(page: Page):
+    page.typed("ego = Object at (0, 0)\nother = Object at (3, 3)\n")
+    page.tab("histogram")
+    page.element("expression").send_keys("distance from ego to other\n")
+    page.settled()
+    page.choose("examples", "1")
+    assert page.element("expression").get_attribute("value") == ""
+
+
 HOSTILE = """</script><script>document.title='run'</script>"""
 HOSTILE += """<img src=x onerror="document.title='run'">' " ` ${document.title='run'} &lt;b&gt; \u2028 \u202e"""
 

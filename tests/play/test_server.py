@@ -17,9 +17,11 @@ from pathlib import Path
 import pytest
 import scenic_ref
 from scenic_ref.cli import answer
+from scenic_ref.cli.playground.texts import IN_PAGE
 
 pytestmark = pytest.mark.extra("play")
 posix = pytest.mark.skipif(sys.platform == "win32", reason="this system has no signals")
+ROOT = Path(__file__).parents[2]
 PLAIN = "ego = Object at (0, 0)\nother = Object at (Range(3, 5), 5)\nparam x = other.position.x\n"
 FINITE = "x = Uniform(1, 2, 3)\nego = Object at (0, 0)\nother = Object at (5 * x, 5)\nrequire x < 3\nparam x = x\n"
 ENDLESS = "while True:\n    pass\nego = Object at (0, 0)\n"
@@ -142,6 +144,40 @@ def test_an_error_has_its_place(served):
     error = served.only("scenes", "ego = Object at (0, 0)\nx = nosuch + 1\n", "error")["diagnostic"]
     assert (error["line"], error["column"], error["end_column"], error["severity"]) == (2, 5, 11, "error")
     assert "nosuch" in error["message"]
+
+
+@pytest.mark.parametrize(
+    ("program", "advice"),
+    [
+        ("import os\nego = Object at (0, 0)\n", "start `scenic-ref play --trust` if you know the code"),
+        ("ego = Object at Range(0, 1) @ 0\nrequire ego.position.x > 0.9999999\n", "or save the program, and use `scenic-ref run --backend smc`"),
+        ("model site_map\nego = Object at (0, 0)\n", "(`scenic-ref play --map site.geojson`)"),
+    ],
+)  # fmt: skip
+def test_advice_can_be_followed_on_the_page(served, program, advice):
+    assert advice in served.only("scenes", program, "error")["diagnostic"]["hint"]
+
+
+def test_advice_for_the_command_line_that_the_page_changes_is_what_is_said():
+    """So that none is forgotten where the words change."""
+    layers = ("semantics", "interpreter", "inference", "scenario", "simulators", "cli/playground")
+    said = "".join(path.read_text() for layer in layers for path in (ROOT / layer).rglob("*.py") if path.name != "texts.py")
+    assert [command for command, _ in IN_PAGE if command not in said] == []
+
+
+def test_a_map_is_named_by_an_option_also_without_a_file(serve, tmp_path):
+    (tmp_path / "m.wkt").write_text("yard: POLYGON((0 0, 20 0, 20 20, 0 20, 0 0))\nfence: LINESTRING(1 5, 9 5)\n")
+    with serve("--map", "m.wkt") as served:
+        scene = served.only("scenes", "model site_map\nego = Object at (5, 5)\n", "scene", count=1)
+        assert scene["params"]["map"] == "m.wkt"
+        assert len(scene["ground"]["areas"]) == 2 and len(scene["ground"]["lines"]) == 1
+        assert served.only("scenes", "ego = Object at (5, 5)\n", "checked", count=1)["diagnostics"][0]["kind"] == "unread parameter"
+
+
+def test_what_ego_sees_is_sent_with_whether_that_is_all(served):
+    near = served.only("scenes", "ego = Object at (5, 5)\n", "scene", count=1)
+    far = served.only("scenes", "ego = Object at (5, 5)\nObject at (90, 5), with requireVisible False\n", "scene", count=1)
+    assert near["view"] and near["allSeen"] and far["view"] and not far["allSeen"]
 
 
 def test_what_rejects_is_told_while_no_scene_is_found(served):

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import itertools
+import json
+import pickle
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 import scenic_ref
 from scenic_ref.formats.maps import Window
-from scenic_ref.formats.pictures import CLASSES, EGO, bounds_of, common_area, figure_of, room_for
+from scenic_ref.formats.pictures import CLASSES, EGO, bounds_of, common_area, figure_of, picture, room_for, views_of
+from scenic_ref.formats.site_land import DIM, FAINT, MOST_POINTS, laid
 
 VISION = {
     "all three cones": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
@@ -79,3 +84,39 @@ def test_names_lie_on_nothing_else_if_there_is_room() -> None:
 def covered(rooms: list[Window], boxes: list[Window]) -> float:
     """The largest area that a name shares with a box, or with another name."""
     return max(common_area(a, b) for a, b in itertools.chain(itertools.product(rooms, boxes), itertools.combinations(rooms, 2)))
+
+
+def test_what_ego_sees_is_shown_in_all_scenes_of_a_picture_or_in_none() -> None:
+    far = scenic_ref.loads("ego = Object\nObject at 60 @ 0, with requireVisible False\n").sample()
+    near = scenic_ref.loads("ego = Object\nObject at 6 @ 0\n").sample()
+    assert [bool(view) for view in views_of([near])] == [False]
+    assert [bool(view) for view in views_of([far, near])] == [True, True]
+    assert [len(axes.patches) for axes in figure_of([far, near], None).axes] == [6, 6]
+
+
+def site_in(folder: Path, features: list[tuple[str, str, object]]) -> scenic_ref.Scenario:
+    """A program on a map of one's own with these features: a name, a kind, coordinates."""
+    entries = [{"type": "Feature", "properties": {"name": n}, "geometry": {"type": kind, "coordinates": c}} for n, kind, c in features]
+    (folder / "s.geojson").write_text(json.dumps({"type": "FeatureCollection", "crs": None, "features": entries}))
+    (folder / "p.scenic").write_text("param map = localPath('s.geojson')\nmodel site_map\nego = Object at 10 @ 10\n")
+    return scenic_ref.load(folder / "p.scenic")
+
+
+def square(side: float) -> list[list[list[float]]]:
+    return [[[0, 0], [side, 0], [side, side], [0, side], [0, 0]]]
+
+
+def test_scenes_show_the_features_of_a_map_of_ones_own_whatever_draws_them(tmp_path: Path) -> None:
+    features = [("posts", "Point", [9, 9]), ("wall", "LineString", [[8, 8], [12, 8]]), ("far", "Point", [900, 900]), ("yard", "Polygon", square(20))]
+    scenario = site_in(tmp_path, features)
+    window = (6.0, 6.0, 14.0, 14.0)
+    for scene in (scenario.sample(), *scenario.sample_many(1, backend="batch"), pickle.loads(pickle.dumps(scenario.sample()))):
+        found = [(one.kind, one.faint, one.dim) for one in laid(scene.site, window)]
+        assert found == [("areas", FAINT[3], DIM[3]), ("lines", FAINT[1], DIM[1]), ("points", FAINT[0], DIM[0])]
+        assert picture([scene]) != picture([replace(scene, site=None)])
+
+
+def test_a_crowded_map_is_drawn_without_its_smallest_features(tmp_path: Path) -> None:
+    crowd = [(f"p{k}", "Point", [k % 20, k // 20 % 20]) for k in range(MOST_POINTS + 5)]
+    found = laid(site_in(tmp_path, [*crowd, ("yard", "Polygon", square(20))]).sample().site, (0.0, 0.0, 20.0, 20.0))
+    assert found[0].kind == "areas" and len(found) <= MOST_POINTS

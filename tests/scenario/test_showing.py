@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import html
+import pickle
 import re
 import subprocess
 import sys
+import traceback
+from collections.abc import Callable
 
 import matplotlib as mpl
 import pytest
@@ -24,7 +27,7 @@ def scenario(**settings) -> scenic_ref.Scenario:
 
 def test_a_scenario_says_what_it_was_loaded_with() -> None:
     assert repr(scenario()) == "<scenario of two.scenic>"
-    assert repr(scenario(readings={"soft": "scene"}, params={"q": 3})) == "<scenario of two.scenic: soft=scene, q = 3>"
+    assert repr(scenario(readings={"soft": "scene"}, params={"u": 3})) == "<scenario of two.scenic: soft=scene, u = 3>"
     first = scenario()
     assert repr(first.condition_on(first.sample(), objects=(0,))) == "<scenario of two.scenic: something given>"
     assert repr(scenic_ref.loads("ego = new Object", dialect="scenic-3")).startswith("<scenario of <string>: dialect scenic-3")
@@ -103,3 +106,36 @@ def test_wrong_arguments_are_usage_errors(call, said: str) -> None:
 def test_all_public_names_are_listed_before_they_are_used() -> None:
     command = "import scenic_ref; print(set(scenic_ref.__all__) <= set(dir(scenic_ref)))"
     assert subprocess.run([sys.executable, "-c", command], capture_output=True, text=True, check=True).stdout == "True\n"
+
+
+def test_what_is_returned_is_told_in_a_line() -> None:
+    text = "param a = Uniform(1, 2)\nbehavior B():\n    while True:\n        take 1\nego = Object with behavior B()\nrequire[0.5] True\n"
+    scenario = scenic_ref.loads(text)
+    run = scenario.simulate("still", 5)
+    told = "<simulation 0 of seed 0, 1 object, 5 time steps (5 s), time limit: 5 time steps have passed>"
+    assert repr(run.simulation) == told and repr(run).endswith(f"the last one accepted: {told}>")
+    assert repr(run.simulation.moments[1]) == "<time step 1, 1 object, 1 agent acting>"
+    assert repr(scenario.enumerate()) == "<2 outcomes, exact, of 4 runs; a run is accepted with probability 1>"
+    assert repr(scenario.enumerate_simulations(steps=1)).startswith("<2 simulations, exact, of ")
+    assert repr(scenario.infer("importance", 3)).startswith("<3 scenes by importance in ")
+    assert repr(scenario.sample_many(1)) == "<1 scene, 0 of them drawn>"
+
+
+@pytest.mark.parametrize(
+    ("wrong", "last"),
+    [
+        (lambda s: s.sample_many(3, backend="interpeter"), "hint: did you mean interpreter?"),
+        (lambda s: s.sample_many(3, backend="smc"), "hint: `infer` has it"),
+        (lambda s: s.infer("scm", 3), "hint: did you mean smc?"),
+        (lambda s: s.infer("gibbs", 3), "hint: the backends are importance, smc and mcmc"),
+        (lambda s: s.simulate("kinematik"), "hint: did you mean kinematic?"),
+        (lambda s: scenic_ref.loads("ego = Object", profile="papper"), "hint: did you mean paper?"),
+        (lambda s: scenic_ref.loads("ego = Objct").sample(), "hint: did you mean Object?"),
+    ],
+)  # fmt: skip
+def test_tracebacks_show_the_hint_once_also_from_other_processes(wrong: Callable[[scenic_ref.Scenario], object], last: str) -> None:
+    with pytest.raises(scenic_ref.errors.ScenicError) as found:
+        wrong(scenic_ref.loads("ego = Object"))
+    for error in (found.value, pickle.loads(pickle.dumps(found.value))):
+        assert "".join(traceback.format_exception(error)).splitlines()[-1] == last
+        assert error.__notes__ == [last]

@@ -59,7 +59,7 @@ function showStatus() {
   const busy = Object.keys(asking), status = at("status");
   status.classList.toggle("busy", busy.length > 0);
   const count = state.scenes.length;
-  status.textContent = busy.length ? `${[...new Set(busy.map(slot => doing[slot]))].join(", ")}…` : state.typing ? "typing…" : state.problem ? state.problem : plural(count, "scene");
+  status.textContent = busy.length ? `${[...new Set(busy.map(slot => doing[slot.split("-")[0]]))].join(", ")}…` : state.typing ? "typing…" : state.problem ? state.problem : plural(count, "scene");
   document.body.dataset.busy = busy.join(" ");
 }
 

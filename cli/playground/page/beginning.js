@@ -132,6 +132,7 @@ async function openLink(text) {
   try { found = await linked(text); } catch (problem) { found = null; }
   if (!found) { say("message", "This link holds no program. Was all of it copied?", true); at("exported").textContent = "This link holds no program."; return false; }
   program.value = found.program;
+  at("expression").value = "";
   at("seed").value = found.seed;
   at("slider").value = Math.min(Math.max(found.seed, 0), 200);
   takeReadings(found.readings);
@@ -162,7 +163,7 @@ at("save-program").onclick = () => save(program.value, "text/plain;charset=utf-8
 
 function savePicture(form) {
   at("exported").textContent = "painting…";
-  ask("picture", "picture", {form, count: Math.min(Number(at("count").value), 36)}, found => {
+  ask(`picture-${form}`, "picture", {form, count: Math.min(Number(at("count").value), 36)}, found => {
     if (found.kind === "file") save(Uint8Array.from(atob(found.data), letter => letter.charCodeAt(0)), form === "svg" ? "image/svg+xml" : "image/png", found.name);
     else if (messageOf(found)) at("exported").textContent = messageOf(found);
   });
@@ -185,6 +186,7 @@ at("examples").onchange = event => {
   if (event.target.value === "") return;
   program.focus();
   program.select();
+  at("expression").value = "";
   if (!document.execCommand("insertText", false, given.programs[Number(event.target.value)].program)) program.value = given.programs[Number(event.target.value)].program;
   program.setSelectionRange(0, 0);
   program.scrollTop = 0;

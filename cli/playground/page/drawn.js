@@ -24,6 +24,12 @@ function groundOf(ground, f) {
     const d = area.rings.map(ring => pathOf(ring, f)).join("");
     if (isColour(area.colour) && isColour(area.edge)) group.append(svg("path", {d, fill: area.colour, stroke: area.edge, "stroke-width": .7, "fill-rule": "evenodd"}));
   }
+  for (const line of (ground && ground.lines) || []) {
+    if (isColour(line.colour)) group.append(svg("path", {d: pathOf(line.points, f, false), fill: "none", stroke: line.colour, "stroke-width": 1.6}));
+  }
+  for (const some of (ground && ground.points) || []) {
+    if (isColour(some.colour)) group.append(...some.points.map(([x, y]) => svg("circle", {cx: f.X(x).toFixed(1), cy: f.Y(y).toFixed(1), r: 2, fill: some.colour})));
+  }
   if (ground && ground.ways && isColour(ground.ink)) {
     group.append(svg("path", {d: ground.ways.map(way => pathOf(way, f, false)).join(""), fill: "none", stroke: ground.ink, "stroke-width": .6, opacity: .6}));
     const half = ground.length * f.scale / 2;
@@ -86,7 +92,7 @@ function drawScene(scene, size = SIZE) {
   if (scene.problem) { root.append(text(size / 2, size / 2, clipped(scene.problem, 40))); return root; }
   const f = frame(scene.window, size, size);
   root.append(groundOf(scene.ground, f));
-  if (scene.view.length) root.append(svg("path", {d: pathOf(scene.view, f), class: "view"}));
+  if (scene.view.length) root.append(svg("path", {d: pathOf(scene.view, f), class: scene.allSeen ? "view all" : "view"}));
   root.append(...scene.objects.map(o => thing(o, scene.ego, f)), labels(scene.objects, scene.ego, f), scaleBar(f));
   return root;
 }

@@ -4,6 +4,7 @@ function askScenes() {
   state.scenes = []; state.base = []; state.features = []; state.names = {}; state.tally = null; state.problem = null; state.dynamic = false;
   classes.clear();
   at("grid").replaceChildren();
+  document.body.classList.remove("partly");
   at("grid").classList.remove("stale");
   say("message", "");
   rejected = new Map();
@@ -42,6 +43,7 @@ function askBase(count) {
 
 function addScene(scene) {
   state.scenes.push(scene);
+  if (!scene.problem && scene.view.length && !scene.allSeen) document.body.classList.add("partly");  // what ego sees is told apart in some scene
   if (scene.objects.some(o => o.properties.behavior)) state.dynamic = true;
   const card = make(
     "button", {class: "card", "aria-pressed": "false", title: "show it in full", onclick: () => choose(scene.scene)}, drawScene(scene),
@@ -50,6 +52,10 @@ function addScene(scene) {
   at("grid").append(card);
   if (state.selected === scene.scene) showDetail();
 }
+
+// Angles are radians in programs and files, and degrees where they are told in a sentence: here both.
+const ANGLES = new Set(["heading", "viewAngle", "headingStdDev", "roadDeviation"]);
+const inRadians = value => `${number(value)} rad (${number(value * 180 / Math.PI)}°)`;
 
 function choose(index) {
   state.selected = state.selected === index ? null : index;
@@ -66,7 +72,7 @@ function showDetail() {
   for (const [name, value] of Object.entries(scene.params)) rows.push(["param", name, told(value)]);
   for (const o of scene.objects.slice(0, 60)) {
     const own = {position: o.position, heading: o.heading, width: o.width, length: o.length, ...o.properties};
-    for (const [name, value] of Object.entries(own)) rows.push([`${nameOf(o, scene.ego)} (${o.id})`, name, told(value)]);
+    for (const [name, value] of Object.entries(own)) rows.push([`${nameOf(o, scene.ego)} (${o.id})`, name, ANGLES.has(name) && typeof value === "number" ? inRadians(value) : told(value)]);
   }
   const body = make("tbody");
   rows.forEach(([who, name, value], i) => body.append(make("tr", {}, make("td", {}, i && rows[i - 1][0] === who ? "" : who), make("td", {class: "code property"}, name), make("td", {class: "code"}, value))));

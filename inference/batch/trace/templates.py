@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ....formats.scenes import OWN_FIELDS, Scene, SceneObject
+from ....formats.site_land import SiteMap, site_of
 from ....semantics.kernel.config import State
 from ....semantics.kernel.values import unwrap
 from ....semantics.programs import ego_of
@@ -39,6 +40,7 @@ class Template(NamedTuple):
     params: dict[str, object]
     workspace: Region
     pruned: bool = False
+    site: SiteMap | None = None
 
     @property
     def outputs(self) -> list[GraphNode]:
@@ -60,7 +62,8 @@ def template_of(state: State, *, pruned: bool = False) -> Template:
         ObjectTemplate(state.names.get(i.number), i.class_.name, {n: unwrap(v)[0] for n, v in state.objects[i.number].items()}, i.number)
         for i in state.scene
     )
-    return Template(objects, None if ego is None else numbers[ego.number], {n: unwrap(v)[0] for n, v in state.params.items()}, workspace, pruned)
+    params = {n: unwrap(v)[0] for n, v in state.params.items()}
+    return Template(objects, None if ego is None else numbers[ego.number], params, workspace, pruned, site_of(state))
 
 
 def scenes_of(template: Template, columns: Columns, seed: int, indices: np.ndarray, attempts: np.ndarray) -> Iterator[Scene]:
@@ -82,7 +85,7 @@ def scenes_of(template: Template, columns: Columns, seed: int, indices: np.ndarr
         )
         yield Scene(
             made, template.ego_id, {n: v[row] for n, v in params}, seed, int(indices[row]), int(attempts[row]) + 1, 1.0, template.workspace,
-            template.pruned,
+            template.pruned, template.site,
         )
 
 

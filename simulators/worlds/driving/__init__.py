@@ -86,7 +86,7 @@ def modules(program: Program, params: Mapping[str, object], directory: Path | No
             tolerance = tolerance_of(program, params)
         except ImportRefused as wrong:
             return wrong
-        found = default_network(tolerance) if named is None else read(*named[1:], tolerance) if isinstance(named, tuple) else named
+        found = default_network(tolerance) if named is None else read(*named[1:], tolerance, directory) if isinstance(named, tuple) else named
         return found if isinstance(found, Exception) else {"network": found}
 
     def of_roads() -> Mapping[str, object]:

@@ -19,14 +19,21 @@ LARGEST_TOLERANCE = 10.0
 """Metres by which a point may miss an element at most."""
 
 
-def read(path: Path, span: Span = NOWHERE, tolerance: float = TOLERANCE) -> Network | Exception:
-    """The map of a file, which the program names there, or why it cannot be had."""
+def read(path: Path, span: Span = NOWHERE, tolerance: float = TOLERANCE, directory: Path | None = None) -> Network | Exception:
+    """The map of a file, which a program in the directory names there, or why it cannot be had."""
     if path.suffix.lower() != ".xodr":
         return ImportRefused(f"the map of a program is an OpenDRIVE file (.xodr), not {path.name}", span)
     try:
         return read_map(path, checked(tolerance, span))
     except ScenicError as problem:
-        return ImportRefused(problem.message, span)
+        return ImportRefused(problem.message, span, hint=problem.hint or beside(path, directory))
+
+
+def beside(path: Path, directory: Path | None) -> str:
+    """What to write where a map that is not there is beside the program; "" otherwise."""
+    if directory is None or path.is_absolute() or path.exists() or not (directory / path).is_file():
+        return ""
+    return f"{path.name} is beside the program: write localPath({str(path)!r}), or give the path {directory / path}"
 
 
 def checked(tolerance: object, span: Span) -> float:
