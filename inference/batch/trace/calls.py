@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from ....semantics.kernel.values import Bound, Native
 from ....semantics.space.fields import OutsideField, PolygonalVectorField, VectorField
 from ....semantics.space.vectors import Vector
-from .symbols import Traced
+from .symbols import Choice, Traced
+
+PLAIN = (bool, int, float, str, type(None))
 
 
 def name_of(function: object) -> str:
@@ -28,3 +32,16 @@ def bounds_of_field(subject: object = None, *rest: object) -> tuple[float, float
         return None
     headings = [float(h) for _, h in subject.cells] + ([] if subject.defaultHeading is None else [subject.defaultHeading])  # type: ignore[arg-type]
     return min(headings), max(headings)
+
+
+def key_of(function: object, arguments: tuple[object, ...], keywords: Mapping[str, object]) -> object:
+    """What two calls share if they are one: the function and arguments that are nodes, numbers or the same object."""
+
+    def part(value: object) -> object:
+        if isinstance(value, Traced):
+            return value.node if not isinstance(value, Choice) else (value.node, id(value.values))
+        if isinstance(value, Vector):
+            return part(value.x), part(value.y)
+        return (type(value), value) if isinstance(value, PLAIN) else id(value)
+
+    return ("call", function if not keywords else object(), *map(part, arguments))

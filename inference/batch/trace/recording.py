@@ -19,7 +19,7 @@ from ....semantics.space.numeric import Elementary, is_macro, position_in
 from ....semantics.space.symbols import NotLifted
 from ....semantics.space.vectors import Vector
 from ....semantics.syntax.nodes import NOWHERE
-from .calls import bounds_of_field, name_of, premise_of
+from .calls import PLAIN, bounds_of_field, key_of, name_of, premise_of
 from .graph import AsFloat, Crowd, Graph, GraphEvent, GraphNode, Kind, Lookup, Macro, Part, PartialRun, RowCall, Search, Site, bounds_of, decided
 from .structures import in_row, symbols_in
 from .symbols import OPERATORS, Choice, Mistaken, Opaque, Retry, Scalar, Traced
@@ -30,7 +30,6 @@ LARGEST_PRODUCT = 256
 TRUTH = frozenset({
     np.equal, np.not_equal, np.less, np.less_equal, np.greater, np.greater_equal, np.logical_and, np.logical_or, np.logical_xor, np.logical_not,
 })  # fmt: skip
-PLAIN = (bool, int, float, str, type(None))
 
 
 class Recorder:
@@ -226,7 +225,7 @@ class Recorder:
         if is_macro(function):
             return self.macro(function, arguments)
         if function is crowd_meets:
-            return self.crowd(*arguments)
+            return self.collision(*arguments)
         if function is position_in:
             cumulative, value = arguments
             array = np.array(cumulative, dtype=float)
@@ -252,10 +251,10 @@ class Recorder:
         example = bool(made.call([a.example if isinstance(a, GraphNode) else a for a in operands]))
         return Scalar(self, self.node(made, operands, "bool", example), example)
 
-    def crowd(self, closed: Any, *numbers: object) -> Any:
+    def collision(self, closed: Any, *numbers: object) -> Any:
         """Whether any two of many boxes meet, as one node."""
         operands = tuple(map(self.operand, numbers))
-        example = crowd_meets(closed, *(a.example if isinstance(a, GraphNode) else a for a in operands))  # type: ignore[misc]
+        example = crowd_meets(closed, *(a.example if isinstance(a, GraphNode) else a for a in operands))  # type: ignore[arg-type]
         return Scalar(self, self.node(Crowd(closed), operands, "bool", example), example)
 
     def as_numbers(self, value: object) -> object:
@@ -284,7 +283,7 @@ class Recorder:
         kind: Kind = "float" if type(example) is float else "bool" if type(example) is bool else "object"
         optional = kind == "object" and not isinstance(example, Vector)
         call = RowCall(function, arguments, dict(keywords), type(example), result is float, text, self.budget, optional)
-        key = self.key_of(function, arguments, keywords)
+        key = key_of(function, arguments, keywords)
         before = len(self.graph.nodes)
         node = self.node(call, (), kind, example, key)
         if node.number == before:
@@ -295,18 +294,6 @@ class Recorder:
         if isinstance(example, Vector):
             return self.vector(node, example)
         return Opaque(self, node, example) if kind == "object" else Scalar(self, node, example)
-
-    def key_of(self, function: object, arguments: tuple[object, ...], keywords: Mapping[str, object]) -> object:
-        """What two calls share if they are one: the function and arguments that are nodes, numbers or the same object."""
-
-        def part(value: object) -> object:
-            if isinstance(value, Traced):
-                return value.node if not isinstance(value, Choice) else (value.node, id(value.values))
-            if isinstance(value, Vector):
-                return part(value.x), part(value.y)
-            return (type(value), value) if isinstance(value, PLAIN) else id(value)
-
-        return ("call", function if not keywords else object(), *map(part, arguments))
 
     def vector(self, node: GraphNode, example: Vector) -> Vector:
         """The vector that a node's object is."""
