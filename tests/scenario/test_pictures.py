@@ -120,3 +120,10 @@ def test_a_crowded_map_is_drawn_without_its_smallest_features(tmp_path: Path) ->
     crowd = [(f"p{k}", "Point", [k % 20, k // 20 % 20]) for k in range(MOST_POINTS + 5)]
     found = laid(site_in(tmp_path, [*crowd, ("yard", "Polygon", square(20))]).sample().site, (0.0, 0.0, 20.0, 20.0))
     assert found[0].kind == "areas" and len(found) <= MOST_POINTS
+
+
+@pytest.mark.parametrize("format", ["png", "svg", "pdf"])
+def test_pictures_are_the_same_bytes_every_time(format: str) -> None:
+    """Also the names inside of an SVG file, which the library draws at random where it may."""
+    scenes = list(scenic_ref.loads("ego = Object\nObject at 3 @ 3\n").sample_many(2, 0))
+    assert picture(scenes, format=format) == picture(scenes, format=format)
