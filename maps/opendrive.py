@@ -21,6 +21,7 @@ Numbers = NDArray[np.float64]
 Contact = Literal["start", "end"]
 LONGEST = 1e6
 """Metres that a road may have."""
+MOST_TURNED = 64 * math.tau  # radians, of a piece of a road
 FURTHEST = 1e8
 """Metres from the origin at which anything may be."""
 MOST_LANES = 100
@@ -278,6 +279,8 @@ def piece(element: Element) -> Piece:
     if shape is None:
         raise MapError(f"line {element.line}: <geometry> must be one of {', '.join(SHAPES)}")
     parameters = tuple(bounded(shape, name) for name in SHAPES[shape.name])
+    if shape.name in ("arc", "spiral") and max(map(abs, parameters)) * length > MOST_TURNED:
+        raise MapError(f"line {element.line}: this <{shape.name}> turns more than {MOST_TURNED / math.tau:.0f} times")
     if shape.name == "paramPoly3" and shape.text("pRange", "normalized") == "arcLength":
         parameters = (*parameters, 1.0)
     return Piece(s, x, y, math.remainder(heading, math.tau), length, shape.name, parameters)

@@ -18,7 +18,7 @@ from ..kernel.outcome import Change, Outcome
 from ..kernel.premises import describe_origin
 from ..kernel.scenic_classes import Above, ScenicClass
 from ..kernel.scopes import MISSING, Scope
-from ..kernel.values import Dynamic, Function, Instance, Method, Origin, Random, Special, plain, unwrap, wrap
+from ..kernel.values import Dynamic, Function, Instance, Method, Origin, Random, Special, each, plain, unwrap, wrap
 from ..kernel.versions import STORED
 from ..kernel.waiting import refuse_waiting
 from ..space.regions import PolylineRegion
@@ -115,8 +115,11 @@ def isinstance_rule(node: Node, arguments: Arguments, keywords: Keywords, stack:
     if len(arguments) != 2:
         raise HostException(TypeError("isinstance() takes two arguments"))
     subject, (classes, of_classes) = arguments[0], unwrap(arguments[1])
-    inner = plain(subject)
-    result = any(_is_instance(inner, c) for c in _flat(classes))
+
+    def is_one(value: object) -> bool:
+        return any(_is_instance(value, c) for c in _flat(classes))
+
+    result = each(is_one, plain(subject))
     origin = subject.origin if type(subject) is Random else of_classes
     return returned(node, wrap(result, origin), stack, state)
 

@@ -59,7 +59,7 @@ def crowd_meets(closed: bool, *numbers: float) -> bool:
     if symbol is not None:
         return symbol.apply(crowd_meets, (closed, *numbers), bool)
     columns = np.broadcast_arrays(*(np.asarray(n, dtype=float) for n in numbers))
-    table = np.stack(columns).reshape(-1, NUMBERS, columns[0].size)
+    table = np.stack(columns).reshape(len(numbers) // NUMBERS, NUMBERS, columns[0].size)
     met = np.array([row_meets(table[:, :, k].T, closed) for k in range(table.shape[2])], dtype=bool)
     return bool(met[0]) if columns[0].ndim == 0 else met  # type: ignore[return-value]
 

@@ -115,3 +115,11 @@ def test_by_torch_the_scenes_are_the_same() -> None:
     plain = list(scenic_ref.loads(text).sample_many(12, 3, backend="batch"))
     assert [s.attempts for s in found] == [s.attempts for s in plain]
     assert all(abs(a.position.x - b.position.x) < 1e-9 for s, t in zip(found, plain, strict=True) for a, b in zip(s.objects, t.objects, strict=True))
+
+
+def test_a_crowd_of_which_no_run_is_left_is_rejected() -> None:
+    """Here ego sees hardly any of the objects, so that all runs of a block are rejected before collisions are looked at."""
+    text = "ego = Object at 0 @ -5\nfor i in range(55):\n    Object at Range(0, 900) @ Range(0, 900)\n"
+    with pytest.raises(AttemptsExhausted, match="visible from ego"):
+        list(scenic_ref.loads(text).sample_many(20, 0, backend="batch", max_attempts=300))
+    assert len(crowds.crowd_meets(True, *[np.zeros(0)] * 60)) == 0  # type: ignore[arg-type]

@@ -53,3 +53,22 @@ def test_an_interrupt_waits_until_the_compiler_is_done() -> None:
     with pytest.raises(KeyboardInterrupt), later_interrupts():
         signal.raise_signal(signal.SIGINT)
         raise ValueError("what the compiler cannot do")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "x = Uniform(1, 'a')\nrequire not isinstance(x, str)\nparam p = x\n",
+        "x = Range(0, 1)\nparam p = isinstance(x, float), q = isinstance(x, int)\n",
+        "x = Uniform(1, 2.5, True)\nparam p = isinstance(x, int), q = isinstance(x, bool), r = isinstance(x, (str, float))\n",
+        "x = Uniform([1], (2, 3))\nparam p = isinstance(x, list)\n", "x = Uniform(Range(0, 1), 'a')\nparam p = isinstance(x, str)\n",
+        "class A:\n    foo: 1\na = A at 9 @ 9\nx = Uniform(ego, a)\nparam p = isinstance(x, A), q = isinstance(x, Object)\n",
+        "x = Uniform(CircularRegion(0 @ 0, 2), RectangularRegion(0 @ 0, 0, 1, 1))\nrequire isinstance(x, CircularRegion)\nparam p = str(x)\n",
+        "x = Uniform(1, 2) + Uniform(1, 2)\nparam p = isinstance(x, int)\n", "x = 1\nparam p = isinstance(x, Uniform(int, str))\n",
+        "x = Uniform(1, None)\nrequire isinstance(x, type(None))\nparam p = x\n",
+    ],
+)  # fmt: skip
+def test_the_class_of_what_is_drawn_is_that_of_each_value(text: str) -> None:
+    scenario = scenic_ref.loads("ego = Object\n" + text)
+    drawn = [[s.to_json() for s in scenario.sample_many(40, 1, backend=backend)] for backend in ("batch", "interpreter")]  # type: ignore[arg-type]
+    assert drawn[0] == drawn[1]

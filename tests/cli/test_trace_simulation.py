@@ -89,7 +89,8 @@ def test_an_error_while_the_scenario_runs_follows_the_rules_before_it(ask):
     found = ask("trace", "e.scenic", "--steps", 5)
     assert found.code == 1
     assert "time step 1" in found.out
-    assert "the program is wrong: nosuch is not defined" in found.out
+    assert "the program is wrong, and the run ends here" in found.out
+    assert found.err.count("nosuch is not defined") == 1
     assert "e.scenic:3" in found.err
 
 

@@ -201,3 +201,13 @@ def test_degenerate_shapes_are_a_map_or_a_message(name: str, change: Callable[[b
         assert problem.message
     else:
         assert network.lanes
+
+
+@pytest.mark.parametrize("shape", ['<arc curvature="50"/>', '<spiral curvStart="0" curvEnd="1000000"/>', '<spiral curvStart="-50" curvEnd="0"/>'])
+def test_a_road_that_turns_without_end_is_refused(shape: str) -> None:
+    with pytest.raises(MapError, match="turns more than 64 times"):
+        opendrive.read(file(shape=shape))
+
+
+def test_a_map_whose_roads_all_belong_to_a_junction_is_read() -> None:
+    assert not network_of(opendrive.read(file(ROAD.replace('junction="-1"', 'junction="4"')))).roads
