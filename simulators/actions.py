@@ -20,10 +20,15 @@ def is_number(value: object) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
 
 
+def no_number(value: object, what: str) -> str | None:
+    """Why a value is no finite number, None if it is."""
+    return None if is_number(value) else f"the {what} must be a number, not {value if isinstance(value, float) else kind_name(value)}"
+
+
 def in_range(value: object, low: float, high: float, what: str) -> str | None:
     """Why a value is no number from `low` to `high`, None if it is."""
     if not is_number(value):
-        return f"the {what} must be a number, not {kind_name(value)}"
+        return no_number(value, what)
     return None if low <= value <= high else f"the {what} must be between {low:g} and {high:g}, not {value}"  # type: ignore[operator]
 
 
@@ -152,7 +157,7 @@ class RegulatedControlAction(DrivingAction):
         """Check the numbers."""
         for name in ("throttle", "steer", "past_steer"):
             value = getattr(self, name)
-            refuse(None if is_number(value) else f"the {name} must be a number, not {kind_name(value)}")
+            refuse(no_number(value, name))
         for name in ("max_throttle", "max_brake", "max_steer"):
             refuse(in_range(getattr(self, name), 0, 1, name))
 
@@ -216,7 +221,7 @@ class SetSpeedAction(Action):
 
     def __post_init__(self) -> None:
         """Check the number."""
-        refuse(None if is_number(self.speed) else f"the speed must be a number, not {kind_name(self.speed)}")
+        refuse(no_number(self.speed, "speed"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -236,7 +241,7 @@ class SetWalkingDirectionAction(WalkingAction):
 
     def __post_init__(self) -> None:
         """Check the number."""
-        refuse(None if is_number(self.heading) else f"the heading must be a number, not {kind_name(self.heading)}")
+        refuse(no_number(self.heading, "heading"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -247,7 +252,7 @@ class SetWalkingSpeedAction(WalkingAction):
 
     def __post_init__(self) -> None:
         """Check the number."""
-        refuse(None if is_number(self.speed) else f"the speed must be a number, not {kind_name(self.speed)}")
+        refuse(no_number(self.speed, "speed"))
         refuse(None if self.speed >= 0 else f"the speed must not be negative, as {self.speed} is: SetWalkingDirectionAction turns a pedestrian round")
 
 

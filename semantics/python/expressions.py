@@ -247,7 +247,7 @@ def get_host_attribute(subject: object, name: str, node: p.Attribute, state: Sta
     fallback = getattr(type(subject), "__getattr__", None) if is_user_made(subject) and not isinstance(subject, type) else None
     if isinstance(fallback, Function):
         return raw(door, state, fallback, subject, name)
-    if name.startswith("_"):
+    if name.startswith("_") and subject is not None:
         raise RunError(f"names with a leading underscore, such as {name}, are private to Python objects", node.span, rule="E-Attribute")
     raise HostException(no_attribute(kind_name(subject), name, names_in(subject)))
 
