@@ -234,7 +234,7 @@ def test_what_is_beside_a_road_without_lanes_belongs_to_none() -> None:
 
 FORBIDDEN = {
     "network.lanes[0].road = None": "road|immutable", "x = Lane(uid='a')": "a Lane is made by reading a map", "x = network.by_uid": "by_uid",
-    "x = network.lanes[0].polygon.wkt": "may not have a value of type Polygon",
+    "x = network.lanes[0].polygon.wkt": "a Lane has no attribute wkt",
 }  # fmt: skip
 
 
