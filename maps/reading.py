@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from functools import lru_cache, partial
 from pathlib import Path
 
-import numpy as np
 import shapely
 
 from . import opendrive
@@ -105,7 +104,9 @@ def finished(net: Assembly, intersections: Sequence[Intersection], signals: Sequ
 
 def note_overlaps(roads: Sequence[Road], notes: Notes) -> None:
     """Note roads outside intersections that share an area, as bridges do in the plane."""
-    polygons = np.array([road.polygon for road in roads], dtype=object)
+    if not roads:
+        return
+    polygons = [road.polygon for road in roads]
     for i, j in zip(*shapely.STRtree(polygons).query(polygons, predicate="intersects"), strict=True):
         if i < j and (shared := shapely.intersection(polygons[i], polygons[j]).area) > OVERLAP:
             notes.add("roads that overlap", f"{roads[i].uid} and {roads[j].uid} in {shared:.1f} m²")
