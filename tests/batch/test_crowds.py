@@ -70,17 +70,17 @@ def test_a_graph_grows_with_the_objects_and_not_with_their_pairs() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.extra("fast")
 def test_compiled_scenes_are_the_same() -> None:
-    pytest.importorskip("numba")
     text = program(60, 2.5)
     batch = batch_of(text)
     assert batch.compile(), batch.not_compiled
     assert [scene.to_json() for scene in batch.scenes(60, 5)] == scenes(text, "interpreter", 60, 5)
 
 
+@pytest.mark.extra("fast")
 @pytest.mark.parametrize("closed", [True, False])
 def test_compiled_a_crowd_meets_if_it_does_in_columns(closed: bool) -> None:
-    pytest.importorskip("numba")
     from scenic_ref.inference.batch.compile.crowds import row_meets
 
     told = [row_meets(row, closed) for row in map(crowd, range(200))]
@@ -108,8 +108,8 @@ def test_importance_weighs_crowds() -> None:
     assert len(scenic_ref.loads(program(52, 1.2)).infer("importance", 10, 1).scenes) == 10
 
 
+@pytest.mark.extra("torch")
 def test_by_torch_the_scenes_are_the_same() -> None:
-    pytest.importorskip("torch")
     text = program(55, 2.3)
     found = list(scenic_ref.loads(text).on_device("cpu").sample_many(12, 3, backend="batch"))
     plain = list(scenic_ref.loads(text).sample_many(12, 3, backend="batch"))
