@@ -69,7 +69,7 @@ def default_requirements(state: State, since: int = 0) -> Iterator[Premise]:
 
 
 def collisions(solid: Sequence[Instance], made: set[int], names: Mapping[int, str], state: State) -> Iterator[Premise]:
-    """The premises about pairs, one for each; of many objects those of the pairs that are near each other, and then all others in one.
+    """The premises about pairs, one for each; of many objects one for each pair that is near each other, and then one about all.
 
     Those about objects whose numbers are not among `made` alone are left out.
     """
