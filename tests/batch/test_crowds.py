@@ -105,7 +105,10 @@ def crowd(seed: int) -> np.ndarray:
 
 @pytest.mark.slow
 def test_importance_gives_no_scene_in_which_boxes_meet() -> None:
-    """Without the requirement some three eighths of the scenes would be such (1.6 attempts per scene by rejection): all of these by chance once in 80,000."""
+    """Without the requirement some three eighths of the scenes would be such (1.6 attempts per scene by rejection).
+
+    That none of these is one happens by chance once in 80,000.
+    """
     found = scenic_ref.loads(program(55, 2.5, "True")).infer("importance", 24, 1).scenes
     assert len(found) == 24
     for scene in found:
