@@ -17,6 +17,7 @@ from ..inference.batch import Batch, Block, Impossible, NotLifted
 from ..inference.batch.devices import check_device
 from ..inference.batch.evaluate.features import features_in
 from ..inference.batch.jobs.blocks import block_of, jobs
+from ..inference.dynamics.code import Library
 from ..inference.enumeration import DEFAULT_RUNS, Enumeration, enumerate_runs
 from ..inference.histories import Histories, enumerate_simulations
 from ..inference.importance import draw_importance
@@ -51,7 +52,7 @@ from .drawn import Backend, Drawn, ToldScenes, drawn, progress_of
 from .for_pyro import pyro_for
 from .pickling import Condition, Portable
 from .showing import Shown
-from .simulating import SimulationRange, Told, replayed, simulate_many
+from .simulating import SimulationBackend, SimulationRange, Told, check_simulation_backend, replayed, simulate_many
 
 if TYPE_CHECKING:
     import numpy as np
@@ -186,23 +187,32 @@ class Scenario(Portable, Shown):
         self, simulator: str | Simulator = "still", steps: int = 100, seed: int = 0, index: int = 0, *, timestep: float | None = None,
         max_attempts: int = DEFAULT_ATTEMPTS, on_attempt: Callable[[int], None] | None = None,
         on_failed: Callable[[Failed], None] | None = None, witnessed: Callable[[int], Witness | None] | None = None,
+        backend: SimulationBackend = "compiled",
     ) -> SampledRun:  # fmt: skip
         """Simulation number `index` of `seed`, of at most `steps` time steps; rejected runs are discarded as a whole (reading `rejected-simulation`).
 
         `simulator` is one of `simulators.SIMULATORS` by name, or "package.module:Class" (`timestep`, in seconds, is then that of the simulation),
-        or a simulator itself.
+        or a simulator itself. The `backend` "compiled" runs behaviors as Python code, where that can be, "interpreter" by the machine; the simulations
+        are the same.
         """
+        check_simulation_backend(backend)
         check_whole(("steps", steps, 0), ("seed", seed, None), ("index", index, 0), ("max_attempts", max_attempts, 1))
         self.rehearse()
         found = by_name(simulator, timestep) if isinstance(simulator, str) else simulator
         return sample_simulation(
             self.start, found, steps, seed, index, max_attempts=max_attempts, fuel=self.fuel,
             retry=self.readings["rejected-simulation"] == "retry", on_attempt=on_attempt, on_failed=on_failed, witnessed=witnessed,
+            library=self.compiled if backend == "compiled" else None,
         )  # fmt: skip
+
+    @cached_property
+    def compiled(self) -> Library:
+        """What is compiled of the behaviors so far."""
+        return Library(self.readings)
 
     def simulate_many(
         self, n: int, *, simulator: str | Simulator = "still", steps: int = 100, seed: int = 0, start: int = 0, timestep: float | None = None,
-        max_attempts: int = DEFAULT_ATTEMPTS, workers: int = 1, progress: Told | None = None,
+        max_attempts: int = DEFAULT_ATTEMPTS, workers: int = 1, progress: Told | None = None, backend: SimulationBackend = "compiled",
     ) -> Iterator[SampledRun]:  # fmt: skip
         """Simulations `start` to `start + n - 1` of `seed`, in order: those of `simulate`, and of `scenic-ref simulate -n`, whoever runs them.
 
@@ -211,8 +221,9 @@ class Scenario(Portable, Shown):
         """
         check_whole(("n", n, 0), ("steps", steps, 0), ("seed", seed, None), ("start", start, 0))
         check_whole(("max_attempts", max_attempts, 1), ("workers", workers, 1))
+        check_simulation_backend(backend)
         self.rehearse()
-        return simulate_many(self, SimulationRange(start, start + n, seed, steps, timestep, max_attempts), simulator, workers, progress)
+        return simulate_many(self, SimulationRange(start, start + n, seed, steps, timestep, max_attempts, backend), simulator, workers, progress)
 
     def replay(self, record: Mapping[str, object] | Recording, simulator: str | Simulator = "still", *, timestep: float | None = None) -> Simulated:
         """A simulation whose actions are those of `record`, a line of the simulation format as JSON; its time step is the recorded one by default.

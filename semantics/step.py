@@ -260,10 +260,16 @@ def step(config: Config) -> Outcome:
         outcome = object_definitions.wait_whole(config) or stopped(problem, config)
     except Exception as problem:
         outcome = stopped(problem, config)
+    return told(outcome, state)
+
+
+def told(outcome: Outcome, before: State) -> Outcome:
+    """What a rule says, applied in the state `before` that stands in memory: in the version of what stands there now, a draw with what is given."""
+    version = before.version
     if not version.undo and type(outcome) is Next and outcome.config.state.version is version:
         return outcome
-    if type(outcome) is Draw and outcome.address in state.settings.given.draws:
-        outcome = outcome._replace(distribution=state.settings.given.draws[outcome.address].of(outcome.distribution))
+    if type(outcome) is Draw and outcome.address in before.settings.given.draws:
+        outcome = outcome._replace(distribution=before.settings.given.draws[outcome.address].of(outcome.distribution))
     return dated(outcome, version.versions.settled())
 
 
