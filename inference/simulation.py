@@ -101,6 +101,7 @@ def compiled(
             return simulate(start(), choose, simulator, steps, by=policy)
         except LeftToMachine as left:
             if not left.again:
+                library.wholes[left.reason] += 1
                 break
     return simulate(start(), choose, simulator, steps)
 

@@ -134,14 +134,16 @@ def simulated(
         return rejected(problem, 0)
     limit = "1 time step has passed" if steps == 1 else f"{steps:,} time steps have passed"
     ended = ""
+    scene_before: tuple[Instance, ...] = ()
+    ids: dict[int, int] = {}
     for number in range(steps + 1):
         told.clear()
         outcome = chosen(state, ended or (limit if number == steps else ""))
         if isinstance(outcome, Stuck):
             return Failed(outcome.requirement, number)
-        now = satisfied(outcome.state)
-        told += [f"`require eventually` on line {line} is satisfied" for line in sorted(now - held)]
-        held |= now
+        if (now := satisfied(outcome.state)) != held:
+            told += [f"`require eventually` on line {line} is satisfied" for line in sorted(now - held)]
+            held |= now
         if isinstance(outcome, Finish):
             made += new_bodies(outcome.state, len(made))
             moments.append(Moment(number, poses(outcome.state, simulator), {}, tuple(told)))
@@ -149,7 +151,9 @@ def simulated(
             result = TERMINATED if simulation_of(outcome.state).flag else ENDED if ended else LIMIT
             return Simulated(scene, tuple(moments), result, outcome.reason, simulator.timestep, tuple(made[first:]), recorded)
         state = outcome.state
-        ids = {instance.number: k for k, instance in enumerate(state.scene)}
+        if state.scene is not scene_before:
+            scene_before = state.scene
+            ids = {instance.number: k for k, instance in enumerate(state.scene)}
         actions = {ids[n]: taken for n, taken in outcome.actions.items()}
         before = poses(state, simulator)
         try:
@@ -232,9 +236,8 @@ def body_of(id: int, state: State) -> Body:
 
 def poses(state: State, simulator: Simulator) -> tuple[Pose, ...]:
     """The properties of all objects that the simulator updates, as far as they have them."""
-    return tuple(
-        {name: state.objects[i.number][name] for name in sorted(simulator.properties) if name in state.objects[i.number]} for i in state.scene
-    )
+    names = sorted(simulator.properties)
+    return tuple({name: properties[name] for name in names if name in properties} for properties in (state.objects[i.number] for i in state.scene))
 
 
 def check_actions(simulator: Simulator, state: State, actions: Mapping[int, tuple[object, ...]], policy: Policy) -> None:
@@ -254,6 +257,6 @@ def read_back(simulator: Simulator, state: State) -> State:
     """The state with what the simulator says of the objects. Raises `SimulatorError` for values that a property cannot have."""
     objects = dict(state.objects)
     for id, instance in enumerate(state.scene):
-        pose = read_pose(simulator, id, repr(instance), instance.span)
-        objects[instance.number] = {**objects[instance.number], **pose}
+        if pose := read_pose(simulator, id, instance, instance.span):
+            objects[instance.number] = {**objects[instance.number], **pose}
     return state.with_objects(objects)

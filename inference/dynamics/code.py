@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
+from ...semantics.kernel.errors import GuardViolation, InvariantViolation, PreconditionViolation
 from ...semantics.kernel.scopes import ByIdentity, Scope, function_names
 from ...semantics.kernel.values import Dynamic
 from ...semantics.syntax import dynamics as d
@@ -15,10 +17,11 @@ from .statements import condition, coroutine
 
 
 class Guard(NamedTuple):
-    """A precondition or invariant: whether it holds, in a scope; where it stands; and what is told of one that does not."""
+    """A precondition or invariant: whether it holds, in a scope; where it stands; the exception of one that does not, and what that tells."""
 
     holds: Callable[[Any, Any], bool]
     node: Expression
+    violation: type[GuardViolation]
     text: str
 
 
@@ -31,13 +34,14 @@ class Code(NamedTuple):
 
 
 class Library:
-    """What is compiled of a program under its `readings`, and what is not, with the reason (`left`, by what is left to the machine)."""
+    """What is compiled of a program under its `readings`, and what is not, with the reason (`left`, by what is left to the machine; `wholes`, of whole simulations)."""
 
     def __init__(self, readings: Mapping[str, str]) -> None:
         self.readings = readings
         self.codes: dict[ByIdentity, Code | NotCompiled] = {}
         self.conditions: dict[ByIdentity, Callable[[Any, Scope], Any]] = {}
         self.left: dict[ByIdentity, str] = {}
+        self.wholes: Counter[str] = Counter()
         self.usable = readings["invariant-of-caller"] == "on-return"
 
     def code_of(self, behavior: Dynamic) -> Code:
@@ -55,7 +59,7 @@ class Library:
         found = self.codes.get(ByIdentity(body[0]))
         if found is None:
             plain_scope = scope.parent is not None and scope.parent.kind == "module"
-            found = self.noted(body[0], lambda: Code(coroutine(body, scope.names, self.readings, plain_scope=plain_scope)))
+            found = self.noted(body[0], lambda: Code(coroutine(body, scope.names, self.readings, plain_scope=plain_scope, has_agent=False)))
         if isinstance(found, NotCompiled):
             raise found
         return found
@@ -73,17 +77,18 @@ class Library:
     def behavior(self, definition: d.BehaviorDefinition, *, plain_scope: bool) -> Code:
         """The code of a definition. Raises `NotCompiled`."""
 
-        def guards(word: str, conditions: tuple[Expression, ...]) -> tuple[Guard, ...]:
+        def guards(word: str, violation: type[GuardViolation], conditions: tuple[Expression, ...]) -> tuple[Guard, ...]:
             return tuple(
                 Guard(
-                    condition(c, definition, self.readings, plain_scope=plain_scope, decides=True), c,
+                    condition(c, definition, self.readings, plain_scope=plain_scope, decides=True), c, violation,
                     f"the {word} of {definition.name} on line {c.span.line}",
                 )
                 for c in conditions
             )  # fmt: skip
 
-        run = coroutine(definition.body, function_names(definition), self.readings, plain_scope=plain_scope)
-        return Code(run, guards("precondition", definition.preconditions), guards("invariant", definition.invariants))
+        run = coroutine(definition.body, function_names(definition), self.readings, plain_scope=plain_scope, has_agent=True)
+        before = guards("precondition", PreconditionViolation, definition.preconditions)
+        return Code(run, before, guards("invariant", InvariantViolation, definition.invariants))
 
     def condition(self, node: Node, scope: Scope, *, decides: bool) -> Callable[[Any, Scope], Any]:
         """A condition, or value to record, that a scenario declared, as a function of the `Equations` and its scope."""

@@ -13,7 +13,7 @@ from ...semantics.dynamics.frames import BODY
 from ...semantics.dynamics.guards import scope_of
 from ...semantics.dynamics.invocations import with_arguments
 from ...semantics.dynamics.scenarios import deadline_of
-from ...semantics.kernel.config import PASS, Config
+from ...semantics.kernel.config import PASS, Abrupt, Config
 from ...semantics.kernel.outcome import Draw, Next, Requirement
 from ...semantics.kernel.scopes import Scope
 from ...semantics.kernel.simulation import Deadline, flagged, has_passed, line_of, simulation_of
@@ -23,8 +23,9 @@ from ...semantics.syntax import dynamics as d
 from ...semantics.syntax import statements as s
 from ...semantics.syntax.nodes import Node
 from .code import Code, Guard, Library
-from .equations import Equations, Rejected
+from .equations import Equations, Raised, Rejected
 from .leaving import LeftToMachine
+from .statements import Handler
 
 Actions = tuple[Any, ...]
 Course = Generator[Actions, None, Any]
@@ -120,10 +121,10 @@ class Courses(Equations):
     # Guards
 
     def check(self, guards: Sequence[Guard], scope: Scope) -> None:
-        """Preconditions or invariants. Raises `Rejected` for one that does not hold, since nothing here catches its exception."""
+        """Preconditions or invariants. Raises `Raised` for one that does not hold."""
         for guard in guards:
             if not guard.holds(self, scope):
-                raise Rejected("D-Guard", Requirement("guard", guard.node.span, guard.text))
+                raise Raised(Abrupt("raise", guard.violation(guard.text), guard.node.span))
 
     def check_invariants(self, of: Invocation) -> None:
         """The invariants of a behavior that goes on."""
@@ -181,6 +182,11 @@ class Courses(Equations):
                     pass
                 except Terminate:
                     terminates = True
+                except Raised:
+                    self.prefix, self.draws = outer
+                    if terminates:
+                        self.state = flagged(f"the behavior of {caller.agent!r} executed `terminate`", self.state)
+                    raise
             self.prefix, self.draws = outer
             if terminates:
                 raise Terminate
@@ -227,7 +233,75 @@ class Courses(Equations):
         self.draws += 1
         return plain(self.choose(Draw(rule, address, known, node, no_configuration)))
 
+    # Exceptions
+
+    def attempt(self, scope: Scope, body: Course, handlers: Sequence[Handler], otherwise: Callable[[], Course] | None) -> Course:
+        """`try` with `except` and `else` (`control.unwind_handling`): how it was left, None at its end."""
+        try:
+            left = yield from body
+        except Raised as problem:
+            exception = problem.abrupt.value
+            handler = next((h for h in handlers if h.type is None or self.catches(h.type(), exception)), None)
+            if handler is None:
+                raise
+        else:
+            return left if left is not None or otherwise is None else (yield from otherwise())
+        assert isinstance(exception, BaseException)
+        if handler.name is not None:
+            scope.bind(handler.name, exception)
+        left = yield from self.handled(handler.body(), exception)
+        if handler.name is not None:
+            scope.unbind(handler.name)
+        if isinstance(left, Exception):
+            raise left
+        return left
+
+    def handled(self, course: Course, exception: BaseException) -> Course:
+        """The block of a handler, while the exception is handled: how it was left, if need be with an exception of its own."""
+        while True:
+            outer = self.handling
+            self.handling = (*outer, exception)
+            try:
+                actions = next(course)
+            except StopIteration as end:
+                return end.value
+            except (Raised, Abort, Terminate) as left:
+                return left
+            finally:
+                self.handling = outer
+            yield actions
+
+    def catches(self, classes: Any, exception: object) -> bool:
+        """Whether an `except` of these classes catches an exception."""
+        candidates = unwrap(classes)[0]
+        every = candidates if isinstance(candidates, tuple) else (candidates,)
+        if not all(isinstance(c, type) and issubclass(c, BaseException) for c in every):
+            raise LeftToMachine("`except` with something that is no exception class")
+        return isinstance(exception, every)
+
+    def at_last(self, course: Course, final: Callable[[], Course]) -> Course:
+        """`finally`: however what stands before it was left, the block runs, and then that goes on."""
+        problem: Exception | None = None
+        left = None
+        try:
+            left = yield from course
+        except (Raised, Abort, Terminate) as found:
+            problem = found
+        after = yield from final()
+        if after is not None:
+            return after
+        if problem is not None:
+            raise problem
+        return left
+
     # Interrupts
+
+    def abortable(self, course: Course) -> Course:
+        """An entire statement with interrupts, which `abort` ends."""
+        try:
+            return (yield from course)
+        except Abort:
+            return None
 
     def interruptible(self, here: Invocation, node: Node, clauses: Sequence[Clause], body: Course) -> Course:
         """`interrupts.interruptible` and what follows it: how the statement was left, None at its end.
@@ -241,31 +315,28 @@ class Courses(Equations):
         after = len(clauses) - 1
         if isinstance(node, LATER) and self.state.reading("interrupt-first-step") == "later-steps":
             after = BODY
-        try:
-            while True:
-                while after > current:
-                    condition, place, handler = clauses[after]
-                    if has_passed(condition, first_step, simulation_of(self.state)) if type(condition) is Deadline else condition():
-                        if begun and leaf is here and here.invariants:
-                            self.check_invariants(here)
-                        self.tell("D-Interrupt", place)
-                        waiting.append((current, since, course, begun, leaf))
-                        current, since, course, begun, leaf = after, simulation_of(self.state).step, handler(), False, here
-                        break
-                    after -= 1
-                try:
-                    actions = next(course)
-                except StopIteration as end:
-                    if end.value is not None or not waiting:
-                        return end.value
-                    after = current if since < simulation_of(self.state).step else current - 1
-                    current, since, course, begun, leaf = waiting.pop()
-                    continue
-                begun, leaf = True, self.leaf
-                yield actions
-                after = len(clauses) - 1
-        except Abort:
-            return None
+        while True:
+            while after > current:
+                condition, place, handler = clauses[after]
+                if has_passed(condition, first_step, simulation_of(self.state)) if type(condition) is Deadline else condition():
+                    if begun and leaf is here and here.invariants:
+                        self.check_invariants(here)
+                    self.tell("D-Interrupt", place)
+                    waiting.append((current, since, course, begun, leaf))
+                    current, since, course, begun, leaf = after, simulation_of(self.state).step, handler(), False, here
+                    break
+                after -= 1
+            try:
+                actions = next(course)
+            except StopIteration as end:
+                if end.value is not None or not waiting:
+                    return end.value
+                after = current if since < simulation_of(self.state).step else current - 1
+                current, since, course, begun, leaf = waiting.pop()
+                continue
+            begun, leaf = True, self.leaf
+            yield actions
+            after = len(clauses) - 1
 
 
 LATER = (s.Try, d.WaitFor)

@@ -9,29 +9,28 @@ from __future__ import annotations
 from typing import Any
 
 from ...semantics.dynamics.processes import Coroutine
-from ...semantics.kernel.classes import canonical
 from ...semantics.kernel.conditions import holding, truth
 from ...semantics.kernel.config import Abrupt, Config, Stack, State, Value
 from ...semantics.kernel.driving import Arrived, Chooser, Machine, Witness, drive_machine, taken_over
 from ...semantics.kernel.errors import NeedsElements
 from ...semantics.kernel.outcome import Next, Outcome, Requirement, Stuck
-from ...semantics.kernel.premises import Conclusion, Premises, variable
+from ...semantics.kernel.premises import SHARED, Conclusion, Premises, variable
 from ...semantics.kernel.queries import CLOCK, Clock, attribute_of_clock
 from ...semantics.kernel.scopes import MISSING, Scope
 from ...semantics.kernel.simulation import Who
-from ...semantics.kernel.values import Dynamic, Instance, Random, plain
-from ...semantics.kernel.waiting import Waiting
+from ...semantics.kernel.values import Dynamic, Random, plain
 from ...semantics.python.calls import conclude_call, invocation
 from ...semantics.python.expressions import conclude_attribute, conclude_binary, conclude_unary
+from ...semantics.python.functions import InScope
 from ...semantics.scenes.comparisons import conclude_comparison
 from ...semantics.scenes.operations import apply_operator
 from ...semantics.space.vectors import Vector
-from ...semantics.step import step, told
+from ...semantics.step import step, stopped, told
 from ...semantics.syntax import python_expressions as p
 from ...semantics.syntax.nodes import Expression, Node
 from .leaving import LeftToMachine
 
-PLAIN = (float, int, bool, str, type(None))
+PLAIN = frozenset({float, int, bool, str, type(None)})
 """Types of values that calls of actions are given as they are."""
 MOST_TURNS = 5_000
 """So many turns of loops, and beginnings of behaviors, may a time step have here: whether that is without end is for the machine to say."""
@@ -45,29 +44,36 @@ class Rejected(Exception):
         self.stuck = Stuck(rule, requirement)
 
 
+class Raised(Exception):
+    """An exception of the program, which it may catch."""
+
+    def __init__(self, abrupt: Abrupt) -> None:
+        super().__init__(str(abrupt.value))
+        self.abrupt = abrupt
+
+
 class Equations:
     """The state of a simulation while compiled code runs, and the values of expressions in it.
 
-    `prefix` and `draws` are the address of the next draw of the coroutine that runs, whose `who` it is.
+    `prefix` and `draws` are the address of the next draw of the coroutine that runs, whose `who` it is; `handling` are the exceptions that it handles.
     """
 
-    def __init__(self, state: State, choose: Chooser, fuel: int, actions: frozenset[type], witness: Witness) -> None:
+    def __init__(self, state: State, choose: Chooser, fuel: int, witness: Witness) -> None:
         self.state = state
         self.choose = choose
         self.fuel = fuel
-        self.actions = actions
         self.witness = witness
         self.who = Who("condition", 0)
         self.prefix: tuple[int, ...] = ()
         self.draws = 0
+        self.handling: tuple[BaseException, ...] = ()
         self.turns = 0
-        self.trusted = state.settings.trusted
 
     # The machine
 
     def here(self, scope: Scope) -> State:
         """The state in which the coroutine that runs goes on."""
-        return self.state._replace(sigma=scope, prefix=self.prefix, draws=self.draws)
+        return self.state._replace(sigma=scope, prefix=self.prefix, draws=self.draws, handling=self.handling)
 
     def driven(self, control: Node | Value, scope: Scope) -> Any:
         """What the machine reduces a node to. Raises `LeftToMachine`, `Rejected`."""
@@ -75,20 +81,29 @@ class Equations:
         return self.settled(step, taken_over(Config(control, base, self.here(scope))), base)
 
     def base(self, scope: Scope) -> Stack:
-        """The context of what the coroutine that runs reduces."""
-        return (Coroutine(self.who, scope, (), 0, self.prefix, self.draws), ())
+        """The context of what the coroutine that runs reduces; an exception stops above the frame of the coroutine, which numbers draws as before."""
+        return (InScope(scope), (Coroutine(self.who, scope, self.handling, 0, self.prefix, self.draws), ()))
 
     def settled(self, machine: Machine, config: Config, base: Stack) -> Any:
-        """The value with which the machine comes back to the context `base`."""
-        end, _ = drive_machine(
-            machine, config, self.choose, self.fuel, witness=self.witness, until=lambda c: c.stack is base and type(c.control) in ENDS
-        )
+        """The value with which the machine comes back to the context `base`. Raises `Raised`, `Rejected`, and `LeftToMachine` for an error."""
+
+        def is_back(config: Config) -> bool:
+            kind = type(config.control)
+            return (kind is Value and config.stack is base) or (kind is Abrupt and (config.stack is base or config.stack is base[1]))
+
+        end, _ = drive_machine(machine, config, self.choose, self.fuel, witness=self.witness, until=is_back)
         if isinstance(end, Stuck):
             raise Rejected(end.rule, end.requirement)
-        if not isinstance(end, Arrived) or type(end.config.control) is not Value:
+        if not isinstance(end, Arrived):
             raise LeftToMachine("an error of the program")
         self.state, self.draws = end.config.state, end.config.state.draws
-        return end.config.control.value
+        control = end.config.control
+        if isinstance(control, Abrupt):
+            if control.kind != "raise":
+                raise LeftToMachine("a statement that leaves its block")
+            raise Raised(control)
+        assert isinstance(control, Value)
+        return control.value
 
     def reduced(self, scope: Scope, node: Node) -> Any:
         """⟨E, σ⟩ → v, by the machine, or a statement that takes no time; a value that was drawn keeps what it was drawn from."""
@@ -97,12 +112,14 @@ class Equations:
     def concluded(self, scope: Scope, conclude: Conclusion, node: Node, values: list[object]) -> Any:
         """The conclusion of a rule from the values of its premises; where it is no value yet, what the machine makes of it."""
         base, state = self.base(scope), self.here(scope)
+        *before, last = values
+        frame = Premises(node, [None] * len(values), len(before), tuple(before), conclude)
         try:
             outcome = told(conclude(node, values, base, state), state)
         except NeedsElements:  # those of a generator, which the machine computes
-            *before, last = values
-            places: list[Node | None] = [None] * len(values)
-            return self.settled(step, taken_over(Config(Value(last), (Premises(node, places, len(before), tuple(before), conclude), base), state)), base)
+            return self.settled(step, taken_over(Config(Value(last), (frame, base), state)), base)
+        except Exception as problem:
+            outcome = told(stopped(problem, Config(Value(last), (frame, base), state)), state)
         if type(outcome) is Next and outcome.config.stack is base and type(outcome.config.control) is Value:
             self.state, self.draws = outcome.config.state, outcome.config.state.draws
             return outcome.config.control.value
@@ -113,18 +130,16 @@ class Equations:
 
     def variable(self, scope: Scope, node: p.Name) -> Any:
         """⟨x⟩ → σ(x), with what it was drawn from."""
+        if node.name not in SHARED and (found := scope.lookup(node.name)) is not MISSING:
+            return found
         return variable(node, self.here(scope))
 
     def attribute(self, scope: Scope, subject: Any, node: p.Attribute, name: str) -> Any:
-        """⟨E.name⟩ → O(o.name); `name` is the canonical one."""
+        """⟨E.name⟩ of anything but a property that an instance has; `name` is the canonical one."""
         kind = type(subject)
-        if kind is Instance:
-            found = self.state.objects[subject.number].get(name, MISSING)
-            if found is not MISSING and type(found) is not Waiting:
-                return found.value if type(found) is Random else found
-        elif kind is Vector and name in ("x", "y"):
+        if kind is Vector and name in ("x", "y"):
             return getattr(subject, name)
-        elif kind is Clock and name in CLOCK:
+        if kind is Clock and name in CLOCK:  # that is what it is on roads, too
             return attribute_of_clock(name, node, self.state)
         return plain(self.concluded(scope, conclude_attribute, node, [subject]))
 
@@ -163,9 +178,12 @@ class Equations:
             function = function.value
         if type(function) is Dynamic:
             return invocation(function, arguments, {k.name: v for k, v in zip(node.keywords, named)} if named else {})  # type: ignore[misc]
-        if function in self.actions and all(type(a) in PLAIN for a in arguments) and not named:
-            return function(*arguments)
         return self.concluded(scope, conclude_call, node, [function, *arguments, *named])
+
+    def action(self, known: dict[type, Any], kind: type, arguments: tuple[Any, ...]) -> Any:
+        """An action of constants, which is made once: nobody can change it."""
+        made = known[kind] = kind(*arguments)
+        return made
 
     # What decides
 
@@ -187,8 +205,5 @@ class Equations:
             raise LeftToMachine("a time step of very many turns")
 
 
-NUMBERS = (int, float)
+NUMBERS = frozenset({int, float})
 SMALL = 1 << 62
-ENDS = (Value, Abrupt)
-
-__all__ = ["Equations", "Rejected", "canonical"]

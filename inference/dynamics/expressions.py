@@ -16,6 +16,7 @@ from ...semantics.scenes.released import EQUATIONS, REWRITINGS
 from ...semantics.syntax import expressions as e
 from ...semantics.syntax import python_expressions as p
 from ...semantics.syntax.nodes import Node
+from .equations import PLAIN
 
 ORDER = frozenset({"<", ">", "<=", ">="})
 SPELLED = frozenset({"+", "-", "*"})
@@ -26,11 +27,12 @@ class Expressions:
     """The source of expressions in a scope with these own `names`; what the source refers to is collected in `constants`.
 
     In the source, `q` are the `Equations`, `S` is σ, `B` its own variables, and `M` those of the module around it, which has no names of functions
-    between (`plain_scope`).
+    between (`plain_scope`). `self` is one of the variables where there is an agent.
     """
 
-    def __init__(self, names: Names, readings: Mapping[str, str], *, plain_scope: bool) -> None:
+    def __init__(self, names: Names, readings: Mapping[str, str], *, plain_scope: bool, has_agent: bool) -> None:
         self.names = names
+        self.has_agent = has_agent
         self.readings = readings
         self.plain_scope = plain_scope
         self.constants: dict[str, object] = {}
@@ -54,8 +56,8 @@ class Expressions:
                 return self.literal(found)
             case p.Name():
                 return self.without_origin(self.name(node))
-            case p.Attribute(value=inner, name=name):
-                return f"q.attribute(S, {self.value(inner)}, {self.constant(node)}, {canonical(name, self.readings)!r})"
+            case p.Attribute():
+                return self.attribute(node)
             case p.BinaryOperation():
                 return self.binary(node)
             case p.UnaryOperation(operator="not", operand=inner) if self.is_comparison(inner):
@@ -109,7 +111,7 @@ class Expressions:
         """A constant; those whose text is not their value stand among the constants."""
         if found is None or found is True or found is False or (type(found) is str and len(found) < MOST_TEXT):
             return repr(found)
-        if type(found) is int and -MOST_DIGITS < found < MOST_DIGITS or type(found) is float and math.isfinite(found):
+        if (type(found) is int and -MOST_DIGITS < found < MOST_DIGITS) or (type(found) is float and math.isfinite(found)):
             return f"({found!r})"
         return self.constant(found)
 
@@ -118,10 +120,20 @@ class Expressions:
         name = node.name
         if name in self.names.local and name not in SHARED:
             return f"B[{name!r}]"
-        if name in SHARED or not self.plain_scope:
+        if name in SHARED:
             return f"q.variable(S, {self.constant(node)})"
         t = self.temporary()
-        return f"({t} if ({t} := M.get({name!r}, MISSING)) is not MISSING else q.variable(S, {self.constant(node)}))"
+        if name == "self" and self.has_agent:
+            return "B['self']"
+        found = f"M.get({name!r}, MISSING)" if self.plain_scope else f"S.lookup({name!r})"
+        return f"({t} if ({t} := {found}) is not MISSING else q.variable(S, {self.constant(node)}))"
+
+    def attribute(self, node: p.Attribute) -> str:
+        """⟨E.name⟩: a property in the source itself."""
+        o, v, name = self.temporary(), self.temporary(), canonical(node.name, self.readings)
+        there = f"({v} := q.state.objects[{o}.number].get({name!r}, MISSING)) is not MISSING and type({v}) not in WRAPPED"
+        subject = self.value(node.value)
+        return f"({v} if type({o} := {subject}) is Instance and {there} else q.attribute(S, {o}, {self.constant(node)}, {name!r}))"
 
     def binary(self, node: p.BinaryOperation) -> str:
         """Arithmetic: of floats in the source itself."""
@@ -143,7 +155,7 @@ class Expressions:
         if operator in ORDER:
             return f"({a} {operator} {b} if (type{left} in NUMBERS) & (type{right} in NUMBERS) else {otherwise})"
         if operator in ("==", "!="):
-            return f"({a} {operator} {b} if (type{left} in SIMPLE) & (type{right} in SIMPLE) else {otherwise})"
+            return f"({a} {operator} {b} if (type{left} in PLAIN) & (type{right} in PLAIN) else {otherwise})"
         return f"q.comparison(S, {self.constant(node)}, {self.value(node.left)}, {self.value(operand)})"
 
     def is_comparison(self, node: Node) -> bool:
@@ -185,10 +197,20 @@ class Expressions:
         return not any(isinstance(a, p.Starred) for a in node.arguments) and all(k.name is not None for k in node.keywords)
 
     def call(self, node: p.Call) -> str:
-        """A call, whose value keeps what it was drawn from."""
+        """A call, whose value keeps what it was drawn from; that of an action's class with plain arguments stands in the source itself."""
+        names = [self.temporary() for _ in node.arguments]
         arguments = "".join(f"{self.carried(a)}, " for a in node.arguments)
-        named = f", ({''.join(f'{self.carried(k.value)}, ' for k in node.keywords)})" if node.keywords else ""
-        return f"q.call(S, {self.constant(node)}, {self.carried(node.function)}, ({arguments}){named})"
+        if node.keywords or not isinstance(node.function, p.Name):
+            named = f", ({''.join(f'{self.carried(k.value)}, ' for k in node.keywords)})" if node.keywords else ""
+            return f"q.call(S, {self.constant(node)}, {self.carried(node.function)}, ({arguments}){named})"
+        f, k = self.temporary(), self.constant(node)
+        function = f"({f} := {self.carried(node.function)}) in ACTIONS"
+        if all(isinstance(a, p.Constant) and type(a.value) in PLAIN for a in node.arguments):
+            known = self.constant({})
+            return f"(({known}.get({f}) or q.action({known}, {f}, ({arguments}))) if {function} else q.call(S, {k}, {f}, ({arguments})))"
+        given = "".join(f"({t} := {self.carried(a)}), " for t, a in zip(names, node.arguments))
+        several, plain = self.temporary(), " and ".join(f"type({t}) in PLAIN" for t in names)
+        return f"({f}({', '.join(names)}) if ({function}) & bool({several} := ({given})) and {plain} else q.call(S, {k}, {f}, {several}))"
 
 
 TRANSLATED = frozenset({

@@ -7,19 +7,20 @@ passes on without looking at them. Compose blocks, and coroutines that are not c
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 from ...interpreter.running import DEFAULT_FUEL, Chooser, Witness
 from ...interpreter.walls import within
 from ...semantics.dynamics import policy as rules
-from ...semantics.dynamics.guards import opening_guards
-from ...semantics.dynamics.invocations import doing, with_arguments
+from ...semantics.dynamics.guards import at_top_level, opening_guards
 from ...semantics.dynamics.interrupts import run_for_one_step
+from ...semantics.dynamics.invocations import doing, with_arguments
 from ...semantics.dynamics.processes import DYNAMIC, Ended, Yielded, address_of
 from ...semantics.dynamics.requirements import CONDITIONS, over_time
 from ...semantics.kernel.config import Config, Stack, State, Value
 from ...semantics.kernel.driving import Arrived, drive_machine, taken_over
-from ...semantics.kernel.errors import FuelExhausted
+from ...semantics.kernel.errors import FuelExhausted, GuardViolation
 from ...semantics.kernel.outcome import Act, Finish, Outcome, Requirement, Stuck
 from ...semantics.kernel.scopes import ByIdentity
 from ...semantics.kernel.simulation import (
@@ -40,13 +41,11 @@ from ...semantics.step import step as machine_step
 from ...semantics.syntax import dynamics as d
 from ...semantics.syntax.nodes import Node, Span
 from ...semantics.syntax.statements import Block
-from ...simulators.actions import ACTIONS
 from .code import Library
 from .courses import Abort, Course, Courses, Invocation, Terminate
-from .equations import Rejected
+from .equations import Raised, Rejected
 from .leaving import LeftToMachine, NotCompiled
 
-ACTION_TYPES = frozenset(ACTIONS.values())
 ENDED, TERMINATED = "ended", "terminated"
 """How a coroutine ends in a time step."""
 
@@ -57,11 +56,12 @@ class CompiledCourse:
     `key` is what is left to the machine where something in it is not compiled.
     """
 
-    __slots__ = ("course", "key", "leaf", "node")
+    __slots__ = ("course", "key", "leaf", "node", "who")
 
-    def __init__(self, course: Course, key: ByIdentity) -> None:
+    def __init__(self, course: Course, key: ByIdentity, who: Who) -> None:
         self.course = course
         self.key = key
+        self.who = who
         self.leaf: Invocation | None = None
         self.node: Node | None = None
 
@@ -70,22 +70,30 @@ class CompiledPolicy(Courses):
     """The policy of one simulation. Raises `LeftToMachine` where only the machine knows what is next: the simulation begins anew then."""
 
     def __init__(self, state: State, choose: Chooser, library: Library, witness: Witness, fuel: int = DEFAULT_FUEL) -> None:
-        super().__init__(state, choose, fuel, ACTION_TYPES, witness)
+        super().__init__(state, choose, fuel, witness)
         self.library = library
-        self.simple = all(running.compose is None for running in simulation_of(state).scenarios.values())
+        top = simulation_of(state).scenarios[TOP]
+        self.simple = top.compose is None and not (top.dynamic is not None and top.dynamic.definition.invariants)  # type: ignore[attr-defined]
         self.before = state.reading("requirements-order") == "before"
         self.stops = state.reading("behaviors-after-terminate") == "stop"
 
     @within
     def __call__(self, state: State, limit: str) -> Act | Finish | Stuck:
         """What happens in a time step, as `policy.policy` says it, in a state whose objects the simulator has updated."""
-        self.state = with_simulation(state, flag="", limit=limit, active=())
+        active = (TOP,) if self.simple else ()
+        simulation = simulation_of(state)
+        same = not simulation.flag and simulation.limit == limit and simulation.active == active
+        self.state = state if same else with_simulation(state, flag="", limit=limit, active=active)
         self.turns = 0
         state.settings.door.budget.renew()
         try:
             return self.steps()
         except Rejected as rejected:
             return rejected.stuck
+        except Raised as raised:
+            if isinstance(raised.abrupt.value, GuardViolation):
+                return at_top_level(raised.abrupt)
+            raise LeftToMachine("an exception that the program does not catch") from raised
         except (LeftToMachine, FuelExhausted):
             raise
         except Exception as problem:  # an error of the program, which the machine finds again, and tells
@@ -109,38 +117,32 @@ class CompiledPolicy(Courses):
 
     def compose_blocks(self) -> None:
         """Step 1: where no scenario has a compose block, there is the top level alone, and its conditions."""
-        state, simulation = self.state, simulation_of(self.state)
-        if not self.simple or (simulation.step == 0 and opening_guards(state)):
-            self.by_machine(Value(None), rules.Step(1), 2)
-            return
+        simulation = simulation_of(self.state)
         top = simulation.scenarios[TOP]
-        if top.over:
-            self.state = flagged("a monitor executed `terminate`", state)
+        if not self.simple or (simulation.step == 0 and opening_guards(self.state)):
+            self.by_machine(Value(None), rules.Step(1), 2)  # which looks anew at which scenarios are active
             return
-        self.state = with_simulation(state, active=(TOP,), scenarios={**simulation.scenarios, TOP: top._replace(ran=True)} if not top.ran else simulation.scenarios)
+        if top.over:
+            self.state = flagged("a monitor executed `terminate`", self.state)
+            return
+        if not top.ran:
+            self.state = with_scenario(self.state, top._replace(ran=True))
         if self.before:
             for place, declared in over_time(top):
                 self.requirement(TOP, place, declared)
-        self.invariants_of_top(top)
-        reason = self.termination(top)
+        reason = self.termination(top) if top.terminations else ""
         if reason:
             self.state = flagged(reason, self.state)
 
     def by_machine(self, control: Any, number: rules.Step, until: int) -> None:
         """A step of the policy, by the machine; it ends where the one numbered `until` begins."""
-        end, _ = drive_machine(
-            machine_step, taken_over(Config(control, (number, ()), self.state)), self.choose, self.fuel, witness=self.witness, until=lambda c: begins(until, c)
-        )
+        config = taken_over(Config(control, (number, ()), self.state))
+        end, _ = drive_machine(machine_step, config, self.choose, self.fuel, witness=self.witness, until=partial(begins, until))
         if isinstance(end, Stuck):
             raise Rejected(end.rule, end.requirement)
         if not isinstance(end, Arrived):
             raise LeftToMachine("an error of the program")
         self.state = end.config.state
-
-    def invariants_of_top(self, top: Running) -> None:
-        """The invariants of a modular scenario without compose block."""
-        if top.dynamic is not None and top.dynamic.definition.invariants:  # type: ignore[attr-defined]
-            raise LeftToMachine("invariants of a scenario without compose block")
 
     def termination(self, top: Running) -> str:
         """Why the top level ends in this time step, "" if it does not."""
@@ -162,7 +164,7 @@ class CompiledPolicy(Courses):
 
     def evaluated(self, who: Who, node: Node, declared: Declared, *, decides: bool) -> Any:
         """The value of a condition, in the scope in which it was declared; its draws are numbered apart."""
-        self.who, self.prefix, self.draws = who, address_of(who, self.state), 0
+        self.who, self.prefix, self.draws, self.handling = who, address_of(who, self.state), 0, ()
         return self.library.condition(node, declared.scope, decides=decides)(self, declared.scope)
 
     def requirements(self) -> Stuck | None:
@@ -170,14 +172,16 @@ class CompiledPolicy(Courses):
         simulation = simulation_of(self.state)
         for number in dict.fromkeys(simulation.active):
             running = simulation.scenarios[number]
-            if not self.before:
+            if not self.before and (running.always or running.eventually):
                 for place, declared in over_time(running):
                     self.requirement(number, place, declared)
             for place, declared in enumerate(running.records):
                 if rules.is_due(declared, running, simulation):
                     self.record(number, place, declared)
-        missed = next((m for r in simulation_of(self.state).scenarios.values() if r.over and (m := rules.never_held(r)) is not None), None)
-        return None if missed is None else rules.never_satisfied(missed)
+        for running in simulation_of(self.state).scenarios.values():
+            if running.over and (missed := rules.never_held(running)) is not None:
+                return rules.never_satisfied(missed)
+        return None
 
     def requirement(self, number: int, place: int, declared: Declared) -> None:
         """`require always`, `require eventually`. Raises `Rejected`."""
@@ -202,14 +206,15 @@ class CompiledPolicy(Courses):
     def monitors(self) -> None:
         """Step 3."""
         simulation = simulation_of(self.state)
-        if any(simulation.scenarios[number].monitors for number in simulation.active):
-            for number in dict.fromkeys(simulation.active):
-                for place in range(len(simulation.scenarios[number].monitors)):
-                    self.monitor(number, place)
+        for number in dict.fromkeys(simulation.active):
+            for place in range(len(simulation.scenarios[number].monitors)):
+                self.monitor(number, place)
         there = simulation_of(self.state).scenarios
-        left = {n: r for n, r in there.items() if not r.over or rules.unchecked(r)}
-        if len(left) < len(there):
-            self.state = with_simulation(self.state, scenarios=left)
+        for running in there.values():
+            if running.over:
+                left = {n: r for n, r in there.items() if not r.over or rules.unchecked(r)}
+                self.state = with_simulation(self.state, scenarios=left)
+                return
 
     def monitor(self, number: int, place: int) -> None:
         """One monitor, for one time step."""
@@ -217,14 +222,15 @@ class CompiledPolicy(Courses):
         process: Any = running.monitors[place]
         if process is None:
             return
-        rest, how = self.one_step(self.compiled_monitor(process), Who("monitor", number, place))
+        who = Who("monitor", number, place)
+        rest, how = self.one_step(self.compiled_monitor(process, who), who)
         running = simulation_of(self.state).scenarios[number]
         kept: Any = (*running.monitors[:place], rest, *running.monitors[place + 1 :])
         self.state = with_scenario(self.state, running._replace(monitors=kept))
         if how is TERMINATED:
             self.state = rules.ended_by_monitor(number, self.state)
 
-    def compiled_monitor(self, process: Any) -> CompiledCourse | Suspended:
+    def compiled_monitor(self, process: Any, who: Who) -> CompiledCourse | Suspended:
         """A monitor before its first time step, compiled where that can be; its body is what the one statement says that it has to do."""
         if not isinstance(process, Suspended) or process.begun:
             return process
@@ -233,7 +239,7 @@ class CompiledPolicy(Courses):
         if key not in self.library.left:
             try:
                 code = self.library.monitor(body, process.sigma)
-                return CompiledCourse(code.run(self, process.sigma, Invocation(None, "", 0, process.sigma)), key)
+                return CompiledCourse(code.run(self, process.sigma, Invocation(None, "", 0, process.sigma)), key, who)
             except NotCompiled as problem:
                 self.library.left[key] = problem.reason
         return process
@@ -256,8 +262,8 @@ class CompiledPolicy(Courses):
         actions: dict[int, tuple[Any, ...]] = {}
         changed = False
         for instance in self.state.scene:
-            number = instance.number
-            behavior = self.state.objects[number].get("behavior")
+            number, objects = instance.number, self.state.objects
+            behavior = plain(objects[number].get("behavior"))
             if behavior is None:
                 continue
             agent = agents.get(number)
@@ -265,10 +271,10 @@ class CompiledPolicy(Courses):
                 if agent is not None and agent.ended:
                     continue
                 changed = True
-                agent = agents[number] = Agent(instance, self.first_step(plain(behavior), instance))  # type: ignore[arg-type]
+                agent = agents[number] = Agent(instance, self.first_step(behavior, instance))  # type: ignore[arg-type]
             process: Any = agent.process
             if type(process) is CompiledCourse:
-                self.who, self.prefix, self.draws = Who("behavior", number), (DYNAMIC, step, 0, number, 0), 0
+                self.who, self.prefix, self.draws = process.who, (DYNAMIC, step, 0, number, 0), 0
                 taken: Any = self.advanced(process)
             else:
                 changed = True
@@ -297,13 +303,14 @@ class CompiledPolicy(Courses):
             try:
                 self.library.code_of(behavior)
                 node = Node(span=instance.span)
-                return CompiledCourse(self.begin(instance, with_arguments(behavior, node, self.state), node), key)
+                return CompiledCourse(self.begin(instance, with_arguments(behavior, node, self.state), node), key, Who("behavior", instance.number))
             except NotCompiled as problem:
                 self.library.left[key] = problem.reason
         return rules.first_step(behavior, instance.span, self.state)
 
     def advanced(self, process: CompiledCourse) -> Any:
         """What a compiled coroutine does in this time step: its actions, ENDED or TERMINATED."""
+        self.handling = ()
         try:
             actions = next(process.course)
         except (StopIteration, Abort):

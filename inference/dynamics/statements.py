@@ -7,26 +7,38 @@ which returns how it was left: None at its end, else "break", "continue" or "ret
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 from ...semantics.kernel.premises import SHARED
 from ...semantics.kernel.scopes import MISSING, NO_NAMES, Names, function_names
-from ...semantics.kernel.values import Random
+from ...semantics.kernel.values import Instance, Random
+from ...semantics.kernel.waiting import Waiting
 from ...semantics.syntax import dynamics as d
 from ...semantics.syntax import python_expressions as p
 from ...semantics.syntax import statements as s
 from ...semantics.syntax.nodes import Expression, Node
+from ...simulators.actions import ACTIONS
+from .equations import NUMBERS, PLAIN
 from .expressions import Expressions
 from .leaving import NotCompiled
 
-NUMBERS = frozenset({int, float})
-SIMPLE = frozenset({int, float, bool, str, type(None)})
-NAMES = {"Random": Random, "MISSING": MISSING, "NUMBERS": NUMBERS, "SIMPLE": SIMPLE}
+NAMES: Mapping[str, object] = {
+    "Random": Random, "MISSING": MISSING, "Instance": Instance, "NUMBERS": NUMBERS, "PLAIN": PLAIN, "ACTIONS": frozenset(ACTIONS.values()),
+    "WRAPPED": frozenset({Random, Waiting}),
+}  # fmt: skip
 """What every source may refer to."""
+
+class Handler(NamedTuple):
+    """A clause `except`: what gives its classes (None: it catches everything), the name of the exception in it, its block."""
+
+    type: Callable[[], Any] | None
+    name: str | None
+    body: Callable[[], Iterator[Any]]
+
 
 TIMELESS = (
     s.Assignment, s.AugmentedAssignment, s.ExpressionStatement, s.FunctionDefinition, s.Delete, s.Assert, s.Import, s.ImportFrom, s.ClassDefinition,
-    s.Require, s.SoftRequire,
+    s.Require, s.SoftRequire, s.Raise,
 )  # fmt: skip
 """Statements without blocks of their own level, for the machine to perform if there is no translation."""
 
@@ -38,8 +50,8 @@ class Statements(Expressions):
     around it.
     """
 
-    def __init__(self, names: Names, readings: Mapping[str, str], *, plain_scope: bool) -> None:
-        super().__init__(names, readings, plain_scope=plain_scope)
+    def __init__(self, names: Names, readings: Mapping[str, str], *, plain_scope: bool, has_agent: bool) -> None:
+        super().__init__(names, readings, plain_scope=plain_scope, has_agent=has_agent)
         self.lines: list[str] = []
         self.indent = 1
         self.loops = 0
@@ -151,10 +163,11 @@ class Statements(Expressions):
 
     def take(self, node: d.Take) -> None:
         """`take E1, ..., En`."""
-        t = self.temporary()
-        self.line(f"{t} = ({''.join(f'{self.value(a)}, ' for a in node.actions)})")
+        t, known = self.temporary(), " and ".join(f"type({self.temporary()}) in ACTIONS" for _ in node.actions)
+        names = [part.split(")")[0] for part in known.split("type(")[1:]]
+        self.line(f"{t} = ({''.join(f'({name} := {self.value(a)}), ' for name, a in zip(names, node.actions))})")
         self.line(f"q.leaf, q.node = I, {self.constant(node)}")
-        self.line(f"yield q.taken({t})")
+        self.line(f"yield {t} if {known} and I.agent is not None else q.taken({t})")
         self.line("if I.invariants: q.check_invariants(I)")
 
     def wait(self, node: d.Wait) -> None:
@@ -167,7 +180,7 @@ class Statements(Expressions):
         """`wait for T`, `wait until B`."""
         whole = self.function((s.While(test=p.Constant(value=True), body=(d.Wait(span=node.span),), span=node.span),))
         clause = self.limit(node, node.limit)
-        self.line(f"yield from q.interruptible(I, {self.constant(node)}, ({clause},), {whole}())")
+        self.line(f"yield from q.abortable(q.interruptible(I, {self.constant(node)}, ({clause},), {whole}()))")
 
     def terminate(self, node: d.Terminate) -> None:
         """`terminate`, `terminate simulation`."""
@@ -197,7 +210,7 @@ class Statements(Expressions):
             self.line(f"yield from {task}")
             return
         clause = self.limit(node, node.limit)
-        self.line(f"yield from q.interruptible(I, {self.constant(node)}, ({clause},), {task})")
+        self.line(f"yield from q.abortable(q.interruptible(I, {self.constant(node)}, ({clause},), {task}))")
         self.line("if I.invariants: q.check_invariants(I)")
 
     def limit(self, node: Node, limit: d.TimeLimit | d.Until) -> str:
@@ -207,19 +220,34 @@ class Statements(Expressions):
         return f"({condition}, {self.constant(place)}, {self.function((d.Abort(span=node.span),))})"
 
     def try_(self, node: s.Try) -> None:
-        """`try: ... interrupt when B: ...`."""
-        if not node.interrupts or node.handlers or node.otherwise or node.final:
-            raise NotCompiled("`try` with other clauses than `interrupt when`", node.span.line)
-        body = self.function(node.body)
-        clauses = "".join(f"({self.condition(i.condition)}, {self.constant(i.condition)}, {self.function(i.body)}), " for i in node.interrupts)
+        """`try`, with `interrupt when` or without."""
+        course = f"{self.function(node.body)}()"
+        if node.interrupts:
+            clauses = "".join(f"({self.condition(i.condition)}, {self.constant(i.condition)}, {self.function(i.body)}), " for i in node.interrupts)
+            course = f"q.interruptible(I, {self.constant(node)}, ({clauses}), {course})"
+        if node.handlers or node.otherwise:
+            handlers = "".join(f"{self.handler(h)}, " for h in node.handlers)
+            course = f"q.attempt(S, {course}, ({handlers}), {self.function(node.otherwise) if node.otherwise else None})"
+        if node.final:
+            course = f"q.at_last({course}, {self.function(node.final)})"
+        if node.interrupts:
+            course = f"q.abortable({course})"
         t = self.temporary()
-        self.line(f"{t} = yield from q.interruptible(I, {self.constant(node)}, ({clauses}), {body}())")
+        self.line(f"{t} = yield from {course}")
         self.line(f"if {t} == 'return': return 'return'")
         if self.loops:
             self.line(f"if {t} == 'break': break")
             self.line(f"if {t} == 'continue': continue")
         elif self.nested:
             self.line(f"if {t} is not None: return {t}")
+
+    def handler(self, handler: s.Handler) -> str:
+        """A clause `except`."""
+        kind = "None"
+        if handler.type is not None:
+            kind = self.new_name("c")
+            self.line(f"def {kind}(): return {self.value(handler.type)}")
+        return f"Handler({kind}, {handler.name!r}, {self.function(handler.body)})"
 
     def condition(self, condition: Expression) -> str:
         """A condition that is looked at again and again, as a function."""
@@ -251,14 +279,16 @@ STATEMENTS: Mapping[type, Callable[[Statements, Any], None]] = {
     d.Take: Statements.take, d.Wait: Statements.wait, d.WaitFor: Statements.wait_for, d.Terminate: Statements.terminate, d.Abort: Statements.abort,
     d.Do: Statements.do, d.DoChoose: Statements.pick, d.DoShuffle: Statements.pick,
 }  # fmt: skip
-WORDS: Mapping[type, str] = {s.Raise: "`raise`", d.Override: "`override`", s.Param: "`param`", s.Mutate: "`mutate`"}
+WORDS: Mapping[type, str] = {d.Override: "`override`", s.Param: "`param`", s.Mutate: "`mutate`"}
 """What has no translation, in words."""
 LARGE = 1 << 40
 
 
-def coroutine(body: s.Block, names: Names, readings: Mapping[str, str], *, plain_scope: bool) -> Callable[..., Iterator[Any]]:
+def coroutine(
+    body: s.Block, names: Names, readings: Mapping[str, str], *, plain_scope: bool, has_agent: bool
+) -> Callable[..., Iterator[Any]]:
     """The generator function of the body of a behavior or monitor: of the `Courses`, its scope, and its invocation. Raises `NotCompiled`."""
-    source = Statements(names, readings, plain_scope=plain_scope)
+    source = Statements(names, readings, plain_scope=plain_scope, has_agent=has_agent)
     source.indent = 0
     source.line("def coroutine(q, S, I):")
     source.line("    B, M = S.bindings, S.parent.bindings")
@@ -275,7 +305,7 @@ def condition(
 
     The scope is that of a behavior, whose `definition` says what it binds, or of a scenario: then it is the module's where it is plain.
     """
-    source = Expressions(NO_NAMES if definition is None else function_names(definition), readings, plain_scope=plain_scope)
+    source = Expressions(NO_NAMES if definition is None else function_names(definition), readings, plain_scope=plain_scope, has_agent=definition is not None)
     value = source.holds(node) if decides else source.value(node)
     scopes = "B = M = S.bindings" if definition is None else "B, M = S.bindings, S.parent.bindings"
     return made(f"def condition(q, S):\n    {scopes}\n    return {value}", source, "condition", node)
@@ -283,7 +313,7 @@ def condition(
 
 def made(text: str, source: Expressions, name: str, node: Node) -> Callable[..., Any]:
     """The function of that name which a source defines. Raises `NotCompiled` for nesting that Python does not have."""
-    scope: dict[str, Any] = {**NAMES, **source.constants}
+    scope: dict[str, Any] = {**NAMES, "Handler": Handler, **source.constants}
     try:
         exec(compile(text, f"<compiled from line {node.span.line}>", "exec"), scope)  # the text is made from the syntax tree, by the functions above
     except (SyntaxError, RecursionError, MemoryError, ValueError):

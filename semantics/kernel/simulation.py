@@ -129,7 +129,7 @@ def simulation_of(state: State) -> Simulation:
 
 def with_simulation(state: State, **changes: object) -> State:
     """The state with some parts of its simulation replaced."""
-    return state._replace(simulation=simulation_of(state)._replace(**changes))  # type: ignore[arg-type]
+    return state.with_simulation(simulation_of(state)._replace(**changes))  # type: ignore[arg-type]
 
 
 def flagged(reason: str, state: State) -> State:
