@@ -72,7 +72,8 @@ class Simulator(Protocol):
     """What moves the objects; one is used for one simulation after the other.
 
     `timestep` is in seconds; `properties` are the names of those that `read` gives; `random` says whether anything follows from the seed that
-    `create` is given. Whatever it raises ends the simulation with an error, but for `RejectRun` and `EndRun`.
+    `create` is given. One that has the attribute `takes_anything`, and it is True, is not asked by `check`; `read` is not called if there are no
+    `properties`. Whatever it raises ends the simulation with an error, but for `RejectRun` and `EndRun`.
     """
 
     timestep: float
@@ -138,6 +139,9 @@ class Passed(NamedTuple):
     ended: str = ""
 
 
+NOTHING_HAPPENED = Passed(())
+
+
 def step_of(simulator: Simulator, actions: Mapping[int, tuple[object, ...]]) -> Passed:
     """One time step in the simulator. Raises `SimulatorError`, `RejectRun`."""
     reason = ""
@@ -145,8 +149,8 @@ def step_of(simulator: Simulator, actions: Mapping[int, tuple[object, ...]]) -> 
         events = guarded(simulator.step, dict(actions), may=(RejectRun, EndRun))
     except EndRun as end:
         events, reason = end.events, end.reason
-    if events == ():
-        return Passed((), reason)
+    if events == () and not reason:
+        return NOTHING_HAPPENED
     if isinstance(events, str) or not isinstance(events, Sequence) or not all(isinstance(event, str) for event in events):
         raise SimulatorError(f"step() must return what happened as a sequence of texts, not {events!r}", NOWHERE)
     return Passed(tuple(events), reason)

@@ -6,7 +6,7 @@ A simulator is anything with the methods of `Simulator`. A run that fails a requ
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from types import MappingProxyType
 from typing import NamedTuple, Protocol
@@ -59,8 +59,8 @@ class Policy(Protocol):
         """The actions of a time step, or its end; `limit` is the reason to end in it if there is no other."""
         ...
 
-    def doing(self, state: State) -> Mapping[int, str]:
-        """Which behaviors each agent is in, by the number of the instance."""
+    def doing(self, state: State) -> Iterable[tuple[int, str]]:
+        """Which behaviors each agent is in, with the number of its instance."""
         ...
 
     def place(self, instance: Instance, state: State) -> Span:
@@ -84,9 +84,9 @@ class MachinePolicy:
         assert isinstance(outcome, (Act, Finish, Stuck))
         return outcome
 
-    def doing(self, state: State) -> Mapping[int, str]:
+    def doing(self, state: State) -> Iterable[tuple[int, str]]:
         """Which behaviors each agent is in, and where."""
-        return {n: text for n, agent in simulation_of(state).agents.items() if (text := doing(agent))}
+        return ((n, text) for n, agent in simulation_of(state).agents.items() if (text := doing(agent)))
 
     def place(self, instance: Instance, state: State) -> Span:
         """Where the behavior waits, if it does so in a statement of the program; else that of the object."""
@@ -134,8 +134,9 @@ def simulated(
         return rejected(problem, 0)
     limit = "1 time step has passed" if steps == 1 else f"{steps:,} time steps have passed"
     ended = ""
-    scene_before: tuple[Instance, ...] = ()
+    shown: tuple[Instance, ...] = ()
     ids: dict[int, int] = {}
+    same = False  # whether objects have the same numbers in the scene as among all instances
     for number in range(steps + 1):
         told.clear()
         outcome = chosen(state, ended or (limit if number == steps else ""))
@@ -151,19 +152,21 @@ def simulated(
             result = TERMINATED if simulation_of(outcome.state).flag else ENDED if ended else LIMIT
             return Simulated(scene, tuple(moments), result, outcome.reason, simulator.timestep, tuple(made[first:]), recorded)
         state = outcome.state
-        if state.scene is not scene_before:
-            scene_before = state.scene
+        if state.scene is not shown:
+            shown = state.scene
             ids = {instance.number: k for k, instance in enumerate(state.scene)}
-        actions = {ids[n]: taken for n, taken in outcome.actions.items()}
+            same = all(number == id for number, id in ids.items())
+        actions = outcome.actions if same else {ids[n]: taken for n, taken in outcome.actions.items()}
         before = poses(state, simulator)
         try:
-            made += create_new(simulator, state, len(made), chance)
+            if len(made) < len(state.scene):
+                made += create_new(simulator, state, len(made), chance)
             check_actions(simulator, state, actions, chosen)
             events, ended = step_of(simulator, actions)
             after = read_back(simulator, state)
         except RejectRun as problem:
             return rejected(problem, number)
-        doings = {ids[n]: text for n, text in chosen.doing(state).items()}
+        doings = dict(chosen.doing(state)) if same else {ids[n]: text for n, text in chosen.doing(state)}
         moments.append(Moment(number, before, actions, (*told, *events), doings))
         state = after_one_step(after)
     raise AssertionError("the policy ends at the time limit")
@@ -203,8 +206,7 @@ def listening(told: list[str], witness: Witness | None, file: str | None) -> Wit
 def create_new(simulator: Simulator, state: State, known: int, chance: int) -> list[Body]:
     """Give the simulator, whose seed is `chance`, the objects from number `known` on, and return them. Raises `SimulatorError`, `RejectRun`."""
     new = new_bodies(state, known)
-    if new:
-        create(simulator, new, state, chance)
+    create(simulator, new, state, chance)
     return new
 
 
@@ -236,12 +238,16 @@ def body_of(id: int, state: State) -> Body:
 
 def poses(state: State, simulator: Simulator) -> tuple[Pose, ...]:
     """The properties of all objects that the simulator updates, as far as they have them."""
+    if not simulator.properties:
+        return tuple([{} for _ in state.scene])
     names = sorted(simulator.properties)
     return tuple({name: properties[name] for name in names if name in properties} for properties in (state.objects[i.number] for i in state.scene))
 
 
 def check_actions(simulator: Simulator, state: State, actions: Mapping[int, tuple[object, ...]], policy: Policy) -> None:
     """Each action is checked against the agent that takes it. Raises `RunError`."""
+    if getattr(simulator, "takes_anything", False):
+        return
     for id, taken in actions.items():
         instance = state.scene[id]
         body = Body(id, instance.class_.name, MappingProxyType(state.objects[instance.number]))
@@ -255,8 +261,9 @@ def check_actions(simulator: Simulator, state: State, actions: Mapping[int, tupl
 
 def read_back(simulator: Simulator, state: State) -> State:
     """The state with what the simulator says of the objects. Raises `SimulatorError` for values that a property cannot have."""
+    if not simulator.properties:
+        return state
     objects = dict(state.objects)
     for id, instance in enumerate(state.scene):
-        if pose := read_pose(simulator, id, instance, instance.span):
-            objects[instance.number] = {**objects[instance.number], **pose}
+        objects[instance.number] = {**objects[instance.number], **read_pose(simulator, id, instance, instance.span)}
     return state.with_objects(objects)

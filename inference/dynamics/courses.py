@@ -312,7 +312,7 @@ class Courses(Equations):
         first_step = simulation_of(self.state).step
         current, since, course, begun, leaf = BODY, -1, body, False, here
         waiting: list[tuple[int, int, Course, bool, Invocation]] = []
-        after = len(clauses) - 1
+        last = after = len(clauses) - 1
         if isinstance(node, LATER) and self.state.reading("interrupt-first-step") == "later-steps":
             after = BODY
         while True:
@@ -336,7 +336,7 @@ class Courses(Equations):
                 continue
             begun, leaf = True, self.leaf
             yield actions
-            after = len(clauses) - 1
+            after = last
 
 
 LATER = (s.Try, d.WaitFor)

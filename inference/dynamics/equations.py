@@ -55,7 +55,8 @@ class Raised(Exception):
 class Equations:
     """The state of a simulation while compiled code runs, and the values of expressions in it.
 
-    `prefix` and `draws` are the address of the next draw of the coroutine that runs, whose `who` it is; `handling` are the exceptions that it handles.
+    `prefix` and `draws` are the address of the next draw of the coroutine that runs, whose `who` it is; `handling` are the exceptions that it
+    handles. `now` is the time, as `simulation.currentTime` says it.
     """
 
     def __init__(self, state: State, choose: Chooser, fuel: int, witness: Witness) -> None:
@@ -68,6 +69,7 @@ class Equations:
         self.draws = 0
         self.handling: tuple[BaseException, ...] = ()
         self.turns = 0
+        self.now: float = 0
 
     # The machine
 

@@ -126,6 +126,8 @@ class Expressions:
         if name == "self" and self.has_agent:
             return "B['self']"
         found = f"M.get({name!r}, MISSING)" if self.plain_scope else f"S.lookup({name!r})"
+        if self.plain_scope and name in BUILT_IN:
+            return f"({t} if ({t} := {found}) is not MISSING or ({t} := U.get({name!r}, MISSING)) is not MISSING else q.variable(S, {self.constant(node)}))"
         return f"({t} if ({t} := {found}) is not MISSING else q.variable(S, {self.constant(node)}))"
 
     def attribute(self, node: p.Attribute) -> str:
@@ -133,6 +135,8 @@ class Expressions:
         o, v, name = self.temporary(), self.temporary(), canonical(node.name, self.readings)
         there = f"({v} := q.state.objects[{o}.number].get({name!r}, MISSING)) is not MISSING and type({v}) not in WRAPPED"
         subject = self.value(node.value)
+        if name == "currentTime":
+            return f"(q.now if type({o} := {subject}) is Clock else q.attribute(S, {o}, {self.constant(node)}, {name!r}))"
         return f"({v} if type({o} := {subject}) is Instance and {there} else q.attribute(S, {o}, {self.constant(node)}, {name!r}))"
 
     def binary(self, node: p.BinaryOperation) -> str:
@@ -213,6 +217,8 @@ class Expressions:
         return f"({f}({', '.join(names)}) if ({function}) & bool({several} := ({given})) and {plain} else q.call(S, {k}, {f}, {several}))"
 
 
+BUILT_IN = frozenset({"simulation", "abs", "min", "max", "round", "len", "range", "int", "float", "str", "Range", "Uniform", "Discrete", "Normal"})
+"""Names of the outermost scope that behaviors use most."""
 TRANSLATED = frozenset({
     p.Attribute, p.BinaryOperation, p.UnaryOperation, p.BooleanOperation, p.Comparison,
 })  # fmt: skip

@@ -6,7 +6,7 @@ passes on without looking at them. Compose blocks, and coroutines that are not c
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import partial
 from typing import Any
 
@@ -74,7 +74,9 @@ class CompiledPolicy(Courses):
         self.library = library
         top = simulation_of(state).scenarios[TOP]
         self.simple = top.compose is None and not (top.dynamic is not None and top.dynamic.definition.invariants)  # type: ignore[attr-defined]
+        self.calm = self.simple and not (top.always or top.eventually or top.terminations or top.monitors or top.records)
         self.before = state.reading("requirements-order") == "before"
+        self.in_steps = state.reading("time-unit") == "steps"
         self.stops = state.reading("behaviors-after-terminate") == "stop"
 
     @within
@@ -85,9 +87,10 @@ class CompiledPolicy(Courses):
         same = not simulation.flag and simulation.limit == limit and simulation.active == active
         self.state = state if same else with_simulation(state, flag="", limit=limit, active=active)
         self.turns = 0
+        self.now = simulation.step if self.in_steps else simulation.step * simulation.timestep
         state.settings.door.budget.renew()
         try:
-            return self.steps()
+            return self.steps(simulation.step)
         except Rejected as rejected:
             return rejected.stuck
         except Raised as raised:
@@ -99,17 +102,18 @@ class CompiledPolicy(Courses):
         except Exception as problem:  # an error of the program, which the machine finds again, and tells
             raise LeftToMachine(f"{type(problem).__name__}: {problem}") from problem
 
-    def steps(self) -> Act | Finish | Stuck:
-        """The seven steps."""
-        self.compose_blocks()
-        stuck = self.requirements()
-        if stuck is not None:
-            return stuck
-        self.monitors()
+    def steps(self, step: int) -> Act | Finish | Stuck:
+        """The seven steps; the first three have nothing to do where the program declares nothing for them."""
+        if not (self.calm and step):
+            self.compose_blocks()
+            stuck = self.requirements()
+            if stuck is not None:
+                return stuck
+            self.monitors()
         ended = self.ended("D-Policy-4")
         if ended is not None:
             return ended
-        actions = self.behaviors()
+        actions = self.behaviors(step)
         ended = self.ended("D-Policy-6")
         return ended if ended is not None else Act("D-Policy-7", actions, self.state)
 
@@ -255,24 +259,23 @@ class CompiledPolicy(Courses):
         assert isinstance(outcome, (Finish, Stuck))
         return outcome
 
-    def behaviors(self) -> Mapping[int, tuple[Any, ...]]:
-        """Step 5: the actions of each agent."""
+    def behaviors(self, step: int) -> Mapping[int, tuple[Any, ...]]:
+        """Step 5: the actions of each agent, in the time step of that number."""
         agents = dict(simulation_of(self.state).agents)
-        step = simulation_of(self.state).step
         actions: dict[int, tuple[Any, ...]] = {}
         changed = False
         for instance in self.state.scene:
-            number, objects = instance.number, self.state.objects
-            behavior = plain(objects[number].get("behavior"))
+            number = instance.number
+            behavior = plain(self.state.objects[number].get("behavior"))
             if behavior is None:
                 continue
             agent = agents.get(number)
-            if agent is None or agent.process is None:
+            process: Any = None if agent is None else agent.process
+            if process is None:
                 if agent is not None and agent.ended:
                     continue
-                changed = True
-                agent = agents[number] = Agent(instance, self.first_step(behavior, instance))  # type: ignore[arg-type]
-            process: Any = agent.process
+                changed, process = True, self.first_step(behavior, instance)
+                agent = agents[number] = Agent(instance, process)
             if type(process) is CompiledCourse:
                 self.who, self.prefix, self.draws = process.who, (DYNAMIC, step, 0, number, 0), 0
                 taken: Any = self.advanced(process)
@@ -280,7 +283,7 @@ class CompiledPolicy(Courses):
                 changed = True
                 self.state = with_simulation(self.state, agents=agents)
                 process, taken = self.one_step(process, Who("behavior", number))
-                agents[number] = agent._replace(process=process)
+                agents[number] = Agent(instance, process)
             if taken is ENDED or taken is TERMINATED:
                 changed = True
                 agents[number] = Agent(instance, None, ended=True)
@@ -339,14 +342,17 @@ class CompiledPolicy(Courses):
 
     # What is told of agents
 
-    def doing(self, state: State) -> Mapping[int, str]:
+    def doing(self, state: State) -> Iterable[tuple[int, str]]:
         """Which behaviors each agent is in, and where."""
-        return {n: text for n, agent in simulation_of(state).agents.items() if (text := self.doing_of(agent))}
-
-    def doing_of(self, agent: Agent) -> str:
-        """Which behaviors an agent is in, and where; "" if it has not begun."""
-        process: Any = agent.process
-        return process.leaf.doing(process.node) if type(process) is CompiledCourse else doing(agent)
+        found: list[tuple[int, str]] = []
+        for number, agent in simulation_of(state).agents.items():
+            process: Any = agent.process
+            if type(process) is CompiledCourse:
+                leaf, node = process.leaf, process.node
+                found.append((number, leaf.lines.get(id(node)) or leaf.doing(node)))  # type: ignore[union-attr]
+            elif text := doing(agent):
+                found.append((number, text))
+        return found
 
     def place(self, instance: Instance, state: State) -> Span:
         """Where an object has taken its actions of this time step."""

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from ...semantics.kernel.premises import SHARED
+from ...semantics.kernel.queries import Clock
 from ...semantics.kernel.scopes import MISSING, NO_NAMES, Names, function_names
 from ...semantics.kernel.values import Instance, Random
 from ...semantics.kernel.waiting import Waiting
@@ -24,7 +25,7 @@ from .leaving import NotCompiled
 
 NAMES: Mapping[str, object] = {
     "Random": Random, "MISSING": MISSING, "Instance": Instance, "NUMBERS": NUMBERS, "PLAIN": PLAIN, "ACTIONS": frozenset(ACTIONS.values()),
-    "WRAPPED": frozenset({Random, Waiting}),
+    "WRAPPED": frozenset({Random, Waiting}), "Clock": Clock,
 }  # fmt: skip
 """What every source may refer to."""
 
@@ -139,9 +140,10 @@ class Statements(Expressions):
         self.loop(node)
 
     def loop(self, node: s.While | s.For) -> None:
-        """The body of a loop, and what comes after its last turn."""
+        """The body of a loop, and what comes after its last turn; turns are counted where no time need pass in one."""
         self.loops += 1
-        self.line("    q.turn()")
+        if not any(isinstance(statement, (d.Take, d.Wait)) for statement in node.body):
+            self.line("    q.turn()")
         self.block(node.body)
         self.loops -= 1
         if node.otherwise:
@@ -282,6 +284,9 @@ STATEMENTS: Mapping[type, Callable[[Statements, Any], None]] = {
 WORDS: Mapping[type, str] = {d.Override: "`override`", s.Param: "`param`", s.Mutate: "`mutate`"}
 """What has no translation, in words."""
 LARGE = 1 << 40
+SCOPES = "B, M, U = S.bindings, S.parent.bindings, S.module.parent.bindings"
+OF_MODULE = "B = M = S.bindings; U = S.parent.bindings"
+"""The variables of a coroutine, of its module, and those that are built in."""
 
 
 def coroutine(
@@ -291,7 +296,7 @@ def coroutine(
     source = Statements(names, readings, plain_scope=plain_scope, has_agent=has_agent)
     source.indent = 0
     source.line("def coroutine(q, S, I):")
-    source.line("    B, M = S.bindings, S.parent.bindings")
+    source.line(f"    {SCOPES if plain_scope else 'B = S.bindings'}")
     source.block(body)
     source.line("    return")
     source.line("    yield")
@@ -307,7 +312,7 @@ def condition(
     """
     source = Expressions(NO_NAMES if definition is None else function_names(definition), readings, plain_scope=plain_scope, has_agent=definition is not None)
     value = source.holds(node) if decides else source.value(node)
-    scopes = "B = M = S.bindings" if definition is None else "B, M = S.bindings, S.parent.bindings"
+    scopes = SCOPES if definition is not None and plain_scope else OF_MODULE if plain_scope else "B = S.bindings"
     return made(f"def condition(q, S):\n    {scopes}\n    return {value}", source, "condition", node)
 
 

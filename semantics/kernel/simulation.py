@@ -156,7 +156,11 @@ def line_of(span: Span, file: str) -> str:
 
 def satisfied(state: State) -> set[int]:
     """The lines of the `require eventually` that have held so far."""
-    return {r.eventually[place].node.span.line for r in simulation_of(state).scenarios.values() for place in r.satisfied}
+    found: set[int] = set()
+    for running in simulation_of(state).scenarios.values():
+        if running.satisfied:
+            found.update(running.eventually[place].node.span.line for place in running.satisfied)
+    return found
 
 
 def agent_of(who: Who, state: State) -> Instance:
