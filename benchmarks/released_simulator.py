@@ -56,8 +56,8 @@ def main() -> None:
     folder = tempfile.mkdtemp()
     (Path(folder) / "actions_of_benchmark.py").write_text(ACTIONS)
     sys.path.insert(0, folder)
-    import scenic
-    from scenic.core.simulators import DummySimulator
+    import scenic  # pyright: ignore[reportMissingImports]
+    from scenic.core.simulators import DummySimulator  # pyright: ignore[reportMissingImports]
 
     newer = not hasattr(scenic.syntax.translator, "constructorStatements")
     for request in sys.argv[1:]:

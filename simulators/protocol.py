@@ -72,8 +72,7 @@ class Simulator(Protocol):
     """What moves the objects; one is used for one simulation after the other.
 
     `timestep` is in seconds; `properties` are the names of those that `read` gives; `random` says whether anything follows from the seed that
-    `create` is given. One that has the attribute `takes_anything`, and it is True, is not asked by `check`; `read` is not called if there are no
-    `properties`. Whatever it raises ends the simulation with an error, but for `RejectRun` and `EndRun`.
+    `create` is given. Whatever it raises ends the simulation with an error, but for `RejectRun` and `EndRun`.
     """
 
     timestep: float

@@ -13,7 +13,6 @@ class Still:
 
     properties: frozenset[str] = frozenset()
     random = False
-    takes_anything = True
 
     def __init__(self, timestep: float = 1.0) -> None:
         self.timestep = timestep

@@ -12,11 +12,11 @@ from ...semantics.kernel.values import Dynamic
 from ...semantics.syntax import dynamics as d
 from ...semantics.syntax.nodes import Expression, Node
 from ...semantics.syntax.statements import Block
-from .leaving import NotCompiled
+from .leaving import Untranslated
 from .statements import condition, coroutine
 
 
-class Guard(NamedTuple):
+class CompiledGuard(NamedTuple):
     """A precondition or invariant: whether it holds, in a scope; where it stands; the exception of one that does not, and what that tells."""
 
     holds: Callable[[Any, Any], bool]
@@ -29,57 +29,59 @@ class Code(NamedTuple):
     """A behavior or monitor: the generator function of its body, and its guards."""
 
     run: Callable[[Any, Scope, Any], Any]
-    preconditions: tuple[Guard, ...] = ()
-    invariants: tuple[Guard, ...] = ()
+    preconditions: tuple[CompiledGuard, ...] = ()
+    invariants: tuple[CompiledGuard, ...] = ()
 
 
 class Library:
-    """What is compiled of a program under its `readings`, and what is not, with the reason (`left`, by what is left to the machine; `wholes`, of whole simulations)."""
+    """What is compiled of a program under its `readings`, and what is left to the machine, with the reason: coroutines (`left`), whole simulations
+    (`wholes`, with how many). It is not `usable` under readings that only the machine follows.
+    """
 
     def __init__(self, readings: Mapping[str, str]) -> None:
         self.readings = readings
-        self.codes: dict[ByIdentity, Code | NotCompiled] = {}
+        self.codes: dict[ByIdentity, Code | Untranslated] = {}
         self.conditions: dict[ByIdentity, Callable[[Any, Scope], Any]] = {}
         self.left: dict[ByIdentity, str] = {}
         self.wholes: Counter[str] = Counter()
         self.usable = readings["invariant-of-caller"] == "on-return"
 
     def code_of(self, behavior: Dynamic) -> Code:
-        """The code of a behavior. Raises `NotCompiled`."""
+        """The code of a behavior. Raises `Untranslated`."""
         definition = behavior.definition
         found = self.codes.get(ByIdentity(definition))
         if found is None:
             found = self.noted(definition, lambda: self.behavior(definition, plain_scope=behavior.scope.kind == "module"))  # type: ignore[arg-type]
-        if isinstance(found, NotCompiled):
+        if isinstance(found, Untranslated):
             raise found
         return found
 
     def monitor(self, body: Block, scope: Scope) -> Code:
-        """The code of a monitor with this body, in its scope. Raises `NotCompiled`."""
+        """The code of a monitor with this body, in its scope. Raises `Untranslated`."""
         found = self.codes.get(ByIdentity(body[0]))
         if found is None:
             plain_scope = scope.parent is not None and scope.parent.kind == "module"
             found = self.noted(body[0], lambda: Code(coroutine(body, scope.names, self.readings, plain_scope=plain_scope, has_agent=False)))
-        if isinstance(found, NotCompiled):
+        if isinstance(found, Untranslated):
             raise found
         return found
 
-    def noted(self, node: Node, compiled: Callable[[], Code]) -> Code | NotCompiled:
+    def noted(self, node: Node, compiled: Callable[[], Code]) -> Code | Untranslated:
         """The code of what a node says, or why there is none, kept for the next time."""
-        found: Code | NotCompiled
+        found: Code | Untranslated
         try:
             found = compiled()
-        except NotCompiled as problem:
+        except Untranslated as problem:
             found = problem
         self.codes[ByIdentity(node)] = found
         return found
 
     def behavior(self, definition: d.BehaviorDefinition, *, plain_scope: bool) -> Code:
-        """The code of a definition. Raises `NotCompiled`."""
+        """The code of a definition. Raises `Untranslated`."""
 
-        def guards(word: str, violation: type[GuardViolation], conditions: tuple[Expression, ...]) -> tuple[Guard, ...]:
+        def guards(word: str, violation: type[GuardViolation], conditions: tuple[Expression, ...]) -> tuple[CompiledGuard, ...]:
             return tuple(
-                Guard(
+                CompiledGuard(
                     condition(c, definition, self.readings, plain_scope=plain_scope, decides=True), c, violation,
                     f"the {word} of {definition.name} on line {c.span.line}",
                 )

@@ -16,31 +16,31 @@ from ...semantics.dynamics.scenarios import deadline_of
 from ...semantics.kernel.config import PASS, Abrupt, Config
 from ...semantics.kernel.outcome import Draw, Next, Requirement
 from ...semantics.kernel.scopes import Scope
-from ...semantics.kernel.simulation import Deadline, flagged, has_passed, line_of, simulation_of
+from ...semantics.kernel.simulation import flagged, has_passed, line_of, simulation_of
 from ...semantics.kernel.values import HOLDING, Dynamic, Instance, plain, unwrap
 from ...semantics.space.distributions import Discrete
 from ...semantics.syntax import dynamics as d
 from ...semantics.syntax import statements as s
 from ...semantics.syntax.nodes import Node
-from .code import Code, Guard, Library
-from .equations import Equations, Raised, Rejected
+from .code import Code, CompiledGuard, Library
+from .equations import Equations, Raised, RunRejected
 from .leaving import LeftToMachine
-from .statements import Handler
+from .statements import ExceptClause
 
 Actions = tuple[Any, ...]
 Course = Generator[Actions, None, Any]
 """What a coroutine still has to do: it yields the actions of each time step."""
-Clause = tuple[Callable[[], bool] | Deadline, Node, Callable[[], Course]]
+Clause = tuple[Callable[[], bool], Node, Callable[[], Course]]
 """The condition of an interrupt, where it stands, and its handler."""
 MOST_DEPTH = 50
 """So many behaviors may be inside each other here; each costs some of Python's stack."""
 
 
-class Abort(Exception):
+class Aborted(Exception):
     """`abort`: ends the innermost statement with interrupts."""
 
 
-class Terminate(Exception):
+class Terminated(Exception):
     """`terminate`: ends the coroutine, and the scenario."""
 
 
@@ -49,7 +49,7 @@ class Invocation:
 
     __slots__ = ("agent", "depth", "invariants", "lines", "path", "scope")
 
-    def __init__(self, agent: Instance | None, path: str, depth: int, scope: Scope | None = None, invariants: Sequence[Guard] = ()) -> None:
+    def __init__(self, agent: Instance | None, path: str, depth: int, scope: Scope | None = None, invariants: Sequence[CompiledGuard] = ()) -> None:
         self.agent = agent
         self.path = path
         self.depth = depth
@@ -101,12 +101,12 @@ class Courses(Equations):
         if node.simulation:
             self.state = flagged("`terminate simulation` was executed", self.state)
         self.tell("D-Terminate", node)
-        raise Terminate
+        raise Terminated
 
     def abort(self, node: Node) -> None:
         """`abort`."""
         self.tell("D-Abort", node)
-        raise Abort
+        raise Aborted
 
     def elements(self, iterable: Any) -> Iterator[Any]:
         """What a loop goes through: a list or tuple, which may grow, or a range."""
@@ -114,13 +114,15 @@ class Courses(Equations):
             raise LeftToMachine("a loop over something else than a list, tuple or range")
         return iter(iterable)
 
-    def deadline(self, node: Node, amount: Any) -> Deadline:
-        """The limit of `for T`."""
-        return deadline_of(node.limit, amount, node, "D-Do")  # type: ignore[attr-defined]
+    def deadline(self, node: Node, amount: Any) -> Callable[[], bool]:
+        """Whether the limit of `for T` has passed, of a statement that begins in this time step."""
+        deadline = deadline_of(node.limit, amount, node, "D-Do")  # type: ignore[attr-defined]
+        first_step = simulation_of(self.state).step
+        return lambda: has_passed(deadline, first_step, simulation_of(self.state))
 
     # Guards
 
-    def check(self, guards: Sequence[Guard], scope: Scope) -> None:
+    def check(self, guards: Sequence[CompiledGuard], scope: Scope) -> None:
         """Preconditions or invariants. Raises `Raised` for one that does not hold."""
         for guard in guards:
             if not guard.holds(self, scope):
@@ -178,9 +180,9 @@ class Courses(Equations):
                 try:
                     actions.extend(next(course))
                     left.append((place, course))
-                except (StopIteration, Abort):
+                except (StopIteration, Aborted):
                     pass
-                except Terminate:
+                except Terminated:
                     terminates = True
                 except Raised:
                     self.prefix, self.draws = outer
@@ -189,7 +191,7 @@ class Courses(Equations):
                     raise
             self.prefix, self.draws = outer
             if terminates:
-                raise Terminate
+                raise Terminated
             if not left:
                 break
             running = left
@@ -211,7 +213,7 @@ class Courses(Equations):
             if not enabled:
                 word = "choose" if isinstance(node, d.DoChoose) else "shuffle"
                 text = f"one of those to {word} from on line {node.span.line} is enabled"
-                raise Rejected("D-Choose", Requirement("precondition", node.span, text))
+                raise RunRejected("D-Choose", Requirement("precondition", node.span, text))
             chosen = self.drawn("D-Choose", Discrete(tuple((k, options[k][1]) for k in enabled)), node)
             behavior, _ = options[chosen]
             options = [one for k, one in enumerate(options) if k != chosen] if isinstance(node, d.DoShuffle) else []
@@ -235,7 +237,7 @@ class Courses(Equations):
 
     # Exceptions
 
-    def attempt(self, scope: Scope, body: Course, handlers: Sequence[Handler], otherwise: Callable[[], Course] | None) -> Course:
+    def attempt(self, scope: Scope, body: Course, handlers: Sequence[ExceptClause], otherwise: Callable[[], Course] | None) -> Course:
         """`try` with `except` and `else` (`control.unwind_handling`): how it was left, None at its end."""
         try:
             left = yield from body
@@ -256,7 +258,7 @@ class Courses(Equations):
             raise left
         return left
 
-    def handled(self, course: Course, exception: BaseException) -> Course:
+    def handled(self, course: Iterator[Actions], exception: BaseException) -> Course:
         """The block of a handler, while the exception is handled: how it was left, if need be with an exception of its own."""
         while True:
             outer = self.handling
@@ -265,7 +267,7 @@ class Courses(Equations):
                 actions = next(course)
             except StopIteration as end:
                 return end.value
-            except (Raised, Abort, Terminate) as left:
+            except (Raised, Aborted, Terminated) as left:
                 return left
             finally:
                 self.handling = outer
@@ -274,7 +276,7 @@ class Courses(Equations):
     def catches(self, classes: Any, exception: object) -> bool:
         """Whether an `except` of these classes catches an exception."""
         candidates = unwrap(classes)[0]
-        every = candidates if isinstance(candidates, tuple) else (candidates,)
+        every: Any = candidates if isinstance(candidates, tuple) else (candidates,)
         if not all(isinstance(c, type) and issubclass(c, BaseException) for c in every):
             raise LeftToMachine("`except` with something that is no exception class")
         return isinstance(exception, every)
@@ -285,7 +287,7 @@ class Courses(Equations):
         left = None
         try:
             left = yield from course
-        except (Raised, Abort, Terminate) as found:
+        except (Raised, Aborted, Terminated) as found:
             problem = found
         after = yield from final()
         if after is not None:
@@ -300,7 +302,7 @@ class Courses(Equations):
         """An entire statement with interrupts, which `abort` ends."""
         try:
             return (yield from course)
-        except Abort:
+        except Aborted:
             return None
 
     def interruptible(self, here: Invocation, node: Node, clauses: Sequence[Clause], body: Course) -> Course:
@@ -309,7 +311,6 @@ class Courses(Equations):
         Each of `waiting` is what was interrupted: its clause, since when that ran, its course, whether this has begun, and the behavior in which it
         waits. A clause's own condition is not looked at while it runs, those after it are.
         """
-        first_step = simulation_of(self.state).step
         current, since, course, begun, leaf = BODY, -1, body, False, here
         waiting: list[tuple[int, int, Course, bool, Invocation]] = []
         last = after = len(clauses) - 1
@@ -318,7 +319,7 @@ class Courses(Equations):
         while True:
             while after > current:
                 condition, place, handler = clauses[after]
-                if has_passed(condition, first_step, simulation_of(self.state)) if type(condition) is Deadline else condition():
+                if condition():
                     if begun and leaf is here and here.invariants:
                         self.check_invariants(here)
                     self.tell("D-Interrupt", place)

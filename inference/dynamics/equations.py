@@ -36,7 +36,7 @@ MOST_TURNS = 5_000
 """So many turns of loops, and beginnings of behaviors, may a time step have here: whether that is without end is for the machine to say."""
 
 
-class Rejected(Exception):
+class RunRejected(Exception):
     """A requirement of the run does not hold."""
 
     def __init__(self, rule: str, requirement: Requirement) -> None:
@@ -78,7 +78,7 @@ class Equations:
         return self.state._replace(sigma=scope, prefix=self.prefix, draws=self.draws, handling=self.handling)
 
     def driven(self, control: Node | Value, scope: Scope) -> Any:
-        """What the machine reduces a node to. Raises `LeftToMachine`, `Rejected`."""
+        """What the machine reduces a node to. Raises `LeftToMachine`, `RunRejected`."""
         base = self.base(scope)
         return self.settled(step, taken_over(Config(control, base, self.here(scope))), base)
 
@@ -87,7 +87,7 @@ class Equations:
         return (InScope(scope), (Coroutine(self.who, scope, self.handling, 0, self.prefix, self.draws), ()))
 
     def settled(self, machine: Machine, config: Config, base: Stack) -> Any:
-        """The value with which the machine comes back to the context `base`. Raises `Raised`, `Rejected`, and `LeftToMachine` for an error."""
+        """The value with which the machine comes back to the context `base`. Raises `Raised`, `RunRejected`, and `LeftToMachine` for an error."""
 
         def is_back(config: Config) -> bool:
             kind = type(config.control)
@@ -95,7 +95,7 @@ class Equations:
 
         end, _ = drive_machine(machine, config, self.choose, self.fuel, witness=self.witness, until=is_back)
         if isinstance(end, Stuck):
-            raise Rejected(end.rule, end.requirement)
+            raise RunRejected(end.rule, end.requirement)
         if not isinstance(end, Arrived):
             raise LeftToMachine("an error of the program")
         self.state, self.draws = end.config.state, end.config.state.draws

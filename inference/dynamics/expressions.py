@@ -26,8 +26,8 @@ SPELLED = frozenset({"+", "-", "*"})
 class Expressions:
     """The source of expressions in a scope with these own `names`; what the source refers to is collected in `constants`.
 
-    In the source, `q` are the `Equations`, `S` is σ, `B` its own variables, and `M` those of the module around it, which has no names of functions
-    between (`plain_scope`). `self` is one of the variables where there is an agent.
+    In the source, `q` are the `Courses`, `S` is σ, `B` its own variables, `M` those of the module right around it (`plain_scope`), and `U` those that
+    are built in. `self` is one of the variables where there is an agent.
     """
 
     def __init__(self, names: Names, readings: Mapping[str, str], *, plain_scope: bool, has_agent: bool) -> None:
@@ -122,13 +122,14 @@ class Expressions:
             return f"B[{name!r}]"
         if name in SHARED:
             return f"q.variable(S, {self.constant(node)})"
-        t = self.temporary()
         if name == "self" and self.has_agent:
             return "B['self']"
-        found = f"M.get({name!r}, MISSING)" if self.plain_scope else f"S.lookup({name!r})"
-        if self.plain_scope and name in BUILT_IN:
-            return f"({t} if ({t} := {found}) is not MISSING or ({t} := U.get({name!r}, MISSING)) is not MISSING else q.variable(S, {self.constant(node)}))"
-        return f"({t} if ({t} := {found}) is not MISSING else q.variable(S, {self.constant(node)}))"
+        t = self.temporary()
+        places = [f"S.lookup({name!r})"]
+        if self.plain_scope:
+            places = [f"{scope}.get({name!r}, MISSING)" for scope in ("MU" if name in BUILT_IN else "M")]
+        found = " or ".join(f"({t} := {place}) is not MISSING" for place in places)
+        return f"({t} if {found} else q.variable(S, {self.constant(node)}))"
 
     def attribute(self, node: p.Attribute) -> str:
         """⟨E.name⟩: a property in the source itself."""

@@ -18,7 +18,7 @@ class LeftToMachine(Exception):
         self.again = again
 
 
-class NotCompiled(Exception):
+class Untranslated(Exception):
     """A statement or expression that there is no translation of; `line` is where it stands."""
 
     def __init__(self, what: str, line: int) -> None:

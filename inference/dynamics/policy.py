@@ -42,9 +42,9 @@ from ...semantics.syntax import dynamics as d
 from ...semantics.syntax.nodes import Node, Span
 from ...semantics.syntax.statements import Block
 from .code import Library
-from .courses import Abort, Course, Courses, Invocation, Terminate
-from .equations import Raised, Rejected
-from .leaving import LeftToMachine, NotCompiled
+from .courses import Aborted, Course, Courses, Invocation, Terminated
+from .equations import Raised, RunRejected
+from .leaving import LeftToMachine, Untranslated
 
 ENDED, TERMINATED = "ended", "terminated"
 """How a coroutine ends in a time step."""
@@ -91,7 +91,7 @@ class CompiledPolicy(Courses):
         state.settings.door.budget.renew()
         try:
             return self.steps(simulation.step)
-        except Rejected as rejected:
+        except RunRejected as rejected:
             return rejected.stuck
         except Raised as raised:
             if isinstance(raised.abrupt.value, GuardViolation):
@@ -143,7 +143,7 @@ class CompiledPolicy(Courses):
         config = taken_over(Config(control, (number, ()), self.state))
         end, _ = drive_machine(machine_step, config, self.choose, self.fuel, witness=self.witness, until=partial(begins, until))
         if isinstance(end, Stuck):
-            raise Rejected(end.rule, end.requirement)
+            raise RunRejected(end.rule, end.requirement)
         if not isinstance(end, Arrived):
             raise LeftToMachine("an error of the program")
         self.state = end.config.state
@@ -188,13 +188,13 @@ class CompiledPolicy(Courses):
         return None
 
     def requirement(self, number: int, place: int, declared: Declared) -> None:
-        """`require always`, `require eventually`. Raises `Rejected`."""
+        """`require always`, `require eventually`. Raises `RunRejected`."""
         node = declared.node
         eventually = isinstance(node, d.RequireEventually)
         who = Who("condition", number, CONDITIONS + 2 * place + eventually)
         holds = self.evaluated(who, node.condition, declared, decides=True)  # type: ignore[attr-defined]
         if not eventually and not holds:
-            raise Rejected("D-Always", Requirement("always", node.span, f"`require always` on line {node.span.line}"))
+            raise RunRejected("D-Always", Requirement("always", node.span, f"`require always` on line {node.span.line}"))
         if eventually and holds:
             running = simulation_of(self.state).scenarios[number]
             if place not in running.satisfied:
@@ -244,7 +244,7 @@ class CompiledPolicy(Courses):
             try:
                 code = self.library.monitor(body, process.sigma)
                 return CompiledCourse(code.run(self, process.sigma, Invocation(None, "", 0, process.sigma)), key, who)
-            except NotCompiled as problem:
+            except Untranslated as problem:
                 self.library.left[key] = problem.reason
         return process
 
@@ -307,7 +307,7 @@ class CompiledPolicy(Courses):
                 self.library.code_of(behavior)
                 node = Node(span=instance.span)
                 return CompiledCourse(self.begin(instance, with_arguments(behavior, node, self.state), node), key, Who("behavior", instance.number))
-            except NotCompiled as problem:
+            except Untranslated as problem:
                 self.library.left[key] = problem.reason
         return rules.first_step(behavior, instance.span, self.state)
 
@@ -316,11 +316,11 @@ class CompiledPolicy(Courses):
         self.handling = ()
         try:
             actions = next(process.course)
-        except (StopIteration, Abort):
+        except (StopIteration, Aborted):
             return ENDED
-        except Terminate:
+        except Terminated:
             return TERMINATED
-        except NotCompiled as problem:
+        except Untranslated as problem:
             self.library.left[process.key] = problem.reason
             raise LeftToMachine(problem.reason, again=True) from None
         process.leaf, process.node = self.leaf, self.node

@@ -21,7 +21,7 @@ from ...semantics.syntax.nodes import Expression, Node
 from ...simulators.actions import ACTIONS
 from .equations import NUMBERS, PLAIN
 from .expressions import Expressions
-from .leaving import NotCompiled
+from .leaving import Untranslated
 
 NAMES: Mapping[str, object] = {
     "Random": Random, "MISSING": MISSING, "Instance": Instance, "NUMBERS": NUMBERS, "PLAIN": PLAIN, "ACTIONS": frozenset(ACTIONS.values()),
@@ -29,7 +29,7 @@ NAMES: Mapping[str, object] = {
 }  # fmt: skip
 """What every source may refer to."""
 
-class Handler(NamedTuple):
+class ExceptClause(NamedTuple):
     """A clause `except`: what gives its classes (None: it catches everything), the name of the exception in it, its block."""
 
     type: Callable[[], Any] | None
@@ -72,14 +72,14 @@ class Statements(Expressions):
         self.indent -= 1
 
     def statement(self, node: Node) -> None:
-        """One statement. Raises `NotCompiled`."""
+        """One statement. Raises `Untranslated`."""
         translation = STATEMENTS.get(type(node))
         if translation is not None:
             translation(self, node)
         elif isinstance(node, TIMELESS):
             self.line(f"q.reduced(S, {self.constant(node)})")
         else:
-            raise NotCompiled(WORDS.get(type(node), type(node).__name__), node.span.line)
+            raise Untranslated(WORDS.get(type(node), type(node).__name__), node.span.line)
 
     # Python's statements
 
@@ -109,12 +109,13 @@ class Statements(Expressions):
             self.line(f"q.reduced(S, {self.constant(node)})")
             return
         name, a, b = repr(node.target.name), self.temporary(), self.temporary()
-        if not isinstance(node.value, (p.Constant, p.Name, p.Attribute)):  # whatever takes more steps is not evaluated twice
+        subject = node.value.value if isinstance(node.value, p.Attribute) else node.value
+        if not isinstance(subject, (p.Constant, p.Name)):  # whatever takes more steps is not evaluated twice
             self.line(f"q.reduced(S, {self.constant(node)})")
             return
         self.line(f"{a}, {b} = B.get({name}), {self.value(node.value)}")
-        self.line(f"if type({a}) is float and type({b}) is float: B[{name}] = {a} {node.operator} {b}")
-        self.line(f"elif type({a}) is int and type({b}) is int and -{LARGE} < {a} < {LARGE} and -{LARGE} < {b} < {LARGE}: B[{name}] = {a} {node.operator} {b}")
+        small = f"type({a}) is int and type({b}) is int and -{LARGE} < {a} < {LARGE} and -{LARGE} < {b} < {LARGE}"
+        self.line(f"if (type({a}) is float and type({b}) is float) or ({small}): B[{name}] = {a} {node.operator} {b}")
         self.line(f"else: q.reduced(S, {self.constant(node)})")
 
     def if_(self, node: s.If) -> None:
@@ -133,7 +134,7 @@ class Statements(Expressions):
     def for_(self, node: s.For) -> None:
         """`for x in I: ...` over a list, tuple or range."""
         if not (isinstance(node.target, p.Name) and self.is_own(node.target.name)):
-            raise NotCompiled("this loop variable", node.span.line)
+            raise Untranslated("this loop variable", node.span.line)
         t = self.temporary()
         self.line(f"for {t} in q.elements({self.value(node.iterable)}):")
         self.line(f"    B[{node.target.name!r}] = {t}")
@@ -216,9 +217,12 @@ class Statements(Expressions):
         self.line("if I.invariants: q.check_invariants(I)")
 
     def limit(self, node: Node, limit: d.TimeLimit | d.Until) -> str:
-        """The clause of a limit: what ends the statement, the condition's node, and the handler, which aborts."""
-        condition = f"q.deadline({self.constant(node)}, {self.value(limit.amount)})" if isinstance(limit, d.TimeLimit) else self.condition(limit.condition)
+        """The clause of a limit: what ends the statement, where that stands, and the handler, which aborts."""
         place = node if isinstance(limit, d.TimeLimit) else limit.condition
+        if isinstance(limit, d.Until):
+            condition = self.condition(limit.condition)
+        else:
+            condition = f"q.deadline({self.constant(node)}, {self.value(limit.amount)})"
         return f"({condition}, {self.constant(place)}, {self.function((d.Abort(span=node.span),))})"
 
     def try_(self, node: s.Try) -> None:
@@ -249,7 +253,7 @@ class Statements(Expressions):
         if handler.type is not None:
             kind = self.new_name("c")
             self.line(f"def {kind}(): return {self.value(handler.type)}")
-        return f"Handler({kind}, {handler.name!r}, {self.function(handler.body)})"
+        return f"ExceptClause({kind}, {handler.name!r}, {self.function(handler.body)})"
 
     def condition(self, condition: Expression) -> str:
         """A condition that is looked at again and again, as a function."""
@@ -292,7 +296,7 @@ OF_MODULE = "B = M = S.bindings; U = S.parent.bindings"
 def coroutine(
     body: s.Block, names: Names, readings: Mapping[str, str], *, plain_scope: bool, has_agent: bool
 ) -> Callable[..., Iterator[Any]]:
-    """The generator function of the body of a behavior or monitor: of the `Courses`, its scope, and its invocation. Raises `NotCompiled`."""
+    """The generator function of the body of a behavior or monitor: of the `Courses`, its scope, and its invocation. Raises `Untranslated`."""
     source = Statements(names, readings, plain_scope=plain_scope, has_agent=has_agent)
     source.indent = 0
     source.line("def coroutine(q, S, I):")
@@ -310,17 +314,18 @@ def condition(
 
     The scope is that of a behavior, whose `definition` says what it binds, or of a scenario: then it is the module's where it is plain.
     """
-    source = Expressions(NO_NAMES if definition is None else function_names(definition), readings, plain_scope=plain_scope, has_agent=definition is not None)
+    names = NO_NAMES if definition is None else function_names(definition)
+    source = Expressions(names, readings, plain_scope=plain_scope, has_agent=definition is not None)
     value = source.holds(node) if decides else source.value(node)
     scopes = SCOPES if definition is not None and plain_scope else OF_MODULE if plain_scope else "B = S.bindings"
     return made(f"def condition(q, S):\n    {scopes}\n    return {value}", source, "condition", node)
 
 
 def made(text: str, source: Expressions, name: str, node: Node) -> Callable[..., Any]:
-    """The function of that name which a source defines. Raises `NotCompiled` for nesting that Python does not have."""
-    scope: dict[str, Any] = {**NAMES, "Handler": Handler, **source.constants}
+    """The function of that name which a source defines. Raises `Untranslated` for nesting that Python does not have."""
+    scope: dict[str, Any] = {**NAMES, "ExceptClause": ExceptClause, **source.constants}
     try:
         exec(compile(text, f"<compiled from line {node.span.line}>", "exec"), scope)  # the text is made from the syntax tree, by the functions above
     except (SyntaxError, RecursionError, MemoryError, ValueError):
-        raise NotCompiled("more nesting than Python allows", node.span.line) from None
+        raise Untranslated("more nesting than Python allows", node.span.line) from None
     return scope[name]

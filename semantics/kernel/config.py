@@ -115,15 +115,15 @@ class State(NamedTuple):
 
     def with_objects(self, objects: Mapping[int, Properties]) -> State:
         """The same with another O; what `_replace` does, for the step that is taken most."""
-        return tuple.__new__(State, self[:OBJECTS] + (objects,) + self[OBJECTS + 1 :])  # pyright: ignore[reportUnknownMemberType]
+        return tuple.__new__(State, (*self[:OBJECTS], objects, *self[OBJECTS + 1 :]))  # pyright: ignore[reportUnknownMemberType]
 
     def with_simulation(self, simulation: Simulation) -> State:
         """The same with another simulation, as `with_objects`."""
-        return tuple.__new__(State, self[:SIMULATION] + (simulation,) + self[SIMULATION + 1 :])  # pyright: ignore[reportUnknownMemberType]
+        return tuple.__new__(State, (*self[:SIMULATION], simulation, *self[SIMULATION + 1 :]))  # pyright: ignore[reportUnknownMemberType]
 
     def in_version(self, version: Version) -> State:
         """The same in another version."""
-        return tuple.__new__(State, self[:VERSION] + (version,) + self[VERSION + 1 :])  # pyright: ignore[reportUnknownMemberType]
+        return tuple.__new__(State, (*self[:VERSION], version, *self[VERSION + 1 :]))  # pyright: ignore[reportUnknownMemberType]
 
 
 class Value(NamedTuple):
