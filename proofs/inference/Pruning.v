@@ -1,10 +1,9 @@
 (** The pruning algorithms keep every position that meets their geometric premises: `inference/pruning/algorithms.py`. The paper's Section
     "Domain-Specific Sampling Techniques" and Appendix "Sampling Algorithms". What follows for the conditional distribution is in
-    `PrunedDistribution`. Two of that file are not treated: `prune_by_offset`, which is not the paper's, and reachability `within` a container that
-    the whole path must lie in, which is the paper's tighter bound ("Pruning Based on Reachability").
+    `PrunedDistribution` and `PrunedScenarios`. One of that file is not treated: `prune_by_offset`, which is not the paper's.
 
     A region is the set of its points. Angles are real numbers here, of which no turn is taken away. *)
-From Coq Require Import Reals Lra Psatz List.
+From Coq Require Import Reals Lra Lia Psatz List.
 From ScenicRef Require Import scenes.Operators.
 Import ListNotations.
 Local Open Scope R_scope.
@@ -166,4 +165,46 @@ Theorem pruning_by_reachability_keeps_every_start_from_which_the_goal_is_reached
 Proof.
   intros S D T G; exists (last path x); split; [exact G|].
   pose proof (a_path_is_no_longer_than_speed_times_time speed dt path x D). nra.
+Qed.
+
+(** "If the object is also required to stay within some containing region C (e.g., a road) for the entire duration of the scenario, we can compute a
+    tighter value of D by considering only paths that lie within C": the starts from which the goal is reached in so many pieces, each of which
+    begins and ends in the container. *)
+Fixpoint reached_within (goal container : region) (piece : R) (pieces : nat) : region :=
+  match pieces with
+  | O => fun x => goal x /\ container x
+  | S n => fun x => dilate (reached_within goal container piece n) piece x /\ container x
+  end.
+
+(** Where something is at each time from 0 to its arrival, at no more than the greatest speed. *)
+Definition moves_at_most_at (speed : R) (path : R -> vector) (arrival : R) : Prop :=
+  forall s t, 0 <= s <= t -> t <= arrival -> distance (path s) (path t) <= speed * (t - s).
+
+Theorem pruning_by_reachability_within_a_container_keeps_every_start_from_which_the_goal_is_reached_inside
+  (goal container : region) speed time pieces path arrival :
+  (0 < pieces)%nat -> 0 <= speed -> 0 <= arrival <= time -> moves_at_most_at speed path arrival ->
+  (forall t, 0 <= t <= arrival -> container (path t)) -> goal (path arrival) ->
+  reached_within goal container (speed * time / INR pieces) pieces (path 0).
+Proof.
+  intros N V [A T] M C G. assert (0 < INR pieces) as P by (now apply lt_0_INR).
+  set (part := arrival / INR pieces). assert (0 <= part) as Q by (apply Rmult_le_pos; [exact A|now apply Rlt_le, Rinv_0_lt_compat]).
+  assert (INR pieces * part = arrival) as E by (unfold part; field; lra).
+  assert (forall k, (k <= pieces)%nat -> reached_within goal container (speed * time / INR pieces) k (path (arrival - INR k * part))) as W.
+  { induction k as [|k IH]; intro L.
+    - replace (arrival - INR 0 * part) with arrival by (simpl; ring). split; [exact G|apply C; lra].
+    - assert (INR (S k) * part <= arrival) as B by (rewrite <- E; apply Rmult_le_compat_r; [exact Q|now apply le_INR]).
+      rewrite S_INR in *. pose proof (pos_INR k). assert (0 <= INR k * part) by (now apply Rmult_le_pos). split; [|apply C; lra].
+      exists (path (arrival - INR k * part)). split; [apply IH; lia|].
+      eapply Rle_trans; [apply M; lra|]. replace (arrival - INR k * part - (arrival - (INR k + 1) * part)) with part by ring.
+      unfold part, Rdiv. rewrite <- Rmult_assoc. apply Rmult_le_compat_r; [now apply Rlt_le, Rinv_0_lt_compat|]. now apply Rmult_le_compat_l. }
+  specialize (W pieces (le_n _)). now replace (arrival - INR pieces * part) with 0 in W by lra.
+Qed.
+
+Theorem the_bound_within_a_container_is_tighter (goal container : region) piece pieces : 0 <= piece ->
+  included (reached_within goal container piece pieces) (dilate goal (INR pieces * piece)).
+Proof.
+  intro P. induction pieces as [|n IH]; intros x H.
+  - exists x. destruct H as [G _]. split; [exact G|]. pose proof (distance_squared x x) as D. pose proof (distance_not_negative x x). simpl. nra.
+  - destruct H as [(y & Y & D) _]. destruct (IH y Y) as (z & G & E). exists z. split; [exact G|].
+    pose proof (the_way_round_is_not_shorter x y z). rewrite S_INR. lra.
 Qed.
