@@ -3,7 +3,8 @@
     "they move by a normal step, around the unit interval as if its ends met": here the interval is a circle of n points, and the law of a step any
     that is symmetric. The desired distribution stays as it is ([steps_around_a_circle_leave_the_desired_distribution_invariant]), whatever
     the other draws are. But chains need not get everywhere: of draws that have to be equal none can be changed alone
-    ([chains_need_not_reach_every_accepted_run]), for which chains begin at states that splitting found. *)
+    ([chains_need_not_reach_every_accepted_run]), for which chains begin at states that splitting found. They get where moves of positive
+    probability lead ([a_chain_reaches_what_its_moves_lead_to]). *)
 From Coq Require Import ZArith Lia Permutation Setoid Morphisms Bool Lqa FinFun.
 From ScenicRef Require Import kernel.Distribution inference.Rejection.
 Import ListNotations.
@@ -136,4 +137,41 @@ Theorem chains_need_not_reach_every_accepted_run n :
   pr (fun ab => fst ab) (desired alike (product both_bits both_bits)) == 1 # 2.
 Proof.
   split; [|reflexivity]. unfold pr. induction n as [|n IH]; [reflexivity|]. cbn [chain]. now rewrite expect_bind, nothing_moves.
+Qed.
+
+(** Some moves, each of which has a positive probability, lead from one state to another. *)
+Inductive leads_to {A} (move : A -> dist A) : nat -> A -> A -> Prop :=
+| already_there a : leads_to move 0 a a
+| after_a_move n a b c w : In (b, w) (move a) -> 0 < w -> leads_to move n b c -> leads_to move (S n) a c.
+
+Lemma in_bind A B (d : dist A) (k : A -> dist B) a w b v : In (a, w) d -> In (b, v) (k a) -> In (b, w * v) (bind d k).
+Proof. intros I J. apply in_flat_map. exists (a, w). split; [exact I|]. apply in_map_iff. now exists (b, v). Qed.
+
+Lemma the_expectation_is_at_least_one_summand A (f : A -> Q) d a w :
+  nonnegative d -> (forall a, 0 <= f a) -> In (a, w) d -> w * f a <= expect f d.
+Proof.
+  intros N F I. induction N as [|[b v] d V N IH]; [destruct I|]. rewrite expect_cons. cbn in V. pose proof (expect_nonnegative _ f d N F).
+  pose proof (F b). assert (0 <= v * f b) by (now apply Qmult_le_0_compat).
+  destruct I as [[= -> ->]|I]; [lra|]. specialize (IH I). lra.
+Qed.
+
+Theorem a_chain_reaches_what_its_moves_lead_to A (move : A -> dist A) (is_c : A -> bool) n a c :
+  (forall a, nonnegative (move a)) -> leads_to move n a c -> is_c c = true -> 0 < pr is_c (chain move n a).
+Proof.
+  intros N L E. assert (forall n a, nonnegative (chain move n a)) as C.
+  { intros m. induction m as [|m IH]; intros b; cbn [chain]; [apply nonnegative_ret|now apply nonnegative_bind]. }
+  unfold pr. induction L as [c|n a b c w I W L IH]; cbn [chain].
+  - rewrite expect_ret, E. reflexivity.
+  - rewrite expect_bind. specialize (IH E).
+    eapply Qlt_le_trans; [|eapply the_expectation_is_at_least_one_summand; [apply N|intros x|exact I]].
+    + now apply Qmult_lt_0_compat.
+    + apply (pr_nonnegative _ is_c (chain move n x) (C n x)).
+Qed.
+
+(** So where accepted runs are to be had from each other by changing coordinates one by one within the accepted ones, chains reach them. *)
+Theorem a_redraw_leads_to_every_accepted_state_that_differs_in_its_coordinate A B (d : dist A) accepts a a' (b : B) w :
+  In (a', w) d -> 0 < w -> accepts (a', b) = true -> leads_to (where_accepted accepts (redraw d)) 1 (a, b) (a', b).
+Proof.
+  intros I W E. apply after_a_move with (a', b) (w * 1 * 1); [|lra|constructor]. unfold where_accepted, redraw.
+  apply in_bind with (a', b); [|rewrite E; now left]. apply in_bind with a'; [exact I|now left].
 Qed.

@@ -17,27 +17,6 @@ Definition included (r s : region) : Prop := forall x, r x -> s x.
 Definition box (centre : vector) (h : heading) (width length : R) : region := fun y =>
   exists v, y = offset_local centre h v /\ Rabs (fst v) <= width / 2 /\ Rabs (snd v) <= length / 2.
 
-(** * Distances *)
-
-Lemma distance_squared v w : distance v w * distance v w = (fst w - fst v) * (fst w - fst v) + (snd w - snd v) * (snd w - snd v).
-Proof. unfold distance; rewrite length_times_length; unfold square, minus, plus, opposite; simpl; ring. Qed.
-
-Lemma distance_not_negative v w : 0 <= distance v w.
-Proof. apply sqrt_pos. Qed.
-
-Theorem the_way_round_is_not_shorter u v w : distance u w <= distance u v + distance v w.
-Proof.
-  pose proof (distance_squared u v) as A; pose proof (distance_squared v w) as B; pose proof (distance_squared u w) as C.
-  pose proof (distance_not_negative u v); pose proof (distance_not_negative v w); pose proof (distance_not_negative u w).
-  set (a := distance u v) in *; set (b := distance v w) in *; set (c := distance u w) in *.
-  set (p := fst v - fst u) in *; set (q := snd v - snd u) in *; set (r := fst w - fst v) in *; set (s := snd w - snd v) in *.
-  assert (fst w - fst u = p + r) as E by (unfold p, r; ring). assert (snd w - snd u = q + s) as F by (unfold q, s; ring).
-  rewrite E, F in C. assert (p * r + q * s <= a * b) as D.
-  { apply Rsqr_incr_0_var; [|now apply Rmult_le_pos]. unfold Rsqr. replace (a * b * (a * b)) with ((a * a) * (b * b)) by ring.
-    rewrite A, B. pose proof (Rle_0_sqr (p * s - q * r)) as S; unfold Rsqr in S. nra. }
-  apply Rsqr_incr_0_var; [|lra]. unfold Rsqr. nra.
-Qed.
-
 Lemma coordinate_within v : Rabs (fst v) <= length v /\ Rabs (snd v) <= length v.
 Proof.
   unfold length; split; rewrite <- sqrt_Rsqr_abs; apply sqrt_le_1_alt; unfold Rsqr, square; nra.
