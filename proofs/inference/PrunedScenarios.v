@@ -107,3 +107,30 @@ Proof.
   intros x p r w I J L. destruct (A x p r w I J L) as (<- & T & M & C & G). intro F; apply F.
   eapply pruning_by_reachability_within_a_container_keeps_every_start_from_which_the_goal_is_reached_inside; eauto.
 Qed.
+
+(** * An example *)
+
+(** An object of 2 m by 2 m, which faces North, is at 0 or at 10 on the x axis and has to be on a road that ends at 5: all premises hold, and a position
+    is removed. *)
+Definition two_places : dist vector := [((0, 0), (1 # 2)%Q); ((10, 0), (1 # 2)%Q)].
+Definition on_the_road (y : vector) : Prop := -5 <= fst y <= 5 /\ -5 <= snd y <= 5.
+Definition before_the_end (x : vector) : bool := if Rle_dec (fst x) 4 then true else false.
+Definition accepted_there (x : vector) : dist vector := if before_the_end x then ret x else Distribution.stuck.
+
+Example the_premises_of_pruning_by_containment_can_be_met :
+  leaves_the_distribution_as_it_is before_the_end two_places accepted_there /\ before_the_end (10, 0) = false.
+Proof.
+  split; [|unfold before_the_end; simpl; destruct Rle_dec; [lra|reflexivity]].
+  apply (pruning_by_containment_leaves_the_distribution_as_it_is before_the_end two_places accepted_there (fun _ => True) on_the_road 1
+    (fun _ => north) (fun _ => 2) (fun _ => 2)).
+  - split; [repeat constructor; discriminate|]. intros x. unfold accepted_there. destruct (before_the_end x); [apply nonnegative_ret|constructor].
+  - intros [x y] K [_ E]. unfold before_the_end in K. simpl in K. destruct Rle_dec as [|N]; [discriminate|].
+    destruct (E (x + 1, y)) as [[_ F] _]; [|simpl in F; lra]. unfold distance, length, square, minus, plus, opposite; simpl.
+    replace (_ + _) with (1 * 1) by ring. rewrite sqrt_square; lra.
+  - intros x p r w I J _. split; [exact Logic.I|]. split; [unfold is_heading, north; simpl; ring|]. split; [lra|]. split; [lra|].
+    assert (x = (0, 0)) as ->.
+    { destruct I as [I|[I|[]]]; injection I as <- _; [reflexivity|]. unfold accepted_there, before_the_end in J. simpl in J.
+      destruct Rle_dec; [lra|destruct J]. }
+    intros y ([a b] & -> & A & B). unfold on_the_road, offset_local, rotate, plus, north. simpl in *.
+    unfold Rabs in *. repeat destruct Rcase_abs; lra.
+Qed.

@@ -87,7 +87,7 @@ def turned_as_moved(o: Instance, component: int, state: State) -> Normal:
 
 def before_the_noise(captured: Captured, state: State) -> State:
     """Requirements that waited are checked where the objects were."""
-    return AS_CAPTURED(captured, state._replace(scene=()))
+    return AS_CAPTURED(captured, state._replace(scene=()))._replace(scene=state.scene)
 
 
 def the_first_alone(node: object, values: list[object], stack: object, state: State) -> object:
