@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from random import Random
 
-from .core_programs import NAMES, Both, Class, Program, Writer, assigned, binary, decimal, fraction, listed, number, truth, variable
+from .core_programs import NAMES, Both, Class, Program, Writer, assigned, attribute, binary, decimal, fraction, listed, number, truth, variable
 
 SCALE, POSITION, HEADING, COLLIDES, SEEN = 5, 6, 7, 8, 9
 WAYS, POSES = 8, 64
@@ -73,6 +73,14 @@ class NoisyWriter(Writer):
     def statement(self, line: int) -> Both:
         """More of them are `mutate` statements."""
         return self.mutation() if self.objects and self.random.random() < 0.2 else super().statement(line)
+
+    def likely(self) -> Both:
+        """Often it is about where an object is."""
+        random = self.random
+        if not self.objects or random.random() < 0.3:
+            return super().likely()
+        place = attribute(attribute(variable(random.choice(list(self.objects))), "position"), random.choice("xy"))
+        return binary("<=", place, number(Fraction(random.randint(1, 6 * self.made), 2)))
 
     def mutation(self) -> Both:
         """A `mutate` of some objects, or of all; by 0 where there would be too many poses."""
