@@ -108,6 +108,20 @@ Proof.
   eapply pruning_by_reachability_within_a_container_keeps_every_start_from_which_the_goal_is_reached_inside; eauto.
 Qed.
 
+(** What is not in the paper. *)
+Theorem pruning_by_offset_leaves_the_distribution_as_it_is {run} kept d (rest : vector -> dist run)
+  map (target : region) (offsets : vector -> Prop) delta slack farthest (angle : run -> R) (offset y : run -> vector) :
+  is_a_scenario d rest -> keeps kept (pruned_by_offset map target offsets (slack + delta * farthest)) ->
+  of_each_accepted_run d rest (fun x r =>
+    (exists p, is_aligned map delta x (angle r) p) /\ offsets (offset r) /\ Operators.length (offset r) <= farthest /\ target (y r) /\
+    distance (offset_local x (heading_at (angle r)) (offset r)) (y r) <= slack) ->
+  leaves_the_distribution_as_it_is kept d rest.
+Proof.
+  intros S K A. eapply a_region_that_holds_the_position_of_every_accepted_run_leaves_the_distribution_as_it_is; [exact S|exact K|].
+  intros x p r w I J L. destruct (A x p r w I J L) as ((P & AP) & O & F & T & D). intro G; apply G.
+  eapply pruning_by_offset_keeps_every_position_from_which_the_offset_leads_to_the_target; eauto.
+Qed.
+
 (** * An example *)
 
 (** An object of 2 m by 2 m, which faces North, is at 0 or at 10 on the x axis and has to be on a road that ends at 5: all premises hold, and a position

@@ -1,6 +1,6 @@
 (** The pruning algorithms keep every position that meets their geometric premises: `inference/pruning/algorithms.py`. The paper's Section
     "Domain-Specific Sampling Techniques" and Appendix "Sampling Algorithms". What follows for the conditional distribution is in
-    `PrunedDistribution` and `PrunedScenarios`. One of that file is not treated: `prune_by_offset`, which is not the paper's.
+    `PrunedDistribution` and `PrunedScenarios`.
 
     A region is the set of its points. Angles are real numbers here, of which no turn is taken away. *)
 From Coq Require Import Reals Lra Lia Psatz List.
@@ -186,4 +186,57 @@ Proof.
   - exists x. destruct H as [G _]. split; [exact G|]. pose proof (distance_squared x x) as D. pose proof (distance_not_negative x x). simpl. nra.
   - destruct H as [(y & Y & D) _]. destruct (IH y Y) as (z & G & E). exists z. split; [exact G|].
     pose proof (the_way_round_is_not_shorter x y z). rewrite S_INR. lra.
+Qed.
+
+(** * Pruning based on offsets: `prune_by_offset`, which is not the paper's *)
+
+(** The heading of an angle; angles that differ little have headings that do. *)
+Definition heading_at (angle : R) : heading := (cos angle, sin angle).
+
+Lemma a_sine_is_no_larger_than_its_angle x : sin x * sin x <= x * x.
+Proof.
+  assert (forall y, 0 < y -> sin y * sin y <= y * y) as P.
+  { intros y Y. pose proof (SIN_bound y). destruct (Rle_lt_dec 1 y) as [L|L]; [nra|].
+    pose proof (sin_lt_x y Y). pose proof PI2_1. assert (0 < sin y) by (apply sin_gt_0; lra). nra. }
+  destruct (Rtotal_order x 0) as [N|[->|Y]]; [|rewrite sin_0; lra|now apply P].
+  pose proof (P (- x) ltac:(lra)) as Q. rewrite sin_neg in Q. nra.
+Qed.
+
+Lemma a_chord_is_no_longer_than_its_arc v a b : distance (rotate v (heading_at a)) (rotate v (heading_at b)) <= length v * Rabs (a - b).
+Proof.
+  assert (square (minus (rotate v (heading_at b)) (rotate v (heading_at a))) = square v * (4 * (sin ((a - b) / 2) * sin ((a - b) / 2)))) as E.
+  { transitivity (square v * (2 - 2 * cos (a - b))).
+    - rewrite cos_minus. pose proof (sin2_cos2 a) as A. pose proof (sin2_cos2 b) as B. unfold Rsqr in A, B.
+      unfold square, minus, plus, opposite, rotate, heading_at; simpl.
+      set (c := cos a) in *; set (s := sin a) in *; set (d := cos b) in *; set (t := sin b) in *.
+      replace (2 - 2 * (c * d + s * t)) with ((s * s + c * c) + (t * t + d * d) - 2 * (c * d + s * t)) by (rewrite A, B; ring). ring.
+    - f_equal. replace (a - b) with (2 * ((a - b) / 2)) at 1 by field. rewrite cos_2a_sin. ring. }
+  unfold distance. apply Rsqr_incr_0_var.
+  - unfold Rsqr. rewrite length_times_length, E. pose proof (a_sine_is_no_larger_than_its_angle ((a - b) / 2)) as S.
+    replace (length v * Rabs (a - b) * (length v * Rabs (a - b))) with (square v * (Rabs (a - b) * Rabs (a - b)))
+      by (rewrite <- length_times_length; ring).
+    replace (Rabs (a - b) * Rabs (a - b)) with ((a - b) * (a - b)) by (unfold Rabs; destruct Rcase_abs; ring).
+    apply Rmult_le_compat_l; [apply square_not_negative|]. lra.
+  - apply Rmult_le_pos; [apply sqrt_pos|apply Rabs_pos].
+Qed.
+
+(** From where a point that is so far across and along, as the polygon is headed, lies within a blur of the target. *)
+Definition pruned_by_offset (map : list cell) (target : region) (offsets : vector -> Prop) (blur : R) : region := fun x =>
+  exists p offset y, In p map /\ fst p x /\ offsets offset /\ target y /\ distance (offset_local x (heading_at (snd p)) offset) y <= blur.
+
+Theorem pruning_by_offset_keeps_every_position_from_which_the_offset_leads_to_the_target
+  map (target : region) (offsets : vector -> Prop) delta slack farthest x angle p offset y :
+  is_aligned map delta x angle p -> offsets offset -> length offset <= farthest -> target y ->
+  distance (offset_local x (heading_at angle) offset) y <= slack ->
+  pruned_by_offset map target offsets (slack + delta * farthest) x.
+Proof.
+  intros (P & Px & A) O F T D. exists p, offset, y. repeat split; try assumption.
+  pose proof (the_way_round_is_not_shorter (offset_local x (heading_at (snd p)) offset) (offset_local x (heading_at angle) offset) y) as W.
+  assert (distance (offset_local x (heading_at (snd p)) offset) (offset_local x (heading_at angle) offset)
+    = distance (rotate offset (heading_at (snd p))) (rotate offset (heading_at angle))) as E.
+  { unfold distance. f_equal. destruct x. unfold offset_local, minus, plus, opposite; simpl; f_equal; ring. }
+  rewrite E in W. pose proof (a_chord_is_no_longer_than_its_arc offset (snd p) angle) as C. rewrite Rabs_minus_sym in C.
+  assert (length offset * Rabs (angle - snd p) <= farthest * delta) as L.
+  { apply Rmult_le_compat; [apply sqrt_pos|apply Rabs_pos|exact F|exact A]. }
+  lra.
 Qed.
