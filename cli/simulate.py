@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import StrEnum
 from typing import Annotated
 
 import typer
@@ -29,6 +30,14 @@ from .options import (
     limits_of,
     read_source,
 )
+
+
+class SimulationBackendName(StrEnum):
+    """The backends of simulations."""
+
+    COMPILED = "compiled"
+    INTERPRETER = "interpreter"
+
 
 DECIDED = {"count": "-n", "seed": "--seed", "run": "--run", "steps": "--steps", "max_attempts": "--max-attempts"}
 """The options whose values a recording decides, by parameter."""
@@ -72,6 +81,14 @@ def simulate(
         ),
     ] = None,
     workers: Annotated[int, typer.Option("--workers", metavar="PROCESSES", min=1, help="Use so many processes; the simulations stay the same.")] = 1,
+    backend: Annotated[
+        SimulationBackendName,
+        typer.Option(
+            "--backend",
+            help="What runs behaviors: Python code made from them (what has no translation is left to the machine), or the machine for all. The "
+            "simulations are the same.",
+        ),
+    ] = SimulationBackendName.COMPILED,
     profile: ProfileOption = "paper",
     reading: ReadingOption = None,
     dialect: DialectOption = None,
@@ -116,5 +133,7 @@ def simulate(
         limits=limits_of(limit_memory, limit_seconds), scenario=scenario
     )
     first = 0 if run is None else run
-    request = SimulationRequest(first, first + count, seed, max_attempts, simulator, steps, timestep, output, html, gif, replay, workers)
+    request = SimulationRequest(
+        first, first + count, seed, max_attempts, simulator, steps, timestep, output, html, gif, replay, workers, backend.value
+    )  # fmt: skip
     produce_simulations(source, request, session)

@@ -12,7 +12,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
+from ..formats.notebooks import counted
 from ..inference.batch.jobs.blocks import processes
+from ..scenario.simulating import SimulationBackend
 from ..semantics.kernel.outcome import Requirement
 from ..simulators import by_name
 from ..simulators.protocol import Simulator
@@ -45,6 +47,7 @@ class SimulationRequest(NamedTuple):
     gif: str | None = None
     replay: str | None = None
     workers: int = 1
+    backend: SimulationBackend = "compiled"
 
 
 @dataclass
@@ -107,6 +110,8 @@ def show(
     """Make a page and an animation of the finished simulations, and report on all."""
     for line in replays.lines(seconds) if replays is not None else summary(request, tally, seconds, session):
         tell(line)
+    for line in left_to_machine(drawing):
+        tell(line)
     if not tally.kept:
         return
     if request.html is not None:
@@ -153,7 +158,7 @@ def simulations(
     """
     job = SimulationJob(
         source, request.seed, request.start, request.start, request.stop, request.max_attempts, request.simulator, request.timestep, request.steps,
-        wanted, MOST if request.html is not None else 0,
+        wanted, MOST if request.html is not None else 0, request.backend,
     )  # fmt: skip
     count = min(request.workers, request.stop - request.start)
     found = (
@@ -193,6 +198,18 @@ def summary(request: SimulationRequest, tally: SimulationTally, seconds: float, 
     if tally.stuck:
         lines += requirement_lines(when(tally.stuck).most_common(), session.texts, limit=5)
     return lines
+
+
+MOST_LEFT = 5
+"""So many reasons are told."""
+
+
+def left_to_machine(drawing: Drawing) -> list[str]:
+    """What this process left to the machine, and why; errors of the program are told as such."""
+    library = drawing.scenario.compiled
+    lines = [f"the machine ran what is not compiled: {reason}" for reason in dict.fromkeys(library.left.values())]
+    lines += [f"the machine ran {counted(often, 'attempt')} alone: {reason}" for reason, often in library.wholes.most_common()]
+    return lines[:MOST_LEFT] + ([f"... and {len(lines) - MOST_LEFT} more reasons"] if len(lines) > MOST_LEFT else [])
 
 
 def when(stuck: Counter[Failed]) -> Counter[Requirement]:

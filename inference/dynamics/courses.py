@@ -250,10 +250,10 @@ class Courses(Equations):
             return left if left is not None or otherwise is None else (yield from otherwise())
         assert isinstance(exception, BaseException)
         if handler.name is not None:
-            scope.bind(handler.name, exception)
+            scope.home(handler.name).bindings[handler.name] = exception
         left = yield from self.handled(handler.body(), exception)
         if handler.name is not None:
-            scope.unbind(handler.name)
+            scope.home(handler.name).bindings.pop(handler.name, None)
         if isinstance(left, Exception):
             raise left
         return left
@@ -322,6 +322,7 @@ class Courses(Equations):
                 if condition():
                     if begun and leaf is here and here.invariants:
                         self.check_invariants(here)
+                    self.turn()
                     self.tell("D-Interrupt", place)
                     waiting.append((current, since, course, begun, leaf))
                     current, since, course, begun, leaf = after, simulation_of(self.state).step, handler(), False, here

@@ -33,7 +33,7 @@ from .leaving import LeftToMachine
 PLAIN = frozenset({float, int, bool, str, type(None)})
 """Types of values that calls of actions are given as they are."""
 MOST_TURNS = 5_000
-"""So many turns of loops, and beginnings of behaviors, may a time step have here: whether that is without end is for the machine to say."""
+"""So many turns of loops, and beginnings of behaviors and handlers, may a time step have here; whether it has an end is for the machine to say."""
 
 
 class RunRejected(Exception):
@@ -54,6 +54,8 @@ class Raised(Exception):
 
 class Equations:
     """The state of a simulation while compiled code runs, and the values of expressions in it.
+
+    Compiled code changes variables without a note (`versions`), since no run goes back behind it; whatever the machine changes is noted in `state`.
 
     `prefix` and `draws` are the address of the next draw of the coroutine that runs, whose `who` it is; `handling` are the exceptions that it
     handles. `now` is the time, as `simulation.currentTime` says it.
@@ -201,7 +203,7 @@ class Equations:
         return bool(holding(inner, node.span, self.here(scope), "a condition", ""))
 
     def turn(self) -> None:
-        """A loop goes back, or a behavior begins. Raises `LeftToMachine` where that may be without end."""
+        """A loop goes back, or a behavior or handler begins. Raises `LeftToMachine` where that may be without end."""
         self.turns += 1
         if self.turns > MOST_TURNS:
             raise LeftToMachine("a time step of very many turns")
