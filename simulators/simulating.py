@@ -17,6 +17,7 @@ from ..interpreter.streams import simulator_seed
 from ..maps.network import Network
 from ..semantics.dynamics.invocations import doing
 from ..semantics.dynamics.policy import after_one_step, begin, policy
+from ..semantics.kernel.callers import caller_in, of_program
 from ..semantics.kernel.config import Config, State
 from ..semantics.kernel.errors import RunError, SimulatorError
 from ..semantics.kernel.outcome import Act, Done, Finish, Next, Outcome, Requirement, Stuck
@@ -205,13 +206,17 @@ def check_actions(simulator: Simulator, state: State, actions: Mapping[int, tupl
             if not (reason is None or isinstance(reason, str)):
                 raise SimulatorError(f"check() must return None or a reason, not {reason!r}", NOWHERE)
             if reason is not None:
-                raise RunError(f"{instance!r} cannot take the action {action!r}: {reason}", taken_at(instance, state), rule="D-Take")
+                span, where = taken_at(instance, state)
+                raise RunError(f"{instance!r} cannot take the action {action!r}: {reason}", span, rule="D-Take", hint=where)
 
 
-def taken_at(instance: Instance, state: State) -> Span:
-    """Where an object has taken its actions of this time step."""
+def taken_at(instance: Instance, state: State) -> tuple[Span, str]:
+    """Where an object has taken its actions of this time step, and a hint if a library module did it for the program."""
     process = simulation_of(state).agents[instance.number].process
-    return process.span if process is not None and process.span.line else instance.span
+    if process is None or not process.span.line:
+        return instance.span, ""
+    caller = caller_in(process.frames)
+    return of_program(process.span, instance.span if caller == NOWHERE else caller)
 
 
 def read_back(simulator: Simulator, state: State) -> State:

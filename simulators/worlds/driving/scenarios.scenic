@@ -1,5 +1,6 @@
 # Scenarios of the driving library: those that the paper names without defining them. Each happens to an ego that is there.
 
+from scenic.domains.driving.arguments import check_arguments
 from scenic.domains.driving.model import *
 
 # The point of another element of its road that is beside a vehicle, or so many metres further along the vehicle's lane; not at the very end.
@@ -53,11 +54,13 @@ def redWays(vehicle, seconds=5):
 
 # Along some lanes and on, braking before what is ahead.
 behavior FollowWay(way, speed):
+    check_arguments('FollowWay', way, speed)
     if len(way) > 1:
         do FollowTrajectoryBehavior(speed, way)
     do FollowLaneBehavior(speed)
 
 behavior KeepAway(way, speed):
+    check_arguments('KeepAway', way, speed)
     try:
         do FollowWay(way, speed)
     interrupt when self.distanceToNextObstacle() <= 10:
@@ -65,6 +68,7 @@ behavior KeepAway(way, speed):
 
 # A driver who closes up to the car ahead, then falls back and keeps away; along the lanes to where that car was at first.
 behavior CloseUpAndFallBack(leader, speed=10, way=()):
+    check_arguments('CloseUpAndFallBack', leader, speed, way)
     try:
         do FollowWay(way, speed) until (distance from self to leader) < 9
         do FollowWay(way, 2) until (distance from self to leader) > 20
@@ -74,16 +78,19 @@ behavior CloseUpAndFallBack(leader, speed=10, way=()):
 
 # A parked vehicle leaves the shoulder for a lane of its road.
 behavior PullOutBehavior(lane, target_speed=8):
+    check_arguments('PullOutBehavior', lane, target_speed)
     do LaneChangeBehavior(lane.sections[0], False, target_speed)
     do FollowLaneBehavior(target_speed)
 
 # A pedestrian waits until a vehicle comes near, and walks to the other side.
 behavior CrossInFrontOf(vehicle, other, speed, threshold):
+    check_arguments('CrossInFrontOf', vehicle, other, speed, threshold)
     do CrossingBehavior(vehicle, speed, threshold) until (distance from self to other) < 0.5
     take SetWalkingSpeedAction(0)
 
 # Ego follows a car, too closely at first. Near the end of ego's lane that car is on one of the lanes after it.
 scenario FollowingScenario(gap=20, speed=5):
+    precondition: check_arguments('FollowingScenario', gap, speed) is None
     precondition: ego._lane is not None
     setup:
         way = wayAhead(ego, gap)
@@ -93,6 +100,7 @@ scenario FollowingScenario(gap=20, speed=5):
 
 # The paper's scenario of this name: a car parked at the curb pulls out ahead of `target`, which keeps away; it ends when that car is in the lane.
 scenario ParkedCarPullingAheadOf(target, metres=25, gap=0.25):
+    precondition: check_arguments('ParkedCarPullingAheadOf', target, metres, gap) is None
     precondition: target._laneGroup is not None and target._laneGroup._shoulder is not None
     precondition: target._lane is not None and leftOfLane(target) > metres + 25
     setup:
@@ -103,6 +111,7 @@ scenario ParkedCarPullingAheadOf(target, metres=25, gap=0.25):
 
 # While ego comes to an intersection, a car from the side drives on at a red light; it ends when this car has left the intersection.
 scenario RedLightRunner(speed=9):
+    precondition: check_arguments('RedLightRunner', speed) is None
     precondition: len(redWays(ego)) > 0
     setup:
         way = Uniform(*redWays(ego))
@@ -113,6 +122,7 @@ scenario RedLightRunner(speed=9):
 
 # A pedestrian walks across the road ahead of ego; it ends when ego is past, or the pedestrian has crossed.
 scenario Jaywalker(gap=25, speed=1.5):
+    precondition: check_arguments('Jaywalker', gap, speed) is None
     precondition: ego._laneGroup is not None and ego._laneGroup._sidewalk is not None
     precondition: ego._laneGroup is not None and ego._laneGroup._opposite is not None and ego._laneGroup._opposite._sidewalk is not None
     setup:
@@ -123,6 +133,7 @@ scenario Jaywalker(gap=25, speed=1.5):
 
 # The paper's scenario of this name; it ends when ego is past the parked car.
 scenario ParkedCar(gap=0.25):
+    precondition: check_arguments('ParkedCar', gap) is None
     precondition: ego._laneGroup is not None and ego._laneGroup._shoulder is not None
     setup:
         spot = OrientedPoint on visible ego.laneGroup.curb
