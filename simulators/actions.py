@@ -15,7 +15,7 @@ from ..semantics.kernel.values import Described
 from ..semantics.space.vectors import TakesObjects, TakesPoints, Vector
 from .arguments import HEADING, NUMBER, SHARE, SPEED, STEERING, TRUTH, VECTOR, Wanted, check
 
-
+WALKING = SPEED._replace(words=f"{SPEED.words} (SetWalkingDirectionAction turns a pedestrian round)")
 VEHICLES = "drives"
 PEDESTRIANS = "walks"
 
@@ -72,7 +72,7 @@ class DrivingAction(Action):
 class SetThrottleAction(DrivingAction):
     """The throttle, from 0 to 1."""
 
-    wanted = {"throttle": SHARE}
+    wanted: ClassVar[Mapping[str, Wanted]] = {"throttle": SHARE}
     throttle: float
 
 
@@ -80,7 +80,7 @@ class SetThrottleAction(DrivingAction):
 class SetBrakeAction(DrivingAction):
     """The brake, from 0 to 1."""
 
-    wanted = {"brake": SHARE}
+    wanted: ClassVar[Mapping[str, Wanted]] = {"brake": SHARE}
     brake: float
 
 
@@ -88,7 +88,7 @@ class SetBrakeAction(DrivingAction):
 class SetSteerAction(DrivingAction):
     """The steering, from -1 (left) to 1 (right)."""
 
-    wanted = {"steer": STEERING}
+    wanted: ClassVar[Mapping[str, Wanted]] = {"steer": STEERING}
     steer: float
 
 
@@ -107,7 +107,7 @@ class SetHandBrakeAction(DrivingAction):
 class SetReverseAction(DrivingAction):
     """The reverse gear, in or not."""
 
-    wanted = {"reverse": TRUTH}
+    wanted: ClassVar[Mapping[str, Wanted]] = {"reverse": TRUTH}
     reverse: bool
 
 
@@ -119,7 +119,7 @@ STEERED = 0.1
 class RegulatedControlAction(DrivingAction):
     """What controllers ask for, within limits: throttle, or brake if `throttle` is negative, and steering that does not jump from `past_steer`."""
 
-    wanted = {
+    wanted: ClassVar[Mapping[str, Wanted]] = {
         **dict.fromkeys(("throttle", "steer", "past_steer"), NUMBER), **dict.fromkeys(("max_throttle", "max_brake", "max_steer"), SHARE)
     }  # fmt: skip
     throttle: float
@@ -143,7 +143,7 @@ class RegulatedControlAction(DrivingAction):
 class SetAutopilotAction(DrivingAction):
     """Whether a driver of the simulator's drives the vehicle; only `sumo` has drivers."""
 
-    wanted = {"enabled": TRUTH}
+    wanted: ClassVar[Mapping[str, Wanted]] = {"enabled": TRUTH}
     enabled: bool
 
 
@@ -151,7 +151,7 @@ class SetAutopilotAction(DrivingAction):
 class SetPositionAction(Action):
     """The object is at this position at once (metres)."""
 
-    wanted = {"pos": VECTOR}
+    wanted: ClassVar[Mapping[str, Wanted]] = {"pos": VECTOR}
     pos: Vector
 
     def __post_init__(self) -> None:
@@ -164,7 +164,7 @@ class SetPositionAction(Action):
 class OffsetAction(Action):
     """The object is at once as far from where it is: metres to its right and ahead of it."""
 
-    wanted = {"offset": VECTOR}
+    wanted: ClassVar[Mapping[str, Wanted]] = {"offset": VECTOR}
     offset: Vector
 
     def __post_init__(self) -> None:
@@ -183,8 +183,8 @@ class SetVelocityAction(Action):
     velocity: Vector
 
     def __init__(self, xVel: object, yVel: object = None, zVel: object = 0) -> None:
-        kinds = {"xVel": VECTOR._replace(words="a vector, or yVel be given as well")} if yVel is None else dict.fromkeys(("xVel", "yVel", "zVel"), NUMBER)
-        check("SetVelocityAction", kinds, {"xVel": xVel, "yVel": yVel, "zVel": zVel})
+        one, two = {"xVel": VECTOR._replace(words="a vector, or yVel be given as well")}, dict.fromkeys(("xVel", "yVel", "zVel"), NUMBER)
+        check("SetVelocityAction", one if yVel is None else two, {"xVel": xVel, "yVel": yVel, "zVel": zVel})
         object.__setattr__(self, "velocity", vector(xVel if yVel is None else (xVel, yVel)))
 
 
@@ -192,7 +192,7 @@ class SetVelocityAction(Action):
 class SetSpeedAction(Action):
     """The object moves with this speed (metres per second) along its heading until it gets another."""
 
-    wanted = {"speed": NUMBER}
+    wanted: ClassVar[Mapping[str, Wanted]] = {"speed": NUMBER}
     speed: float
 
 
@@ -209,7 +209,7 @@ class WalkingAction(Action):
 class SetWalkingDirectionAction(WalkingAction):
     """The direction in which a pedestrian walks, as a heading (radians, anticlockwise from North)."""
 
-    wanted = {"heading": HEADING}
+    wanted: ClassVar[Mapping[str, Wanted]] = {"heading": HEADING}
     heading: float
 
 
@@ -217,7 +217,7 @@ class SetWalkingDirectionAction(WalkingAction):
 class SetWalkingSpeedAction(WalkingAction):
     """How fast a pedestrian walks (metres per second)."""
 
-    wanted = {"speed": SPEED._replace(words=f"{SPEED.words} (SetWalkingDirectionAction turns a pedestrian round)")}
+    wanted: ClassVar[Mapping[str, Wanted]] = {"speed": WALKING}
     speed: float
 
 

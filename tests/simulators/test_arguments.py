@@ -22,14 +22,15 @@ MODEL = "model scenic.domains.driving.model\n"
 A_TEXT, NEGATIVE, NAN, NONE, NUMBERS, TRUTH = "'fast'", "-3", "float('nan')", "None", "[1, 2]", "True"
 ALL = (A_TEXT, NEGATIVE, NAN, NONE, NUMBERS, TRUTH)
 REFUSED: Mapping[Wanted, tuple[str, ...]] = {
-    basic.SPEED: ALL, basic.DISTANCE: ALL, basic.SHARE: ALL, ours.LANE: ALL, ours.SECTION: ALL, ours.WAY: ALL, ours.LANES: ALL, ours.OBJECT: ALL,
+    basic.SPEED: ALL, basic.DISTANCE: ALL, basic.SHARE: ALL, ours.LANE: ALL, ours.SECTION: ALL, ours.WAY: ALL, ours.TRAIL: ALL, ours.OBJECT: ALL,
     ours.STEP: ALL, basic.NUMBER: (A_TEXT, NAN, NONE, NUMBERS, TRUTH), basic.HEADING: (A_TEXT, NAN, NONE, NUMBERS, TRUTH), basic.STEERING: ALL,
     basic.TRUTH: (A_TEXT, NEGATIVE, NAN, NONE, NUMBERS), ours.PLACE: (A_TEXT, NEGATIVE, NAN, NONE, TRUTH),
     basic.VECTOR: (A_TEXT, NEGATIVE, NAN, NONE, TRUTH, "[1, 2, 3]", "[1, 'x']"),
 }  # fmt: skip
 """What is refused where each kind is wanted."""
 FITTING = {
-    "x": "0.5", "trajectory": "ego.lane", "laneSectionToSwitch": "ego.laneSection", "reference_actor": "ego", "way": "[ego.lane]", "leader": "ego",
+    "x": "0.5", "trajectory": "ego.lane", "laneSectionToSwitch": "ego.laneSection", "reference_actor": "ego", "leader": "ego",
+    "trail": "Trail([ego.lane], ego)",
     "lane": "ego.lane", "vehicle": "ego", "other": "ego", "speed": "1", "threshold": "1", "target": "ego", "speed_error": "1", "cte": "1",
     "agent": "ego", "throttle": "1", "brake": "1", "steer": "1", "past_steer": "1", "handBrake": "True", "reverse": "True", "enabled": "True",
     "pos": "ego", "offset": "ego", "heading": "1", "xVel": "1", "yVel": "1",
@@ -43,7 +44,8 @@ DEFINED = {
 
 def refused(kind: Wanted) -> tuple[str, ...]:
     """The wrong values for a kind; None fits some."""
-    plain = next(k for k in REFUSED if k.words in (kind.words, kind.words.removesuffix(", or None"), kind.words.partition(" (Set")[0]))
+    words = kind.words.removesuffix(", or None")
+    plain = next(k for k in REFUSED if k.words in (words, words.partition(" (Set")[0]))
     return tuple(value for value in REFUSED[plain] if value != NONE or not kind.words.endswith("or None"))
 
 

@@ -62,7 +62,7 @@ WRONG = {
     "computed": ("localPath('maps/' + 'town.xodr')", "maps are read before it runs"),
     "other": ("localPath('maps/town.xodr'), radius=1", "fromFile has no radius in this reference"),
     "too far": ("localPath('maps/town.xodr'), tolerance=99", "the tolerance of a map is a number of metres from 0 to 10"),
-    "computed tolerance": ("localPath('maps/town.xodr'), tolerance=1 + 1", "a tolerance that is written as a number: maps are read before it runs"),
+    "computed tolerance": ("localPath('maps/town.xodr'), tolerance=1 + 1", "that is written as a number: maps are read before it runs"),
     "negative": ("localPath('maps/town.xodr'), tolerance=-1", "the tolerance of a map is a number of metres from 0 to 10, not -1"),
     "in words": ("localPath('maps/town.xodr'), tolerance='wide'", "is a number of metres from 0 to 10, not 'wide'"),
     "nothing": ("3", "maps are read before it runs"),
@@ -111,8 +111,8 @@ def test_the_tolerance_of_a_map_is_given_by_its_options(options: str, other: str
     ("options", "message"),
     [
         ("{'tolerence': 1}", "there is no map option 'tolerence'"), ("{'tolerance': 'wide'}", "is a number of metres from 0 to 10"),
-        ("{'tolerance': True}", "is a number of metres"), ("{'tolerance': -1}", "from 0 to 10, not -1"), ("{'tolerance': 2 + 3}", "must be a dictionary of texts and constants"),
-        ("[3]", "must be a dictionary"),
+        ("{'tolerance': True}", "is a number of metres"), ("{'tolerance': -1}", "from 0 to 10, not -1"),
+        ("{'tolerance': 2 + 3}", "must be a dictionary of texts and constants"), ("[3]", "must be a dictionary"),
     ],
 )  # fmt: skip
 def test_map_options_that_mean_nothing_are_refused(options: str, message: str) -> None:

@@ -24,7 +24,7 @@ PLACE = Wanted("an object, a point or a region", lambda value: isinstance(value,
 LANE = Wanted("a lane", lambda value: isinstance(value, Lane))
 SECTION = Wanted("a section of a lane, such as lane.sections[0]", lambda value: isinstance(value, LaneSection))
 WAY = Wanted("a lane, a line, or a list of lanes, lines and points", is_way)
-LANES = Wanted("lanes", lambda value: isinstance(value, (list, tuple)) and all(isinstance(v, LinearElement) for v in value))
+TRAIL = Wanted("a Trail", lambda value: type(value).__name__ == "Trail")
 STEP = Wanted("a number of seconds, more than 0", lambda value: is_number(value) and value > 0)  # type: ignore[operator]
 GAINS = {"K_P": NUMBER, "K_D": NUMBER, "K_I": NUMBER, "dt": STEP}
 
@@ -41,9 +41,10 @@ WANTED: Mapping[str, Mapping[str, Wanted]] = {
     "PassingBehavior": {"target_speed": SPEED},
     "WaitForTrafficLightBehavior": {"target_speed": SPEED},
     "FollowLaneObeyingTrafficLights": {"target_speed": SPEED},
-    "FollowWay": {"way": LANES, "speed": SPEED},
-    "KeepAway": {"way": LANES, "speed": SPEED},
-    "CloseUpAndFallBack": {"leader": OBJECT, "speed": SPEED, "way": LANES},
+    "LeadAlong": {"trail": TRAIL, "speed": SPEED},
+    "FollowTrail": {"trail": TRAIL, "speed": SPEED},
+    "KeepAway": {"trail": TRAIL, "speed": SPEED},
+    "CloseUpAndFallBack": {"leader": OBJECT, "trail": TRAIL, "speed": SPEED},
     "PullOutBehavior": {"lane": LANE, "target_speed": SPEED},
     "CrossInFrontOf": {"vehicle": PLACE, "other": PLACE, "speed": SPEED, "threshold": DISTANCE},
     "FollowingScenario": {"gap": DISTANCE, "speed": SPEED},
