@@ -18,6 +18,7 @@ from ..interpreter.streams import simulator_seed
 from ..maps.network import Network
 from ..semantics.dynamics.invocations import doing
 from ..semantics.dynamics.policy import after_one_step, begin, policy
+from ..semantics.kernel.callers import caller_in, of_program
 from ..semantics.kernel.config import Config, State
 from ..semantics.kernel.errors import RunError, SimulatorError
 from ..semantics.kernel.outcome import Act, Done, Finish, Next, Outcome, Requirement, Stuck
@@ -64,8 +65,8 @@ class Policy(Protocol):
         """Which behaviors each agent is in, with the number of its instance."""
         ...
 
-    def place(self, instance: Instance, state: State) -> Span:
-        """Where an object has taken its actions of this time step."""
+    def place(self, instance: Instance, state: State) -> tuple[Span, str]:
+        """Where an object has taken its actions of this time step, and a hint if a library module did it for the program."""
         ...
 
 
@@ -89,10 +90,13 @@ class MachinePolicy:
         """Which behaviors each agent is in, and where."""
         return ((n, text) for n, agent in simulation_of(state).agents.items() if (text := doing(agent)))
 
-    def place(self, instance: Instance, state: State) -> Span:
-        """Where the behavior waits, if it does so in a statement of the program; else that of the object."""
+    def place(self, instance: Instance, state: State) -> tuple[Span, str]:
+        """Where the behavior waits, if it does so in a statement; else where the object was made."""
         process = simulation_of(state).agents[instance.number].process
-        return process.span if process is not None and process.span.line else instance.span
+        if process is None or not process.span.line:
+            return instance.span, ""
+        caller = caller_in(process.frames)
+        return of_program(process.span, instance.span if caller == NOWHERE else caller)
 
 
 def simulate_once(
@@ -257,7 +261,8 @@ def check_actions(simulator: Simulator, state: State, actions: Mapping[int, tupl
             if not (reason is None or isinstance(reason, str)):
                 raise SimulatorError(f"check() must return None or a reason, not {reason!r}", NOWHERE)
             if reason is not None:
-                raise RunError(f"{instance!r} cannot take the action {action!r}: {reason}", policy.place(instance, state), rule="D-Take")
+                span, hint = policy.place(instance, state)
+                raise RunError(f"{instance!r} cannot take the action {action!r}: {reason}", span, rule="D-Take", hint=hint)
 
 
 def read_back(simulator: Simulator, state: State) -> State:

@@ -354,11 +354,9 @@ class CompiledPolicy(Courses):
                 found.append((number, text))
         return found
 
-    def place(self, instance: Instance, state: State) -> Span:
-        """Where an object has taken its actions of this time step."""
-        process: Any = simulation_of(state).agents[instance.number].process
-        node = process.node if type(process) is CompiledCourse else process
-        return node.span if node is not None and node.span.line else instance.span
+    def place(self, instance: Instance, state: State) -> tuple[Span, str]:
+        """Where an object has taken its actions: the machine finds the same error, and tells it."""
+        raise LeftToMachine("an action that its agent cannot take")
 
 
 def begins(number: int, config: Config) -> bool:
