@@ -13,25 +13,30 @@ from ...semantics.kernel.conditions import holding, truth
 from ...semantics.kernel.config import Abrupt, Config, Stack, State, Value
 from ...semantics.kernel.driving import Arrived, Chooser, Machine, Witness, drive_machine, taken_over
 from ...semantics.kernel.errors import NeedsElements
-from ...semantics.kernel.outcome import Next, Outcome, Requirement, Stuck
+from ...semantics.kernel.outcome import Draw, Next, Outcome, Requirement, Stuck
 from ...semantics.kernel.premises import SHARED, Conclusion, Premises, variable
 from ...semantics.kernel.queries import CLOCK, Clock, attribute_of_clock
 from ...semantics.kernel.scopes import MISSING, Scope
 from ...semantics.kernel.simulation import Who
-from ...semantics.kernel.values import Dynamic, Random, plain
+from ...semantics.kernel.values import Dynamic, Instance, Random, plain
 from ...semantics.python.calls import conclude_call, invocation
 from ...semantics.python.expressions import conclude_attribute, conclude_binary, conclude_unary
 from ...semantics.python.functions import InScope
 from ...semantics.scenes.comparisons import conclude_comparison
 from ...semantics.scenes.operations import apply_operator
+from ...semantics.scenes.operators import distance
+from ...semantics.space.regions import EmptyRegion, UnboundedRegion
 from ...semantics.space.vectors import Vector
 from ...semantics.step import step, stopped, told
 from ...semantics.syntax import python_expressions as p
+from ...semantics.syntax.expressions import Distance
 from ...semantics.syntax.nodes import Expression, Node
+from ...simulators.actions import ACTIONS
 from .leaving import LeftToMachine
 
 PLAIN = frozenset({float, int, bool, str, type(None)})
 """Types of values that calls of actions are given as they are."""
+ACTION_TYPES = frozenset(ACTIONS.values())
 MOST_TURNS = 5_000
 """So many turns of loops, and beginnings of behaviors and handlers, may a time step have here; whether it has an end is for the machine to say."""
 
@@ -124,11 +129,21 @@ class Equations:
             return self.settled(step, taken_over(Config(Value(last), (frame, base), state)), base)
         except Exception as problem:
             outcome = told(stopped(problem, Config(Value(last), (frame, base), state)), state)
+        if type(outcome) is Draw:
+            outcome = self.answered(outcome)
         if type(outcome) is Next and outcome.config.stack is base and type(outcome.config.control) is Value:
             self.state, self.draws = outcome.config.state, outcome.config.state.draws
             return outcome.config.control.value
         first: list[Outcome] = [outcome]
         return self.settled(lambda config: first.pop() if first else step(config), Config(Value(None), (), state), base)
+
+    def answered(self, draw: Draw) -> Outcome:
+        """What follows a draw; one that only the machine's loop knows how to answer, or to refuse, stays as it is."""
+        try:
+            drawn = self.choose(draw)
+        except (EmptyRegion, UnboundedRegion):
+            return draw
+        return Next(draw.rule, draw.resume(drawn), draw.node)
 
     # Expressions
 
@@ -174,7 +189,15 @@ class Equations:
 
     def operator(self, scope: Scope, node: Node, *operands: Any) -> Any:
         """An operator of the paper, by the equation for the kinds of its operands."""
+        if type(node) is Distance:
+            one, other = map(self.position, operands)
+            if type(one) is Vector and type(other) is Vector:
+                return distance(one, other)
         return plain(self.concluded(scope, apply_operator, node, list(operands)))
+
+    def position(self, value: Any) -> Any:
+        """The position of an instance; other values as they are."""
+        return self.state.objects[value.number].get("position") if type(value) is Instance else value
 
     def call(self, scope: Scope, node: p.Call, function: Any, arguments: tuple[Any, ...], named: tuple[Any, ...] = ()) -> Any:
         """⟨f(E_1, ..., E_n)⟩; arguments keep what they were drawn from. `named` are the values of the keywords of the call."""
@@ -182,6 +205,10 @@ class Equations:
             function = function.value
         if type(function) is Dynamic:
             return invocation(function, arguments, {k.name: v for k, v in zip(node.keywords, named)} if named else {})  # type: ignore[misc]
+        if type(function) is type and function in ACTION_TYPES:
+            given, more = [plain(a) for a in arguments], {k.name or "": plain(v) for k, v in zip(node.keywords, named)}
+            if all(type(a) in PLAIN for a in (*given, *more.values())):
+                return function(*given, **more)
         return self.concluded(scope, conclude_call, node, [function, *arguments, *named])
 
     def action(self, known: dict[type, Any], kind: type, arguments: tuple[Any, ...]) -> Any:

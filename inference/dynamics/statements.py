@@ -18,13 +18,12 @@ from ...semantics.syntax import dynamics as d
 from ...semantics.syntax import python_expressions as p
 from ...semantics.syntax import statements as s
 from ...semantics.syntax.nodes import Expression, Node
-from ...simulators.actions import ACTIONS
-from .equations import NUMBERS, PLAIN
+from .equations import ACTION_TYPES, NUMBERS, PLAIN
 from .expressions import Expressions
 from .leaving import Untranslated
 
 NAMES: Mapping[str, object] = {
-    "Random": Random, "MISSING": MISSING, "Instance": Instance, "NUMBERS": NUMBERS, "PLAIN": PLAIN, "ACTIONS": frozenset(ACTIONS.values()),
+    "Random": Random, "MISSING": MISSING, "Instance": Instance, "NUMBERS": NUMBERS, "PLAIN": PLAIN, "ACTIONS": ACTION_TYPES,
     "WRAPPED": frozenset({Random, Waiting}), "Clock": Clock,
 }  # fmt: skip
 """What every source may refer to."""
