@@ -81,6 +81,7 @@ def simulate(
         ),
     ] = None,
     workers: Annotated[int, typer.Option("--workers", metavar="PROCESSES", min=1, help="Use so many processes; the simulations stay the same.")] = 1,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with the simulations of PATH, whose last one is checked.")] = False,
     backend: Annotated[
         SimulationBackendName,
         typer.Option(
@@ -123,6 +124,8 @@ def simulate(
         given = [name for name, source in sources.items() if source is not None and source.name != "DEFAULT"]
         if given:
             raise UsageError(f"the recording decides what is replayed: {', '.join(given)} cannot be given with --replay")
+        if resume:
+            raise UsageError("what is replayed begins anew: --resume cannot be given with --replay")
         if workers > 1:
             raise UsageError("one process replays: --workers cannot be given with --replay", hint="leave it out")
         session.seed = None
@@ -134,6 +137,6 @@ def simulate(
     )
     first = 0 if run is None else run
     request = SimulationRequest(
-        first, first + count, seed, max_attempts, simulator, steps, timestep, output, html, gif, replay, workers, backend.value
+        first, first + count, seed, max_attempts, simulator, steps, timestep, output, html, gif, replay, workers, backend.value, resume
     )  # fmt: skip
     produce_simulations(source, request, session)
