@@ -183,7 +183,8 @@ class SetVelocityAction(Action):
     velocity: Vector
 
     def __init__(self, xVel: object, yVel: object = None, zVel: object = 0) -> None:
-        one, two = {"xVel": VECTOR._replace(words="a vector, or yVel be given as well")}, {"xVel": NUMBER, "yVel": NUMBER, "zVel": NUMBER}
+        one = {"xVel": VECTOR._replace(words="a vector, or yVel be given as well")}
+        two = {"xVel": NUMBER, "yVel": NUMBER, "zVel": NUMBER}
         check("SetVelocityAction", one if yVel is None else two, {"xVel": xVel, "yVel": yVel, "zVel": zVel})
         object.__setattr__(self, "velocity", vector(xVel if yVel is None else (xVel, yVel)))
 
