@@ -206,7 +206,8 @@ class Equations:
         if type(function) is Dynamic:
             return invocation(function, arguments, {k.name: v for k, v in zip(node.keywords, named)} if named else {})  # type: ignore[misc]
         if type(function) is type and function in ACTION_TYPES:
-            given, more = [plain(a) for a in arguments], {k.name or "": plain(v) for k, v in zip(node.keywords, named)}
+            given: list[Any] = [plain(a) for a in arguments]
+            more: dict[str, Any] = {k.name or "": plain(v) for k, v in zip(node.keywords, named)}
             if all(type(a) in PLAIN for a in (*given, *more.values())):
                 return function(*given, **more)
         return self.concluded(scope, conclude_call, node, [function, *arguments, *named])
