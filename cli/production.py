@@ -180,18 +180,18 @@ def first_lines(lines: list[str], most: int) -> list[str]:
     return lines if len(lines) <= most else [*lines[: most - 1], f"... and {len(lines) - most + 1} more lines; `scenario.pruning` has all"]
 
 
-def workers_of(request: SceneRequest, scenes: int) -> AbstractContextManager[Workers] | None:
-    """Who draws the scenes, if not this process."""
-    if request.cluster is not None:
-        return cluster(request.cluster, request.workers if request.workers > 1 else None)
-    return processes(min(request.workers, scenes)) if request.workers > 1 and scenes > 1 else None
+def workers_of(count: int, address: str | None, results: int) -> AbstractContextManager[Workers] | None:
+    """Who finds so many scenes or simulations, if not this process: the cluster at `address`, or `count` processes."""
+    if address is not None:
+        return cluster(address, count if count > 1 else None)
+    return processes(min(count, results)) if count > 1 and results > 1 else None
 
 
 def produce_by_batch(
     job: Job, request: SceneRequest, output: Output, tally: Tally, progress: Progress, known: list[tuple[int, int]], stack: ExitStack
 ) -> None:
     """Draw many scenes at a time; `known` gets the attempts of the first ones. Raises the error that ends them."""
-    found = portions(job.source, job, output.form, workers_of(request, job.stop - job.start), request.workers)
+    found = portions(job.source, job, output.form, workers_of(request.workers, request.cluster, job.stop - job.start), request.workers)
     stack.callback(found.close)
     for portion in found:
         output.write_many(portion)
@@ -207,7 +207,7 @@ def produce_one_by_one(
     stack: ExitStack,
 ) -> None:
     """Draw the scenes with the interpreter; `known` gets the attempts of the first ones. Raises the error that ends them."""
-    workers = workers_of(request, job.stop - job.start)
+    workers = workers_of(request.workers, request.cluster, job.stop - job.start)
     scenes = draw_here(drawing, job, progress.stuck) if workers is None else drawn_by(workers, job, request.workers)
     stack.callback(scenes.close)
     for drawn in printed_first(scenes, progress):

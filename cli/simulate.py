@@ -81,6 +81,13 @@ def simulate(
         ),
     ] = None,
     workers: Annotated[int, typer.Option("--workers", metavar="PROCESSES", min=1, help="Use so many processes; the simulations stay the same.")] = 1,
+    cluster: Annotated[
+        str | None,
+        typer.Option(
+            "--cluster", metavar="ADDRESS", show_default=False,
+            help="Run the simulations on the Dask cluster at ADDRESS (host:port); local starts one on this machine.",
+        ),
+    ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with the simulations of PATH, whose last one is checked.")] = False,
     backend: Annotated[
         SimulationBackendName,
@@ -128,6 +135,8 @@ def simulate(
             raise UsageError("what is replayed begins anew: --resume cannot be given with --replay")
         if workers > 1:
             raise UsageError("one process replays: --workers cannot be given with --replay", hint="leave it out")
+        if cluster is not None:
+            raise UsageError("one process replays: --cluster cannot be given with --replay", hint="leave it out")
         session.seed = None
     if run is not None and count != 1:
         raise UsageError("--run asks for a single simulation, so -n cannot be given as well")
@@ -137,6 +146,6 @@ def simulate(
     )
     first = 0 if run is None else run
     request = SimulationRequest(
-        first, first + count, seed, max_attempts, simulator, steps, timestep, output, html, gif, replay, workers, backend.value, resume
+        first, first + count, seed, max_attempts, simulator, steps, timestep, output, html, gif, replay, workers, backend.value, resume, cluster,
     )  # fmt: skip
     produce_simulations(source, request, session)

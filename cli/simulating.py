@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..formats.notebooks import counted
-from ..inference.batch.jobs.blocks import processes
 from ..scenario.simulating import SimulationBackend
 from ..semantics.kernel.errors import UsageError
 from ..semantics.kernel.outcome import Requirement
@@ -25,7 +24,7 @@ from .files import LINES, check_ending, check_place
 from .options import Source
 from .outputs import SIMULATIONS, Output, Resumed, open_output
 from .pages import MOST, PageRun, write_movie, write_page
-from .production import printed_first, rehearse
+from .production import printed_first, rehearse, workers_of
 from .progress import Progress
 from .replay import Replays, check_recordings
 from .reports import requirement_lines
@@ -50,16 +49,19 @@ class SimulationRequest(NamedTuple):
     workers: int = 1
     backend: SimulationBackend = "compiled"
     resume: bool = False
+    cluster: str | None = None
 
 
 @dataclass
 class SimulationTally:
-    """What is kept of the simulations: how many there were, and those that a page or an animation shows."""
+    """What is kept of the simulations: how many there were, those that a page or an animation shows, and why which were left to the machine."""
 
     count: int = 0
     attempts: int = 0
     stuck: Counter[Failed] = field(default_factory=Counter)
     kept: list[ReportedRun] = field(default_factory=list)
+    parts: dict[str, None] = field(default_factory=dict)
+    wholes: Counter[str] = field(default_factory=Counter)
 
     def failed(self, how: Failed) -> None:
         """An attempt was rejected."""
@@ -96,6 +98,8 @@ def produce_simulations(source: Source, request: SimulationRequest, session: Ses
             for run in found:
                 write(output, run)
                 tally.count += 1
+                tally.parts.update(dict.fromkeys(run.left.parts))
+                tally.wholes.update(run.left.wholes)
                 if len(tally.kept) < (MOST if request.html is not None else 1 if request.gif is not None else 0):
                     tally.kept.append(run)
                 session.finished = told_so_far(tally.count, output)
@@ -117,7 +121,7 @@ def show(
     """Make a page and an animation of the finished simulations, and report on all."""
     for line in replays.lines(seconds) if replays is not None else summary(request, tally, seconds, session):
         tell(line)
-    for line in left_to_machine(drawing) if request.backend == "compiled" and replays is None else ():
+    for line in left_to_machine(tally) if request.backend == "compiled" and replays is None else ():
         tell(line)
     if not tally.kept:
         return
@@ -188,15 +192,15 @@ def simulations(
         source, request.seed, request.start, request.start, request.stop, request.max_attempts, request.simulator, request.timestep, request.steps,
         wanted, MOST if request.html is not None else 0, request.backend,
     )  # fmt: skip
-    count = min(request.workers, request.stop - request.start)
+    workers = workers_of(request.workers, request.cluster, request.stop - request.start)
     found = (
-        simulated_by(processes(count), job, count) if count > 1
-        else simulate_here(drawing, job, simulator, Listeners(progress.stuck, tally.failed))
+        simulate_here(drawing, job, simulator, Listeners(progress.stuck, tally.failed)) if workers is None
+        else simulated_by(workers, job, request.workers)
     )  # fmt: skip
     try:
         for run in printed_first(found, progress):
             tally.attempts += 1
-            if count > 1:
+            if workers is not None:
                 tally.attempts += run.attempts - 1
                 tally.stuck.update(run.stuck)
             yield run
@@ -232,11 +236,10 @@ MOST_LEFT = 5
 """So many reasons are told."""
 
 
-def left_to_machine(drawing: Drawing) -> list[str]:
-    """What this process left to the machine, and why; errors of the program are told as such."""
-    library = drawing.scenario.compiled
-    lines = [f"the machine ran what is not compiled: {reason}" for reason in dict.fromkeys(library.left.values())]
-    lines += [f"the machine ran {counted(often, 'attempt')} alone: {reason}" for reason, often in library.wholes.most_common()]
+def left_to_machine(tally: SimulationTally) -> list[str]:
+    """What was left to the machine, and why; errors of the program are told as such."""
+    lines = [f"the machine ran what is not compiled: {reason}" for reason in tally.parts]
+    lines += [f"the machine ran {counted(often, 'attempt')} alone: {reason}" for reason, often in tally.wholes.most_common()]
     return lines[:MOST_LEFT] + ([f"... and {len(lines) - MOST_LEFT} more reasons"] if len(lines) > MOST_LEFT else [])
 
 

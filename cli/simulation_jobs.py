@@ -45,11 +45,22 @@ class SimulationJob(NamedTuple):
     backend: SimulationBackend = "compiled"
 
 
+class Uncompiled(NamedTuple):
+    """Why the machine ran what is not compiled, and how many attempts it ran as a whole, by reason."""
+
+    parts: tuple[str, ...]
+    wholes: Counter[str]
+
+
+ALL_COMPILED = Uncompiled((), Counter())
+
+
 @dataclass(frozen=True)
 class ReportedRun:
     """A simulation as its line of JSON ("" if none was wanted) and in a few words, what failed in other attempts, what the accepted one printed.
 
-    `land` is what lies below the objects, for a page (`formats.replay_pages`); `run` the simulation itself, in the process that ran it.
+    `land` is what lies below the objects, for a page (`formats.replay_pages`); `left` what was left to the machine in its process so far;
+    `run` the simulation itself, in the process that ran it.
     """
 
     index: int
@@ -59,11 +70,12 @@ class ReportedRun:
     stuck: Counter[Failed]
     printed: tuple[str, ...]
     land: Mapping[str, object] | None
+    left: Uncompiled
     run: SampledRun | None
 
     def __reduce__(self) -> tuple[Callable[..., ReportedRun], tuple[object, ...]]:
         """For another process."""
-        return ReportedRun, (self.index, self.attempts, self.line, self.told, self.stuck, self.printed, self.land, None)
+        return ReportedRun, (self.index, self.attempts, self.line, self.told, self.stuck, self.printed, self.land, self.left, None)
 
 
 class Listeners(NamedTuple):
@@ -73,7 +85,9 @@ class Listeners(NamedTuple):
     failed: Callable[[Failed], None] | None = None
 
 
-def reported(run: SampledRun, wanted: bool, printed: tuple[str, ...] = (), *, shown: bool) -> ReportedRun:
+def reported(
+    run: SampledRun, wanted: bool, printed: tuple[str, ...] = (), *, shown: bool, left: Uncompiled = ALL_COMPILED
+) -> ReportedRun:
     """A simulation that has ended, and whether it is shown on a page. Raises `InternalError` for numbers that JSON does not have."""
     simulation = run.simulation
     index, steps = simulation.scene.index, len(simulation.moments) - 1
@@ -83,7 +97,7 @@ def reported(run: SampledRun, wanted: bool, printed: tuple[str, ...] = (), *, sh
     except ValueError as problem:
         raise InternalError(f"simulation {index} cannot be written: {problem}") from None
     land = land_below(simulation.scene, json.loads(line)) if shown and line else None
-    return ReportedRun(index, run.attempts, line, told, run.stuck, printed, land, run)
+    return ReportedRun(index, run.attempts, line, told, run.stuck, printed, land, left, run)
 
 
 NOBODY = Listeners()
@@ -92,6 +106,7 @@ NOBODY = Listeners()
 def simulate_here(drawing: Drawing, job: SimulationJob, simulator: Simulator, tell: Listeners = NOBODY) -> Generator[ReportedRun | FailedDraw]:
     """The simulations of a job, in this process; an error is the last."""
     printed: list[str] = []
+    library = drawing.scenario.compiled
 
     def listening(attempt: int) -> Witness:
         printed.clear()
@@ -99,12 +114,14 @@ def simulate_here(drawing: Drawing, job: SimulationJob, simulator: Simulator, te
 
     for index in range(job.start, job.stop):
         printed.clear()
+        before = library.wholes.copy()
         try:
             run = drawing.scenario.simulate(
                 simulator, job.steps, job.seed, index, max_attempts=job.max_attempts, on_attempt=tell.attempt, on_failed=tell.failed,
                 witnessed=listening if drawing.prints else None, backend=job.backend,
             )  # fmt: skip
-            found = reported(run, job.wanted, tuple(printed), shown=index < job.begun + job.shown)
+            left = Uncompiled(tuple(library.left.values()), library.wholes - before)
+            found = reported(run, job.wanted, tuple(printed), shown=index < job.begun + job.shown, left=left)
         except ScenicError as error:
             yield failed(error, printed)
             return

@@ -16,7 +16,7 @@ from .verdict import STATUSES
 SCHEMA = "scenic-ref/results/1"
 LONGEST = 160
 """Characters of a reason that are kept."""
-ADDRESS = re.compile(r"0x[0-9a-f]{6,}")
+ADDRESS = re.compile(r"0x[0-9a-f]{6,}|(?<=\()\d{12,}(?=\))")
 SECONDS = re.compile(r"within [\d.e+]+ s\b")
 PATH = re.compile(r"(?:/[\w.+-]+){2,}")
 

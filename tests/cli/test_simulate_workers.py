@@ -1,4 +1,4 @@
-"""`simulate --workers K`: the same bytes as those of one process, and the same ends."""
+"""`simulate --workers K` and `--cluster`: the same bytes as those of one process, and the same ends."""
 
 from __future__ import annotations
 
@@ -19,6 +19,8 @@ behavior B():
 ego = Object at (Range(0, 1), 0), with behavior B
 Object at (Range(5, 6), 0), with velocity (1, 0)
 """
+ODD = "behavior B:\n    for a, b in [(1, 2)]:\n        take a\nego = Object with behavior B\n"
+"""Its loop has no translation."""
 FAILS = "behavior B():\n    take 1 / (Uniform(0, 1, 1, 1, 1, 1, 1, 1) + 0)\nego = Object at (0, 0), with behavior B"
 
 
@@ -38,6 +40,32 @@ def test_output_page_animation_and_report_are_those_of_one_process(ask, tmp_path
     for ending in ("jsonl", "html", "gif"):
         assert (tmp_path / f"1.{ending}").read_bytes() == (tmp_path / f"3.{ending}").read_bytes()
     assert [json.loads(line)["run"] for line in (tmp_path / "3.jsonl").read_text().splitlines()] == list(range(count))
+
+
+@pytest.mark.slow
+@pytest.mark.extra("cluster")
+def test_a_cluster_writes_what_this_process_writes(ask, tmp_path):
+    (tmp_path / "p.scenic").write_text(PROGRAM)
+    for name, more in (("one", ()), ("cluster", ("--cluster", "local", "--workers", 2))):
+        assert ask("simulate", "p.scenic", "-n", 20, "--steps", 3, "-o", f"{name}.jsonl", *more).code == 0
+    assert (tmp_path / "one.jsonl").read_bytes() == (tmp_path / "cluster.jsonl").read_bytes()
+
+
+def test_a_cluster_that_cannot_be_had_is_wrong_usage(ask, tmp_path, monkeypatch):
+    (tmp_path / "p.scenic").write_text(PROGRAM)
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    found = ask("simulate", "p.scenic", "--cluster", "local", "-o", "runs.jsonl")
+    assert found.code == 2
+    assert "scenic-ref[cluster]" in found.err
+
+
+@pytest.mark.slow
+def test_what_processes_leave_to_the_machine_is_told(ask, tmp_path):
+    (tmp_path / "p.scenic").write_text(ODD)
+    told = [ask("simulate", "p.scenic", "-n", 4, "--workers", workers, "-o", "runs.jsonl").err for workers in (1, 2)]
+    lines = [[line for line in text.splitlines() if "the machine ran" in line] for text in told]
+    assert lines[0] == lines[1]
+    assert lines[0]
 
 
 @pytest.mark.slow
@@ -62,11 +90,12 @@ def test_exhausted_attempts_are_told_as_by_one_process(ask, tmp_path):
     assert "no simulation in 5 attempts" in one.err
 
 
-def test_one_process_replays(ask, tmp_path):
+@pytest.mark.parametrize(("option", "value"), [("--workers", 2), ("--cluster", "local")])
+def test_one_process_replays(ask, tmp_path, option, value):
     (tmp_path / "p.scenic").write_text(PROGRAM)
-    done = ask("simulate", "p.scenic", "--replay", "runs.jsonl", "--workers", 2)
+    done = ask("simulate", "p.scenic", "--replay", "runs.jsonl", option, value)
     assert done.code == 2
-    assert "--workers cannot be given with --replay" in done.err
+    assert f"{option} cannot be given with --replay" in done.err
 
 
 @pytest.mark.slow

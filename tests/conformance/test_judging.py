@@ -165,8 +165,8 @@ def test_scenes_look_different_if_one_side_has_none_or_they_stand_elsewhere() ->
 
 def test_results_are_the_same_without_addresses_and_places() -> None:
     vector = VECTORS["at-vector"]
-    told = judge(Failing("at 0x7f12345678 in /tmp/scenic-ref-1/x y"), vector)
-    assert results.line_of(told) == "errored: RuntimeError: at 0x... in ... y"
+    told = judge(Failing("at 0x7f12345678 (140170341771792) in /tmp/scenic-ref-1/x y"), vector)
+    assert results.line_of(told) == "errored: RuntimeError: at 0x... (0x...) in ... y"
 
 
 class Failing(Ourselves):
