@@ -3,14 +3,17 @@
 Objects are boxes. Vehicles have throttle, brake and drag along their heading, tyres that hold them sideways up to a limit, and turn as a
 bicycle does; pedestrians walk; what has neither engine nor legs, nor a velocity to begin with, stands still for good. A run has a space of its
 own, bodies in the order of the scene, fixed time steps and no randomness, so that equal actions give equal trajectories, bit for bit, on one
-machine.
+machine. After each internal step of pymunk, what engines, brakes, tyres and legs do to all velocities is done at once.
 """
 
 from __future__ import annotations
 
 import math
+from array import array
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from ..formats.recordings import Body, Pose
 from ..interpreter.extras import needed
@@ -42,20 +45,55 @@ LONGEST = 60.0
 """The longest time step in seconds: it has thousands of internal steps."""
 
 
+class Motion(NamedTuple):
+    """Where a body is, its angle, its velocity and its yaw rate, in metres, radians and seconds."""
+
+    x: float
+    y: float
+    angle: float
+    velocity_x: float
+    velocity_y: float
+    turning: float
+
+
 class Controlled:
     """An object: its body, what kind it is, and how its controls are set."""
 
-    def __init__(self, body: Any, length: float, vehicle: bool, pedestrian: bool) -> None:
-        self.body, self.length, self.vehicle, self.pedestrian = body, length, vehicle, pedestrian
+    def __init__(self, id: int, body: Any, length: float, vehicle: bool, pedestrian: bool) -> None:
+        self.id, self.body, self.length, self.vehicle, self.pedestrian = id, body, length, vehicle, pedestrian
         self.controls = Controls()
         self.walking: tuple[float, float] | None = None
 
-    def speed(self) -> float:
+    def speed(self, now: Motion) -> float:
         """The speed along the heading, in metres per second; of the velocity for what is not a vehicle."""
         if not self.vehicle:
-            return math.hypot(*self.body.velocity)
-        x, y = self.body.velocity
-        return y * math.cos(self.body.angle) - x * math.sin(self.body.angle)
+            return math.hypot(now.velocity_x, now.velocity_y)
+        return now.velocity_y * math.cos(now.angle) - now.velocity_x * math.sin(now.angle)
+
+    def after(self, angle: float, x: float, y: float, turning: float, dt: float) -> tuple[float, float, float]:
+        """The velocity (x, y) and the yaw rate after `dt` seconds of what the object does; they stay those of what does nothing."""
+        return self.driven(angle, x, y, turning, dt) if self.vehicle else self.walked(x, y, dt) if self.pedestrian else (x, y, turning)
+
+    def driven(self, angle: float, x: float, y: float, turning: float, dt: float) -> tuple[float, float, float]:
+        """Engine, brake and drag along a vehicle, tyres across it, the yaw rate of a bicycle."""
+        controls = self.controls
+        sine, cosine = math.sin(angle), math.cos(angle)
+        ahead, across = y * cosine - x * sine, x * cosine + y * sine
+        ahead += controls.driving * ACCELERATION * dt if controls.braking == 0 else 0.0
+        slower = (BRAKING * controls.braking + (ROLLING if controls.throttle == 0 else 0.0) + DRAG * ahead * ahead) * dt
+        ahead = math.copysign(max(0.0, abs(ahead) - slower), ahead)
+        across = math.copysign(max(0.0, abs(across) - GRIP * dt), across)
+        wanted = -ahead * math.tan(controls.steer * STEERING) / (WHEELBASE * self.length)
+        limit = GRIP / max(abs(ahead), 1e-6)
+        change = min(max(wanted, -limit), limit) - turning
+        return across * cosine - ahead * sine, ahead * cosine + across * sine, turning + min(max(change, -YAWING * dt), YAWING * dt)
+
+    def walked(self, x: float, y: float, dt: float) -> tuple[float, float, float]:
+        """A pedestrian's velocity approaches that with which it wants to walk."""
+        to_x, to_y = self.walking or (0.0, 0.0)
+        far = math.hypot(to_x - x, to_y - y)
+        share = min(1.0, WALKING * dt / far) if far else 0.0
+        return x + (to_x - x) * share, y + (to_y - y) * share, 0.0
 
 
 class Physics:
@@ -70,9 +108,12 @@ class Physics:
             raise ValueError(f"a time step of pymunk must be at most {LONGEST:g} seconds, not {timestep:g}")
         try:
             import pymunk
+            from pymunk import batch
         except ImportError as problem:
             raise needed("the simulator pymunk", "pymunk", problem) from None
-        self.pymunk = pymunk
+        self.pymunk, self.batch, self.fields = pymunk, batch, batch.BodyFields
+        self.velocities = self.fields.VELOCITY | self.fields.ANGULAR_VELOCITY
+        self.gotten, self.given = batch.Buffer(), batch.Buffer()
         self.destroy()
 
     def create(self, bodies: Sequence[Body], scene: Surroundings) -> None:
@@ -85,13 +126,9 @@ class Physics:
             vehicle, pedestrian = a.drives(body), a.walks(body)
             made = self.body_of(width, length, still=not (vehicle or pedestrian or moves), turns=not pedestrian)
             made.position, made.angle = (position.x, position.y), heading  # type: ignore[union-attr]
-            moving = Controlled(made, length, vehicle, pedestrian)
+            moving = Controlled(body.id, made, length, vehicle, pedestrian)
             if moves:
                 made.velocity = velocity
-            if vehicle:
-                made.velocity_func = lambda _, gravity, damping, dt, moving=moving: drive(moving, dt)
-            elif pedestrian:
-                made.velocity_func = lambda _, gravity, damping, dt, moving=moving: walk(moving, dt)
             shape = self.pymunk.Poly.create_box(made, (width, length))
             shape.friction, shape.elasticity = 0.6, 0.1
             shape.sensor = bool(body.properties.get("allowCollisions", False))
@@ -99,6 +136,11 @@ class Physics:
             self.ids[shape] = body.id
             self.moving[body.id] = moving
             self.smallest = min(self.smallest, max(min(width, length), 1e-3))
+        self.gotten.clear()
+        self.batch.get_space_bodies(self.space, self.fields.BODY_ID, self.gotten)
+        moving = {one.body.id: one for one in self.moving.values()}
+        self.ordered = [moving[number] for number in np.frombuffer(self.gotten.int_buf(), np.uintp).tolist()]
+        self.look()
 
     def body_of(self, width: float, length: float, *, still: bool, turns: bool) -> Any:
         """A body without its place."""
@@ -118,9 +160,32 @@ class Physics:
                 self.take(self.moving[id], action)
         count = math.ceil(self.timestep / min(SUBSTEP, self.smallest / FASTEST) - 1e-9)
         self.met = []
+        dt = self.timestep / count
         for _ in range(count):
-            self.space.step(self.timestep / count)
+            self.space.step(dt)
+            self.control(dt)
+        self.look()
         return [f"collision of objects {one} and {other}" for one, other in dict.fromkeys(self.met)]
+
+    def numbers(self, fields: Any) -> array[float]:
+        """What these fields of all bodies say, one body after the other."""
+        self.gotten.clear()
+        self.batch.get_space_bodies(self.space, fields, self.gotten)
+        return array("d", bytes(self.gotten.float_buf()))
+
+    def look(self) -> None:
+        """Note where all objects are, and how they move."""
+        numbers = self.numbers(self.fields.POSITION | self.fields.ANGLE | self.velocities)
+        self.motions = {moving.id: Motion(*numbers[6 * place : 6 * place + 6]) for place, moving in enumerate(self.ordered)}
+
+    def control(self, dt: float) -> None:
+        """Change the velocities of vehicles and pedestrians by what they do in `dt` seconds."""
+        numbers = self.numbers(self.fields.ANGLE | self.velocities)
+        given = array("d")
+        for moving, angle, x, y, turning in zip(self.ordered, *(numbers[field::4] for field in range(4)), strict=True):
+            given.extend(moving.after(angle, x, y, turning, dt))
+        self.given.set_float_buf(given)
+        self.batch.set_space_bodies(self.space, self.velocities, self.given)
 
     def take(self, moving: Controlled, action: object) -> None:
         """The effect of an action on the controls of an object."""
@@ -157,11 +222,10 @@ class Physics:
 
     def read(self, id: int) -> Pose:
         """Where the object is, and how it moves."""
-        moving = self.moving[id]
-        body = moving.body
+        now = self.motions[id]
         return {
-            "position": Vector(body.position.x, body.position.y), "heading": body.angle, "speed": moving.speed(),
-            "velocity": Vector(body.velocity.x, body.velocity.y), "angularSpeed": body.angular_velocity,
+            "position": Vector(now.x, now.y), "heading": now.angle, "speed": self.moving[id].speed(now),
+            "velocity": Vector(now.velocity_x, now.velocity_y), "angularSpeed": now.turning,
         }  # fmt: skip
 
     def destroy(self) -> None:
@@ -171,6 +235,8 @@ class Physics:
         self.space.on_collision(begin=self.meet)
         self.ids: dict[Any, int] = {}
         self.moving: dict[int, Controlled] = {}
+        self.ordered: list[Controlled] = []
+        self.motions: dict[int, Motion] = {}
         self.met: list[tuple[int, int]] = []
         self.smallest = math.inf
 
@@ -178,30 +244,3 @@ class Physics:
         """Note that two objects touch."""
         one, other = (self.ids[shape] for shape in arbiter.shapes)
         self.met.append((min(one, other), max(one, other)))
-
-
-def drive(moving: Controlled, dt: float) -> None:
-    """The change of a vehicle's velocity in `dt` seconds: engine, brake and drag along it, tyres across it, the yaw rate of a bicycle."""
-    body, controls = moving.body, moving.controls
-    sine, cosine = math.sin(body.angle), math.cos(body.angle)
-    x, y = body.velocity
-    ahead, across = y * cosine - x * sine, x * cosine + y * sine
-    ahead += controls.driving * ACCELERATION * dt if controls.braking == 0 else 0.0
-    slower = (BRAKING * controls.braking + (ROLLING if controls.throttle == 0 else 0.0) + DRAG * ahead * ahead) * dt
-    ahead = math.copysign(max(0.0, abs(ahead) - slower), ahead)
-    across = math.copysign(max(0.0, abs(across) - GRIP * dt), across)
-    body.velocity = (across * cosine - ahead * sine, ahead * cosine + across * sine)
-    wanted = -ahead * math.tan(controls.steer * STEERING) / (WHEELBASE * moving.length)
-    limit = GRIP / max(abs(ahead), 1e-6)
-    change = min(max(wanted, -limit), limit) - body.angular_velocity
-    body.angular_velocity += min(max(change, -YAWING * dt), YAWING * dt)
-
-
-def walk(moving: Controlled, dt: float) -> None:
-    """The change of a pedestrian's velocity in `dt` seconds, towards that with which it wants to walk."""
-    x, y = moving.body.velocity
-    to_x, to_y = moving.walking or (0.0, 0.0)
-    far = math.hypot(to_x - x, to_y - y)
-    share = min(1.0, WALKING * dt / far) if far else 0.0
-    moving.body.velocity = (x + (to_x - x) * share, y + (to_y - y) * share)
-    moving.body.angular_velocity = 0.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import random
 import subprocess
 import sys
 
@@ -250,6 +251,51 @@ def test_collisions_are_reported_once_and_push_cars_apart():
     assert after.objects[1]["speed"] > 3  # type: ignore[operator]
     gaps = [moment.objects[1]["position"].y - moment.objects[0]["position"].y for moment in run.moments]  # type: ignore[attr-defined]
     assert min(gaps) > 4.5 - 16.2 / 60  # no deeper than what an internal step covers
+
+
+FAR_APART = {
+    "car": "Car at (0, 0), facing 0.4, with speed 7, with behavior Go(1, 0.3)",
+    "rock": "Rock at (200, 0)",
+    "walker": "Pedestrian at (400, 0), with behavior Walk",
+    "ball": "Rock at (600, 0), with velocity (3, 4)",
+    "braking": "Car at (800, 0), with speed 20, with behavior Brake",
+}  # fmt: skip
+MOVING = CAR + """
+class Rock:
+    width: 1
+behavior Go(throttle, steer):
+    take SetThrottleAction(throttle), SetSteerAction(steer)
+behavior Brake:
+    take SetBrakeAction(0.5)
+behavior Walk:
+    take SetWalkingDirectionAction(1), SetWalkingSpeedAction(1.5)
+scenario Late:
+    setup:
+        Car at (0, 500), with speed 9, with behavior Go(0.5, -0.2), with requireVisible False
+        Rock at (200, 500), with velocity (1, 0), with requireVisible False
+scenario Main:
+    setup:
+        {}
+    compose:
+        wait
+        do Late()
+"""
+
+
+@pytest.mark.extra("dynamics")
+@pytest.mark.parametrize("seed", range(3))
+def test_what_meets_nothing_moves_as_it_would_alone(seed):
+    """All velocities are changed at once: none gets another's, in whatever order objects are made, and when."""
+    def moved(names: list[str]) -> dict[str, list[object]]:
+        made = "\n        ".join(f"{'ego = ' if k == 0 else ''}{FAR_APART[name]}, with requireVisible False" for k, name in enumerate(names))
+        moments = by_pymunk(MOVING.format(made), 20).moments
+        return {name: [moment.objects[k] for moment in moments if k < len(moment.objects)] for k, name in enumerate([*names, "late", "later"])}
+
+    names = random.Random(seed).sample(sorted(FAR_APART), len(FAR_APART))
+    together = moved(names)
+    for name in names:
+        assert moved([name]) == {one: together[one] for one in (name, "late", "later")}
+    assert together["late"][-1] != together["late"][0]
 
 
 @pytest.mark.slow
