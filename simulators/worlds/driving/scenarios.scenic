@@ -43,6 +43,7 @@ def leftOfLane(vehicle):
 
 # The place at the curb so many metres ahead of a vehicle.
 def curbAhead(vehicle, metres):
+    check_arguments('curbAhead', vehicle, metres)
     return OrientedPoint at beside(vehicle.laneGroup.curb, vehicle, metres), facing roadDirection
 
 # The ways straight through the next intersection that cross a vehicle's, and whose lights stay red for some seconds.
@@ -170,5 +171,6 @@ scenario ParkedCar(gap=0.25):
 
 # One of some scenarios, by a place: less than 30 m from traffic lights the first, elsewhere one of the others.
 def pickNextScenario(position, scenarios):
+    check_arguments('pickNextScenario', position, scenarios)
     near = [i for i in network.intersections if i.isSignalized and (distance from position to i) < 30]
     return scenarios[0]() if len(near) > 0 else Uniform(*scenarios[1:])()
