@@ -67,7 +67,8 @@ class Remembered:
         for number in self.below.keys() & self.last.columns.keys():
             found, failed = self.last.columns[number], self.last.failed.get(number)
             if number not in self.values:
-                self.values[number], self.there[number] = np.empty((len(taken), *found.shape[1:]), dtype=found.dtype), np.zeros(len(taken), dtype=bool)
+                self.values[number] = np.empty((len(taken), *found.shape[1:]), dtype=found.dtype)
+                self.there[number] = np.zeros(len(taken), dtype=bool)
             self.values[number][rows] = found[own]
             self.there[number][taken] = False
             self.there[number][rows] = True if failed is None else ~(failed.rejected | failed.left)[own]

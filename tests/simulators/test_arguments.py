@@ -1,4 +1,4 @@
-"""Every behavior, scenario, controller, action and function of the driving library says which of its arguments is wrong, what it was, and what is wanted."""
+"""All that the driving library lets one call says which of its arguments is wrong, what it was, and what is wanted."""
 
 from __future__ import annotations
 
@@ -27,7 +27,9 @@ A_TEXT, NEGATIVE, NAN, NONE, NUMBERS, TRUTH = "'fast'", "-3", "float('nan')", "N
 ALL = (A_TEXT, NEGATIVE, NAN, NONE, NUMBERS, TRUTH)
 REFUSED: Mapping[Wanted, tuple[str, ...]] = {
     basic.SPEED: ALL, basic.DISTANCE: ALL, basic.SHARE: ALL, ours.LANE: ALL, ours.SECTION: ALL, ours.WAY: ALL, ours.TRAIL: ALL, ours.OBJECT: ALL,
-    ours.STEP: ALL, ours.DRIVEN: ALL, ours.SIGNAL: ALL, ours.LIGHT: ALL, ours.COLOR: ALL, ours.INTERSECTION: ALL, ours.SCENARIOS: ALL, basic.NUMBER: (A_TEXT, NAN, NONE, NUMBERS, TRUTH), basic.HEADING: (A_TEXT, NAN, NONE, NUMBERS, TRUTH), basic.STEERING: ALL,
+    ours.STEP: ALL, ours.DRIVEN: ALL, ours.SIGNAL: ALL, ours.LIGHT: ALL, ours.COLOR: ALL,
+    ours.INTERSECTION: ALL, ours.SCENARIOS: ALL, basic.STEERING: ALL,
+    basic.NUMBER: (A_TEXT, NAN, NONE, NUMBERS, TRUTH), basic.HEADING: (A_TEXT, NAN, NONE, NUMBERS, TRUTH),
     basic.TRUTH: (A_TEXT, NEGATIVE, NAN, NONE, NUMBERS), ours.PLACE: (A_TEXT, NEGATIVE, NAN, NONE, TRUTH),
     basic.VECTOR: (A_TEXT, NEGATIVE, NAN, NONE, TRUTH, "[1, 2, 3]", "[1, 'x']"),
 }  # fmt: skip
