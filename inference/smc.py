@@ -217,10 +217,10 @@ def move(
     found: list[np.ndarray] = []
     for first in range(0, len(states), CHUNK):
         rows = np.arange(first, min(first + CHUNK, len(states)))
-        part, own = states.at(rows), violations[rows]
+        part, own, known = states.at(rows), violations[rows], target.remember()
         for _ in range(passes * max(len(moves), 1)):
             proposed, kinds, blocks = moves.propose(part, random)
-            part, own, accepted = target.update(part, own, proposed, levels[rows])
+            part, own, accepted = target.update(part, own, proposed, levels[rows], known)
             taken.add(kinds, blocks, accepted)
         parts.append(part)
         found.append(own)

@@ -9,8 +9,8 @@ from typing import Any, ClassVar, Self
 from ..semantics.space.vectors import TakesPoints
 
 HIDDEN = frozenset({
-    "polygon", "by_id", "by_uid", "first", "_tree", "strips", "gaps", "nearest", "of", "scenic_names", "left", "right", "middle", "outermost",
-    "across", "along", "source", "again", "turn", "turns",
+    "polygon", "by_id", "by_uid", "first", "_tree", "strips", "gaps", "nearest", "connecting", "of", "scenic_names", "left", "right", "middle",
+    "outermost", "across", "along", "source", "again", "turn", "turns",
 })  # fmt: skip
 """What is no matter of programs."""
 

@@ -7,6 +7,7 @@ import math
 from collections.abc import Mapping
 from functools import cached_property
 
+import numpy as np
 import shapely
 
 from ..semantics.space.fields import Cell
@@ -78,16 +79,23 @@ class Intersection(NetworkElement):
 
     def nearest(self, v: Vector) -> Lane:
         """The nearest connecting lane, the first of several."""
-        lanes = [m.connectingLane for m in self.maneuvers if m.connectingLane is not None]
-        return min(lanes, key=lambda lane: lane.distance_to(v))
+        return min(self.connecting, key=lambda lane: lane.distance_to(v))
+
+    @property
+    def connecting(self) -> list[Lane]:
+        """Those of its maneuvers, in their order."""
+        return [m.connectingLane for m in self.maneuvers if m.connectingLane is not None]
 
     def gaps(self) -> list[Cell]:
         """What of it is on no connecting lane, in triangles with the direction of the nearest one at the middle of each."""
-        lanes = shapely.union_all([m.connectingLane.polygon for m in self.maneuvers if m.connectingLane is not None])
-        left = shapely.difference(self.polygon, lanes)
-        triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(left)) if not left.is_empty else ()
-        middles = ((part, Vector(part.centroid.x, part.centroid.y)) for part in triangles if part.area > 1e-6)
-        return [(part, self.nearest(middle).heading_at(middle)) for part, middle in middles]
+        lanes = self.connecting
+        shapes = np.array([lane.polygon for lane in lanes])
+        left = shapely.difference(self.polygon, shapely.union_all(shapes))
+        triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(left)) if not left.is_empty else np.array([])
+        triangles = triangles[shapely.area(triangles) > 1e-6]
+        middles = shapely.centroid(triangles)
+        nearest = shapely.distance(middles[:, None], shapes[None]).argmin(axis=1) if len(triangles) else ()
+        return [(part, lanes[k].heading_at(Vector(v.x, v.y))) for part, v, k in zip(triangles, middles, nearest, strict=True)]
 
     def maneuversAt(self, point: object) -> tuple[Maneuver, ...]:
         """The maneuvers whose connecting lanes have a point; if none has it, those within `tolerance` of it, else of the nearest one."""

@@ -184,8 +184,8 @@ class Network(Fixed):
         tree, elements = self._tree
         for distance in (0.0, self.tolerance):
             near = tree.query(Point(v.x, v.y), predicate="dwithin", distance=distance)
-            candidates = {elements[i] for i in near}
-            found = next((element for element in among if element in candidates), None) if candidates else None
+            candidates = [elements[i] for i in near if elements[i] in among]
+            found = min(candidates, key=among.index, default=None)
             if found is not None:
                 return found
         if reject:

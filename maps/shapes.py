@@ -23,8 +23,10 @@ LEAST = 1e-6
 """Metres between two sampled distances along a road; so far from its ends a section is looked at, where another may begin."""
 JOINT = 0.01
 """Metres by which what joins may be apart."""
-SHORTEST = 1e-3
-"""Metres that a line is long at least."""
+SHORTEST = 1e-8
+"""Metres that a line is long at least: files have sections of a few micrometres, by which the lanes before and after them are linked."""
+TURNING = 2e-3
+"""Metres of an edge around which a lane turns."""
 WIDEST = 1000.0
 """Metres that a lane may be wide."""
 
@@ -160,5 +162,5 @@ def directed(points: Points, ahead: Points) -> PolylineRegion:
     found = simplified(joined(points))
     if np.hypot(*np.diff(found, axis=0).T).sum() < SHORTEST:
         length = float(np.hypot(*ahead))
-        found = np.array([found[0], found[0] + 2 * SHORTEST * (ahead / length if length > SHORTEST else np.array([1.0, 0.0]))])
+        found = np.array([found[0], found[0] + TURNING * (ahead / length if length > SHORTEST else np.array([1.0, 0.0]))])
     return PolylineRegion(points=[Vector(float(x), float(y)) for x, y in found])

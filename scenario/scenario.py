@@ -32,7 +32,7 @@ from ..interpreter.running import DEFAULT_FUEL, Accepted, Run, Witness, rehearse
 from ..semantics.kernel.config import Config, Settings, State
 from ..semantics.kernel.errors import AttemptsExhausted, InternalError, UsageError
 from ..semantics.kernel.outcome import GivenValues
-from ..semantics.programs import initial, make_settings
+from ..semantics.programs import definitions, initial, make_settings
 from ..semantics.readings import select
 from ..semantics.syntax import Program
 from ..simulators.worlds import modules_of
@@ -94,8 +94,9 @@ class Scenario(Portable, Shown, OverTime):
         if isinstance(world, Exception):
             raise UsageError(f"the world model: {world}", hint=getattr(world, "hint", "") or "; ".join(getattr(world, "__notes__", ())))
         return make_settings(
-            self.readings, library, self.params, self.model, self.scenario, trusted=self.trust, given=self.given, elsewhere=MODELS_BY_NAME  # type: ignore[arg-type]
-        )
+            self.readings, library, self.params, self.model, self.scenario, trusted=self.trust, given=self.given, elsewhere=MODELS_BY_NAME,  # type: ignore[arg-type]
+            defined=definitions(self.program),
+        )  # fmt: skip
 
     def start(self) -> Config:
         """The configuration that every run begins with."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from .dynamics.initial import Finishing
@@ -11,7 +11,7 @@ from .kernel.errors import RunError
 from .kernel.host import Door
 from .kernel.kinds import is_object
 from .kernel.outcome import GivenValues
-from .kernel.scopes import Scope
+from .kernel.scopes import Scope, target_names
 from .kernel.values import Instance, plain
 from .python.builtins import builtin_scope
 from .python.functions import enter
@@ -19,8 +19,9 @@ from .python.generators import expand
 from .python.imports import dunders
 from .step import step
 from .syntax import Program, Span
+from .syntax.dynamics import BehaviorDefinition, MonitorDefinition, ScenarioDefinition
 from .syntax.python_expressions import Constant
-from .syntax.statements import Block, If, Model
+from .syntax.statements import Assignment, Block, ClassDefinition, FunctionDefinition, If, Model
 
 NOTHING_GIVEN = GivenValues()
 
@@ -28,12 +29,31 @@ NOTHING_GIVEN = GivenValues()
 def make_settings(
     readings: dict[str, str], library: dict[str, object], params: dict[str, object], model: str | None, scenario: str | None = None,
     *, trusted: bool = False, given: GivenValues = NOTHING_GIVEN, elsewhere: Mapping[str, tuple[str, ...]] | None = None,
+    defined: Mapping[str, Span] | None = None,
 ) -> Settings:  # fmt: skip
     """What stays the same in every run of a program; its door is of no run (see `initial`)."""
     return Settings(
         readings=readings, library=library, machine=step, door=Door(enter, expand), params=params, model=model, scenario=scenario, trusted=trusted,  # type: ignore[arg-type]
-        given=given, elsewhere=elsewhere or {},
+        given=given, elsewhere=elsewhere or {}, defined=defined or {},
     )  # fmt: skip
+
+
+def definitions(program: Program) -> dict[str, Span]:
+    """Where a program first binds each name at its top level."""
+    found: dict[str, Span] = {}
+    for statement in program.statements:
+        match statement:
+            case FunctionDefinition(name=name) | ClassDefinition(name=name) | BehaviorDefinition(name=name):
+                names: Iterable[str] = (name,)
+            case MonitorDefinition(name=name) | ScenarioDefinition(name=name):
+                names = (name,)
+            case Assignment(targets=targets):
+                names = (name for target in targets for name in target_names(target))
+            case _:
+                names = ()
+        for name in names:
+            found.setdefault(name, statement.span)
+    return found
 
 
 def initial(program: Program, settings: Settings) -> Config:

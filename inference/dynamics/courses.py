@@ -18,6 +18,7 @@ from ...semantics.kernel.outcome import Draw, Next, Requirement
 from ...semantics.kernel.scopes import Scope
 from ...semantics.kernel.simulation import flagged, has_passed, line_of, simulation_of
 from ...semantics.kernel.values import HOLDING, Dynamic, Instance, plain, unwrap
+from ...semantics.python.texts import stable_repr
 from ...semantics.space.distributions import Discrete
 from ...semantics.syntax import dynamics as d
 from ...semantics.syntax import statements as s
@@ -159,7 +160,7 @@ class Courses(Equations):
             self.check(code.preconditions, scope)
         if code.invariants:
             self.check(code.invariants, scope)
-        path = f"{caller.path} > {behavior!r}" if caller.path else repr(behavior)
+        path = f"{caller.path} > {stable_repr(behavior)}" if caller.path else stable_repr(behavior)
         yield from code.run(self, scope, Invocation(caller.agent, path, caller.depth + 1, scope, code.invariants))
         if caller.invariants and not limited:
             self.check_invariants(caller)

@@ -129,7 +129,11 @@ class Evaluation:
     def compute(self, step: PlanStep) -> None:
         """The columns of a step."""
         for node in step.nodes:
-            self.columns[node.number] = column(node, self.columns, self.numbers, self.failed)
+            self.columns[node.number] = self.column(node)
+
+    def column(self, node: GraphNode) -> np.ndarray:
+        """The column of a node."""
+        return column(node, self.columns, self.numbers, self.failed)
 
     def keep(self, kept: np.ndarray) -> None:
         """Leave out the runs where `kept` is False."""
@@ -152,6 +156,10 @@ class StateNumbers(Numbers):
     def copy(self) -> StateNumbers:
         """The same numbers, from which rows can be left out apart."""
         return StateNumbers(self.space, self.states, self.rows)
+
+    def at(self, rows: np.ndarray) -> StateNumbers:
+        """The numbers of some of the rows."""
+        return StateNumbers(self.space, self.states, self.rows[rows])
 
     def keep(self, kept: np.ndarray) -> None:
         """Leave out the rows where `kept` is False."""

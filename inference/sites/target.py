@@ -33,6 +33,7 @@ from ..batch.evaluate.sampling import COMPILE_LEAST, COMPILE_NODE, LARGEST_COMPI
 from ..batch.trace.graph import GraphEvent, GraphNode
 from ..batch.trace.structures import nodes_in
 from ..batch.trace.templates import scenes_of
+from .remembered import Below, Remembered, below_rows
 from .states import ATTEMPT, Evaluation, Space, States
 
 CALL_SECONDS, ROW_SECONDS = 30e-6, 15e-6
@@ -110,10 +111,12 @@ class Target:
             self.scales[number] = float(np.median(values)) if len(values) else 1.0
         return float(accepted.mean())
 
-    def assess(self, states: States, level: float | np.ndarray = 0.0, stuck: Counter[Requirement] | None = None) -> Assessed:
+    def assess(
+        self, states: States, level: float | np.ndarray = 0.0, stuck: Counter[Requirement] | None = None, known: Remembered | None = None
+    ) -> Assessed:
         """The violation of each state, as far as it is at most `level`; `stuck` counts the requirements at which the others ended."""
         self.evaluations += len(states)
-        return self._evaluate(states, level, None, stuck)
+        return self._evaluate(states, level, None, stuck, known)
 
     def expect(self, calls: int, rows: int) -> None:
         """Compile now, if so many evaluations of so many states each will probably take longer than that."""
@@ -160,30 +163,49 @@ class Target:
             return str(problem)
         return ""
 
-    def violations(self, states: States, levels: np.ndarray) -> np.ndarray:
+    def violations(self, states: States, levels: np.ndarray, known: Remembered | None = None) -> np.ndarray:
         """The violation of each state, infinity above its level."""
         if self.compiled is None and self.may_compile:
             self.spent += self.cost(len(states))
             if self.spent > self.compiling:
                 self.may_compile = not self.compile()
         if self.compiled is None:
-            return self.assess(states, levels).violation
+            return self.assess(states, levels, known=known).violation
         self.evaluations += len(states)
         found, left = self.compiled(states.uniforms, states.words, levels)
         if left.any():
             found[left] = self._evaluate(states.at(left), levels[left], None).violation
         return found
 
-    def update(self, states: States, violations: np.ndarray, proposed: States, level: np.ndarray) -> tuple[States, np.ndarray, np.ndarray]:
-        """The proposed states where they are at most at the level, else those that were; their violations; which were taken."""
-        found = self.violations(proposed, level)
+    def remember(self) -> Remembered | None:
+        """What will be known of the states of some chains, from their first move on; None where nothing is computed row by row."""
+        return Remembered(self.space, self.below) if self.below else None
+
+    @cached_property
+    def below(self) -> Below:
+        """What is below the nodes that are computed row by row."""
+        return below_rows(self.space, self.steps)
+
+    def update(
+        self, states: States, violations: np.ndarray, proposed: States, level: np.ndarray, known: Remembered | None = None
+    ) -> tuple[States, np.ndarray, np.ndarray]:
+        """The proposed states where they are at most at the level, else those that were; their violations; which were taken.
+
+        What is `known` of the states saves work, and is then what is known of the new ones.
+        """
+        if known is not None:
+            known.move(states, proposed)
+        found = self.violations(proposed, level, known)
         taken = found <= level
+        if known is not None:
+            known.taken(taken)
         return states.where(taken, proposed), np.where(taken, found, violations), taken
 
     def _evaluate(
-        self, states: States, level: float | np.ndarray, seen: dict[int, list[np.ndarray]] | None, stuck: Counter[Requirement] | None = None
-    ) -> Assessed:
-        going = Evaluation(self.space, states)
+        self, states: States, level: float | np.ndarray, seen: dict[int, list[np.ndarray]] | None, stuck: Counter[Requirement] | None = None,
+        known: Remembered | None = None,
+    ) -> Assessed:  # fmt: skip
+        going = Evaluation(self.space, states) if known is None else known.evaluation(states)
         total, level = np.zeros(len(states)), np.broadcast_to(level, len(states))
         left = np.zeros(len(states), dtype=bool)
         for step in self.steps:

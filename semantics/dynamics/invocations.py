@@ -18,6 +18,7 @@ from ..kernel.simulation import Agent, Clause, Deadline, Suspended, Who, agent_o
 from ..kernel.values import Dynamic, plain
 from ..python.calls import invocation
 from ..python.functions import LARGEST_DEPTH, body_as_statement
+from ..python.texts import stable_repr
 from ..syntax import dynamics as d
 from ..syntax import statements as s
 from ..syntax.nodes import Expression, Node
@@ -207,5 +208,5 @@ def doing(agent: Agent) -> str:
     """Which behaviors an agent is in, the outermost first, and on which line the innermost waits."""
     if agent.ended or agent.process is None:
         return "its behavior has ended" if agent.ended else ""
-    names = [repr(frame.behavior) for frame in reversed(agent.process.frames) if isinstance(frame, Invoked)]
+    names = [stable_repr(frame.behavior) for frame in reversed(agent.process.frames) if isinstance(frame, Invoked)]
     return ", ".join([" > ".join(names), *([place] if (place := line_of(agent.process.span, agent.instance.span.file)) else [])])

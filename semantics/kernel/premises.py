@@ -160,6 +160,10 @@ def unknown_variable(node: Name, state: State) -> RunError:
         return RunError("there is no workspace", node.span, rule="E-Variable", hint="set it first: workspace = Workspace(REGION)")
     if node.name in SPATIAL:
         return RunError(f"{node.name} {FLAT}", node.span, rule="E-Variable")
+    below = state.settings.defined.get(node.name)
+    if below is not None and below.file == node.span.file and below.line > node.span.line:
+        hint = f"it is defined below, on line {below.line}: move that above its first use"
+        return RunError(f"{node.name} is not defined", node.span, rule="E-Variable", hint=hint)
     if state.ego is not None:
         known.append("ego")
     hint = meant(node.name, [name for name in known if not name.startswith("__")], state.settings.elsewhere)

@@ -115,6 +115,26 @@ def test_a_run_error_is_shown_with_its_line_and_rule(ask):
     assert ask("check", "prints_then_fails.scenic").err == RUN_ERROR
 
 
+@pytest.mark.parametrize(
+    ("text", "name", "line"),
+    [
+        ("ego = Object with behavior B\nbehavior B():\n    wait\n", "B", 2),
+        ("ego = Object with size f(1)\n\ndef f(x):\n    return x\n", "f", 3),
+        ("ego = Object at other offset by 0 @ 3\nother = Object\n", "other", 2),
+    ],
+)
+def test_a_name_that_is_defined_below_is_told_with_its_line(ask, text, name, line):
+    Path("below.scenic").write_text(text)
+    told = ask("run", "below.scenic").err
+    assert f"{name} is not defined" in told
+    assert f"hint: it is defined below, on line {line}: move that above its first use" in told
+
+
+def test_a_name_that_the_same_line_defines_has_the_usual_hint(ask):
+    Path("same.scenic").write_text("ego = Object\nx, y = y, 3\n")
+    assert "hint: assign it first" in ask("run", "same.scenic").err
+
+
 def test_carets_stand_below_wide_characters_and_tabs(ask):
     Path("wide.scenic").write_text('if True:\n\tx = "漢字" + nosuch\n')
     lines = ask("run", "wide.scenic").err.splitlines()

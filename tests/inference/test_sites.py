@@ -159,6 +159,41 @@ def test_moves_leave_the_law_as_it_is() -> None:
     assert not contradicts(larger(target, moved(target, states, random(4), None, 12)), LAW)
 
 
+ROADS = """model scenic.domains.driving.model
+r = Uniform(*filter(lambda r: len(r.lanes) == 2, network.roads))
+ego = Car on r
+spot = OrientedPoint on visible ego.laneGroup.curb
+Car left of spot by 0.25
+Pedestrian on visible r.sidewalkRegion
+require ego.road is r
+require (distance from ego to intersection) < 60
+"""
+
+
+@pytest.mark.parametrize("text", [CURVE, pytest.param(ROADS, marks=pytest.mark.slow)], ids=["a curve that is seen", "roads"])
+@pytest.mark.parametrize("level", [1.0, np.inf])
+def test_what_a_move_leaves_as_it_is_is_not_computed_again(text: str, level: float) -> None:
+    target = target_of(scenic_ref.loads(text))
+    target.may_compile = False
+    moves, known, generator = moves_of(target), target.remember(), random(6)
+    assert known is not None
+    states = target.simulate(150, random(3))
+    violations = target.assess(states, np.inf).violation
+    levels = np.maximum(violations, level)
+    asked, same = 0, 0
+    for _ in range(12):
+        proposed = moves.propose(states, generator)[0]
+        expected = target.update(states, violations, proposed, levels)
+        found = target.update(states, violations, proposed, levels, known)
+        for one, other in zip(expected[1:], found[1:], strict=True):
+            assert np.array_equal(one, other)
+        states, violations = expected[:2]
+        rows = np.arange(len(states))
+        asked += len(known.below) * len(rows)
+        same += sum(int(known.unchanged(number, rows).sum()) for number in known.below)
+    assert asked / 10 < same < asked
+
+
 def clipped(moves: Moves, states: States, generator: np.random.Generator, target: Target) -> States:
     """Steps that stop at the ends of the interval."""
     return replace(states, uniforms=np.clip(states.uniforms + generator.normal(0, 0.3, states.uniforms.shape), 0.0, 1.0 - 2**-53))

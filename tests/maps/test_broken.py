@@ -7,9 +7,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from scenic_ref.maps import MapError, opendrive, read_map
+from scenic_ref.maps import MapError, Network, opendrive, read_map
 from scenic_ref.maps.reading import network_of
 from scenic_ref.maps.summary import faults
+from scenic_ref.semantics.space.vectors import Vector
 
 LANES = (
     '<laneSection s="0"><left><lane id="1" type="driving"><link/><width sOffset="0" a="3.5" b="0" c="0" d="0"/></lane></left>'
@@ -68,16 +69,30 @@ def test_what_is_strange_is_noted_and_a_fault(name: str) -> None:
     assert [line for line in faults(network) if line.startswith(note)]
 
 
+LINKED = LANES.replace("<link/>", '<link><predecessor id="1"/><successor id="1"/></link>').replace(
+    '<lane id="-1" type="driving">', '<lane id="-1" type="driving"><link><predecessor id="-1"/><successor id="-1"/></link>'
+)
+
+
+def in_sections(lanes: str, *starts: float) -> Network:
+    """The map of a road whose lane sections, all alike, begin there."""
+    return network_of(opendrive.read(file(lanes="".join(lanes.replace('s="0"', f's="{start}"', 1) for start in starts))))
+
+
 def test_lanes_that_are_not_linked_to_those_of_the_next_section_are_a_fault() -> None:
-    linked = LANES.replace("<link/>", '<link><predecessor id="1"/><successor id="1"/></link>').replace(
-        '<lane id="-1" type="driving">', '<lane id="-1" type="driving"><link><predecessor id="-1"/><successor id="-1"/></link>'
-    )
-    found = [
-        sorted(faults(network_of(opendrive.read(file(lanes=lanes + lanes.replace('s="0"', 's="50"', 1)))))) for lanes in (LANES, linked)
-    ]  # fmt: skip
+    found = [sorted(faults(in_sections(lanes, 0, 50))) for lanes in (LANES, LINKED)]
     assert len(found[0]) == 2
     assert all("without a link" in fault for fault in found[0])
     assert found[1] == []
+
+
+@pytest.mark.parametrize("length", [1e-7, 1.7e-5, 1e-3])
+def test_lanes_go_on_across_a_section_of_micrometres(length: float) -> None:
+    network = in_sections(LINKED, 0, 50, 50 + length)
+    assert (network.warnings, list(faults(network))) == ((), [])
+    assert [len(lane.sections) for lane in network.lanes] == [3, 3]
+    assert [lane.centerline.polyline.length for lane in network.lanes] == pytest.approx([100, 100])
+    assert network.roadDirection.at(Vector(50.00001, 2)) == pytest.approx(network.lanes[1].heading_at(Vector(1, 2)))
 
 
 def test_heights_are_noted_and_no_fault() -> None:

@@ -121,6 +121,15 @@ def significant(difference: Difference) -> bool:
     return difference.amount is None or difference.amount > LIMITS.get(difference.what, AREA)
 
 
+def of_release(asked: dict[str, dict[str, object]], folder: Path) -> dict[str, Described]:
+    """What the release says of maps, in its environment; the questions are left in the folder."""
+    (folder / "asked.json").write_text(json.dumps(asked))
+    command, env = [PYTHON, described.__file__, folder / "asked.json"], {**os.environ, "MPLCONFIGDIR": str(folder)}
+    run = subprocess.run(command, capture_output=True, text=True, env=env, check=False)
+    assert run.returncode == 0, run.stderr
+    return {name: found for line in run.stdout.splitlines() for name, found in json.loads(line).items()}
+
+
 @pytest.mark.slow
 def test_networks_are_those_of_the_release_but_for_what_is_explained(tmp_path: Path):
     if not PYTHON.exists():
@@ -136,11 +145,7 @@ def test_networks_are_those_of_the_release_but_for_what_is_explained(tmp_path: P
         lanes, anywhere = points_of(network, draw)
         ours[path.stem] = of_ours(network, lanes, anywhere)
         asked[path.stem] = {"path": str(path), "lanes": lanes, "anywhere": anywhere, "ref_points": REF_POINTS}
-    (tmp_path / "asked.json").write_text(json.dumps(asked))
-    command, env = [PYTHON, described.__file__, tmp_path / "asked.json"], {**os.environ, "MPLCONFIGDIR": str(tmp_path)}
-    run = subprocess.run(command, capture_output=True, text=True, env=env, check=False)
-    assert run.returncode == 0, run.stderr
-    theirs = {name: found for line in run.stdout.splitlines() for name, found in json.loads(line).items()}
+    theirs = of_release(asked, tmp_path)
     unexplained: list[tuple[object, Difference]] = []
     used = Counter[str]()
     for name, mine in ours.items():

@@ -1,16 +1,19 @@
-"""Every behavior, scenario, controller and action of the driving library says which of its arguments is wrong, what it was, and what is wanted."""
+"""All that the driving library lets one call says which of its arguments is wrong, what it was, and what is wanted."""
 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import fields
+from pathlib import Path
 
 import pytest
 import scenic_ref
 from scenic_ref.interpreter.parser import parse
 from scenic_ref.semantics.kernel.errors import ProgramError
 from scenic_ref.semantics.syntax.dynamics import BehaviorDefinition, ScenarioDefinition
+from scenic_ref.semantics.syntax.statements import FunctionDefinition
 from scenic_ref.simulators import actions as a
 from scenic_ref.simulators import arguments as basic
 from scenic_ref.simulators.arguments import Wanted
@@ -18,12 +21,15 @@ from scenic_ref.simulators.worlds.driving import arguments as ours
 from scenic_ref.simulators.worlds.driving import text
 from scenic_ref.simulators.worlds.driving.arguments import WANTED
 
+DOCS = Path(__file__).parent.parent.parent / "docs" / "roads.md"
 MODEL = "model scenic.domains.driving.model\n"
 A_TEXT, NEGATIVE, NAN, NONE, NUMBERS, TRUTH = "'fast'", "-3", "float('nan')", "None", "[1, 2]", "True"
 ALL = (A_TEXT, NEGATIVE, NAN, NONE, NUMBERS, TRUTH)
 REFUSED: Mapping[Wanted, tuple[str, ...]] = {
     basic.SPEED: ALL, basic.DISTANCE: ALL, basic.SHARE: ALL, ours.LANE: ALL, ours.SECTION: ALL, ours.WAY: ALL, ours.TRAIL: ALL, ours.OBJECT: ALL,
-    ours.STEP: ALL, basic.NUMBER: (A_TEXT, NAN, NONE, NUMBERS, TRUTH), basic.HEADING: (A_TEXT, NAN, NONE, NUMBERS, TRUTH), basic.STEERING: ALL,
+    ours.STEP: ALL, ours.DRIVEN: ALL, ours.SIGNAL: ALL, ours.LIGHT: ALL, ours.COLOR: ALL,
+    ours.INTERSECTION: ALL, ours.SCENARIOS: ALL, basic.STEERING: ALL,
+    basic.NUMBER: (A_TEXT, NAN, NONE, NUMBERS, TRUTH), basic.HEADING: (A_TEXT, NAN, NONE, NUMBERS, TRUTH),
     basic.TRUTH: (A_TEXT, NEGATIVE, NAN, NONE, NUMBERS), ours.PLACE: (A_TEXT, NEGATIVE, NAN, NONE, TRUTH),
     basic.VECTOR: (A_TEXT, NEGATIVE, NAN, NONE, TRUTH, "[1, 2, 3]", "[1, 'x']"),
 }  # fmt: skip
@@ -33,6 +39,8 @@ FITTING = {
     "trail": "Trail([ego.lane], ego)",
     "lane": "ego.lane", "vehicle": "ego", "other": "ego", "speed": "1", "threshold": "1", "target": "ego", "speed_error": "1", "cte": "1",
     "agent": "ego", "throttle": "1", "brake": "1", "steer": "1", "past_steer": "1", "handBrake": "True", "reverse": "True", "enabled": "True",
+    "car": "ego", "thresholdDistance": "1", "signal": "[s for s in network.signals if s.isTrafficLight][0]", "color": "'red'",
+    "intersection": "network.intersections[0]", "position": "ego", "scenarios": "[Jaywalker, ParkedCar]", "metres": "1",
     "pos": "ego", "offset": "ego", "heading": "1", "xVel": "1", "yVel": "1",
 }  # fmt: skip
 """Arguments that fit, for the parameters without a default."""
@@ -40,6 +48,8 @@ DEFINED = {
     d.name: d for module in ("behaviors", "scenarios") for d in parse(text(module)).statements
     if isinstance(d, (BehaviorDefinition, ScenarioDefinition))
 }  # fmt: skip
+PLAIN = {d.name: d for module in ("model", "lights", "scenarios") for d in parse(text(module)).statements if isinstance(d, FunctionDefinition)}
+"""Functions of the library, those for its own use among them."""
 
 
 def refused(kind: Wanted) -> tuple[str, ...]:
@@ -64,9 +74,16 @@ def test_the_table_has_every_behavior_and_scenario_with_its_parameters() -> None
     assert {name: list(kinds) for name, kinds in WANTED.items() if name in DEFINED} == taking
 
 
+def test_the_table_has_every_function_that_is_documented_with_its_parameters() -> None:
+    documented = re.findall(r"`(\w+)[(`]", DOCS.read_text(encoding="utf-8"))
+    taking = {name: [p.name for p in d.parameters] for name, d in PLAIN.items() if d.parameters and name in documented}
+    assert {name: list(kinds) for name, kinds in WANTED.items() if name in PLAIN} == taking
+
+
 BEHAVIORS = [name for name in WANTED if isinstance(DEFINED.get(name), BehaviorDefinition)]
 SCENARIOS = [name for name in WANTED if isinstance(DEFINED.get(name), ScenarioDefinition)]
-CONTROLLERS = [name for name in WANTED if name not in DEFINED and "." not in name]
+FUNCTIONS = [name for name in WANTED if name in PLAIN]
+CONTROLLERS = [name for name in WANTED if name not in {*DEFINED, *PLAIN} and "." not in name]
 ACTIONS: Mapping[str, Mapping[str, Wanted]] = {
     **{name: action.wanted for name, action in a.ACTIONS.items() if action.wanted},
     "SetHandBrakeAction": {"handBrake": basic.TRUTH}, "SetVelocityAction": dict.fromkeys(("xVel", "yVel", "zVel"), basic.NUMBER),
@@ -112,6 +129,11 @@ def test_a_controller_refuses_what_it_cannot_take(name: str) -> None:
         check_told("run_step", WANTED[f"{name}.run_step"], "", f"{name}().", f"{name}.run_step")
 
 
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_a_function_refuses_what_it_cannot_take(name: str) -> None:
+    check_told(name, WANTED[name], "")
+
+
 @pytest.mark.parametrize("name", ACTIONS)
 def test_an_action_refuses_what_it_cannot_be(name: str) -> None:
     check_told(name, ACTIONS[name], "take")
@@ -129,6 +151,8 @@ LINES = {
     "an action": ("behavior B():\n    x = 2\n    take SetBrakeAction(x)\nego = Car with behavior B\n", 5),
     "a controller": ("behavior B():\n    c = PIDLateralController(dt=0)\n    wait\nego = Car with behavior B\n", 4),
     "a step of a controller": ("behavior B():\n    c = PIDLateralController()\n    c.run_step(None)\n    wait\nego = Car with behavior B\n", 5),
+    "a function": ("behavior B():\n    while withinDistanceToAnyCars(self, -1):\n        wait\nego = Car with behavior B\n", 4),
+    "a function of a requirement": ("ego = Car\nrequire always not withinDistanceToAnyObjs(ego, None)\n", 4),
     "a scenario": ("scenario Main():\n    setup:\n        ego = Car\n    compose:\n        do Jaywalker('far')\n", 7),
 }
 

@@ -110,6 +110,7 @@ def point(moment: Moment) -> Point:
 
 
 SETS = HEAD + """
+STATES = ('green', 'yellow', 'red')
 behavior Look():
     for i in range(200):
         {}
@@ -159,14 +160,14 @@ def test_whether_a_light_is_near(near: float, place: float, state: str, told: tu
 
 
 def test_only_lights_have_the_three_states() -> None:
-    for wrong, message in (("'blue'", "green, yellow or red, not blue"), ("7", "not 7")):
+    for wrong, message in (("'blue'", "must be 'green', 'yellow' or 'red', not 'blue'"), ("7", "not 7")):
         with pytest.raises(UncaughtException, match=message):
             run(SETS.format(f"setClosestTrafficLightStatus(self, {wrong})"), "kinematic", 2)
 
 
 def test_a_colour_that_is_none_is_refused_where_no_light_is_near() -> None:
-    far = "behavior Set():\n    setClosestTrafficLightStatus(self, 'pink', distance=-1)\n    wait\nego = Car on road, with behavior Set\n"
-    with pytest.raises(UncaughtException, match="green, yellow or red, not pink"):
+    far = "behavior Set():\n    setClosestTrafficLightStatus(self, 'pink', distance=0)\n    wait\nego = Car on road, with behavior Set\n"
+    with pytest.raises(UncaughtException, match="must be 'green', 'yellow' or 'red', not 'pink'"):
         scenic_ref.loads(f"model scenic.domains.driving.model\n{far}").simulate("kinematic", 2)
 
 

@@ -17,10 +17,10 @@ MODEL = "model scenic.domains.driving.model\nfrom scenic.domains.driving.scenari
 IN = "network.intersections[0].incomingLanes[0]"
 
 
-def composed(setup: str, compose: str, steps: int, prelude: str = "", **more: object) -> Simulated:
+def composed(setup: str, compose: str, steps: int, prelude: str = "", seed: int = 0, **more: object) -> Simulated:
     blocks = ("\n".join(f"        {line}" for line in part.splitlines()) for part in (setup, compose))
     text = "{}{}scenario Main():\n    setup:\n{}\n    compose:\n{}\n".format(prelude, MODEL, *blocks)
-    return scenic_ref.loads(text, **more).simulate("kinematic", steps=steps, seed=0).simulation  # type: ignore[arg-type]
+    return scenic_ref.loads(text, **more).simulate("kinematic", steps=steps, seed=seed).simulation  # type: ignore[arg-type]
 
 
 def distance(moment: Moment) -> float:
@@ -75,6 +75,35 @@ def test_ego_goes_the_ways_that_the_car_ahead_chooses(tmp_path: Path, seed: int)
     gaps = [distance(moment) for moment in run.moments]
     assert max(gaps) < 25  # 108 at the end, where they part
     assert math.dist(run.moments[0].objects[1]["position"], run.moments[-1].objects[1]["position"]) > 20  # type: ignore[arg-type]
+
+
+OVERRIDDEN = """scenario Other(target):
+    setup:
+        override target with behavior FollowLaneAvoidingCollisions
+        terminate when False
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seconds", [8, 1000])
+def test_ego_follows_also_a_car_that_another_scenario_overrides(tmp_path: Path, seconds: int):
+    (tmp_path / "round.xodr").write_text(made("roundabout"))
+    setup = (
+        "lane = Uniform(*filter(lambda l: len(l.maneuvers) > 1, network.lanes))\n"
+        "ego = Car at lane.centerline.pointAlongBy(max(5, lane.centerline.length - 30))"
+    )
+    compose = (
+        f"following = FollowingScenario(20)\ntry:\n    do following\n"
+        f"interrupt when simulation().currentTime == 5:\n    do Other(following.leadCar) for {seconds} seconds"
+    )
+    prelude = f"param map = localPath('round.xodr')\n{MODEL}{OVERRIDDEN}"
+    run = composed(setup, compose, 300, prelude, seed=1, directory=tmp_path)
+    assert max(map(distance, run.moments)) < 25  # 91 if ego went the way that was foreseen
+
+
+def test_what_is_done_is_told_the_same_in_every_process():
+    doing = following(30, 20, steps=1).moments[0].doing
+    assert doing[0].startswith("CloseUpAndFallBack(<Car 1>, <scenic.Trail object>)")
 
 
 PULLED = "ego = Car at {}.centerline.pointAlongBy({}), with behavior FollowLaneBehavior(6)"

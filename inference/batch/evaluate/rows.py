@@ -38,6 +38,15 @@ class FailedRows(NamedTuple):
         """Only the rows where `kept` is True."""
         return FailedRows(self.rejected[kept], self.left[kept], None if self.reasons is None else self.reasons[kept])
 
+    def among(self, rows: np.ndarray, count: int) -> FailedRows:
+        """The same where these are some of so many rows, of whose others none failed."""
+        reasons = None if self.reasons is None else np.full(count, None)
+        found = FailedRows(np.zeros(count, dtype=bool), np.zeros(count, dtype=bool), reasons)
+        found.rejected[rows], found.left[rows] = self.rejected, self.left
+        if reasons is not None:
+            reasons[rows] = self.reasons
+        return found
+
     def reasons_of(self, rows: np.ndarray, event: GraphEvent) -> dict[int, Requirement]:
         """What those of these rows failed that are rejected, by their position, where it is known row by row."""
         if self.reasons is None or event.requirement is None:

@@ -99,11 +99,14 @@ class _Combination(Region):
             return self._segment_sampler.length if self.dimension == 1 else float(len(self._points))
         return None if self.bounds() is None else self._area
 
+    @cached_property
+    def _limits(self) -> Bounds | None:
+        return self.bounds()
+
     def sample(self, uniform: Numbers) -> Vector:
-        bounds = self.bounds()
-        if bounds is None:
+        if self._limits is None:
             raise UnboundedRegion(self)
-        if bounds == NO_BOUNDS:
+        if self._limits == NO_BOUNDS:
             raise EmptyRegion(self, "its parts are apart")
         return (self._sample_point, self._sample_curve, self._sample_area)[self.dimension](uniform)
 
@@ -225,7 +228,7 @@ class IntersectionRegion(_Combination):
 
     def segments(self, within: Bounds | None = None) -> Iterable[Segment]:
         curve, other = (self.first, self.second) if self.first.dimension == 1 else (self.second, self.first)
-        bounds = self.bounds()
+        bounds = self._limits
         near = bounds if within is None or bounds is None else overlap(bounds, within)
         return _parts(curve, other.intervals, near)
 

@@ -1,12 +1,14 @@
-"""What the behaviors, scenarios and controllers of the driving library ask of their arguments."""
+"""What the behaviors, scenarios, controllers and functions of the driving library ask of their arguments."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
 from ....maps.elements import Lane, LaneSection, LinearElement
+from ....maps.intersections import Intersection
+from ....maps.signals import Signal
 from ....semantics.kernel.kinds import is_object
-from ....semantics.kernel.values import Instance
+from ....semantics.kernel.values import Dynamic, Instance
 from ....semantics.space.regions import PolylineRegion, Region
 from ....semantics.space.vectors import Vector
 from ...arguments import DISTANCE, NUMBER, SHARE, SPEED, TRUTH, Wanted, check, is_number, is_vector
@@ -19,12 +21,28 @@ def is_way(value: object) -> bool:
     return isinstance(value, (LinearElement, PolylineRegion))
 
 
+def is_driven(value: object) -> bool:
+    """Whether a value is an object that can be asked for its lane."""
+    return OBJECT.admits(value) and any("_lane" in one.methods for one in value.class_.lineage)  # type: ignore[attr-defined]
+
+
+def is_scenarios(value: object) -> bool:
+    """Whether a value is a list of scenarios from which one can be picked by the place."""
+    return isinstance(value, (list, tuple)) and len(value) > 1 and all(isinstance(part, Dynamic) for part in value)
+
+
 OBJECT = Wanted("an object", lambda value: isinstance(value, Instance) and is_object(value))
 PLACE = Wanted("an object, a point or a region", lambda value: isinstance(value, (Instance, Vector, Region)) or is_vector(value))
 LANE = Wanted("a lane", lambda value: isinstance(value, Lane))
 SECTION = Wanted("a section of a lane, such as lane.sections[0]", lambda value: isinstance(value, LaneSection))
 WAY = Wanted("a lane, a line, or a list of lanes, lines and points", is_way)
 TRAIL = Wanted("a Trail", lambda value: type(value).__name__ == "Trail")
+LIGHT = Wanted("a traffic light, such as lane.trafficLight", lambda value: isinstance(value, Signal) and value.isTrafficLight)
+SIGNAL = Wanted("a signal of the map, such as lane.trafficLight", lambda value: isinstance(value, Signal))
+COLOR = Wanted("'green', 'yellow' or 'red'", lambda value: value in ("green", "yellow", "red"))
+INTERSECTION = Wanted("an intersection", lambda value: isinstance(value, Intersection))
+SCENARIOS = Wanted("a list of two scenarios or more", is_scenarios)
+DRIVEN = Wanted("a vehicle, a pedestrian or another object of the driving library", is_driven)
 STEP = Wanted("a number of seconds, more than 0", lambda value: is_number(value) and value > 0)  # type: ignore[operator]
 GAINS = {"K_P": NUMBER, "K_D": NUMBER, "K_I": NUMBER, "dt": STEP}
 
@@ -59,6 +77,19 @@ WANTED: Mapping[str, Mapping[str, Wanted]] = {
     "getLaneFollowingControllers": {"agent": OBJECT},
     "getTurningControllers": {"agent": OBJECT},
     "getLaneChangingControllers": {"agent": OBJECT},
+    "withinDistanceToAnyCars": {"car": PLACE, "thresholdDistance": DISTANCE},
+    "withinDistanceToAnyObjs": {"vehicle": OBJECT, "thresholdDistance": DISTANCE},
+    "withinDistanceToAnyPedestrians": {"vehicle": OBJECT, "thresholdDistance": DISTANCE},
+    "withinDistanceToObjsInLane": {"vehicle": OBJECT, "thresholdDistance": DISTANCE},
+    "getTrafficLightStatus": {"signal": SIGNAL},
+    "setTrafficLightStatus": {"signal": LIGHT, "color": COLOR},
+    "setAllIntersectionTrafficLightsStatus": {"intersection": INTERSECTION, "color": COLOR},
+    "getClosestTrafficLightStatus": {"vehicle": DRIVEN, "distance": DISTANCE},
+    "setClosestTrafficLightStatus": {"vehicle": DRIVEN, "color": COLOR, "distance": DISTANCE},
+    "withinDistanceToTrafficLight": {"vehicle": DRIVEN, "thresholdDistance": DISTANCE},
+    "withinDistanceToRedYellowTrafficLight": {"vehicle": DRIVEN, "thresholdDistance": DISTANCE},
+    "curbAhead": {"vehicle": DRIVEN, "metres": NUMBER},
+    "pickNextScenario": {"position": PLACE, "scenarios": SCENARIOS},
 }
 """The arguments of each, in the order of its parameters."""
 

@@ -9,6 +9,7 @@ from scenic.domains.driving.actions import *
 from scenic.domains.driving.controllers import *
 from scenic.domains.driving.lights import *
 from scenic.domains.driving.behaviors import *
+from scenic.domains.driving.arguments import check_arguments
 
 road = network.drivableRegion
 curb = network.curbRegion
@@ -176,18 +177,22 @@ class Truck(Vehicle):
 
 # Whether a vehicle, another object or a pedestrian is near; of objects and pedestrians only those count that the car sees.
 def withinDistanceToAnyCars(car, thresholdDistance):
+    check_arguments('withinDistanceToAnyCars', car, thresholdDistance)
     return any([(distance from car to o) < thresholdDistance for o in simulation().objects if o is not car and isinstance(o, Vehicle)])
 
 def withinDistanceToAnyObjs(vehicle, thresholdDistance):
+    check_arguments('withinDistanceToAnyObjs', vehicle, thresholdDistance)
     seen = [distance from vehicle to o for o in simulation().objects if o is not vehicle and (vehicle can see o)]
     return any([0.1 <= d < thresholdDistance for d in seen])
 
 def withinDistanceToAnyPedestrians(vehicle, thresholdDistance):
+    check_arguments('withinDistanceToAnyPedestrians', vehicle, thresholdDistance)
     front = (front of vehicle).position
     return any([(distance from front to o) < thresholdDistance for o in simulation().objects if isinstance(o, Pedestrian) and (vehicle can see o)])
 
 # The same, of what is in the same lane, or in the same intersection.
 def withinDistanceToObjsInLane(vehicle, thresholdDistance):
+    check_arguments('withinDistanceToObjsInLane', vehicle, thresholdDistance)
     inter = network.intersectionAt(vehicle.position)
     for o in simulation().objects:
         if o is vehicle or not (vehicle can see o) or not (0.1 <= (distance from vehicle to o) < thresholdDistance):

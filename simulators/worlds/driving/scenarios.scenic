@@ -9,10 +9,14 @@ def beside(element, vehicle, metres):
     place = line.along(lane.point(lane.along(vehicle.position) + metres))
     return line.point(max(1, min(line.length - 1, place)))
 
+# The lanes that a maneuver leads along.
+def lanesOf(maneuver):
+    return [maneuver.endLane] if maneuver.connectingLane is None else [maneuver.connectingLane, maneuver.endLane]
+
 # The lanes that come after one: those of the first way straight on, else of the first maneuver.
 def lanesAfter(lane):
     for maneuver in onward(lane)[:1]:
-        return [maneuver.endLane] if maneuver.connectingLane is None else [maneuver.connectingLane, maneuver.endLane]
+        return lanesOf(maneuver)
     return [] if lane._successor is None or lane._successor not in network.lanes else [lane._successor]
 
 # The lanes from a vehicle's to the one that is so many metres further along them, or to the end of the road.
@@ -43,6 +47,7 @@ def leftOfLane(vehicle):
 
 # The place at the curb so many metres ahead of a vehicle.
 def curbAhead(vehicle, metres):
+    check_arguments('curbAhead', vehicle, metres)
     return OrientedPoint at beside(vehicle.laneGroup.curb, vehicle, metres), facing roadDirection
 
 # The ways straight through the next intersection that cross a vehicle's, and whose lights stay red for some seconds.
@@ -52,32 +57,49 @@ def redWays(vehicle, seconds=5):
     ways = [m for m in own[0].conflictingManeuvers if m.type is ManeuverType.STRAIGHT] if len(own) > 0 else []
     return [m for m in ways if m.startLane._trafficLight is not None and staysRed(m.startLane._trafficLight, seconds)]
 
+# How many metres a vehicle is from a path.
+def off(path, vehicle):
+    return distance from vehicle to path.point(path.along(vehicle.position))
+
 # The lanes that the first of two vehicles goes along, which grow with each way that it chooses, and how far along them the second has come.
 class Trail(object):
     def __init__(self, lanes, second):
         self.lanes = lanes
+        self.first = None
         self.path = Trajectory(lanes)
         self.place = self.path.along(second.position)
 
-    def add(self, lanes):
-        self.lanes = self.lanes + lanes
-        self.path = Trajectory(self.lanes)
+    def lead(self, lanes):
+        self.lanes = lanes
+        self.path = Trajectory(lanes)
+
+    # Where the first vehicle, with another behavior, has left the lanes, they go on along the maneuver that it is nearest to.
+    def watch(self):
+        least = off(self.path, self.first)
+        if least < 1:
+            return
+        for i in range(max(0, len(self.lanes) - 4), len(self.lanes)):
+            for maneuver in self.lanes[i].maneuvers:
+                lanes = [*self.lanes[:i + 1], *lanesOf(maneuver)]
+                away = off(Trajectory(lanes), self.first)
+                if away < least - 0.5:
+                    least = away
+                    self.lead(lanes)
 
     def nextPlace(self, second):
+        self.watch()
         self.place = self.path.along(second.position, self.place)
         return self.place
 
 # The first of them: as FollowLaneBehavior, straight on where that is possible.
 behavior LeadAlong(trail, speed):
     check_arguments('LeadAlong', trail, speed)
-    lane = trail.lanes[-1]
-    while len(lane.maneuvers) > 0:
-        maneuver = Uniform(*onward(lane))
-        more = [maneuver.endLane] if maneuver.connectingLane is None else [maneuver.connectingLane, maneuver.endLane]
-        trail.add(more)
-        do FollowTrajectoryBehavior(speed, [lane, *more]) until self.position in maneuver.endLane
-        lane = maneuver.endLane
-    do FollowLaneBehavior(speed, lane)
+    place = trail.path.along(self.position)
+    while True:
+        if self.position in trail.lanes[-1] and len(trail.lanes[-1].maneuvers) > 0:
+            trail.lead([*trail.lanes, *lanesOf(Uniform(*onward(trail.lanes[-1])))])
+        place = trail.path.along(self.position, place)
+        take following(self, trail.path, place, min(speed, stopping(trail.path.length - 3 - place)))
 
 # The second: it stops before the end of the last road.
 behavior FollowTrail(trail, speed):
@@ -124,6 +146,7 @@ scenario FollowingScenario(gap=20, speed=5):
         spot = pointAhead(way, ego, gap)
         trail = Trail(way, ego)
         leadCar = Car at spot, facing directionOn(way, spot), with behavior LeadAlong(trail, speed)
+        trail.first = leadCar
         override ego with behavior CloseUpAndFallBack(leadCar, trail)
 
 # The paper's scenario of this name: a car parked at the curb pulls out ahead of `target`, which keeps away; it ends when that car is in the lane.
@@ -170,5 +193,6 @@ scenario ParkedCar(gap=0.25):
 
 # One of some scenarios, by a place: less than 30 m from traffic lights the first, elsewhere one of the others.
 def pickNextScenario(position, scenarios):
+    check_arguments('pickNextScenario', position, scenarios)
     near = [i for i in network.intersections if i.isSignalized and (distance from position to i) < 30]
     return scenarios[0]() if len(near) > 0 else Uniform(*scenarios[1:])()
