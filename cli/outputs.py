@@ -274,13 +274,13 @@ def locked(file: int) -> bool:
     return True
 
 
-def in_pieces(lines: bytes) -> Iterator[memoryview]:
+def in_pieces(lines: bytes | memoryview) -> Iterator[memoryview]:
     """Lines with their ends, some at a time."""
-    start = 0
-    while start < len(lines):
-        end = lines.rfind(b"\n", start, start + AT_ONCE) + 1 or lines.find(b"\n", start) + 1 or len(lines)
-        yield memoryview(lines)[start:end]
-        start = end
+    rest = memoryview(lines)
+    while rest:
+        size = bytes(rest[:AT_ONCE]).rfind(b"\n") + 1 or bytes(rest).find(b"\n") + 1 or len(rest)
+        yield rest[:size]
+        rest = rest[size:]
 
 
 def write_all(file: int, data: bytes | memoryview) -> None:

@@ -15,7 +15,6 @@ from ..inference.batch import Batch, Block
 from ..inference.batch.evaluate.features import features_in
 from ..inference.batch.jobs.blocks import FIRST, Pace, Workers, block_of
 from ..inference.batch.jobs.failures import FailedDraw, failed
-from ..inference.batch.jobs.lines import lines_of
 from ..inference.batch.jobs.tables import table_of
 from ..inference.statistics.columns import FeatureTable
 from ..semantics.kernel.outcome import Requirement
@@ -40,7 +39,7 @@ class Portion(NamedTuple):
 
     start: int
     attempts: np.ndarray
-    lines: bytes
+    lines: bytes | memoryview
     columns: Columns | None
     stuck: Counter[Requirement]
     soft: tuple[Softness, ...]
@@ -75,18 +74,13 @@ def draw_portion(drawing: Drawing, asked: PortionJob) -> Portion:
     begun = time.thread_time()
     job, batch = asked.job, batch_of(drawing)
     block = block_of(batch, job.seed, job.start, job.stop, job.max_attempts, asked.ahead)
-    lines = text_of(lines_of(batch.template, block, job.seed)) if asked.form == "lines" else b""
+    lines = drawing.lines.of(block, job.seed, asked.ahead) if asked.form == "lines" else b""
     columns = table_of(batch.template, block, job.seed) if asked.form == "table" and len(block.attempts) else None
     features = features_in(batch.template, block) if asked.form == "features" else None
     soft = softness_of(drawing, block, job.seed, asked.looked) if asked.form != "features" and drawing.has_soft_requirements else ()
     ended = failed(block.error, []) if block.error is not None else None
     seconds = time.thread_time() - begun
     return Portion(job.start, block.attempts + 1, lines, columns, block.stuck, soft, block.left, seconds, ended, features, block.doubtful)
-
-
-def text_of(lines: list[str]) -> bytes:
-    """Lines with their ends."""
-    return "\n".join([*lines, ""]).encode()
 
 
 def softness_of(drawing: Drawing, block: Block, seed: int, stop: int) -> tuple[Softness, ...]:
