@@ -15,6 +15,7 @@ from ..inference.batch import Batch, Block
 from ..inference.batch.evaluate.features import features_in
 from ..inference.batch.jobs.blocks import FIRST, Pace, Workers, block_of
 from ..inference.batch.jobs.failures import FailedDraw, failed
+from ..inference.batch.jobs.shelves import Shelf, laid
 from ..inference.batch.jobs.tables import table_of
 from ..inference.statistics.columns import FeatureTable
 from ..semantics.kernel.outcome import Requirement
@@ -30,8 +31,8 @@ SMALL_PARTS = 4
 
 
 class Portion(NamedTuple):
-    """Scenes `start` to `start + len(attempts) - 1`, as lines (in one text, which is quickly sent), as columns or as features, how often which
-    requirement failed, and how long that took (seconds of a processor, so that other work of the machine does not count).
+    """Scenes `start` to `start + len(attempts) - 1`, as lines (in one text, until the next portion is asked for), as columns or as features, how
+    often which requirement failed, and how long that took (seconds of a processor, so that other work of the machine does not count).
 
     `left` runs were left to the interpreter, and `doubtful` ones by torch to NumPy. `failed` is the error that ended the job early, at the
     scene behind the last.
@@ -48,18 +49,21 @@ class Portion(NamedTuple):
     failed: FailedDraw | None
     features: FeatureTable | None = None
     doubtful: int = 0
+    laid: int = 0
+    """How many bytes of lines lie in the file that was lent for them."""
 
 
 class PortionJob(NamedTuple):
     """What to draw, in which form; scenes before `looked` are looked at for soft requirements.
 
-    About `ahead` more scenes will be asked for of each process.
+    About `ahead` more scenes will be asked for of each process. Lines are laid into the file `place`, if there is one.
     """
 
     job: Job
     form: Form
     looked: int
     ahead: int
+    place: str | None = None
 
 
 def batch_of(drawing: Drawing) -> Batch:
@@ -91,7 +95,10 @@ def softness_of(drawing: Drawing, block: Block, seed: int, stop: int) -> tuple[S
 
 def work_on_portion(asked: PortionJob) -> Portion:
     """The scenes of a job, in a process that is given nothing else."""
-    return draw_portion(drawing_of(asked.job.source), asked)
+    portion = draw_portion(drawing_of(asked.job.source), asked)
+    if asked.place is not None and laid(asked.place, portion.lines):
+        return portion._replace(lines=b"", laid=len(portion.lines))
+    return portion._replace(lines=bytes(portion.lines))
 
 
 def portions(
@@ -108,8 +115,12 @@ def portions(
     if workers is None:
         yield from paced((draw_portion(drawing, part) for part in asked), pace)
         return
-    with workers as several:
-        yield from paced(several.draw(work_on_portion, asked), pace)
+    with workers as several, Shelf() as shelf:
+        if several.here and form == "lines":
+            asked = (part._replace(place=shelf.lend()) for part in asked)
+        for portion in paced(several.draw(work_on_portion, asked), pace):
+            yield portion._replace(lines=shelf.read(portion.laid)) if portion.laid else portion
+            shelf.put_back()
 
 
 def paced(found: Iterator[Portion], pace: Pace) -> Iterator[Portion]:

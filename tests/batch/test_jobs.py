@@ -19,7 +19,7 @@ from scenic_ref.formats.table_files import open_table
 from scenic_ref.formats.tables import Columns, Groups, columns_of, rows_in, some, together
 from scenic_ref.inference.batch import Block
 from scenic_ref.inference.batch.jobs.blocks import Pace, block_of, in_order
-from scenic_ref.inference.batch.jobs.lines import Lines, lines_of
+from scenic_ref.inference.batch.jobs.lines import PACE_KNOWN, Lines, lines_of
 from scenic_ref.inference.batch.jobs.tables import table_of
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted
 
@@ -94,9 +94,12 @@ def test_lines_are_compiled_once_that_is_worth_it():
     batch = scenario_of("rejected").batch
     assert batch is not None
     lines, block = Lines(batch.template), block_of(batch, 0, 0, 30)
+    lines.of(block, 0, ahead=10**9)
+    lines.of(block, 0, ahead=10**9)
+    assert lines.rows is None and 0 < lines.pace * 30 < lines.spent < PACE_KNOWN
+    lines.spent = 1.01 * PACE_KNOWN
     lines.of(block, 0, ahead=1)
-    lines.of(block, 0, ahead=1)
-    assert lines.rows is None and lines.pace > 0
+    assert lines.rows is None
     assert lines.of(block, 0, ahead=10**9) == lines_of(batch.template, block, 0)
     assert lines.rows is not None
 

@@ -108,10 +108,11 @@ def in_order(pool: Executor, work: Callable[[Asked], Given], jobs: Iterable[Aske
 
 @dataclass(frozen=True)
 class Workers:
-    """What does jobs, and how many at a time."""
+    """What does jobs, and how many at a time; `here` where all of it are processes of this machine."""
 
     pool: Executor
     count: int
+    here: bool = False
 
     def draw(self, work: Callable[[Asked], Given], jobs: Iterable[Asked]) -> Generator[Given]:
         """The results of the jobs, in order."""
@@ -128,7 +129,7 @@ def processes(count: int) -> Iterator[Workers]:
     before = set(multiprocessing.active_children())
     finished = False
     try:
-        yield Workers(pool, count)
+        yield Workers(pool, count, here=True)
         finished = True
     finally:
         results = getattr(pool, "_result_queue", None)

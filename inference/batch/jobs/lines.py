@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 Numbers = np.ndarray | list[object]
 """A number for each row: floats, or what the program made of them."""
 TRUTHS = ("false", "true")
-COMPILE = 2.0
-"""Seconds of a processor that compiling takes, by and large."""
+COMPILE, PACE_KNOWN = 2.0, 0.1
+"""Seconds of a processor that compiling takes, by and large, and after which the pace is known."""
 
 
 class Written(NamedTuple):
@@ -56,7 +56,7 @@ class Lines:
 
     def of(self, block: Block, seed: int, ahead: int = 0) -> bytes | memoryview:
         """The lines of a block, in order, with their ends; about `ahead` more scenes will be asked for."""
-        if self.may_compile and self.spent + self.pace * ahead > COMPILE:
+        if self.may_compile and self.spent > PACE_KNOWN and self.spent + self.pace * ahead > COMPILE:
             self.compile()
         begun = time.thread_time()
         found = lines_of(self.template, block, seed, self.rows)
