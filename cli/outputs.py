@@ -7,7 +7,7 @@ import os
 import stat
 import sys
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -274,13 +274,14 @@ def locked(file: int) -> bool:
     return True
 
 
-def in_pieces(lines: bytes | memoryview) -> Iterator[memoryview]:
-    """Lines with their ends, some at a time."""
-    rest = memoryview(lines)
-    while rest:
-        size = bytes(rest[:AT_ONCE]).rfind(b"\n") + 1 or bytes(rest).find(b"\n") + 1 or len(rest)
-        yield rest[:size]
-        rest = rest[size:]
+def in_pieces(lines: Iterable[bytes | memoryview]) -> Iterator[memoryview]:
+    """Lines with their ends, few at a time."""
+    for several in lines:
+        rest = memoryview(several)
+        while rest:
+            size = bytes(rest[:AT_ONCE]).rfind(b"\n") + 1 or bytes(rest).find(b"\n") + 1 or len(rest)
+            yield rest[:size]
+            rest = rest[size:]
 
 
 def write_all(file: int, data: bytes | memoryview) -> None:

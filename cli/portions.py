@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Iterable, Iterator
 from contextlib import AbstractContextManager
 from typing import Literal, NamedTuple
 
@@ -15,7 +15,7 @@ from ..inference.batch import Batch, Block
 from ..inference.batch.evaluate.features import features_in
 from ..inference.batch.jobs.blocks import FIRST, Pace, Workers, block_of
 from ..inference.batch.jobs.failures import FailedDraw, failed
-from ..inference.batch.jobs.shelves import Shelf, laid
+from ..inference.batch.jobs.shelves import Shelf, lay
 from ..inference.batch.jobs.tables import table_of
 from ..inference.statistics.columns import FeatureTable
 from ..semantics.kernel.outcome import Requirement
@@ -31,7 +31,7 @@ SMALL_PARTS = 4
 
 
 class Portion(NamedTuple):
-    """Scenes `start` to `start + len(attempts) - 1`, as lines (in one text, until the next portion is asked for), as columns or as features, how
+    """Scenes `start` to `start + len(attempts) - 1`, as lines (some at a time, good until the next are asked for), as columns or as features, how
     often which requirement failed, and how long that took (seconds of a processor, so that other work of the machine does not count).
 
     `left` runs were left to the interpreter, and `doubtful` ones by torch to NumPy. `failed` is the error that ended the job early, at the
@@ -40,7 +40,7 @@ class Portion(NamedTuple):
 
     start: int
     attempts: np.ndarray
-    lines: bytes | memoryview
+    lines: Iterable[bytes | memoryview]
     columns: Columns | None
     stuck: Counter[Requirement]
     soft: tuple[Softness, ...]
@@ -78,7 +78,7 @@ def draw_portion(drawing: Drawing, asked: PortionJob) -> Portion:
     begun = time.thread_time()
     job, batch = asked.job, batch_of(drawing)
     block = block_of(batch, job.seed, job.start, job.stop, job.max_attempts, asked.ahead)
-    lines = drawing.lines.of(block, job.seed, asked.ahead) if asked.form == "lines" else b""
+    lines = drawing.lines.of(block, job.seed, asked.ahead) if asked.form == "lines" else ()
     columns = table_of(batch.template, block, job.seed) if asked.form == "table" and len(block.attempts) else None
     features = features_in(batch.template, block) if asked.form == "features" else None
     soft = softness_of(drawing, block, job.seed, asked.looked) if asked.form != "features" and drawing.has_soft_requirements else ()
@@ -96,9 +96,10 @@ def softness_of(drawing: Drawing, block: Block, seed: int, stop: int) -> tuple[S
 def work_on_portion(asked: PortionJob) -> Portion:
     """The scenes of a job, in a process that is given nothing else."""
     portion = draw_portion(drawing_of(asked.job.source), asked)
-    if asked.place is not None and laid(asked.place, portion.lines):
-        return portion._replace(lines=b"", laid=len(portion.lines))
-    return portion._replace(lines=bytes(portion.lines))
+    begun = time.thread_time()
+    size = lay(asked.place, portion.lines) if asked.place is not None else None
+    lines = () if size is not None else tuple(map(bytes, portion.lines))
+    return portion._replace(lines=lines, laid=size or 0, seconds=portion.seconds + time.thread_time() - begun)
 
 
 def portions(
@@ -119,7 +120,7 @@ def portions(
         if several.here and form == "lines":
             asked = (part._replace(place=shelf.lend()) for part in asked)
         for portion in paced(several.draw(work_on_portion, asked), pace):
-            yield portion._replace(lines=shelf.read(portion.laid)) if portion.laid else portion
+            yield portion._replace(lines=[shelf.read(portion.laid)]) if portion.laid else portion
             shelf.put_back()
 
 

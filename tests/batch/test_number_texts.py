@@ -18,7 +18,7 @@ def compiled(values: np.ndarray) -> list[str]:
     """The texts by compiled code."""
     from scenic_ref.inference.batch.compile.texts import CompiledRows
 
-    return bytes(CompiledRows().joined([values, "\n"], len(values))[0]).decode().splitlines()
+    return b"".join(bytes(text) for text, _ in CompiledRows().joined([values, "\n"], len(values))).decode().splitlines()
 
 
 @pytest.fixture(params=["quickly", "by Python", pytest.param("compiled", marks=pytest.mark.extra("fast"))])

@@ -50,7 +50,10 @@ def warned(text: str, directory: Path | None = None) -> list[tuple[int, int, str
             "behavior B():\n    speed = 3\n    take speed\nscenario Main():\n    setup:\n        ego = Object with a speed, with b B()\n",
             (6, 29, "speed is not defined", "only B on line 1 has a variable of that name, its own"),
         ),
-        ("def f():\n    return (lambda a: a)(a)\nego = Object\n", (2, 26, "a is not defined", "only the lambda on line 2 has a variable of that name, its own")),
+        (
+            "def f():\n    return (lambda a: a)(a)\nego = Object\n",
+            (2, 26, "a is not defined", "only the lambda on line 2 has a variable of that name, its own"),
+        ),
         (
             "def f():\n    return nosuch\nego = Object\n",
             (2, 12, "nosuch is not defined", "assign it first, or import it; a text stands in quotation marks"),

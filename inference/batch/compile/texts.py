@@ -7,7 +7,7 @@ digits that lie nearer to it than to any other float, the nearest. To import thi
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,8 @@ CONSTANT, FLOAT, WHOLE, PICKED = 0, 1, 2, 3
 """Kinds of pieces: a text, the numbers of a column, its whole numbers, the texts that it numbers."""
 LONGEST_FLOAT, LONGEST_WHOLE = 25, 20
 """Bytes that a number takes at most."""
+AT_ONCE = 1 << 18
+"""Bytes of rows that are made at a time: they stay in the caches until they are written."""
 
 MANTISSA_BITS, EXPONENT_BIAS = 52, 1075
 LEAST_POWER, LARGEST_POWER = -324, 342
@@ -214,11 +216,13 @@ def put_float(out: np.ndarray, at: Any, bits: Any) -> int:
 
 @compile_
 def put_rows(
-    out: np.ndarray, ends: np.ndarray, pieces: np.ndarray, blob: np.ndarray, starts: np.ndarray, floats: np.ndarray, wholes: np.ndarray
+    out: np.ndarray, first: int, ends: np.ndarray, pieces: np.ndarray, blob: np.ndarray, starts: np.ndarray, floats: np.ndarray, wholes: np.ndarray
 ) -> None:
-    """Write rows, one behind the other, and where each ends. A piece is its kind, its column, and the number of its text or of its first text."""
+    """Write rows from `first` on, one behind the other, and where each ends. A piece is its kind, its column, and the number of its text or of its
+    first text.
+    """
     at: Any = 0
-    for row in range(len(ends)):
+    for row in range(first, first + len(ends)):
         for k in range(len(pieces)):
             kind, column, text = pieces[k, 0], pieces[k, 1], pieces[k, 2]
             if kind == FLOAT:
@@ -228,11 +232,10 @@ def put_rows(
             else:
                 if kind == PICKED:
                     text += wholes[column, row]
-                first = starts[text]
-                length = starts[text + 1] - first
-                copy_bytes(out, at, blob, first, length)
+                length = starts[text + 1] - starts[text]
+                copy_bytes(out, at, blob, starts[text], length)
                 at += length
-        ends[row] = at
+        ends[row - first] = at
 
 
 # Rows
@@ -243,16 +246,19 @@ class CompiledRows:
 
     def __init__(self) -> None:
         with later_interrupts():
-            self.joined(["", np.zeros(1), np.zeros(1, dtype=np.int64)], 1)
+            list(self.joined(["", np.zeros(1), np.zeros(1, dtype=np.int64)], 1))
 
-    def joined(self, pieces: Sequence[Cells], count: int) -> tuple[memoryview, np.ndarray]:
-        """The rows, `count` of them, in UTF-8, and where each ends."""
+    def joined(self, pieces: Sequence[Cells], count: int) -> Iterator[tuple[memoryview, np.ndarray]]:
+        """The rows, `count` of them, in UTF-8, some at a time (good until the next are asked for), and where each of these ends."""
         kit = Pieces(count)
         for piece in pieces:
             kit.add(piece)
-        out, ends = np.empty(kit.most, dtype=np.uint8), np.zeros(count, dtype=np.int64)
-        put_rows(out, ends, *kit.arrays())
-        return memoryview(out)[: ends[-1] if count else 0], ends  # type: ignore[arg-type]
+        arrays, step = kit.arrays(), max(1, AT_ONCE // max(kit.longest, 1))
+        out = np.empty(min(step, count) * kit.longest, dtype=np.uint8)
+        for first in range(0, count, step):
+            ends = np.empty(min(step, count - first), dtype=np.int64)
+            put_rows(out, first, ends, *arrays)
+            yield memoryview(out)[: ends[-1]], ends  # type: ignore[arg-type]
 
 
 class Pieces:
@@ -260,8 +266,8 @@ class Pieces:
 
     def __init__(self, count: int) -> None:
         self.count = count
-        self.most = 0
-        """So many bytes the rows have at most."""
+        self.longest = 0
+        """So many bytes a row has at most."""
         self.pieces: list[tuple[int, int, int]] = []
         self.texts: list[bytes] = []
         self.floats: list[np.ndarray] = []
@@ -271,28 +277,28 @@ class Pieces:
         """Add a piece of each row."""
         match piece:
             case str():
-                self.place(CONSTANT, 0, [piece.encode()], self.count)
+                self.place(CONSTANT, 0, [piece.encode()])
             case Picked(texts=texts, numbers=numbers):
-                self.place(PICKED, self.column(self.wholes, numbers), [text.encode() for text in texts], self.count)
+                self.place(PICKED, self.column(self.wholes, numbers), [text.encode() for text in texts])
             case np.ndarray() if piece.dtype.kind == "f":
                 self.pieces.append((FLOAT, self.column(self.floats, piece), 0))
-                self.most += LONGEST_FLOAT * self.count
+                self.longest += LONGEST_FLOAT
             case np.ndarray():
                 self.pieces.append((WHOLE, self.column(self.wholes, piece), 0))
-                self.most += LONGEST_WHOLE * self.count
+                self.longest += LONGEST_WHOLE
             case _:
-                self.place(PICKED, self.column(self.wholes, np.arange(self.count)), [text.encode() for text in piece], 1)
+                self.place(PICKED, self.column(self.wholes, np.arange(self.count)), [text.encode() for text in piece])
 
     def column(self, columns: list[np.ndarray], column: np.ndarray) -> int:
         """The place of a column among others."""
         columns.append(column)
         return len(columns) - 1
 
-    def place(self, kind: int, column: int, texts: list[bytes], often: int) -> None:
-        """A piece that is one of some texts, in so many rows the longest of them."""
+    def place(self, kind: int, column: int, texts: list[bytes]) -> None:
+        """Add a piece that is one of some texts in each row."""
         self.pieces.append((kind, column, len(self.texts)))
         self.texts += texts
-        self.most += often * max(map(len, texts), default=0) if often > 1 else sum(map(len, texts))
+        self.longest += max(map(len, texts), default=0)
 
     def arrays(self) -> tuple[np.ndarray, ...]:
         """What `put_rows` is called with."""

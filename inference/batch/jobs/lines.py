@@ -54,15 +54,21 @@ class Lines:
         self.may_compile = True
         self.spent, self.pace = 0.0, 0.0  # seconds of a processor, and for a scene of the last block
 
-    def of(self, block: Block, seed: int, ahead: int = 0) -> bytes | memoryview:
-        """The lines of a block, in order, with their ends; about `ahead` more scenes will be asked for."""
+    def of(self, block: Block, seed: int, ahead: int = 0) -> Iterator[bytes | memoryview]:
+        """The lines of a block, in order, with their ends, some at a time (good until the next are asked for).
+
+        About `ahead` more scenes will be asked for.
+        """
         if self.may_compile and self.spent > PACE_KNOWN and self.spent + self.pace * ahead > COMPILE:
             self.compile()
         begun = time.thread_time()
-        found = lines_of(self.template, block, seed, self.rows)
+        if self.rows is not None:
+            yield from lines_by(self.rows, self.template, block, seed)
+            return
+        found = lines_of(self.template, block, seed)
         took = time.thread_time() - begun
         self.spent, self.pace = self.spent + took, took / max(len(block.attempts), 1)
-        return found
+        yield found
 
     def compile(self) -> bool:
         """Use compiled code from now on, if there is a compiler. Takes seconds."""
@@ -75,27 +81,27 @@ class Lines:
         return True
 
 
-def lines_of(template: Template, block: Block, seed: int, rows: CompiledRows | None = None) -> bytes | memoryview:
-    """The line of each scene of a block, in order, with their ends; by compiled code if there are `rows`."""
-    pieces, count, others = merged(pieces_of(template, block, seed)), len(block.rows), block.others
-    if rows is not None:
-        text, ends = rows.joined(pieces, count)
-        return b"".join(with_others(text, ends, block)) if others else text
-    made = iter(joined(pieces, count))
+def lines_of(template: Template, block: Block, seed: int) -> bytes:
+    """The line of each scene of a block, in order, with their ends."""
+    made, others = iter(joined(merged(pieces_of(template, block, seed)), len(block.rows))), block.others
     indices = range(block.start, block.start + len(block.attempts))
     return "".join([line_of(others[k]) if k in others else next(made) for k in indices] if others else made).encode()
 
 
-def with_others(text: memoryview, ends: np.ndarray, block: Block) -> Iterator[bytes | memoryview]:
-    """The lines of all scenes of a block: those in its columns, of which each ends at one of `ends`, and the others."""
-    start = 0
-    for index in sorted(block.others):
-        before = int(np.searchsorted(block.rows, index))
-        end = int(ends[before - 1]) if before else 0
-        yield text[start:end]
-        yield line_of(block.others[index]).encode()
-        start = end
-    yield text[start:]
+def lines_by(rows: CompiledRows, template: Template, block: Block, seed: int) -> Iterator[bytes | memoryview]:
+    """The same by compiled code, some at a time, which are good until the next are asked for."""
+    others, done = sorted(block.others), 0
+    for text, ends in rows.joined(merged(pieces_of(template, block, seed)), len(block.rows)):
+        start, indices = 0, block.rows[done : done + len(ends)]
+        while others and others[0] < indices[-1]:
+            before = int(np.searchsorted(indices, others[0]))
+            end = int(ends[before - 1]) if before else 0
+            yield text[start:end]
+            yield line_of(block.others[others.pop(0)]).encode()
+            start = end
+        yield text[start:]
+        done += len(ends)
+    yield from (line_of(block.others[index]).encode() for index in others)
 
 
 def line_of(scene: Scene) -> str:

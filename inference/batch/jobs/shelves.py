@@ -5,6 +5,7 @@ from __future__ import annotations
 import mmap
 import os
 from collections import deque
+from collections.abc import Iterable
 from types import TracebackType
 
 OPEN_FILES = "/proc/{}/fd"
@@ -45,21 +46,24 @@ class Shelf:
             self.free.append(self.lent.popleft())
 
 
-def laid(path: str, text: bytes | memoryview) -> bool:
-    """Lay a text into a lent file; whether that could be done."""
+def lay(path: str, texts: Iterable[bytes | memoryview]) -> int | None:
+    """Lay texts into a lent file, one behind the other; how many bytes. None if it cannot be opened, when none was asked for."""
     try:
         file = os.open(path, os.O_WRONLY)
     except OSError:
-        return False
+        return None
     try:
-        rest = memoryview(text)
-        while rest:
-            rest = rest[os.write(file, rest) :]
-    except OSError:
-        return False
+        return sum(written(file, text) for text in texts)
     finally:
         os.close(file)
-    return True
 
 
-__all__ = ["Shelf", "laid"]
+def written(file: int, text: bytes | memoryview) -> int:
+    """Write all bytes to a file; how many."""
+    rest = memoryview(text)
+    while rest:
+        rest = rest[os.write(file, rest) :]
+    return len(text)
+
+
+__all__ = ["Shelf", "lay"]
