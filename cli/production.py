@@ -14,12 +14,12 @@ from ..inference.batch.jobs.failures import FailedDraw
 from ..inference.rejection import InterruptedDraw
 from ..scenario import FEW
 from ..semantics.kernel.errors import ScenicError, UsageError
-from .drawing import Drawing, drawing_of, tell_notes, tell_warnings
+from .drawing import Drawing, DrawnScene, drawing_of, tell_notes, tell_warnings
 from .errors import WORST
 from .files import LINES, PICTURES, check_ending, check_file, check_place
 from .options import Source
 from .outputs import Output, Resumed, open_output
-from .portions import batch_of, portions
+from .portions import Portion, batch_of, portions
 from .progress import Progress
 from .reports import Tally, processor_seconds, requirement_lines, summary, write_report
 from .session import Session, tell
@@ -52,7 +52,7 @@ def produce(source: Source, request: SceneRequest, session: Session) -> None:
     drawing = drawing_of(source)
     rehearse(drawing)
     begun, used = time.perf_counter(), processor_seconds()
-    tally = Tally()
+    tally, unread = Tally(), list[object]()
     start = request.start
     try:
         with ExitStack() as stack:
@@ -66,12 +66,12 @@ def produce(source: Source, request: SceneRequest, session: Session) -> None:
             progress = stack.enter_context(Progress(request.stop - request.start, start - request.start, foresight=BatchForesight(drawing, request)))
             known = list(earlier.first)
             if interpreted is None:
-                produce_by_batch(job, request, output, tally, progress, known, stack)
+                produce_by_batch(job, request, output, tally, progress, known, unread, stack)
             else:
-                produce_one_by_one(drawing, job, request, output, tally, progress, known, stack)
+                produce_one_by_one(drawing, job, request, output, tally, progress, known, unread, stack)
             output.finish()
     except KeyboardInterrupt as stop:
-        for line in lines_so_far(drawing, tally, start, stop, session):
+        for line in lines_so_far(drawing, tally, unread, start, stop, session):
             tell(line)
         raise
     if source.prune:
@@ -92,9 +92,15 @@ def produce(source: Source, request: SceneRequest, session: Session) -> None:
         plot(drawing, request, known[: request.stop])
 
 
-def lines_so_far(drawing: Drawing, tally: Tally, start: int, stop: KeyboardInterrupt, session: Session) -> list[str]:
-    """What a run from scene `start` came to that was interrupted, with the attempts at scenes that were not found yet."""
-    stuck = tally.stuck.copy()
+def lines_so_far(
+    drawing: Drawing, tally: Tally, unread: list[object], start: int, stop: KeyboardInterrupt, session: Session
+) -> list[str]:
+    """What a run from scene `start` came to that was interrupted, with the attempts at scenes that were not found yet.
+
+    `unread` is what other processes had found behind a scene that was still missing.
+    """
+    behind = tally_of(unread)
+    stuck = tally.stuck + behind.stuck
     batch = drawing.scenario.batch if "_lifted" in vars(drawing.scenario) else None
     block = None if batch is None else batch.drawing
     if isinstance(stop, InterruptedDraw):
@@ -102,7 +108,22 @@ def lines_so_far(drawing: Drawing, tally: Tally, start: int, stop: KeyboardInter
     elif block is not None and block.start >= start + tally.scenes:
         stuck.update(block.stuck)
     head = f"{counted(tally.scenes, 'scene')} so far, and {counted(stuck.total(), 'stuck attempt')}"
+    if behind.scenes:
+        head += f"; {counted(behind.scenes, 'scene')} more were drawn behind one that was still missing, and not written"
     return [head, *(requirement_lines(stuck.most_common(), session.texts, limit=WORST) if stuck else [])]
+
+
+def tally_of(results: Iterable[object]) -> Tally:
+    """The statistics of what other processes gave: portions, or lists of scenes."""
+    tally = Tally()
+    for one in results:
+        if isinstance(one, Portion):
+            tally.add_portion(one)
+        elif isinstance(one, list):
+            for drawn in one:
+                if isinstance(drawn, DrawnScene):
+                    tally.add(drawn)
+    return tally
 
 
 class BatchForesight:
@@ -180,18 +201,19 @@ def first_lines(lines: list[str], most: int) -> list[str]:
     return lines if len(lines) <= most else [*lines[: most - 1], f"... and {len(lines) - most + 1} more lines; `scenario.pruning` has all"]
 
 
-def workers_of(request: SceneRequest, scenes: int) -> AbstractContextManager[Workers] | None:
-    """Who draws the scenes, if not this process."""
+def workers_of(request: SceneRequest, scenes: int, unread: list[object]) -> AbstractContextManager[Workers] | None:
+    """Who draws the scenes, if not this process; `unread` gets what was drawn and not asked for."""
     if request.cluster is not None:
-        return cluster(request.cluster, request.workers if request.workers > 1 else None)
-    return processes(min(request.workers, scenes)) if request.workers > 1 and scenes > 1 else None
+        return cluster(request.cluster, request.workers if request.workers > 1 else None, unread)
+    return processes(min(request.workers, scenes), unread) if request.workers > 1 and scenes > 1 else None
 
 
 def produce_by_batch(
-    job: Job, request: SceneRequest, output: Output, tally: Tally, progress: Progress, known: list[tuple[int, int]], stack: ExitStack
+    job: Job, request: SceneRequest, output: Output, tally: Tally, progress: Progress, known: list[tuple[int, int]], unread: list[object],
+    stack: ExitStack,
 ) -> None:
-    """Draw many scenes at a time; `known` gets the attempts of the first ones. Raises the error that ends them."""
-    found = portions(job.source, job, output.form, workers_of(request, job.stop - job.start), request.workers)
+    """Draw many scenes at a time; `known` gets the attempts of the first ones, `unread` what was drawn in vain. Raises the error that ends them."""
+    found = portions(job.source, job, output.form, workers_of(request, job.stop - job.start, unread), request.workers)
     stack.callback(found.close)
     for portion in found:
         output.write_many(portion)
@@ -204,10 +226,10 @@ def produce_by_batch(
 
 def produce_one_by_one(
     drawing: Drawing, job: Job, request: SceneRequest, output: Output, tally: Tally, progress: Progress, known: list[tuple[int, int]],
-    stack: ExitStack,
+    unread: list[object], stack: ExitStack,
 ) -> None:
     """Draw the scenes with the interpreter; `known` gets the attempts of the first ones. Raises the error that ends them."""
-    workers = workers_of(request, job.stop - job.start)
+    workers = workers_of(request, job.stop - job.start, unread)
     scenes = draw_here(drawing, job, progress.stuck) if workers is None else drawn_by(workers, job, request.workers)
     stack.callback(scenes.close)
     for drawn in printed_first(scenes, progress):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import threading
 from collections.abc import Iterable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from pathlib import Path
 
 import numpy as np
@@ -175,6 +175,28 @@ def test_results_come_in_order_and_few_jobs_are_under_way():
         for result in in_order(pool, work, range(40), 5):
             given.append(result)
     assert given == list(range(40))
+
+
+def test_results_that_are_there_when_nobody_asks_for_more_are_not_lost():
+    """Of three jobs the first is never done while the others are."""
+    others, end = threading.Barrier(3), threading.Event()
+
+    def work(job: int) -> int:
+        if job == 1:
+            end.wait()
+        if job > 1:
+            others.wait()
+        return job
+
+    unread: list[object] = []
+    with ThreadPoolExecutor(3) as pool:
+        found = in_order(pool, work, range(4), 4, unread)
+        assert next(found) == 0
+        others.wait()
+        wait(list(found.gi_frame.f_locals["waiting"])[1:])
+        found.close()
+        end.set()
+    assert unread == [2, 3]
 
 
 def test_an_error_in_a_job_is_raised_in_its_place_and_ends_the_rest():
