@@ -43,7 +43,7 @@ def bench(
     ] = False,
     formats: Annotated[
         list[str] | None,
-        typer.Option("--format", metavar="FORMAT", help="With --end-to-end, only this format: jsonl, npz, parquet, arrow or csv.", show_default=False),
+        typer.Option("--format", metavar="FORMAT", show_default=False, help="With --end-to-end: only jsonl, npz, parquet, arrow or csv."),
     ] = None,
     trust: TrustOption = False,
     seed: Annotated[int, typer.Option("--seed", metavar="SEED", help="The seed of the scenes.")] = 0,
@@ -76,7 +76,9 @@ def bench(
     if not 0 < seconds < float("inf"):
         raise UsageError("--seconds must be a positive number")
     check_outputs(programs or (), output, plot)
-    request = CourseRequest(tuple(programs or ()), seconds, repeat, tuple(against or ()), released, prune, growth, seed, end_to_end, trust, tuple(formats or FORMATS))
+    request = CourseRequest(
+        tuple(programs or ()), seconds, repeat, tuple(against or ()), released, prune, growth, seed, end_to_end, trust, tuple(formats or FORMATS)
+    )
     measure(request, tell, lambda figures: finish(figures, request, output, plot))
 
 

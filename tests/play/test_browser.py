@@ -213,6 +213,7 @@ def test_a_histogram_of_many_values_is_binned_and_has_no_law(page: Page):
     page.settled()
     assert len(page.driver.find_elements("css selector", "#chart rect.bar")) == 24
     assert "infinitely many" in page.text("chart")
+    assert "in m" in [text.text for text in page.driver.find_elements("css selector", "#chart svg text")]
 
 
 def test_a_trace_is_stepped_through_and_its_rules_are_marked_in_the_program(page: Page):
