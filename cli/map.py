@@ -38,7 +38,9 @@ def show_map(
     param: Annotated[list[str] | None, typer.Option("-p", "--param", metavar="NAME=VALUE", help="A parameter of --make.")] = None,
     debug: DebugOption = False,
 ) -> None:
-    """Say what is in a map: roads, lanes, intersections, and the maneuvers through them, or the features of one's own; or make a road map.
+    """Say what is in a map, draw it, or make one.
+
+    Roads, lanes, intersections, and the maneuvers through them, or the features of one's own.
 
     Roads are counted outside intersections; lanes are counted everywhere. Lengths are in metres.
 

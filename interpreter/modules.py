@@ -131,7 +131,8 @@ def absent(name: str, worlds: Mapping[str, World]) -> ModuleNotFoundError:
     outside = f"the module {name} of the released implementations is outside this reference: {why_outside(name)}"
     error = ModuleNotFoundError(outside if theirs else f"there is no module {name}")
     otherwise = f"of theirs there are: {', '.join(key for key in worlds if key.startswith('scenic.'))}" if theirs else ""
-    if hint := did_you_mean(name, [*worlds, *HARMLESS], otherwise):
+    part = next((f"did you mean {key}?" for key in worlds if name in key.split(".") and key.endswith(".model")), otherwise)
+    if hint := did_you_mean(name, [*worlds, *HARMLESS], part):
         error.add_note(hint)
     return error
 
