@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from .completing import one_of
 from .options import DebugOption, TrustOption
 
 if TYPE_CHECKING:
@@ -43,7 +44,10 @@ def bench(
     ] = False,
     formats: Annotated[
         list[str] | None,
-        typer.Option("--format", metavar="FORMAT", show_default=False, help="With --end-to-end: only jsonl, npz, parquet, arrow or csv."),
+        typer.Option(
+            "--format", metavar="FORMAT", show_default=False, autocompletion=one_of("jsonl", "npz", "parquet", "arrow", "csv"),
+            help="With --end-to-end: only jsonl, npz, parquet, arrow or csv.",
+        ),
     ] = None,
     trust: TrustOption = False,
     seed: Annotated[int, typer.Option("--seed", metavar="SEED", help="The seed of the scenes.")] = 0,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
+from .completing import map_kinds, words
 from .options import DebugOption
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ def show_map(
     make: Annotated[
         str | None,
         typer.Option(
-            "--make", metavar="KIND",
+            "--make", metavar="KIND", autocompletion=words(map_kinds),
             help="Make a grid, crossing, t, roundabout, highway or suburb; without FILE, list the parameters and their values.",
         ),
     ] = None,
