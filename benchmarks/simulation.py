@@ -1,16 +1,22 @@
-"""Agent-steps per second of the processor with 2, 10 and 50 agents in each simulator, with simple and with nested behaviors; the policy's share.
+"""Microseconds of the processor per agent-step with 2, 10 and 50 agents in each simulator, with simple and with nested behaviors, by each backend.
 
-    python benchmarks/simulation.py [--steps N] [--repeat K] [-o RESULT.json]
+    python benchmarks/simulation.py [--steps N] [--repeat K] [--against NAME=PYTHON ...] [-o RESULT.json]
 
-The policy is what remains when the simulator's own calls are taken away. Medians of K turns.
+Turns of both backends, and of each released Scenic (the Python of its environment; still only: its simulator in which nothing happens), alternate.
+Medians of K turns with the least and the most; of the simulator, what its own calls take.
 """
 
 from __future__ import annotations
 
 import argparse
+import gc
+import json
 import statistics
+import subprocess
 import time
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import scenic_ref
 from scenic_ref.benchmarks.results import print_head, print_row, save
@@ -43,6 +49,8 @@ behavior Nested():
 """
 SIMULATORS = ("still", "kinematic", "pymunk")
 """Those that need no map."""
+BACKENDS = ("compiled", "interpreter")
+RELEASED = Path(__file__).with_name("released_simulator.py")
 BEHAVIORS = {"simple": "Go", "nested": "Nested"}
 
 
@@ -66,36 +74,72 @@ class Timed:
         return timed
 
 
-def measure(simulator: str, agents: int, behavior: str, steps: int, repeat: int) -> dict[str, object]:
-    """One row."""
+class Row(NamedTuple):
+    """Microseconds per agent-step: the median of the turns, the least and the most."""
+
+    median: float
+    least: float
+    most: float
+
+    def __str__(self) -> str:
+        return f"{self.median:.1f} ({self.least:.1f} to {self.most:.1f})"
+
+
+def row_of(seconds: Sequence[float], count: int) -> Row:
+    """The seconds of some turns, each of `count` agent-steps."""
+    each = [1e6 * s / count for s in seconds]
+    return Row(*(round(x, 2) for x in (statistics.median(each), min(each), max(each))))
+
+
+def measure(simulator: str, agents: int, behavior: str, steps: int, repeat: int, against: Mapping[str, str]) -> dict[str, object]:
+    """One row of the table."""
     text = HEAD + "".join(f"{'ego = ' if k == 0 else ''}Car at ({5 * k}, 0), with behavior {BEHAVIORS[behavior]}\n" for k in range(agents))
     scenario = scenic_ref.loads(text)
-    whole, inside = [], []
+    turns: dict[str, list[float]] = {name: [] for name in ("compiled", "interpreter", *against)}
+    inside: list[float] = []
+    for backend in BACKENDS:
+        seconds_of(scenario, by_name(simulator), 5, backend)
     for _ in range(repeat):
+        for backend in BACKENDS:
+            alone = seconds_of(scenario, by_name(simulator), 0, backend)
+            turns[backend].append(seconds_of(scenario, by_name(simulator), steps, backend) - alone)
+        for name, python in against.items():
+            asked = f"{agents} {BEHAVIORS[behavior]} {steps} 1"
+            turns[name] += json.loads(subprocess.run([python, str(RELEASED), asked], check=True, capture_output=True, text=True).stdout)
         timed = Timed(by_name(simulator))
-        begun = time.process_time()
-        scenario.simulate(timed, 0)  # type: ignore[arg-type]
-        alone = time.process_time() - begun
-        timed.seconds, begun = 0.0, time.process_time()
-        scenario.simulate(timed, steps)  # type: ignore[arg-type]
-        whole.append(time.process_time() - begun - alone)
+        seconds_of(scenario, timed, steps, "compiled")
         inside.append(timed.seconds)
-    seconds, own = statistics.median(whole), statistics.median(inside)
+    rows = {name: row_of(seconds, agents * steps) for name, seconds in turns.items()}
+    others = [name for name in turns if name != "compiled"]
+    ratios = {f"{name} / compiled": round(statistics.median(a / b for a, b in zip(turns[name], turns["compiled"])), 1) for name in others}
     return {
-        "simulator": simulator, "agents": agents, "behavior": behavior, "agent-steps per second": round(agents * steps / seconds),
-        "microseconds of the simulator per agent-step": round(1e6 * own / (agents * steps), 1),
-        "microseconds of the policy per agent-step": round(1e6 * (seconds - own) / (agents * steps), 1),
+        "simulator": simulator, "behavior": behavior, "agents": agents, **{name: str(row) for name, row in rows.items()},
+        "the simulator's own": str(row_of(inside, agents * steps)), **ratios,
     }  # fmt: skip
+
+
+def seconds_of(scenario: scenic_ref.Scenario, simulator: object, steps: int, backend: str) -> float:
+    """The processor's seconds that a simulation takes."""
+    gc.collect()  # what others left behind
+    begun = time.process_time()
+    scenario.simulate(simulator, steps, backend=backend)  # type: ignore[arg-type]
+    return time.process_time() - begun
 
 
 def main() -> None:
     """Measure, print a table, perhaps write JSON."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--steps", type=int, default=200)
-    parser.add_argument("--repeat", type=int, default=3)
+    parser.add_argument("--repeat", type=int, default=5)
     parser.add_argument("-o", type=Path, help="write the figures as JSON")
+    parser.add_argument("--against", action="append", default=[], metavar="NAME=PYTHON", help="measure a released Scenic as well, by its Python")
+    parser.add_argument("--simulators", nargs="+", default=list(SIMULATORS), choices=SIMULATORS)
     options = parser.parse_args()
-    rows = [measure(s, n, b, options.steps, options.repeat) for s in SIMULATORS for b in BEHAVIORS for n in (2, 10, 50)]
+    against = dict(one.split("=", 1) for one in options.against)
+    rows = [
+        measure(s, n, b, options.steps, options.repeat, against if s == "still" else {})
+        for s in options.simulators for b in BEHAVIORS for n in (2, 10, 50)
+    ]  # fmt: skip
     print_head(list(rows[0]))
     for row in rows:
         print_row(list(row.values()))

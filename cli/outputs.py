@@ -11,13 +11,14 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 try:
     import fcntl
 except ImportError:  # not on this system
     fcntl = None
 
+from ..formats.recordings import SCHEMA as SIMULATION_SCHEMA
 from ..formats.scenes import SCHEMA
 from ..formats.table_files import SUFFIXES
 from ..inference.batch.jobs.blocks import uninterrupted
@@ -34,9 +35,21 @@ KNOWN = 32
 """For how many scenes of a resumed file the attempts are kept, for a picture of them."""
 
 
+class Kind(NamedTuple):
+    """What the lines of a file are: their schema, the key of their number, and a word for one of them."""
+
+    schema: str
+    number: str
+    word: str
+
+
+SCENES = Kind(SCHEMA, "scene", "scene")
+SIMULATIONS = Kind(SIMULATION_SCHEMA, "run", "simulation")
+
+
 @dataclass(frozen=True)
 class Earlier:
-    """A scene that a resumed file holds already."""
+    """A scene or simulation that a resumed file holds already."""
 
     index: int
     attempts: int
@@ -88,8 +101,9 @@ class Output(ABC):
 class LinesFile(Output):
     """A file of JSON Lines, written in place: every line is written as soon as its scene is drawn, and always whole."""
 
-    def __init__(self, path: str, *, resume: bool) -> None:
+    def __init__(self, path: str, *, resume: bool, kind: Kind = SCENES) -> None:
         self.path = path
+        self.kind = kind
         self.size = 0
         try:
             self.file = os.open(path, (os.O_RDWR if resume else os.O_WRONLY) | os.O_CREAT | BINARY, 0o666)
@@ -121,18 +135,19 @@ class LinesFile(Output):
         return Resumed(count, tuple(first), last)
 
     def _earlier(self, number: int, data: bytes, seed: int) -> Earlier:
+        wanted, key, word = self.kind
         try:
             line = data.decode("utf-8")
-            scene = json.loads(line)
-            schema, its_seed, index, attempts = (scene[key] for key in ("schema", "seed", "scene", "attempts"))
+            found = json.loads(line)
+            schema, its_seed, index, attempts = (found[name] for name in ("schema", "seed", key, "attempts"))
         except (ValueError, KeyError, TypeError):
-            raise UsageError(f"{self.path} cannot be resumed: its line {number + 1} is not a scene") from None
-        if schema != SCHEMA or type(attempts) is not int or attempts < 1:
-            raise UsageError(f"{self.path} cannot be resumed: its line {number + 1} is not a scene of {SCHEMA}")
+            raise UsageError(f"{self.path} cannot be resumed: its line {number + 1} is not a {word}") from None
+        if schema != wanted or type(attempts) is not int or attempts < 1:
+            raise UsageError(f"{self.path} cannot be resumed: its line {number + 1} is not a {word} of {wanted}")
         if its_seed != seed:
-            raise UsageError(f"{self.path} cannot be resumed: it holds scenes of seed {its_seed}, not {seed}", hint=f"give --seed {its_seed}")
+            raise UsageError(f"{self.path} cannot be resumed: it holds {word}s of seed {its_seed}, not {seed}", hint=f"give --seed {its_seed}")
         if index != number:
-            raise UsageError(f"{self.path} cannot be resumed: its line {number + 1} is scene {index}, not {number}")
+            raise UsageError(f"{self.path} cannot be resumed: its line {number + 1} is {word} {index}, not {number}")
         return Earlier(index, attempts, line)
 
     def write(self, drawn: DrawnScene) -> None:
@@ -295,7 +310,7 @@ STREAMS = ("jsonl", "arrow")
 """The formats of standard output."""
 
 
-def open_output(path: str | None, *, resume: bool, stream: str = "jsonl") -> Output:
+def open_output(path: str | None, *, resume: bool, stream: str = "jsonl", kind: Kind = SCENES) -> Output:
     """The output that the command line asks for; `stream` is the format of standard output. Raises `UsageError` if it cannot be written."""
     if stream not in STREAMS:
         raise UsageError(f"there is no format {stream}", hint=f"the formats of standard output are {' and '.join(STREAMS)}")
@@ -313,4 +328,4 @@ def open_output(path: str | None, *, resume: bool, stream: str = "jsonl") -> Out
         if resume:
             raise UsageError("a table cannot be resumed, since it appears only when it is complete", hint="write JSON Lines: -o PATH.jsonl")
         return TableOutput(path)
-    return LinesFile(path, resume=resume)
+    return LinesFile(path, resume=resume, kind=kind)

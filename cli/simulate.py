@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import StrEnum
 from typing import Annotated
 
 import typer
@@ -30,6 +31,14 @@ from .options import (
     limits_of,
     read_source,
 )
+
+
+class SimulationBackendName(StrEnum):
+    """The backends of simulations."""
+
+    COMPILED = "compiled"
+    INTERPRETER = "interpreter"
+
 
 DECIDED = {"count": "-n", "seed": "--seed", "run": "--run", "steps": "--steps", "max_attempts": "--max-attempts"}
 """The options whose values a recording decides, by parameter."""
@@ -73,6 +82,15 @@ def simulate(
         ),
     ] = None,
     workers: Annotated[int, typer.Option("--workers", metavar="PROCESSES", min=1, help="Use so many processes; the simulations stay the same.")] = 1,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with the simulations of PATH, whose last one is checked.")] = False,
+    backend: Annotated[
+        SimulationBackendName,
+        typer.Option(
+            "--backend",
+            help="What runs behaviors: Python code made from them (what has no translation is left to the machine), or the machine for all. The "
+            "simulations are the same.",
+        ),
+    ] = SimulationBackendName.COMPILED,
     profile: ProfileOption = "paper",
     reading: ReadingOption = None,
     dialect: DialectOption = None,
@@ -107,6 +125,8 @@ def simulate(
         given = [name for name, source in sources.items() if source is not None and source.name != "DEFAULT"]
         if given:
             raise UsageError(f"the recording decides what is replayed: {', '.join(given)} cannot be given with --replay")
+        if resume:
+            raise UsageError("what is replayed begins anew: --resume cannot be given with --replay")
         if workers > 1:
             raise UsageError("one process replays: --workers cannot be given with --replay", hint="leave it out")
         session.seed = None
@@ -117,5 +137,7 @@ def simulate(
         limits=limits_of(limit_memory, limit_seconds), scenario=scenario
     )
     first = 0 if run is None else run
-    request = SimulationRequest(first, first + count, seed, max_attempts, simulator, steps, timestep, output, html, gif, replay, workers)
+    request = SimulationRequest(
+        first, first + count, seed, max_attempts, simulator, steps, timestep, output, html, gif, replay, workers, backend.value, resume
+    )  # fmt: skip
     produce_simulations(source, request, session)

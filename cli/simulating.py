@@ -12,7 +12,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
+from ..formats.notebooks import counted
 from ..inference.batch.jobs.blocks import processes
+from ..scenario.simulating import SimulationBackend
+from ..semantics.kernel.errors import UsageError
 from ..semantics.kernel.outcome import Requirement
 from ..simulators import by_name
 from ..simulators.protocol import Simulator
@@ -20,7 +23,7 @@ from ..simulators.simulating import Failed
 from .drawing import Drawing, DrawnScene, drawing_of
 from .files import LINES, check_ending, check_place
 from .options import Source
-from .outputs import Output, open_output
+from .outputs import SIMULATIONS, Output, Resumed, open_output
 from .pages import MOST, PageRun, write_movie, write_page
 from .production import printed_first, rehearse
 from .progress import Progress
@@ -45,6 +48,8 @@ class SimulationRequest(NamedTuple):
     gif: str | None = None
     replay: str | None = None
     workers: int = 1
+    backend: SimulationBackend = "compiled"
+    resume: bool = False
 
 
 @dataclass
@@ -77,7 +82,12 @@ def produce_simulations(source: Source, request: SimulationRequest, session: Ses
     tally = SimulationTally()
     interrupted: KeyboardInterrupt | None = None
     with ExitStack() as stack:
-        output = None if shown_only(request) else stack.enter_context(open_output(request.output, resume=False))
+        output = None if shown_only(request) else stack.enter_context(open_output(request.output, resume=request.resume, kind=SIMULATIONS))
+        if output is not None and request.resume:
+            earlier = output.earlier(request.seed)
+            check_earlier(drawing, request, simulator, earlier)
+            request = request._replace(start=min(earlier.count, request.stop))
+            total = request.stop - request.start
         progress = stack.enter_context(Progress(total, what="simulations"))
         wanted = output is not None or request.html is not None
         found = simulations(source, drawing, simulator, request, tally, progress, wanted) if replays is None else replayed(replays, request, wanted)
@@ -107,6 +117,8 @@ def show(
     """Make a page and an animation of the finished simulations, and report on all."""
     for line in replays.lines(seconds) if replays is not None else summary(request, tally, seconds, session):
         tell(line)
+    for line in left_to_machine(drawing) if request.backend == "compiled" and replays is None else ():
+        tell(line)
     if not tally.kept:
         return
     if request.html is not None:
@@ -120,8 +132,29 @@ def show(
         tell(f"{request.gif} shows the first simulation")
 
 
+def check_earlier(drawing: Drawing, request: SimulationRequest, simulator: Simulator, earlier: Resumed) -> None:
+    """Check that the last simulation of a resumed file is the one that this program gives. Raises `UsageError`."""
+    last = earlier.last
+    if last is None:
+        return
+    run = drawing.scenario.simulate(
+        simulator, request.steps, request.seed, last.index, max_attempts=request.max_attempts, backend=request.backend,
+    )  # fmt: skip
+    if reported(run, True, shown=False).line != last.line:
+        raise UsageError(
+            f"{request.output} cannot be resumed: its simulation {last.index} is not the one that this program and these options give",
+            hint="write to another file, or leave out --resume to overwrite this one",
+        )
+
+
 def check_places(source: Source, request: SimulationRequest) -> None:
     """Find wrong paths before the work begins. Raises `UsageError`."""
+    if request.resume and (request.output is None or request.output == "-"):
+        raise UsageError("--resume needs a file to continue: -o PATH")
+    if request.resume and request.start:
+        raise UsageError("--resume continues with all simulations, so it cannot be combined with --run")
+    if request.resume and (request.html is not None or request.gif is not None):
+        raise UsageError("a page or an animation shows what one command simulates: --html and --gif cannot be given with --resume")
     read = {"the program itself": source.file, "the recording": request.replay}
     if request.output is not None and request.output != "-":
         check_place(request.output, read)
@@ -153,7 +186,7 @@ def simulations(
     """
     job = SimulationJob(
         source, request.seed, request.start, request.start, request.stop, request.max_attempts, request.simulator, request.timestep, request.steps,
-        wanted, MOST if request.html is not None else 0,
+        wanted, MOST if request.html is not None else 0, request.backend,
     )  # fmt: skip
     count = min(request.workers, request.stop - request.start)
     found = (
@@ -193,6 +226,18 @@ def summary(request: SimulationRequest, tally: SimulationTally, seconds: float, 
     if tally.stuck:
         lines += requirement_lines(when(tally.stuck).most_common(), session.texts, limit=5)
     return lines
+
+
+MOST_LEFT = 5
+"""So many reasons are told."""
+
+
+def left_to_machine(drawing: Drawing) -> list[str]:
+    """What this process left to the machine, and why; errors of the program are told as such."""
+    library = drawing.scenario.compiled
+    lines = [f"the machine ran what is not compiled: {reason}" for reason in dict.fromkeys(library.left.values())]
+    lines += [f"the machine ran {counted(often, 'attempt')} alone: {reason}" for reason, often in library.wholes.most_common()]
+    return lines[:MOST_LEFT] + ([f"... and {len(lines) - MOST_LEFT} more reasons"] if len(lines) > MOST_LEFT else [])
 
 
 def when(stuck: Counter[Failed]) -> Counter[Requirement]:

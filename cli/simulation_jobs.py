@@ -14,6 +14,7 @@ from ..formats.replay_pages import land_below
 from ..inference.batch.jobs.blocks import Workers
 from ..inference.batch.jobs.failures import FailedDraw, failed, parts
 from ..inference.simulation import SampledRun
+from ..scenario.simulating import SimulationBackend
 from ..semantics.kernel.driving import Witness
 from ..semantics.kernel.errors import InternalError, ScenicError
 from ..simulators import by_name
@@ -41,6 +42,7 @@ class SimulationJob(NamedTuple):
     steps: int
     wanted: bool = True
     shown: int = 0
+    backend: SimulationBackend = "compiled"
 
 
 @dataclass(frozen=True)
@@ -100,7 +102,7 @@ def simulate_here(drawing: Drawing, job: SimulationJob, simulator: Simulator, te
         try:
             run = drawing.scenario.simulate(
                 simulator, job.steps, job.seed, index, max_attempts=job.max_attempts, on_attempt=tell.attempt, on_failed=tell.failed,
-                witnessed=listening if drawing.prints else None,
+                witnessed=listening if drawing.prints else None, backend=job.backend,
             )  # fmt: skip
             found = reported(run, job.wanted, tuple(printed), shown=index < job.begun + job.shown)
         except ScenicError as error:

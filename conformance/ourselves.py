@@ -112,7 +112,7 @@ class Ourselves:
         with told():
             scenario = load(task)
             for index in range(count):
-                run = scenario.simulate(RecordedWorld(world or ()), steps, seed, index, max_attempts=attempts)
+                run = scenario.simulate(RecordedWorld(world or ()), steps, seed, index, max_attempts=attempts, backend="interpreter")
                 yield to_json(run.simulation, run.attempts)
 
     def enumerated_simulations(self, task: Task, steps: int) -> Enumerated | None:

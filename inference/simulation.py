@@ -4,18 +4,22 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator
+from functools import partial
 from itertools import count, islice
 from typing import NamedTuple
 
 from ..formats.notebooks import counted
 from ..formats.recordings import Simulated
 from ..interpreter.choosers import from_stream
-from ..interpreter.running import DEFAULT_FUEL, Witness
+from ..interpreter.running import DEFAULT_FUEL, Chooser, Witness
 from ..semantics.dynamics.processes import DYNAMIC
-from ..semantics.kernel.config import Config
+from ..semantics.kernel.config import Config, State
 from ..semantics.kernel.errors import AttemptsExhausted
 from ..simulators.protocol import Simulator
 from ..simulators.simulating import Failed, simulate_once
+from .dynamics.code import Library
+from .dynamics.leaving import LeftToMachine
+from .dynamics.policy import CompiledPolicy
 from .rejection import DEFAULT_ATTEMPTS, counting
 
 RETRIES = 100
@@ -36,15 +40,16 @@ class SampledRun(NamedTuple):
 def sample_simulation(
     start: Callable[[], Config], simulator: Simulator, steps: int, seed: int, index: int, *, max_attempts: int = DEFAULT_ATTEMPTS,
     fuel: int = DEFAULT_FUEL, retry: bool = False, on_attempt: Callable[[int], None] | None = None,
-    on_failed: Callable[[Failed], None] | None = None, witnessed: Callable[[int], Witness | None] | None = None,
+    on_failed: Callable[[Failed], None] | None = None, witnessed: Callable[[int], Witness | None] | None = None, library: Library | None = None,
 ) -> SampledRun:  # fmt: skip
     """Simulation number `index` of `seed`, of at most `steps` time steps. Raises `AttemptsExhausted`, and the errors of the program and simulator.
 
+    Behaviors run compiled where there is a `library` for them, else by the machine; the simulations are the same.
     `on_attempt` is told how many attempts failed so far, `on_failed` of each. With `retry`, a scene keeps its numbers while its simulations are
     rejected, up to `RETRIES` times.
     """
     stuck: Counter[Failed] = Counter()
-    tried = attempts_at(start, simulator, steps, seed, index, fuel=fuel, retry=retry, witnessed=witnessed)
+    tried = attempts_at(start, simulator, steps, seed, index, fuel=fuel, retry=retry, witnessed=witnessed, library=library)
     for attempt, (found, drawn) in enumerate(islice(tried, max_attempts)):
         if isinstance(found, Simulated):
             return SampledRun(found, attempt + 1, stuck)
@@ -63,7 +68,7 @@ def sample_simulation(
 
 def attempts_at(
     start: Callable[[], Config], simulator: Simulator, steps: int, seed: int, index: int, *, fuel: int = DEFAULT_FUEL, retry: bool = False,
-    witnessed: Callable[[int], Witness | None] | None = None,
+    witnessed: Callable[[int], Witness | None] | None = None, library: Library | None = None,
 ) -> Iterator[tuple[Simulated | Failed, bool]]:  # fmt: skip
     """One run of simulation number `index` after the other, without end, and whether anything was drawn in it; arguments as `sample_simulation`."""
     scene, first = 0, 0  # the attempt that the scene's numbers are of, and the one with which its simulations began
@@ -74,12 +79,31 @@ def attempts_at(
 
         witness = None if witnessed is None else witnessed(attempt)
         chooser, drawn = counting(from_stream(seed, index, number))
-        found = simulate_once(
-            start(), chooser, simulator, steps, seed=seed, index=index, attempt=scene, tried=attempt, fuel=fuel, witness=witness,
-        )  # fmt: skip
+        simulate = partial(simulate_once, seed=seed, index=index, attempt=scene, tried=attempt, fuel=fuel, witness=witness)
+        found = compiled(simulate, start, chooser, simulator, steps, library if witness is None else None, fuel)
         yield found, bool(drawn)
         if isinstance(found, Simulated) or not retry or found.step is None or attempt + 1 - first >= RETRIES:
             scene = first = attempt + 1
+
+
+def compiled(
+    simulate: Callable[..., Simulated | Failed], start: Callable[[], Config], choose: Chooser, simulator: Simulator, steps: int,
+    library: Library | None, fuel: int,
+) -> Simulated | Failed:  # fmt: skip
+    """One run with what is compiled of the program, from its beginning by the machine where that cannot go on."""
+    while library is not None and library.usable:
+
+        def policy(state: State, witness: Witness) -> CompiledPolicy:
+            assert library is not None
+            return CompiledPolicy(state, choose, library, witness, fuel)
+
+        try:
+            return simulate(start(), choose, simulator, steps, by=policy)
+        except LeftToMachine as left:
+            if not left.again:
+                library.wholes[left.reason] += 1
+                break
+    return simulate(start(), choose, simulator, steps)
 
 
 def exhausted(text: str, attempts: int, stuck: Counter[Failed]) -> AttemptsExhausted:

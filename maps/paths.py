@@ -45,7 +45,7 @@ class Trajectory(Fixed):
         points = np.array([tuple(v) for v in points_of(parts)], dtype=float).reshape(-1, 2)
         points = points[np.concatenate([[True], np.hypot(*np.diff(points, axis=0).T) > 1e-3])] if len(points) else points
         if len(points) < 2:
-            raise ValueError("a path needs at least two different points")
+            raise ValueError("a trajectory needs at least two different points")
         points = points[::-1] if reverse else points
         points = shapely.get_coordinates(LineString(points).segmentize(STEP))
         lengths = np.hypot(*np.diff(points, axis=0).T)
@@ -109,4 +109,4 @@ def points_of(part: object) -> Iterable[Vector]:
     try:
         return [vector(part)]
     except (TypeError, ValueError):
-        raise TypeError(f"a path leads along lanes, lines and points, not along {kind_name(part)}") from None
+        raise TypeError(f"a trajectory leads along lanes, lines and points, not along {kind_name(part)}") from None

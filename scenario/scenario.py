@@ -10,21 +10,17 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..formats.recorded import Recording
-from ..formats.recordings import Simulated
 from ..formats.scenes import Scene, scene_of
 from ..inference.batch import Batch, Block, Impossible, NotLifted
 from ..inference.batch.devices import check_device
 from ..inference.batch.evaluate.features import features_in
 from ..inference.batch.jobs.blocks import block_of, jobs
 from ..inference.enumeration import DEFAULT_RUNS, Enumeration, enumerate_runs
-from ..inference.histories import Histories, enumerate_simulations
 from ..inference.importance import draw_importance
 from ..inference.inferred import Inferred
 from ..inference.mcmc import draw_mcmc
 from ..inference.pruning import TECHNIQUES, Finding, Pruning, prune
 from ..inference.rejection import DEFAULT_ATTEMPTS, Sampled, exhausted, sample
-from ..inference.simulation import SampledRun, sample_simulation
 from ..inference.sites.target import Target
 from ..inference.smc import draw_smc
 from ..inference.statistics.columns import FeatureTable, features_table
@@ -39,9 +35,6 @@ from ..semantics.kernel.outcome import GivenValues
 from ..semantics.programs import initial, make_settings
 from ..semantics.readings import select
 from ..semantics.syntax import Program
-from ..simulators import by_name
-from ..simulators.protocol import Simulator
-from ..simulators.simulating import Failed
 from ..simulators.worlds import modules_of
 from ..simulators.worlds.names import MODELS_BY_NAME
 from .checking import check_settings, check_whole, no_backend
@@ -49,9 +42,9 @@ from .conditioning import conditioned
 from .constants import constants_of, facts_of
 from .drawn import Backend, Drawn, ToldScenes, drawn, progress_of
 from .for_pyro import pyro_for
+from .over_time import OverTime
 from .pickling import Condition, Portable
 from .showing import Shown
-from .simulating import SimulationRange, Told, replayed, simulate_many
 
 if TYPE_CHECKING:
     import numpy as np
@@ -60,7 +53,7 @@ if TYPE_CHECKING:
     from ..inference.with_pyro import NumberModel, SceneKernel
 
 
-class Scenario(Portable, Shown):
+class Scenario(Portable, Shown, OverTime):
     """A loaded program.
 
     `profile` and `readings` choose among the readings of the paper; `params` are global parameters that win over the
@@ -181,55 +174,6 @@ class Scenario(Portable, Shown):
     def in_parts(self) -> bool:
         """Whether rejection is factorised and there is more than one component, so that parts of a scene are drawn apart."""
         return self.factorised and self.batch is not None and bool(self.batch.stage.parts)
-
-    def simulate(
-        self, simulator: str | Simulator = "still", steps: int = 100, seed: int = 0, index: int = 0, *, timestep: float | None = None,
-        max_attempts: int = DEFAULT_ATTEMPTS, on_attempt: Callable[[int], None] | None = None,
-        on_failed: Callable[[Failed], None] | None = None, witnessed: Callable[[int], Witness | None] | None = None,
-    ) -> SampledRun:  # fmt: skip
-        """Simulation number `index` of `seed`, of at most `steps` time steps; rejected runs are discarded as a whole (reading `rejected-simulation`).
-
-        `simulator` is one of `simulators.SIMULATORS` by name, or "package.module:Class" (`timestep`, in seconds, is then that of the simulation),
-        or a simulator itself.
-        """
-        check_whole(("steps", steps, 0), ("seed", seed, None), ("index", index, 0), ("max_attempts", max_attempts, 1))
-        self.rehearse()
-        found = by_name(simulator, timestep) if isinstance(simulator, str) else simulator
-        return sample_simulation(
-            self.start, found, steps, seed, index, max_attempts=max_attempts, fuel=self.fuel,
-            retry=self.readings["rejected-simulation"] == "retry", on_attempt=on_attempt, on_failed=on_failed, witnessed=witnessed,
-        )  # fmt: skip
-
-    def simulate_many(
-        self, n: int, *, simulator: str | Simulator = "still", steps: int = 100, seed: int = 0, start: int = 0, timestep: float | None = None,
-        max_attempts: int = DEFAULT_ATTEMPTS, workers: int = 1, progress: Told | None = None,
-    ) -> Iterator[SampledRun]:  # fmt: skip
-        """Simulations `start` to `start + n - 1` of `seed`, in order: those of `simulate`, and of `scenic-ref simulate -n`, whoever runs them.
-
-        `workers` processes run them (a script needs `if __name__ == "__main__":` then), each with a simulator of its own, which is given by its
-        name. `progress(simulations, attempts)` is told how many there are so far. Errors are raised where one process would raise them.
-        """
-        check_whole(("n", n, 0), ("steps", steps, 0), ("seed", seed, None), ("start", start, 0))
-        check_whole(("max_attempts", max_attempts, 1), ("workers", workers, 1))
-        self.rehearse()
-        return simulate_many(self, SimulationRange(start, start + n, seed, steps, timestep, max_attempts), simulator, workers, progress)
-
-    def replay(self, record: Mapping[str, object] | Recording, simulator: str | Simulator = "still", *, timestep: float | None = None) -> Simulated:
-        """A simulation whose actions are those of `record`, a line of the simulation format as JSON; its time step is the recorded one by default.
-
-        Raises `UsageError` if the record is not one of this program, or if its actions cannot be taken, `AttemptsExhausted` if it is rejected.
-        """
-        self.rehearse()
-        return replayed(self, record, simulator, timestep)
-
-    def enumerate_simulations(
-        self, simulator: str | Simulator = "still", steps: int = 10, *, timestep: float | None = None, max_runs: int = DEFAULT_RUNS
-    ) -> Histories:  # fmt: skip
-        """The exact distribution of simulations of at most `steps` time steps; see `inference.histories.enumerate_simulations`."""
-        check_whole(("steps", steps, 0), ("max_runs", max_runs, 1))
-        self.rehearse()
-        found = by_name(simulator, timestep) if isinstance(simulator, str) else simulator
-        return enumerate_simulations(self.start, found, steps, max_runs=max_runs, fuel=self.fuel)
 
     @cached_property
     def pruning(self) -> Pruning:

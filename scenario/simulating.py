@@ -6,7 +6,7 @@ import pickle
 from collections.abc import Callable, Generator, Iterator, Mapping
 from dataclasses import is_dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple, get_args
 
 from ..formats.recorded import Recording, recording_of
 from ..formats.recordings import Simulated
@@ -22,6 +22,16 @@ from ..simulators.replays import replay_once
 if TYPE_CHECKING:
     from .scenario import Scenario
 
+SimulationBackend = Literal["compiled", "interpreter"]
+"""What runs behaviors: Python code made from them, or the machine."""
+
+
+def check_simulation_backend(backend: str) -> None:
+    """Raise `UsageError` for what is none."""
+    if backend not in get_args(SimulationBackend):
+        raise UsageError(f"there is no backend {backend!r} of simulations", hint=f"choose among {', '.join(get_args(SimulationBackend))}")
+
+
 Told = Callable[[int, int], None]
 """Is told how many simulations there are so far, and how many attempts they took."""
 
@@ -35,6 +45,7 @@ class SimulationRange(NamedTuple):
     steps: int
     timestep: float | None
     max_attempts: int
+    backend: SimulationBackend
 
 
 class SimulationsJob(NamedTuple):
@@ -63,7 +74,7 @@ def simulate_many(
 def simulated(scenario: Scenario, which: SimulationRange, simulator: Simulator) -> Generator[SampledRun]:
     """The simulations, by this process."""
     for index in range(which.start, which.stop):
-        yield scenario.simulate(simulator, which.steps, which.seed, index, max_attempts=which.max_attempts)
+        yield scenario.simulate(simulator, which.steps, which.seed, index, max_attempts=which.max_attempts, backend=which.backend)
 
 
 def sent(jobs: Iterator[SimulationsJob], count: int) -> Generator[SampledRun]:

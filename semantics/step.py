@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 
 from .dynamics import actions, choices, declarations, frames, guards, initial, interrupts, invocations, overrides, policy, processes, scenarios
 from .kernel import conditions, draws, premises, queries, simulation
+from .kernel.callers import OF_LIBRARY, caller_in, frames_of, of_program
 from .kernel.config import Abrupt, Config, Reduction, Resumption, Stack, State, Unwinding, Value
 from .kernel.errors import GuardViolation, NeedsElements, NeedsPosition, RunError, ScenicError, UncaughtException
 from .kernel.host import DoorStuck, HostException
@@ -260,10 +261,16 @@ def step(config: Config) -> Outcome:
         outcome = object_definitions.wait_whole(config) or stopped(problem, config)
     except Exception as problem:
         outcome = stopped(problem, config)
+    return told(outcome, state)
+
+
+def told(outcome: Outcome, before: State) -> Outcome:
+    """What a rule says, applied in the state `before` that stands in memory: in the version of what stands there now, a draw with what is given."""
+    version = before.version
     if not version.undo and type(outcome) is Next and outcome.config.state.version is version:
         return outcome
-    if type(outcome) is Draw and outcome.address in state.settings.given.draws:
-        outcome = outcome._replace(distribution=state.settings.given.draws[outcome.address].of(outcome.distribution))
+    if type(outcome) is Draw and outcome.address in before.settings.given.draws:
+        outcome = outcome._replace(distribution=before.settings.given.draws[outcome.address].of(outcome.distribution))
     return dated(outcome, version.versions.settled())
 
 
@@ -291,6 +298,8 @@ def stopped(problem: Exception, config: Config) -> Outcome:
         case ScenicError():
             if problem.span == NOWHERE or problem.span.line == 0:
                 problem.span = place(config)
+            problem.span, where = of_program(problem.span, caller_in(frames_of(config.stack)))
+            problem.hint = "; ".join(filter(None, (problem.hint, where)))
             return Fault(problem)
         case _:
             raise problem
@@ -323,7 +332,7 @@ def carried(result: object, frame: object) -> object:
 def unwind(abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
     """Leave frames until one stops what left its block; an exception that none stops is the program's error."""
     if abrupt.span.file.startswith(OF_LIBRARY) and abrupt.caller == NOWHERE:
-        abrupt = abrupt._replace(caller=caller_in(stack))
+        abrupt = abrupt._replace(caller=caller_in(frames_of(stack)))
     while stack:
         frame, stack = stack
         rule = UNWIND.get(type(frame))
@@ -334,22 +343,8 @@ def unwind(abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
         return guards.at_top_level(abrupt)
     assert isinstance(exception, BaseException)
     text = f"{type(exception).__name__}: {said(exception)}".rstrip(": ")
-    caller = [f"the program called this on line {abrupt.caller.line} of {abrupt.caller.file}"] if abrupt.caller != NOWHERE else []
-    return Fault(UncaughtException(text, abrupt.span, exception=exception, hint="; ".join([*notes(exception), *caller])))
-
-
-OF_LIBRARY = "<scenic."
-"""The files of library modules begin so."""
-
-
-def caller_in(stack: Stack) -> Span:
-    """The innermost place of the program itself, below frames of library modules."""
-    while stack:
-        frame, stack = stack
-        node = getattr(frame, "node", None)
-        if isinstance(node, Node) and node.span.line > 0 and not node.span.file.startswith(OF_LIBRARY):
-            return node.span
-    return NOWHERE
+    span, where = of_program(abrupt.span, abrupt.caller)
+    return Fault(UncaughtException(text, span, exception=exception, hint="; ".join([*notes(exception), *filter(None, [where])])))
 
 
 MOST_SAID = 1000

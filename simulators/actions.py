@@ -5,7 +5,7 @@ Throttle, brake and steering stay as they are set until they are set again. Whic
 
 from __future__ import annotations
 
-import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -13,30 +13,9 @@ from ..formats.recordings import Body
 from ..semantics.kernel.kinds import kind_name
 from ..semantics.kernel.values import Described
 from ..semantics.space.vectors import TakesObjects, TakesPoints, Vector
+from .arguments import HEADING, NUMBER, SHARE, SPEED, STEERING, TRUTH, VECTOR, Wanted, check
 
-
-def is_number(value: object) -> bool:
-    """Whether a value is a finite number."""
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
-
-
-def no_number(value: object, what: str) -> str | None:
-    """Why a value is no finite number, None if it is."""
-    return None if is_number(value) else f"the {what} must be a number, not {value if isinstance(value, float) else kind_name(value)}"
-
-
-def in_range(value: object, low: float, high: float, what: str) -> str | None:
-    """Why a value is no number from `low` to `high`, None if it is."""
-    if not is_number(value):
-        return no_number(value, what)
-    return None if low <= value <= high else f"the {what} must be between {low:g} and {high:g}, not {value}"  # type: ignore[operator]
-
-
-def truth_value(value: object, what: str) -> str | None:
-    """Why a value is neither True nor False, None if it is."""
-    return None if isinstance(value, bool) else f"the {what} is True or False, not {kind_name(value)}"
-
-
+WALKING = SPEED._replace(words=f"{SPEED.words} (SetWalkingDirectionAction turns a pedestrian round)")
 VEHICLES = "drives"
 PEDESTRIANS = "walks"
 
@@ -62,6 +41,12 @@ class Action(TakesPoints, TakesObjects):
         {"throttle", "brake", "steer", "handbrake", "reverse", "pos", "offset", "velocity", "heading", "speed", "enabled", "canBeTakenBy"}
     )
     """What a program may ask of actions."""
+    wanted: ClassVar[Mapping[str, Wanted]] = {}
+    """What the arguments must be."""
+
+    def __post_init__(self) -> None:
+        """Check the arguments. Raises `ValueError`."""
+        check(type(self).__name__, self.wanted, {name: getattr(self, name) for name in self.wanted})
 
     def reason_against(self, body: Body | Described) -> str | None:
         """Why this object cannot take the action, None if it can."""
@@ -87,33 +72,24 @@ class DrivingAction(Action):
 class SetThrottleAction(DrivingAction):
     """The throttle, from 0 to 1."""
 
+    wanted: ClassVar[Mapping[str, Wanted]] = {"throttle": SHARE}
     throttle: float
-
-    def __post_init__(self) -> None:
-        """Check the number."""
-        refuse(in_range(self.throttle, 0, 1, "throttle"))
 
 
 @dataclass(frozen=True, slots=True)
 class SetBrakeAction(DrivingAction):
     """The brake, from 0 to 1."""
 
+    wanted: ClassVar[Mapping[str, Wanted]] = {"brake": SHARE}
     brake: float
-
-    def __post_init__(self) -> None:
-        """Check the number."""
-        refuse(in_range(self.brake, 0, 1, "brake"))
 
 
 @dataclass(frozen=True, slots=True)
 class SetSteerAction(DrivingAction):
     """The steering, from -1 (left) to 1 (right)."""
 
+    wanted: ClassVar[Mapping[str, Wanted]] = {"steer": STEERING}
     steer: float
-
-    def __post_init__(self) -> None:
-        """Check the number."""
-        refuse(in_range(self.steer, -1, 1, "steering"))
 
 
 @dataclass(frozen=True, slots=True, init=False)
@@ -123,7 +99,7 @@ class SetHandBrakeAction(DrivingAction):
     handbrake: bool
 
     def __init__(self, handBrake: bool) -> None:
-        refuse(truth_value(handBrake, "hand brake"))
+        check("SetHandBrakeAction", {"handBrake": TRUTH}, {"handBrake": handBrake})
         object.__setattr__(self, "handbrake", handBrake)
 
 
@@ -131,11 +107,8 @@ class SetHandBrakeAction(DrivingAction):
 class SetReverseAction(DrivingAction):
     """The reverse gear, in or not."""
 
+    wanted: ClassVar[Mapping[str, Wanted]] = {"reverse": TRUTH}
     reverse: bool
-
-    def __post_init__(self) -> None:
-        """Check the truth value."""
-        refuse(truth_value(self.reverse, "reverse gear"))
 
 
 STEERED = 0.1
@@ -146,20 +119,15 @@ STEERED = 0.1
 class RegulatedControlAction(DrivingAction):
     """What controllers ask for, within limits: throttle, or brake if `throttle` is negative, and steering that does not jump from `past_steer`."""
 
+    wanted: ClassVar[Mapping[str, Wanted]] = {
+        **dict.fromkeys(("throttle", "steer", "past_steer"), NUMBER), **dict.fromkeys(("max_throttle", "max_brake", "max_steer"), SHARE)
+    }  # fmt: skip
     throttle: float
     steer: float
     past_steer: float
     max_throttle: float = 0.5
     max_brake: float = 0.5
     max_steer: float = 0.8
-
-    def __post_init__(self) -> None:
-        """Check the numbers."""
-        for name in ("throttle", "steer", "past_steer"):
-            value = getattr(self, name)
-            refuse(no_number(value, name))
-        for name in ("max_throttle", "max_brake", "max_steer"):
-            refuse(in_range(getattr(self, name), 0, 1, name))
 
     @property
     def regulated(self) -> tuple[float, float, float]:
@@ -175,6 +143,7 @@ class RegulatedControlAction(DrivingAction):
 class SetAutopilotAction(DrivingAction):
     """Whether a driver of the simulator's drives the vehicle; only `sumo` has drivers."""
 
+    wanted: ClassVar[Mapping[str, Wanted]] = {"enabled": TRUTH}
     enabled: bool
 
 
@@ -182,22 +151,26 @@ class SetAutopilotAction(DrivingAction):
 class SetPositionAction(Action):
     """The object is at this position at once (metres)."""
 
+    wanted: ClassVar[Mapping[str, Wanted]] = {"pos": VECTOR}
     pos: Vector
 
     def __post_init__(self) -> None:
         """A pair is a vector."""
-        object.__setattr__(self, "pos", vector(self.pos, "position"))
+        Action.__post_init__(self)
+        object.__setattr__(self, "pos", vector(self.pos))
 
 
 @dataclass(frozen=True, slots=True)
 class OffsetAction(Action):
     """The object is at once as far from where it is: metres to its right and ahead of it."""
 
+    wanted: ClassVar[Mapping[str, Wanted]] = {"offset": VECTOR}
     offset: Vector
 
     def __post_init__(self) -> None:
         """A pair is a vector."""
-        object.__setattr__(self, "offset", vector(self.offset, "offset"))
+        Action.__post_init__(self)
+        object.__setattr__(self, "offset", vector(self.offset))
 
 
 @dataclass(frozen=True, slots=True, init=False)
@@ -210,18 +183,18 @@ class SetVelocityAction(Action):
     velocity: Vector
 
     def __init__(self, xVel: object, yVel: object = None, zVel: object = 0) -> None:
-        object.__setattr__(self, "velocity", vector(xVel if yVel is None else (xVel, yVel), "velocity"))
+        one = {"xVel": VECTOR._replace(words="a vector, or yVel be given as well")}
+        two = {"xVel": NUMBER, "yVel": NUMBER, "zVel": NUMBER}
+        check("SetVelocityAction", one if yVel is None else two, {"xVel": xVel, "yVel": yVel, "zVel": zVel})
+        object.__setattr__(self, "velocity", vector(xVel if yVel is None else (xVel, yVel)))
 
 
 @dataclass(frozen=True, slots=True)
 class SetSpeedAction(Action):
     """The object moves with this speed (metres per second) along its heading until it gets another."""
 
+    wanted: ClassVar[Mapping[str, Wanted]] = {"speed": NUMBER}
     speed: float
-
-    def __post_init__(self) -> None:
-        """Check the number."""
-        refuse(no_number(self.speed, "speed"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -237,37 +210,22 @@ class WalkingAction(Action):
 class SetWalkingDirectionAction(WalkingAction):
     """The direction in which a pedestrian walks, as a heading (radians, anticlockwise from North)."""
 
+    wanted: ClassVar[Mapping[str, Wanted]] = {"heading": HEADING}
     heading: float
-
-    def __post_init__(self) -> None:
-        """Check the number."""
-        refuse(no_number(self.heading, "heading"))
 
 
 @dataclass(frozen=True, slots=True)
 class SetWalkingSpeedAction(WalkingAction):
     """How fast a pedestrian walks (metres per second)."""
 
+    wanted: ClassVar[Mapping[str, Wanted]] = {"speed": WALKING}
     speed: float
 
-    def __post_init__(self) -> None:
-        """Check the number."""
-        refuse(no_number(self.speed, "speed"))
-        refuse(None if self.speed >= 0 else f"the speed must not be negative, as {self.speed} is: SetWalkingDirectionAction turns a pedestrian round")
 
-
-def vector(value: object, what: str) -> Vector:
-    """A vector, or two numbers as one. Raises `ValueError`."""
-    parts = (value.x, value.y) if isinstance(value, Vector) else value
-    if not (isinstance(parts, (tuple, list)) and len(parts) == 2 and all(map(is_number, parts))):
-        raise ValueError(f"the {what} must be a vector, not {kind_name(value)}")
-    return Vector(float(parts[0]), float(parts[1]))
-
-
-def refuse(reason: str | None) -> None:
-    """Raise `ValueError` with the reason, if there is one."""
-    if reason is not None:
-        raise ValueError(reason)
+def vector(value: object) -> Vector:
+    """A vector, of what `is_vector`."""
+    x, y = (value.x, value.y) if isinstance(value, Vector) else value  # type: ignore[misc]
+    return Vector(float(x), float(y))  # type: ignore[arg-type]
 
 
 ACTIONS = {

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from ..formats.recordings import Body
 from ..semantics.space.vectors import Vector
 from . import actions as a
+from .arguments import is_number
 
 PROPERTIES = frozenset({"position", "heading", "speed", "velocity", "angularSpeed"})
 """What they update."""
@@ -65,7 +66,7 @@ def velocity_at_first(body: Body) -> tuple[float, float]:
     velocity, speed = body.properties.get("velocity"), body.properties.get("speed")
     if isinstance(velocity, Vector) and (velocity.x or velocity.y):
         return velocity.x, velocity.y
-    return along(float(speed), float(body.properties["heading"])) if a.is_number(speed) else (0.0, 0.0)  # type: ignore[arg-type]
+    return along(float(speed), float(body.properties["heading"])) if is_number(speed) else (0.0, 0.0)  # type: ignore[arg-type]
 
 
 def reason_against(body: Body, action: object) -> str | None:

@@ -138,6 +138,9 @@ class Passed(NamedTuple):
     ended: str = ""
 
 
+NOTHING_HAPPENED = Passed(())
+
+
 def step_of(simulator: Simulator, actions: Mapping[int, tuple[object, ...]]) -> Passed:
     """One time step in the simulator. Raises `SimulatorError`, `RejectRun`."""
     reason = ""
@@ -145,13 +148,15 @@ def step_of(simulator: Simulator, actions: Mapping[int, tuple[object, ...]]) -> 
         events = guarded(simulator.step, dict(actions), may=(RejectRun, EndRun))
     except EndRun as end:
         events, reason = end.events, end.reason
+    if events == () and not reason:
+        return NOTHING_HAPPENED
     if isinstance(events, str) or not isinstance(events, Sequence) or not all(isinstance(event, str) for event in events):
         raise SimulatorError(f"step() must return what happened as a sequence of texts, not {events!r}", NOWHERE)
     return Passed(tuple(events), reason)
 
 
-def read_pose(simulator: Simulator, id: int, who: str, span: Span = NOWHERE) -> Pose:
-    """What the simulator says of an object now.
+def read_pose(simulator: Simulator, id: int, who: object, span: Span = NOWHERE) -> Pose:
+    """What the simulator says of an object now; `who` says which it is.
 
     Raises `SimulatorError` for other properties than it declares, and values that they cannot have; `RejectRun`.
     """

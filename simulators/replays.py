@@ -127,7 +127,8 @@ def made(kind: Callable[..., object], recorded: RecordedAction, where: str) -> o
     try:
         return kind(*recorded.arguments)
     except Exception as problem:  # whatever a class of the program raises, these are not its arguments
-        raise UsageError(f"{where}: {recorded.name}: {problem}") from None
+        named = "" if str(problem).startswith(f"{recorded.name}:") else f"{recorded.name}: "
+        raise UsageError(f"{where}: {named}{problem}") from None
 
 
 def read(body: Body, simulator: Simulator) -> Body:

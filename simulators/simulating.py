@@ -6,9 +6,10 @@ A simulator is anything with the methods of `Simulator`. A run that fails a requ
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 from ..formats.recordings import Body, Moment, Pose, Simulated
 from ..formats.scenes import Scene, portable, scene_of
@@ -17,6 +18,7 @@ from ..interpreter.streams import simulator_seed
 from ..maps.network import Network
 from ..semantics.dynamics.invocations import doing
 from ..semantics.dynamics.policy import after_one_step, begin, policy
+from ..semantics.kernel.callers import caller_in, of_program
 from ..semantics.kernel.config import Config, State
 from ..semantics.kernel.errors import RunError, SimulatorError
 from ..semantics.kernel.outcome import Act, Done, Finish, Next, Outcome, Requirement, Stuck
@@ -26,6 +28,7 @@ from ..semantics.programs import ego_of
 from ..semantics.scenes.default_requirements import workspace_of
 from ..semantics.syntax.nodes import NOWHERE, Span
 from .protocol import RejectRun, Simulator, Surroundings, check_usable, guarded, in_use, read_pose, step_of
+from .still import Still
 from .worlds.driving import MAP
 
 OF_SIMULATOR = "simulator"
@@ -51,13 +54,59 @@ def rejected(problem: RejectRun, step: int) -> Failed:
     return Failed(Requirement(OF_SIMULATOR, NOWHERE, f"the simulator rejected the run: {problem.reason}"), step)
 
 
+class Policy(Protocol):
+    """What chooses the actions of a simulation's time steps: the machine, or compiled code that gives the same."""
+
+    def __call__(self, state: State, limit: str) -> Act | Finish | Stuck:
+        """The actions of a time step, or its end; `limit` is the reason to end in it if there is no other."""
+        ...
+
+    def doing(self, state: State) -> Iterable[tuple[int, str]]:
+        """Which behaviors each agent is in, with the number of its instance."""
+        ...
+
+    def place(self, instance: Instance, state: State) -> tuple[Span, str]:
+        """Where an object has taken its actions of this time step, and a hint if a library module did it for the program."""
+        ...
+
+
+PolicyMaker = Callable[[State, Witness], Policy]
+"""Gives the policy of a simulation from the state before its first time step; the witness is to be shown what is an event."""
+
+
+class MachinePolicy:
+    """The machine's policy."""
+
+    def __init__(self, choose: Chooser, fuel: int, state: State, witness: Witness) -> None:
+        self.choose, self.fuel, self.witness = choose, fuel, witness
+
+    def __call__(self, state: State, limit: str) -> Act | Finish | Stuck:
+        """The seven steps, by their rules. Raises the program's error."""
+        outcome, _ = drive(policy(state, limit), self.choose, fuel=self.fuel, witness=self.witness)
+        assert isinstance(outcome, (Act, Finish, Stuck))
+        return outcome
+
+    def doing(self, state: State) -> Iterable[tuple[int, str]]:
+        """Which behaviors each agent is in, and where."""
+        return ((n, text) for n, agent in simulation_of(state).agents.items() if (text := doing(agent)))
+
+    def place(self, instance: Instance, state: State) -> tuple[Span, str]:
+        """Where the behavior waits, if it does so in a statement; else where the object was made."""
+        process = simulation_of(state).agents[instance.number].process
+        if process is None or not process.span.line:
+            return instance.span, ""
+        caller = caller_in(process.frames)
+        return of_program(process.span, instance.span if caller == NOWHERE else caller)
+
+
 def simulate_once(
     config: Config, choose: Chooser, simulator: Simulator, steps: int, *, seed: int = 0, index: int = 0, attempt: int = 0,
-    tried: int | None = None, fuel: int = DEFAULT_FUEL, witness: Witness | None = None,
+    tried: int | None = None, fuel: int = DEFAULT_FUEL, witness: Witness | None = None, by: PolicyMaker | None = None,
 ) -> Simulated | Failed:  # fmt: skip
     """One run: a scene, then at most `steps` time steps. Raises the program's error, `SimulatorError` for the simulator's, and `UsageError`.
 
-    `attempt` is the scene's, `tried` that of the simulation, from which the simulator's seed follows; they differ where a scene is kept.
+    `attempt` is the scene's, `tried` that of the simulation, from which the simulator's seed follows; they differ where a scene is kept. The policy
+    is the machine's, or is made `by` something else.
     """
     check_usable(simulator)
     generated, _ = drive(config, choose, fuel=fuel, witness=witness)
@@ -67,11 +116,11 @@ def simulate_once(
     scene = scene_of(generated.state, seed, index, attempt + 1, simulated=True)
     with in_use(simulator):
         chance = simulator_seed(seed, index, attempt if tried is None else tried)
-        return simulated(scene, generated.state, choose, simulator, steps, chance, fuel, witness)
+        return simulated(scene, generated.state, by or partial(MachinePolicy, choose, fuel), simulator, steps, chance, witness)
 
 
 def simulated(
-    scene: Scene, generated: State, choose: Chooser, simulator: Simulator, steps: int, chance: int, fuel: int, witness: Witness | None
+    scene: Scene, generated: State, make: PolicyMaker, simulator: Simulator, steps: int, chance: int, witness: Witness | None
 ) -> Simulated | Failed:
     """The time steps of a scene: in the last one, after `steps` of them, the time limit ends the scenario if nothing else does.
 
@@ -80,7 +129,7 @@ def simulated(
     state = begin(generated, simulator.timestep, simulator.properties)
     moments: list[Moment] = []
     told: list[str] = []
-    witness = listening(told, witness, file_of(state))
+    chosen = make(state, listening(told, witness, file_of(state)))
     held: set[int] = set()
     first = len(state.scene)
     made = new_bodies(state, 0)
@@ -90,34 +139,39 @@ def simulated(
         return rejected(problem, 0)
     limit = "1 time step has passed" if steps == 1 else f"{steps:,} time steps have passed"
     ended = ""
+    shown: tuple[Instance, ...] = ()
+    ids: dict[int, int] = {}
+    same = False  # whether objects have the same numbers in the scene as among all instances
     for number in range(steps + 1):
         told.clear()
-        outcome, _ = drive(policy(state, ended or (limit if number == steps else "")), choose, fuel=fuel, witness=witness)
+        outcome = chosen(state, ended or (limit if number == steps else ""))
         if isinstance(outcome, Stuck):
             return Failed(outcome.requirement, number)
-        now = satisfied(outcome.state)  # type: ignore[union-attr]
-        told += [f"`require eventually` on line {line} is satisfied" for line in sorted(now - held)]
-        held |= now
+        if (now := satisfied(outcome.state)) != held:
+            told += [f"`require eventually` on line {line} is satisfied" for line in sorted(now - held)]
+            held |= now
         if isinstance(outcome, Finish):
             made += new_bodies(outcome.state, len(made))
             moments.append(Moment(number, poses(outcome.state, simulator), {}, tuple(told)))
             recorded = simulation_of(outcome.state).recorded
             result = TERMINATED if simulation_of(outcome.state).flag else ENDED if ended else LIMIT
             return Simulated(scene, tuple(moments), result, outcome.reason, simulator.timestep, tuple(made[first:]), recorded)
-        assert isinstance(outcome, Act)
         state = outcome.state
-        ids = {instance.number: k for k, instance in enumerate(state.scene)}
-        actions = {ids[n]: taken for n, taken in outcome.actions.items()}
+        if state.scene is not shown:
+            shown = state.scene
+            ids = {instance.number: k for k, instance in enumerate(state.scene)}
+            same = all(number == id for number, id in ids.items())
+        actions = outcome.actions if same else {ids[n]: taken for n, taken in outcome.actions.items()}
         before = poses(state, simulator)
         try:
-            made += create_new(simulator, state, len(made), chance)
-            check_actions(simulator, state, actions)
+            if len(made) < len(state.scene):
+                made += create_new(simulator, state, len(made), chance)
+            check_actions(simulator, state, actions, chosen)
             events, ended = step_of(simulator, actions)
             after = read_back(simulator, state)
         except RejectRun as problem:
             return rejected(problem, number)
-        agents = simulation_of(state).agents
-        doings = {ids[n]: text for n, agent in agents.items() if (text := doing(agent))}
+        doings = dict(chosen.doing(state)) if same else {ids[n]: text for n, text in chosen.doing(state)}
         moments.append(Moment(number, before, actions, (*told, *events), doings))
         state = after_one_step(after)
     raise AssertionError("the policy ends at the time limit")
@@ -157,8 +211,7 @@ def listening(told: list[str], witness: Witness | None, file: str | None) -> Wit
 def create_new(simulator: Simulator, state: State, known: int, chance: int) -> list[Body]:
     """Give the simulator, whose seed is `chance`, the objects from number `known` on, and return them. Raises `SimulatorError`, `RejectRun`."""
     new = new_bodies(state, known)
-    if new:
-        create(simulator, new, state, chance)
+    create(simulator, new, state, chance)
     return new
 
 
@@ -190,13 +243,16 @@ def body_of(id: int, state: State) -> Body:
 
 def poses(state: State, simulator: Simulator) -> tuple[Pose, ...]:
     """The properties of all objects that the simulator updates, as far as they have them."""
-    return tuple(
-        {name: state.objects[i.number][name] for name in sorted(simulator.properties) if name in state.objects[i.number]} for i in state.scene
-    )
+    if not simulator.properties:
+        return tuple([{} for _ in state.scene])
+    names = sorted(simulator.properties)
+    return tuple({name: properties[name] for name in names if name in properties} for properties in (state.objects[i.number] for i in state.scene))
 
 
-def check_actions(simulator: Simulator, state: State, actions: Mapping[int, tuple[object, ...]]) -> None:
+def check_actions(simulator: Simulator, state: State, actions: Mapping[int, tuple[object, ...]], policy: Policy) -> None:
     """Each action is checked against the agent that takes it. Raises `RunError`."""
+    if getattr(type(simulator), "check", None) is Still.check:  # any value is one
+        return
     for id, taken in actions.items():
         instance = state.scene[id]
         body = Body(id, instance.class_.name, MappingProxyType(state.objects[instance.number]))
@@ -205,19 +261,15 @@ def check_actions(simulator: Simulator, state: State, actions: Mapping[int, tupl
             if not (reason is None or isinstance(reason, str)):
                 raise SimulatorError(f"check() must return None or a reason, not {reason!r}", NOWHERE)
             if reason is not None:
-                raise RunError(f"{instance!r} cannot take the action {action!r}: {reason}", taken_at(instance, state), rule="D-Take")
-
-
-def taken_at(instance: Instance, state: State) -> Span:
-    """Where an object has taken its actions of this time step."""
-    process = simulation_of(state).agents[instance.number].process
-    return process.span if process is not None and process.span.line else instance.span
+                span, hint = policy.place(instance, state)
+                raise RunError(f"{instance!r} cannot take the action {action!r}: {reason}", span, rule="D-Take", hint=hint)
 
 
 def read_back(simulator: Simulator, state: State) -> State:
     """The state with what the simulator says of the objects. Raises `SimulatorError` for values that a property cannot have."""
+    if getattr(type(simulator), "read", None) is Still.read:  # nothing has changed
+        return state
     objects = dict(state.objects)
     for id, instance in enumerate(state.scene):
-        pose = read_pose(simulator, id, repr(instance), instance.span)
-        objects[instance.number] = {**objects[instance.number], **pose}
+        objects[instance.number] = {**objects[instance.number], **read_pose(simulator, id, instance, instance.span)}
     return state.with_objects(objects)

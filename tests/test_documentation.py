@@ -196,7 +196,7 @@ def test_the_run_that_the_page_shows_is_what_happens(monkeypatch: pytest.MonkeyP
     program = re.search(r"```scenic\n(.*?)```", MACHINE, re.DOTALL)
     listing = re.search(r"```text\n(.*?)```", MACHINE, re.DOTALL)
     assert program is not None and listing is not None
-    scenic_ref.loads(program[1]).simulate("still", steps=5)
+    scenic_ref.loads(program[1]).simulate("still", steps=5, backend="interpreter")
     assert listing[1].splitlines() == lines
 
 

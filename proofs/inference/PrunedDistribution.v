@@ -1,7 +1,7 @@
 (** Pruning leaves the distribution of a scenario as it is where what is removed has probability zero under the requirements:
     `inference/pruning/applicability.py`. The paper's Section "Domain-Specific Sampling Techniques". Where that does not hold, it may change the
     distribution: two examples. That the algorithms keep the positions that meet their geometric premises is in `Pruning`, for regions of the
-    plane; here a position is one of finitely many values. *)
+    plane; here a position is one of finitely many values. `PrunedScenarios` joins the two. *)
 From Coq Require Import List QArith Bool Lqa.
 From ScenicRef Require Import kernel.Distribution.
 Import ListNotations.
@@ -13,23 +13,30 @@ Definition runs {A B} (d : dist A) (rest : A -> dist B) : dist B := normalised (
 (** The same where the position is drawn from what pruning keeps. *)
 Definition pruned_runs {A B} (kept : A -> bool) (d : dist A) (rest : A -> dist B) : dist B := runs (normalised (given kept d)) rest.
 
-Lemma expect_of_pruned A B (f : B -> Q) (kept : A -> bool) (d : dist A) (rest : A -> dist B) :
-  (forall x, nonnegative (rest x)) -> (forall x, kept x = false -> mass (rest x) == 0) ->
-  expect f (bind (normalised (given kept d)) rest) == / pr kept d * expect f (bind d rest).
+(** Only what may be drawn counts. *)
+Lemma expect_of_what_is_kept A B (f : B -> Q) (kept : A -> bool) (d : dist A) (rest : A -> dist B) :
+  (forall x, nonnegative (rest x)) -> (forall x p, In (x, p) d -> kept x = false -> mass (rest x) == 0) ->
+  expect f (bind (given kept d) rest) == expect f (bind d rest).
 Proof.
-  intros N Z. rewrite expect_bind. unfold normalised. rewrite expect_scale, expect_given, mass_given, expect_bind.
-  apply Qmult_comp; [reflexivity|]. apply expect_ext; intro x. destruct (kept x) eqn:K; simpl; [ring|].
-  rewrite (expect_without_mass _ f (rest x) (N x) (Z x K)). ring.
+  intros N Z. rewrite !expect_bind, expect_given. apply expect_ext_in. intros x p I. destruct (kept x) eqn:K; cbn [indicator]; [ring|].
+  rewrite (expect_without_mass _ f (rest x) (N x) (Z x p I K)). ring.
 Qed.
 
+(** Also where nothing is kept: then there was no accepted run. *)
 Theorem pruning_what_no_accepted_run_has_leaves_the_distribution_as_it_is A B (kept : A -> bool) (d : dist A) (rest : A -> dist B) :
-  (forall x, nonnegative (rest x)) -> (forall x, kept x = false -> mass (rest x) == 0) ->
-  ~ pr kept d == 0 ->
+  nonnegative d -> (forall x, nonnegative (rest x)) -> (forall x p, In (x, p) d -> kept x = false -> mass (rest x) == 0) ->
   same (pruned_runs kept d rest) (runs d rest).
 Proof.
-  intros N Z P f. unfold pruned_runs, runs. unfold normalised at 1 3. rewrite !expect_scale. unfold mass at 1 2.
-  rewrite !expect_of_pruned by assumption. set (m := expect (fun _ => 1) (bind d rest)).
-  destruct (Qeq_dec m 0) as [M|M]; [rewrite M, Qmult_0_r; unfold Qinv; simpl; ring|]. field; now split.
+  intros N R Z f. unfold pruned_runs, runs. rewrite !expect_normalised. unfold mass.
+  assert (forall g, expect g (bind (normalised (given kept d)) rest) == / pr kept d * expect g (bind d rest)) as E.
+  { intros g. rewrite expect_bind. unfold normalised. rewrite expect_scale, mass_given, <- expect_bind.
+    now rewrite (expect_of_what_is_kept _ _ g kept d rest R Z). }
+  rewrite !E. destruct (Qeq_dec (pr kept d) 0) as [P|P].
+  - assert (forall g, expect g (bind d rest) == 0) as O; [|rewrite !O; unfold Qdiv; ring].
+    intros g. rewrite <- (expect_of_what_is_kept _ _ g kept d rest R Z), expect_bind.
+    apply expect_without_mass; [now apply nonnegative_given|now rewrite mass_given].
+  - unfold Qdiv. rewrite Qinv_mult_distr. set (x := expect f _). set (y := / expect _ _). rewrite Qinv_involutive.
+    field. exact P.
 Qed.
 
 (** * Where it does not hold *)

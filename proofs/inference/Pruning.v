@@ -1,10 +1,9 @@
 (** The pruning algorithms keep every position that meets their geometric premises: `inference/pruning/algorithms.py`. The paper's Section
     "Domain-Specific Sampling Techniques" and Appendix "Sampling Algorithms". What follows for the conditional distribution is in
-    `PrunedDistribution`. Two of that file are not treated: `prune_by_offset`, which is not the paper's, and reachability `within` a container that
-    the whole path must lie in, which is the paper's tighter bound ("Pruning Based on Reachability").
+    `PrunedDistribution` and `PrunedScenarios`.
 
     A region is the set of its points. Angles are real numbers here, of which no turn is taken away. *)
-From Coq Require Import Reals Lra Psatz List.
+From Coq Require Import Reals Lra Lia Psatz List.
 From ScenicRef Require Import scenes.Operators.
 Import ListNotations.
 Local Open Scope R_scope.
@@ -17,27 +16,6 @@ Definition included (r s : region) : Prop := forall x, r x -> s x.
 (** boundingBox(O): what is at most half the width to the side of the centre, and half the length before or behind it. *)
 Definition box (centre : vector) (h : heading) (width length : R) : region := fun y =>
   exists v, y = offset_local centre h v /\ Rabs (fst v) <= width / 2 /\ Rabs (snd v) <= length / 2.
-
-(** * Distances *)
-
-Lemma distance_squared v w : distance v w * distance v w = (fst w - fst v) * (fst w - fst v) + (snd w - snd v) * (snd w - snd v).
-Proof. unfold distance; rewrite length_times_length; unfold square, minus, plus, opposite; simpl; ring. Qed.
-
-Lemma distance_not_negative v w : 0 <= distance v w.
-Proof. apply sqrt_pos. Qed.
-
-Theorem the_way_round_is_not_shorter u v w : distance u w <= distance u v + distance v w.
-Proof.
-  pose proof (distance_squared u v) as A; pose proof (distance_squared v w) as B; pose proof (distance_squared u w) as C.
-  pose proof (distance_not_negative u v); pose proof (distance_not_negative v w); pose proof (distance_not_negative u w).
-  set (a := distance u v) in *; set (b := distance v w) in *; set (c := distance u w) in *.
-  set (p := fst v - fst u) in *; set (q := snd v - snd u) in *; set (r := fst w - fst v) in *; set (s := snd w - snd v) in *.
-  assert (fst w - fst u = p + r) as E by (unfold p, r; ring). assert (snd w - snd u = q + s) as F by (unfold q, s; ring).
-  rewrite E, F in C. assert (p * r + q * s <= a * b) as D.
-  { apply Rsqr_incr_0_var; [|now apply Rmult_le_pos]. unfold Rsqr. replace (a * b * (a * b)) with ((a * a) * (b * b)) by ring.
-    rewrite A, B. pose proof (Rle_0_sqr (p * s - q * r)) as S; unfold Rsqr in S. nra. }
-  apply Rsqr_incr_0_var; [|lra]. unfold Rsqr. nra.
-Qed.
 
 Lemma coordinate_within v : Rabs (fst v) <= length v /\ Rabs (snd v) <= length v.
 Proof.
@@ -166,4 +144,99 @@ Theorem pruning_by_reachability_keeps_every_start_from_which_the_goal_is_reached
 Proof.
   intros S D T G; exists (last path x); split; [exact G|].
   pose proof (a_path_is_no_longer_than_speed_times_time speed dt path x D). nra.
+Qed.
+
+(** "If the object is also required to stay within some containing region C (e.g., a road) for the entire duration of the scenario, we can compute a
+    tighter value of D by considering only paths that lie within C": the starts from which the goal is reached in so many pieces, each of which
+    begins and ends in the container. *)
+Fixpoint reached_within (goal container : region) (piece : R) (pieces : nat) : region :=
+  match pieces with
+  | O => fun x => goal x /\ container x
+  | S n => fun x => dilate (reached_within goal container piece n) piece x /\ container x
+  end.
+
+(** Where something is at each time from 0 to its arrival, at no more than the greatest speed. *)
+Definition moves_at_most_at (speed : R) (path : R -> vector) (arrival : R) : Prop :=
+  forall s t, 0 <= s <= t -> t <= arrival -> distance (path s) (path t) <= speed * (t - s).
+
+Theorem pruning_by_reachability_within_a_container_keeps_every_start_from_which_the_goal_is_reached_inside
+  (goal container : region) speed time pieces path arrival :
+  (0 < pieces)%nat -> 0 <= speed -> 0 <= arrival <= time -> moves_at_most_at speed path arrival ->
+  (forall t, 0 <= t <= arrival -> container (path t)) -> goal (path arrival) ->
+  reached_within goal container (speed * time / INR pieces) pieces (path 0).
+Proof.
+  intros N V [A T] M C G. assert (0 < INR pieces) as P by (now apply lt_0_INR).
+  set (part := arrival / INR pieces). assert (0 <= part) as Q by (apply Rmult_le_pos; [exact A|now apply Rlt_le, Rinv_0_lt_compat]).
+  assert (INR pieces * part = arrival) as E by (unfold part; field; lra).
+  assert (forall k, (k <= pieces)%nat -> reached_within goal container (speed * time / INR pieces) k (path (arrival - INR k * part))) as W.
+  { induction k as [|k IH]; intro L.
+    - replace (arrival - INR 0 * part) with arrival by (simpl; ring). split; [exact G|apply C; lra].
+    - assert (INR (S k) * part <= arrival) as B by (rewrite <- E; apply Rmult_le_compat_r; [exact Q|now apply le_INR]).
+      rewrite S_INR in *. pose proof (pos_INR k). assert (0 <= INR k * part) by (now apply Rmult_le_pos). split; [|apply C; lra].
+      exists (path (arrival - INR k * part)). split; [apply IH; lia|].
+      eapply Rle_trans; [apply M; lra|]. replace (arrival - INR k * part - (arrival - (INR k + 1) * part)) with part by ring.
+      unfold part, Rdiv. rewrite <- Rmult_assoc. apply Rmult_le_compat_r; [now apply Rlt_le, Rinv_0_lt_compat|]. now apply Rmult_le_compat_l. }
+  specialize (W pieces (le_n _)). now replace (arrival - INR pieces * part) with 0 in W by lra.
+Qed.
+
+Theorem the_bound_within_a_container_is_tighter (goal container : region) piece pieces : 0 <= piece ->
+  included (reached_within goal container piece pieces) (dilate goal (INR pieces * piece)).
+Proof.
+  intro P. induction pieces as [|n IH]; intros x H.
+  - exists x. destruct H as [G _]. split; [exact G|]. pose proof (distance_squared x x) as D. pose proof (distance_not_negative x x). simpl. nra.
+  - destruct H as [(y & Y & D) _]. destruct (IH y Y) as (z & G & E). exists z. split; [exact G|].
+    pose proof (the_way_round_is_not_shorter x y z). rewrite S_INR. lra.
+Qed.
+
+(** * Pruning based on offsets: `prune_by_offset`, which is not the paper's *)
+
+(** The heading of an angle; angles that differ little have headings that do. *)
+Definition heading_at (angle : R) : heading := (cos angle, sin angle).
+
+Lemma a_sine_is_no_larger_than_its_angle x : sin x * sin x <= x * x.
+Proof.
+  assert (forall y, 0 < y -> sin y * sin y <= y * y) as P.
+  { intros y Y. pose proof (SIN_bound y). destruct (Rle_lt_dec 1 y) as [L|L]; [nra|].
+    pose proof (sin_lt_x y Y). pose proof PI2_1. assert (0 < sin y) by (apply sin_gt_0; lra). nra. }
+  destruct (Rtotal_order x 0) as [N|[->|Y]]; [|rewrite sin_0; lra|now apply P].
+  pose proof (P (- x) ltac:(lra)) as Q. rewrite sin_neg in Q. nra.
+Qed.
+
+Lemma a_chord_is_no_longer_than_its_arc v a b : distance (rotate v (heading_at a)) (rotate v (heading_at b)) <= length v * Rabs (a - b).
+Proof.
+  assert (square (minus (rotate v (heading_at b)) (rotate v (heading_at a))) = square v * (4 * (sin ((a - b) / 2) * sin ((a - b) / 2)))) as E.
+  { transitivity (square v * (2 - 2 * cos (a - b))).
+    - rewrite cos_minus. pose proof (sin2_cos2 a) as A. pose proof (sin2_cos2 b) as B. unfold Rsqr in A, B.
+      unfold square, minus, plus, opposite, rotate, heading_at; simpl.
+      set (c := cos a) in *; set (s := sin a) in *; set (d := cos b) in *; set (t := sin b) in *.
+      replace (2 - 2 * (c * d + s * t)) with ((s * s + c * c) + (t * t + d * d) - 2 * (c * d + s * t)) by (rewrite A, B; ring). ring.
+    - f_equal. replace (a - b) with (2 * ((a - b) / 2)) at 1 by field. rewrite cos_2a_sin. ring. }
+  unfold distance. apply Rsqr_incr_0_var.
+  - unfold Rsqr. rewrite length_times_length, E. pose proof (a_sine_is_no_larger_than_its_angle ((a - b) / 2)) as S.
+    replace (length v * Rabs (a - b) * (length v * Rabs (a - b))) with (square v * (Rabs (a - b) * Rabs (a - b)))
+      by (rewrite <- length_times_length; ring).
+    replace (Rabs (a - b) * Rabs (a - b)) with ((a - b) * (a - b)) by (unfold Rabs; destruct Rcase_abs; ring).
+    apply Rmult_le_compat_l; [apply square_not_negative|]. lra.
+  - apply Rmult_le_pos; [apply sqrt_pos|apply Rabs_pos].
+Qed.
+
+(** From where a point that is so far across and along, as the polygon is headed, lies within a blur of the target. *)
+Definition pruned_by_offset (map : list cell) (target : region) (offsets : vector -> Prop) (blur : R) : region := fun x =>
+  exists p offset y, In p map /\ fst p x /\ offsets offset /\ target y /\ distance (offset_local x (heading_at (snd p)) offset) y <= blur.
+
+Theorem pruning_by_offset_keeps_every_position_from_which_the_offset_leads_to_the_target
+  map (target : region) (offsets : vector -> Prop) delta slack farthest x angle p offset y :
+  is_aligned map delta x angle p -> offsets offset -> length offset <= farthest -> target y ->
+  distance (offset_local x (heading_at angle) offset) y <= slack ->
+  pruned_by_offset map target offsets (slack + delta * farthest) x.
+Proof.
+  intros (P & Px & A) O F T D. exists p, offset, y. repeat split; try assumption.
+  pose proof (the_way_round_is_not_shorter (offset_local x (heading_at (snd p)) offset) (offset_local x (heading_at angle) offset) y) as W.
+  assert (distance (offset_local x (heading_at (snd p)) offset) (offset_local x (heading_at angle) offset)
+    = distance (rotate offset (heading_at (snd p))) (rotate offset (heading_at angle))) as E.
+  { unfold distance. f_equal. destruct x. unfold offset_local, minus, plus, opposite; simpl; f_equal; ring. }
+  rewrite E in W. pose proof (a_chord_is_no_longer_than_its_arc offset (snd p) angle) as C. rewrite Rabs_minus_sym in C.
+  assert (length offset * Rabs (angle - snd p) <= farthest * delta) as L.
+  { apply Rmult_le_compat; [apply sqrt_pos|apply Rabs_pos|exact F|exact A]. }
+  lra.
 Qed.

@@ -178,6 +178,33 @@ Proof.
   now apply a_scene_found_within_n_attempts_has_the_desired_distribution.
 Qed.
 
+(** With a limit on the attempts at each scene, and given that a scene is found: results of the coins under which a run is seldom accepted count for
+    less, for they are those under which all attempts fail. *)
+Definition found_per_scene {A} (prior : dist A) rs (attempts : nat) : dist A :=
+  normalised (bind (throw rs) (fun demanded => found (sample (meets demanded) prior attempts))).
+
+Theorem under_scene_a_limit_weighs_each_loop_by_the_chance_to_find_a_scene A (prior : dist A) rs n :
+  nonnegative prior -> mass prior == 1 ->
+  found_per_scene prior rs n
+  ≈ normalised (bind (throw rs) (fun demanded =>
+      scale (1 - power (pr (fun a => negb (meets demanded a)) prior) n) (loop prior demanded))).
+Proof.
+  intros N M. unfold found_per_scene. apply normalised_respects, bind_respects; [reflexivity|]. intros demanded f.
+  rewrite (n_attempts_find_a_multiple_of_what_one_finds (meets demanded) prior n f), !expect_scale. unfold loop. rewrite expect_normalised, mass_given, <- geometric_sum.
+  pose proof (pr_complement _ (meets demanded) prior) as C. rewrite M in C.
+  assert (1 - pr (fun a => negb (meets demanded a)) prior == pr (meets demanded) prior) as -> by lra.
+  destruct (Qeq_dec (pr (meets demanded) prior) 0) as [Z|Z].
+  - rewrite Z, (expect_without_mass _ f (given (meets demanded) prior)); [ring|now apply nonnegative_given|now rewrite mass_given].
+  - unfold Qdiv. field. exact Z.
+Qed.
+
+(** With one attempt the readings are the same, so that the claim of Section 5.1 is as false. *)
+Theorem with_one_attempt_at_each_scene_the_readings_agree A (prior : dist A) rs : found_per_scene prior rs 1 ≈ under_run prior rs.
+Proof.
+  rewrite run_throws_first_and_normalises_at_the_end. unfold found_per_scene. apply normalised_respects, bind_respects; [reflexivity|].
+  intros demanded f. rewrite (n_attempts_find_a_multiple_of_what_one_finds (meets demanded) prior 1 f), expect_scale. cbn. ring.
+Qed.
+
 (** ** Factorised rejection (batch/evaluate/components.py) *)
 
 Section Factorised.

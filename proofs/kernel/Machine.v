@@ -1397,7 +1397,7 @@ End Machine.
 (** * Upright boxes
 
     Where no object is turned, bounding boxes and what is seen of them can be computed: the geometry of the programs that the tests run
-    on this machine, none of which has noise. *)
+    on this machine. Most of these have no noise; in others it has two values, which are not equally likely. *)
 
 Definition between (o1 o2 : bindings) : Q * Q :=
   match lookup position o1, lookup position o2 with
@@ -1421,6 +1421,11 @@ Definition sees_upright_box (o1 o2 : bindings) : bool :=
 Definition no_noise (s : Q) : dist Q := ret 0%Q.
 
 Theorem the_law_without_noise_is_a_distribution s : (0 < s)%Q -> is_distribution (no_noise s).
+Proof. intros _. split; [repeat constructor|reflexivity]. Qed.
+
+Definition lopsided_noise (s : Q) : dist Q := [(Qred (s / 2), 1 # 4); (Qred (- s), 3 # 4)]%Q.
+
+Theorem the_law_of_lopsided_noise_is_a_distribution s : (0 < s)%Q -> is_distribution (lopsided_noise s).
 Proof. intros _. split; [repeat constructor|reflexivity]. Qed.
 
 Definition begin (program : list statement) : config := Execute program (State [] [] [] None []).

@@ -47,6 +47,17 @@ Definition apparent_heading (p : vector) (k : heading) (v : vector) : heading :=
 Definition ahead_of (position : vector) (h : heading) (self_length s : R) : vector := offset_local position h (0, self_length / 2 + s).
 Definition left_of (position : vector) (h : heading) (self_width s : R) : vector := offset_local position h (- (self_width / 2) - s, 0).
 
+(** behind OP by S, and right of OP by S. *)
+Definition behind_of (position : vector) (h : heading) (self_length s : R) : vector := offset_local position h (0, - (self_length / 2) - s).
+Definition right_of (position : vector) (h : heading) (self_width s : R) : vector := offset_local position h (self_width / 2 + s, 0).
+
+(** front of O is (0, 1) of its box, back of O (0, -1), left of O (-1, 0), right of O (1, 0), front left of O (-1, 1), and so on. *)
+Definition of_box (position : vector) (h : heading) (wide long i j : R) : vector := offset_local position h (i * (wide / 2), j * (long / 2)).
+
+(** facing toward V and facing away from V, for an object at P. *)
+Definition facing_toward (v p : vector) : heading := heading_of (minus v p).
+Definition facing_away_from (v p : vector) : heading := heading_of (minus p v).
+
 Ltac coordinates := unfold distance, minus, plus, opposite, rotate, turn, back, square, north; simpl; f_equal; try ring.
 
 (** * Rotations *)
@@ -156,8 +167,95 @@ Theorem an_object_to_the_left_leaves_the_gap_at_its_right position h self_width 
   offset_local (left_of position h self_width s) h (self_width / 2, 0) = offset_local position h (- s, 0).
 Proof. unfold left_of, offset_local; coordinates; field. Qed.
 
+Theorem an_object_behind_leaves_the_gap_ahead_of_it position h self_length s :
+  offset_local (behind_of position h self_length s) h (0, self_length / 2) = offset_local position h (0, - s).
+Proof. unfold behind_of, offset_local; coordinates; field. Qed.
+
+Theorem an_object_to_the_right_leaves_the_gap_at_its_left position h self_width s :
+  offset_local (right_of position h self_width s) h (- (self_width / 2), 0) = offset_local position h (s, 0).
+Proof. unfold right_of, offset_local; coordinates. Qed.
+
 Theorem a_local_offset_is_one_along_the_heading position h v : offset_local position h v = offset_along position h v.
 Proof. reflexivity. Qed.
+
+Lemma length_of_straight s : 0 <= s -> length (s, 0) = s /\ length (- s, 0) = s /\ length (0, s) = s /\ length (0, - s) = s.
+Proof.
+  intro S; unfold length, square; simpl.
+  repeat split; (replace (_ + _) with (s * s) by ring); now apply sqrt_square.
+Qed.
+
+(** left of O by S, where O is so wide: left of (left of O) by S, and so on. The middles of the sides that face each other are S apart. *)
+Theorem an_object_beside_another_is_as_far_from_it_as_it_says p h wide long self_width self_length s : is_heading h -> 0 <= s ->
+  distance (of_box p h wide long (-1) 0) (of_box (left_of (of_box p h wide long (-1) 0) h self_width s) h self_width self_length 1 0) = s /\
+  distance (of_box p h wide long 1 0) (of_box (right_of (of_box p h wide long 1 0) h self_width s) h self_width self_length (-1) 0) = s /\
+  distance (of_box p h wide long 0 1) (of_box (ahead_of (of_box p h wide long 0 1) h self_length s) h self_width self_length 0 (-1)) = s /\
+  distance (of_box p h wide long 0 (-1)) (of_box (behind_of (of_box p h wide long 0 (-1)) h self_length s) h self_width self_length 0 1) = s.
+Proof.
+  intros H S. destruct (length_of_straight s S) as (A & B & C & D).
+  assert (forall v w, length w = s -> distance v (offset_local v h w) = s) as E
+    by (intros v w L; rewrite <- L; now apply an_offset_is_as_far_as_it_says).
+  repeat split.
+  - rewrite <- (E (of_box p h wide long (-1) 0) (- s, 0) B) at 2. f_equal.
+    rewrite <- (an_object_to_the_left_leaves_the_gap_at_its_right _ h self_width s). unfold of_box. do 2 f_equal; field.
+  - rewrite <- (E (of_box p h wide long 1 0) (s, 0) A) at 2. f_equal.
+    rewrite <- (an_object_to_the_right_leaves_the_gap_at_its_left _ h self_width s). unfold of_box. do 2 f_equal; field.
+  - rewrite <- (E (of_box p h wide long 0 1) (0, s) C) at 2. f_equal.
+    rewrite <- (an_object_ahead_leaves_the_gap_behind_it _ h self_length s). unfold of_box. do 2 f_equal; field.
+  - rewrite <- (E (of_box p h wide long 0 (-1)) (0, - s) D) at 2. f_equal.
+    rewrite <- (an_object_behind_leaves_the_gap_ahead_of_it _ h self_length s). unfold of_box. do 2 f_equal; field.
+Qed.
+
+Theorem sides_are_half_the_size_away_and_corners_half_the_diagonal p h width len i j : is_heading h -> 0 <= width -> 0 <= len ->
+  (i * i = 1 -> distance p (of_box p h width len i 0) = width / 2) /\
+  (j * j = 1 -> distance p (of_box p h width len 0 j) = len / 2) /\
+  (i * i = 1 -> j * j = 1 -> distance p (of_box p h width len i j) = length (width, len) / 2).
+Proof.
+  intros H W L. unfold of_box, offset_local. fold (offset_along p h).
+  assert (forall v x, 0 <= x -> square v = x * x -> distance p (offset_along p h v) = x) as E.
+  { intros v x X S. rewrite an_offset_is_as_far_as_it_says by exact H. unfold length. rewrite S. now apply sqrt_square. }
+  change (plus p (rotate ?v h)) with (offset_along p h v).
+  repeat split; intros; apply E; unfold square; simpl; try lra.
+  - nra.
+  - nra.
+  - pose proof (sqrt_pos (square (width, len))). unfold length. lra.
+  - pose proof (length_times_length (width, len)) as M. unfold square in M; simpl in M. nra.
+Qed.
+
+(** relative position of V1 from V2; V1 offset by V2. *)
+Theorem a_relative_position_is_what_leads_there v1 v2 : plus v2 (minus v1 v2) = v1 /\ minus (plus v1 v2) v1 = v2 /\ plus v1 v2 = plus v2 v1.
+Proof. destruct v1, v2; repeat split; coordinates. Qed.
+
+(** * Distances *)
+
+Lemma distance_squared v w : distance v w * distance v w = (fst w - fst v) * (fst w - fst v) + (snd w - snd v) * (snd w - snd v).
+Proof. unfold distance; rewrite length_times_length; unfold square, minus, plus, opposite; simpl; ring. Qed.
+
+Lemma distance_not_negative v w : 0 <= distance v w.
+Proof. apply sqrt_pos. Qed.
+
+Theorem the_way_round_is_not_shorter u v w : distance u w <= distance u v + distance v w.
+Proof.
+  pose proof (distance_squared u v) as A; pose proof (distance_squared v w) as B; pose proof (distance_squared u w) as C.
+  pose proof (distance_not_negative u v); pose proof (distance_not_negative v w); pose proof (distance_not_negative u w).
+  set (a := distance u v) in *; set (b := distance v w) in *; set (c := distance u w) in *.
+  set (p := fst v - fst u) in *; set (q := snd v - snd u) in *; set (r := fst w - fst v) in *; set (s := snd w - snd v) in *.
+  assert (fst w - fst u = p + r) as E by (unfold p, r; ring). assert (snd w - snd u = q + s) as F by (unfold q, s; ring).
+  rewrite E, F in C. assert (p * r + q * s <= a * b) as D.
+  { apply Rsqr_incr_0_var; [|now apply Rmult_le_pos]. unfold Rsqr. replace (a * b * (a * b)) with ((a * a) * (b * b)) by ring.
+    rewrite A, B. pose proof (Rle_0_sqr (p * s - q * r)) as S; unfold Rsqr in S. nra. }
+  apply Rsqr_incr_0_var; [|lra]. unfold Rsqr. nra.
+Qed.
+
+Theorem distances_are_the_same_both_ways_and_0_only_from_a_point_to_itself v w :
+  distance v w = distance w v /\ (distance v w = 0 <-> v = w).
+Proof.
+  assert (distance v w = distance w v) as S.
+  { unfold distance, length. f_equal. destruct v, w; unfold square, minus, plus, opposite; simpl; ring. }
+  split; [exact S|]. pose proof (distance_squared v w) as D. split.
+  - intro Z. rewrite Z, Rmult_0_l in D. destruct v as [a b], w as [c e]; cbn [fst snd] in D.
+    destruct (Rplus_sqr_eq_0 (c - a) (e - b)) as [X Y]; [unfold Rsqr; lra|]. f_equal; lra.
+  - intros <-. apply Rsqr_0_uniq. unfold Rsqr. rewrite D. ring.
+Qed.
 
 (** * beyond *)
 
@@ -212,4 +310,19 @@ Theorem a_relative_heading_is_what_was_added h k : is_heading k -> relative_head
 Proof.
   intro H; unfold relative_heading, relative_to. transitivity (turn h (turn k (back k))); [coordinates|].
   rewrite back_cancels by exact H. destruct h; coordinates.
+Qed.
+
+Theorem what_faces_toward_a_point_has_it_straight_ahead v p : p <> v -> offset_local p (facing_toward v p) (0, distance p v) = v.
+Proof.
+  intro N; unfold facing_toward, distance, offset_local.
+  destruct (the_heading_of_a_vector_turns_north_into_it _ (minus_zero v p (not_eq_sym N))) as [_ ->]. destruct v, p; coordinates.
+Qed.
+
+Theorem what_faces_away_from_a_point_has_it_straight_behind v p : p <> v -> offset_local p (facing_away_from v p) (0, - distance v p) = v.
+Proof.
+  intro N; unfold facing_away_from, distance, offset_local.
+  destruct (the_heading_of_a_vector_turns_north_into_it _ (minus_zero p v N)) as [_ E].
+  replace (rotate (0, - length (minus p v)) (heading_of (minus p v))) with (opposite (rotate (0, length (minus p v)) (heading_of (minus p v))))
+    by (unfold opposite, rotate; simpl; f_equal; ring).
+  rewrite E. destruct v, p; coordinates.
 Qed.

@@ -78,7 +78,8 @@ def policy(state: State, limit: str = "") -> Config:
 
 def after_one_step(state: State) -> State:
     """The state in the next time step; the simulator has updated the objects."""
-    return with_simulation(state, step=simulation_of(state).step + 1)
+    simulation = simulation_of(state)
+    return state.with_simulation(tuple.__new__(Simulation, (simulation.step + 1, *simulation[1:])))  # pyright: ignore[reportUnknownMemberType]
 
 
 # The seven steps

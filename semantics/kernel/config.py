@@ -117,6 +117,10 @@ class State(NamedTuple):
         """The same with another O; what `_replace` does, for the step that is taken most."""
         return tuple.__new__(State, (*self[:OBJECTS], objects, *self[OBJECTS + 1 :]))  # pyright: ignore[reportUnknownMemberType]
 
+    def with_simulation(self, simulation: Simulation) -> State:
+        """The same with another simulation, as `with_objects`."""
+        return tuple.__new__(State, (*self[:SIMULATION], simulation, *self[SIMULATION + 1 :]))  # pyright: ignore[reportUnknownMemberType]
+
     def in_version(self, version: Version) -> State:
         """The same in another version."""
         return tuple.__new__(State, (*self[:VERSION], version, *self[VERSION + 1 :]))  # pyright: ignore[reportUnknownMemberType]
@@ -145,6 +149,7 @@ class Abrupt(NamedTuple):
 
 OBJECTS = State._fields.index("objects")
 VERSION = State._fields.index("version")
+SIMULATION = State._fields.index("simulation")
 Stack: TypeAlias = tuple[Any, ...]
 """The context in which the control stands: (), or (frame, Stack) with the innermost frame first."""
 

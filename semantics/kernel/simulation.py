@@ -129,7 +129,7 @@ def simulation_of(state: State) -> Simulation:
 
 def with_simulation(state: State, **changes: object) -> State:
     """The state with some parts of its simulation replaced."""
-    return state._replace(simulation=simulation_of(state)._replace(**changes))  # type: ignore[arg-type]
+    return state.with_simulation(simulation_of(state)._replace(**changes))  # type: ignore[arg-type]
 
 
 def flagged(reason: str, state: State) -> State:
@@ -156,7 +156,11 @@ def line_of(span: Span, file: str) -> str:
 
 def satisfied(state: State) -> set[int]:
     """The lines of the `require eventually` that have held so far."""
-    return {r.eventually[place].node.span.line for r in simulation_of(state).scenarios.values() for place in r.satisfied}
+    found: set[int] = set()
+    for running in simulation_of(state).scenarios.values():
+        if running.satisfied:
+            found.update(running.eventually[place].node.span.line for place in running.satisfied)
+    return found
 
 
 def agent_of(who: Who, state: State) -> Instance:

@@ -86,6 +86,8 @@ MAPS = "scenic.domains.driving.roads", "_maps"
 """A module of the driving library, and the name in it of the maps that were read before the program runs (or why not), by the texts for them."""
 WITHOUT_EFFECT = frozenset({"useCache", "writeCache", "ref_points", "fill_gaps", "fill_intersections", "elide_short_roads"})
 """Parameters of the released `fromFile` that change nothing here: maps are kept while they are in use, curves are exact, and a map is what it is."""
+CONSTANTS = (float, int, str, NoneType)
+"""What a program may write down as a tolerance, right or wrong."""
 NO_PICKLES = "reading a pickle may run whatever is in it: Network.fromFile reads an OpenDRIVE file (.xodr), and networks are not written"
 
 
@@ -98,9 +100,9 @@ def network_from_file(node: Node, arguments: Arguments, keywords: Keywords, stac
     maps = module.get(MAPS[1]) if isinstance(module, Mapping) else None
     tolerance = plain(keywords.get("tolerance"))
     key = path if tolerance is None else (path, tolerance)
-    found = maps.get(key) if isinstance(maps, Mapping) and isinstance(path, str) and isinstance(tolerance, (float, int, NoneType)) else None
+    found = maps.get(key) if isinstance(maps, Mapping) and isinstance(path, str) and isinstance(tolerance, CONSTANTS) else None
     if found is None or isinstance(found, str):
-        ways = "a text, localPath(a text), or globalParameters.map" + ("" if tolerance is None else ", with tolerance a number")
+        ways = "a text, localPath(a text), or globalParameters.map" + ("" if tolerance is None else ", with a tolerance that is written as a number")
         raise HostException(ValueError(found or f"Network.fromFile reads what the main program names by {ways}: maps are read before it runs"))
     return returned(node, found, stack, state)
 

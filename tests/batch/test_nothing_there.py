@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 import scenic_ref
 
@@ -43,6 +45,18 @@ def test_what_is_not_asked_for_is_left_to_the_interpreter_where_it_is_none_and_s
         said.append(wrong.value.message)
     assert said[0] == said[1]
     assert "not (None)" in said[0]
+
+
+def test_what_is_asked_of_two_values_that_are_never_there_together_is_left_to_the_interpreter():
+    """As the page on the batch backend says, with the same words."""
+    asked = "(distance from ego._crossing to ego._intersection) < 5"
+    scenario = scenic_ref.loads(f"{MODEL}require ego._crossing is None or ego._intersection is None or {asked}\n")
+    reason = "in 200 runs this always failed: a value is None that is used as something else"
+    assert scenario.not_lifted == reason
+    page = " ".join((Path(__file__).parents[2] / "docs" / "batch.md").read_text(encoding="utf-8").split())
+    assert f"`{asked}` is such a question" in page
+    assert reason in page
+    assert len(list(scenario.sample_many(3, seed=0))) == 3
 
 
 def test_a_value_that_is_used_before_it_is_asked_for_is_there_in_the_runs_of_the_graph():

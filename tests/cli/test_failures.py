@@ -123,11 +123,11 @@ def test_carets_stand_below_wide_characters_and_tabs(ask):
     assert carets == "\t" + " " * 13 + "^^^^^^"
 
 
-def test_an_error_in_a_shipped_world_shows_the_line_of_the_world(ask):
+def test_an_error_in_a_shipped_world_shows_the_line_of_the_program_and_says_where_in_the_world(ask):
     Path("world.scenic").write_text("model scenic.simulators.gta.model\nego = Car with model 3\n")
-    lines = ask("run", "world.scenic").err.splitlines()
-    assert "<scenic.simulators.gta.model>:" in lines[1]
-    assert "self.model.width" in lines[3]
+    told = ask("run", "world.scenic").err
+    assert "world.scenic:2:7" in told.splitlines()[1]
+    assert "of the library's module scenic.simulators.gta.model" in told
 
 
 def test_exhausted_attempts_list_the_requirements_that_failed(ask):

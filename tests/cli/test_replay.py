@@ -154,7 +154,7 @@ def nested(run):
         (put("steps", -1, "actions", "0", [1]), "which is the last"),
         (nested, "nested too deeply"),
         (put("steps", 4, "actions", "0", [{"action": "Fly", "args": []}]), "time step 4: there is no action Fly"),
-        (put("steps", 4, "actions", "0", [{"action": "SetThrottleAction", "args": [3]}]), "the throttle must be between 0 and 1, not 3"),
+        (put("steps", 4, "actions", "0", [{"action": "SetThrottleAction", "args": [3]}]), "throttle must be a number from 0 to 1, not 3"),
         (put("steps", 4, "actions", "0", [{"action": "SetThrottleAction", "args": [1, 2, 3]}]), "SetThrottleAction: "),
         (put("steps", 4, "actions", "0", [{"action": "SetSpeedAction", "args": [10**400]}]), "SetSpeedAction: "),
         (put("steps", 4, "actions", "0", [{"action": "SetWalkingSpeedAction", "args": [1]}]), "only pedestrians can"),

@@ -86,3 +86,48 @@ def test_what_the_finished_attempt_prints_is_shown(ask, tmp_path):
     assert done.code == 0 and "attempts" in done.err and "4 simulations" in done.err
     assert done.err.count("begun") == 4 and done.err.count("acts 0") == 4
     assert "begun" not in done.out
+
+
+def test_an_interrupted_file_of_simulations_is_resumed_to_the_same_bytes(ask, tmp_path):
+    (tmp_path / "p.scenic").write_text(PROGRAM)
+    assert ask("simulate", "p.scenic", "-n", "6", "-o", "whole.jsonl").code == 0
+    whole = (tmp_path / "whole.jsonl").read_bytes()
+    lines = whole.splitlines(keepends=True)
+    for kept in (b"", b"".join(lines[:2]), b"".join(lines[:4]) + lines[4][:50], whole):
+        (tmp_path / "torn.jsonl").write_bytes(kept)
+        done = ask("simulate", "p.scenic", "-n", "6", "-o", "torn.jsonl", "--resume")
+        assert done.code == 0, done.err
+        assert (tmp_path / "torn.jsonl").read_bytes() == whole
+    assert "0 simulations of seed 0" in done.err
+
+
+def test_only_a_file_of_the_same_simulations_is_resumed(ask, tmp_path):
+    (tmp_path / "p.scenic").write_text(PROGRAM)
+    assert ask("simulate", "p.scenic", "-n", "3", "-o", "runs.jsonl").code == 0
+    before = (tmp_path / "runs.jsonl").read_bytes()
+    assert ask("run", "p.scenic", "-n", "1", "-o", "scenes.jsonl").code == 0
+    for arguments, message in (
+        (("-o", "runs.jsonl", "--seed", "1"), "it holds simulations of seed 0, not 1"),
+        (("-o", "runs.jsonl", "--dt", "0.5"), "its simulation 2 is not the one that this program and these options give"),
+        (("-o", "scenes.jsonl"), "its line 1 is not a simulation"),
+        (("-o", "runs.jsonl", "--html", "page.html"), "--html and --gif cannot be given with --resume"),
+        (("-o", "runs.jsonl", "--run", "1"), "it cannot be combined with --run"),
+        (("-o", "-"), "--resume needs a file to continue"),
+        (("--replay", "runs.jsonl", "-o", "again.jsonl"), "--resume cannot be given with --replay"),
+    ):
+        count = () if {"--run", "--replay"} & {*arguments} else ("-n", "4")
+        done = ask("simulate", "p.scenic", *count, "--resume", *arguments)
+        assert done.code == 2
+        assert message in done.err
+    assert (tmp_path / "runs.jsonl").read_bytes() == before
+
+
+def test_backends_give_the_same_file_and_what_is_left_to_the_machine_is_told(ask, tmp_path):
+    (tmp_path / "p.scenic").write_text(PROGRAM)
+    (tmp_path / "odd.scenic").write_text("behavior B:\n    for a, b in [(1, 2)]:\n        take a\nego = Object with behavior B\n")
+    for name in ("p", "odd"):
+        found = [ask("simulate", f"{name}.scenic", "-n", "3", "-o", "-", "--backend", backend) for backend in ("compiled", "interpreter")]
+        assert found[0].out == found[1].out
+        assert ("the machine ran what is not compiled: this loop variable on line 2" in found[0].err) is (name == "odd")
+        assert "the machine ran" not in found[1].err
+    assert ask("simulate", "p.scenic", "--backend", "fast").code == 2

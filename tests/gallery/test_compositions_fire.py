@@ -88,7 +88,7 @@ def test_the_override_lasts_as_long_as_the_scenario(simulator: str) -> None:
         assert near[0] == begin > 0
         lead = {step: names[0] for step, names in doing(run, 1)}
         assert {lead[step] for step in range(begin, end)} == {"FollowLaneAvoidingCollisions"}
-        assert {lead[step] for step in [*range(begin), *range(end, len(run.moments) - 1)]} == {"FollowLaneBehavior"}
+        assert {lead[step] for step in [*range(begin), *range(end, len(run.moments) - 1)]} == {"LeadAlong"}
         lane = avenue().laneAt(place(run.moments[begin], 1))
         assert lane is not None
         assert within(run, run.moments[end], lane.polygon, 2) and not within(run, run.moments[end - 1], lane.polygon, 2)  # type: ignore[arg-type]

@@ -97,5 +97,5 @@ ego = Object with behavior B
 
 def test_a_behavior_may_catch_it() -> None:
     scenario = scenic_ref.loads(BEHAVIOR)
-    taken = {scenario.simulate(steps=1, seed=seed).simulation.moments[0].actions[0][0] for seed in SEEDS}
+    taken = {scenario.simulate(steps=1, seed=seed, backend="interpreter").simulation.moments[0].actions[0][0] for seed in SEEDS}
     assert taken == {1, 10}

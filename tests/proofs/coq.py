@@ -24,7 +24,7 @@ def is_there() -> bool:
     return subprocess.run(["coqc", "--print-version"], capture_output=True, text=True).stdout.startswith("8.16.")
 
 
-needs_coq = pytest.mark.skipif(not is_there(), reason="this system has no Coq 8.16 (Debian: apt-get install coq)")
+needs_coq = pytest.mark.skipif(not is_there(), reason="this system has no Coq 8.16, or not its OCaml (Debian: apt-get install coq)")
 Term = Any
 """What `read` gives: an integer, a name, a list, or a tuple of such."""
 

@@ -22,10 +22,10 @@ REALS = {
     "ClassicalDedekindReals.sig_forall_dec", "ClassicalDedekindReals.sig_not_dec", "FunctionalExtensionality.functional_extensionality_dep",
 }  # fmt: skip
 """What the standard library's real numbers assume."""
-ALLOWED = {"scenes/Operators.v": REALS, "inference/Pruning.v": REALS}
+ALLOWED = {"scenes/Operators.v": REALS, "inference/Pruning.v": REALS, "inference/PrunedScenarios.v": REALS}
 """What a theory may assume; the others nothing."""
 PREMISES = {
-    "forall s, (0 < s)%Q -> is_distribution (noise s)": "Machine.v: the noise that the machine is given is a finite distribution",
+    "forall s, (0 < s)%Q -> is_distribution (noise s)": "Machine.v, Programs.v: the noise that the machine is given is a finite distribution",
     "forall a, In a space -> q a == 0 -> p a == 0": "Rejection.v: the law that importance sampling draws from gives whatever the target gives",
     "NoDup (map fst d)": "Resolution.v, of lemmas alone: a dictionary has each key once, which is proved where they are used",
     "forall p x, lookup p d = Some x <-> determines x p": "Resolution.v, of lemmas alone: the dictionary that is meant, likewise",
@@ -34,7 +34,7 @@ PREMISES = {
 DATA = {
     "Type", "Q", "bool", "vertex -> list vertex", "forall x y : vertex, {x = y} + {x <> y}", "class", "list specifier", "dict specification",
     "specification -> list (option value) -> property -> value", "Q -> dist Q", "bindings -> bindings -> bool", "A -> bool", "B -> bool",
-    "A * B -> bool", "dist A", "dist B", "list A", "A -> Q",
+    "A * B -> bool", "dist A", "dist B", "list A", "A -> Q", "dist K", "K -> A -> A", "K -> K",
 }  # fmt: skip
 """The types of the data that sections are about."""
 CLOSED = "Closed under the global context"

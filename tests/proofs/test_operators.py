@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from math import atan2, cos, sin
 from pathlib import Path
 from random import Random
@@ -16,21 +17,23 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from scenic_ref.semantics.scenes import operators, specifiers
+from scenic_ref.semantics.scenes import operators, released, specifiers
 from scenic_ref.semantics.space import geometry
 from scenic_ref.semantics.space.vectors import Vector
 
 from .coq import needs_coq, printed
 
-COUNT = 560
+COUNT = 860
 TRIPLES = ((3, 4, 5), (5, 12, 13), (8, 15, 17), (7, 24, 25), (20, 21, 29), (0, 1, 1))
 PREAMBLE = """From Coq Require Import Reals Lra.
 Local Open Scope R_scope.
 Definition near (x y : R) : Prop := - (1 / 1000000000) <= x - y <= 1 / 1000000000.
 Definition near_pair (v w : R * R) : Prop := near (fst v) (fst w) /\\ near (snd v) (snd w).
-Ltac computed := unfold ahead_of, left_of, offset_along, offset_local, rotate, turn, back, square, minus, plus, opposite; cbn [fst snd].
+Ltac computed :=
+  unfold ahead_of, behind_of, left_of, right_of, of_box, offset_along, offset_local, rotate, turn, back, square, minus, plus, opposite; cbn [fst snd].
 Ltac same :=
-  unfold near_pair, near, beyond, relative_to, relative_heading, distance_past, apparently_facing, apparent_heading, heading_of, distance.
+  unfold near_pair, near, facing_toward, facing_away_from; unfold beyond, relative_to, relative_heading;
+  unfold distance_past, apparently_facing, apparent_heading, heading_of, distance.
 Ltac long sight r := assert (length sight = r) as -> by (unfold length; apply sqrt_lem_1; computed; lra).
 Ltac told sight r :=
   first [ solve [same; lazymatch goal with |- context [length] => long sight r | _ => idtac end; computed; lra]; idtac "agrees" | idtac "differs" ].
@@ -54,7 +57,7 @@ class Heading:
 
 @dataclass(frozen=True)
 class Input:
-    """What operators are asked about: P is so far from V, in whole metres, and OP is at P."""
+    """What operators are asked about: P is so far from V, in whole metres, and OP is at P; `size` is a width, `long` a length."""
 
     p: Vector
     v: Vector
@@ -63,13 +66,24 @@ class Input:
     k: Heading
     far: int
     size: Fraction
+    long: Fraction
     gap: Fraction
 
     def oriented_point(self) -> Any:
-        return SimpleNamespace(position=self.p, heading=self.h.radians())
+        """OP, and an object there."""
+        return SimpleNamespace(position=self.p, heading=self.h.radians(), width=float(self.size), length=float(self.long))
 
     def itself(self) -> Any:
-        return SimpleNamespace(position=self.p, width=float(self.size), length=float(self.size))
+        """What is being made, at P: it is as wide as the object there is long."""
+        return SimpleNamespace(position=self.p, heading=self.h.radians(), width=float(self.long), length=float(self.size))
+
+    def at_v(self) -> Any:
+        """An object at V."""
+        return SimpleNamespace(position=self.v)
+
+    def field(self) -> Any:
+        """A field that has one heading everywhere."""
+        return SimpleNamespace(at=lambda _: self.k.radians())
 
 
 def some(count: int) -> list[Input]:
@@ -95,9 +109,8 @@ def one(random: Random) -> Input:
     x, y, r = triple()
     v = (number(), number())
     w = (number(), number())
-    return Input(
-        Vector(float(v[0] + x), float(v[1] + y)), Vector(*map(float, v)), Vector(*map(float, w)), heading(), heading(), r, abs(number()), number()
-    )  # fmt: skip
+    p = Vector(float(v[0] + x), float(v[1] + y))
+    return Input(p, Vector(*map(float, v)), Vector(*map(float, w)), heading(), heading(), r, abs(number()), abs(number()), number())
 
 
 def real(number: float | Fraction) -> str:
@@ -128,9 +141,21 @@ class Operator:
 
     def goal(self, i: Input) -> str:
         """That the two give the same."""
-        names = {"p": exact(i.p), "v": exact(i.v), "w": exact(i.w), "h": i.h, "k": i.k, "size": real(i.size), "gap": real(i.gap)}
-        term = self.term.format(**names)
+        sizes = {"size": real(i.size), "long": real(i.long), "gap": real(i.gap)}
+        term = self.term.format(p=exact(i.p), v=exact(i.v), w=exact(i.w), h=i.h, k=i.k, **sizes)
         return f"Goal near_pair ({term}) {pair(self.of(i), heading=self.heading)}. told (minus {exact(i.p)} {exact(i.v)}) {i.far}. Abort."
+
+
+def beside(name: str, i: Input) -> Vector:
+    """Where a specifier puts the object that is being made beside OP, P, or the object at OP."""
+    reference = i.p if name.endswith("vector") else i.oriented_point()
+    found = getattr(specifiers, name)(reference, float(i.gap), i.itself())
+    return found if isinstance(found, Vector) else found.position
+
+
+def part(name: str, i: Input) -> Vector:
+    """A side or a corner of the object at OP."""
+    return getattr(operators, name)(i.oriented_point()).position
 
 
 OPERATORS = (
@@ -146,9 +171,32 @@ OPERATORS = (
     Operator("distance_past {p} {h} {v}, 0", lambda i: operators.distance_past(i.oriented_point(), i.v)),
     Operator("apparently_facing {k} {p} {v}", lambda i: specifiers.apparently_facing(i.k.radians(), i.v, i.itself()), heading=True),
     Operator("apparent_heading {p} {h} {v}", lambda i: operators.apparent_heading(i.oriented_point(), i.v), heading=True),
-    Operator("ahead_of {p} {h} {size} {gap}", lambda i: specifiers.ahead_of_oriented_point(i.oriented_point(), float(i.gap), i.itself()).position),
-    Operator("left_of {p} {h} {size} {gap}", lambda i: specifiers.left_of_oriented_point(i.oriented_point(), float(i.gap), i.itself()).position),
-)
+    Operator("relative_heading {h} {k}", lambda i: released.relative_heading_wrapped(i.h.radians(), i.k.radians()), heading=True),
+    Operator("apparent_heading {p} {h} {v}", lambda i: released.apparent_heading_wrapped(i.oriented_point(), i.v), heading=True),
+    Operator("facing_toward {p} {v}", lambda i: specifiers.facing_toward(i.p, i.at_v()), heading=True),
+    Operator("facing_away_from {v} {p}", lambda i: specifiers.facing_away_from(i.v, i.itself()), heading=True),
+    Operator("plus {v} {w}", lambda i: operators.vectors_relative(i.v, i.w)),
+    Operator("plus {v} {w}", lambda i: operators.vector_offset_by(i.v, i.w)),
+    Operator("plus {p} {w}", lambda i: specifiers.offset_by_global(i.w, i.oriented_point())),
+    Operator("minus {v} {w}", lambda i: released.relative_position(i.v, i.w)),
+    Operator("offset_along {v} {k} {w}", lambda i: operators.vector_offset_along_field(i.v, i.field(), i.w)),
+    Operator("offset_along {p} {k} {w}", lambda i: specifiers.offset_along_field(i.field(), i.w, i.oriented_point())),
+    Operator("offset_local {p} {h} {w}", lambda i: specifiers.offset_by_local(i.w, i.oriented_point())),
+    *(
+        Operator(f"{side.removesuffix('_of')}_of {at} {{h}} {{{size}}} {{gap}}", partial(beside, f"{side}_{kind}"))
+        for side, size, edge in (
+            ("left_of", "long", "(-1) 0"), ("right_of", "long", "1 0"), ("ahead_of", "size", "0 1"), ("behind", "size", "0 (-1)"),
+        )
+        for kind, at in (("oriented_point", "{p}"), ("vector", "{p}"), ("object", f"(of_box {{p}} {{h}} {{size}} {{long}} {edge})"))
+    ),
+    *(
+        Operator(f"of_box {{p}} {{h}} {{size}} {{long}} {x} {y}", partial(part, f"{name}_of"))
+        for name, x, y in (
+            ("front", "0", "1"), ("back", "0", "(-1)"), ("left", "(-1)", "0"), ("right", "1", "0"),
+            ("front_left", "(-1)", "1"), ("back_left", "(-1)", "(-1)"), ("front_right", "1", "1"), ("back_right", "1", "(-1)"),
+        )
+    ),
+)  # fmt: skip
 
 
 def verdicts(count: int, folder: Path) -> Counter[tuple[str, str]]:
@@ -167,11 +215,15 @@ def test_the_operators_agree(tmp_path: Path) -> None:
     assert len(found) == len({operator.term.split()[0] for operator in OPERATORS}) and min(found.values()) >= COUNT / len(OPERATORS)
 
 
-ROTATE = geometry.rotate
+ROTATE, RIGHT, BEHIND = geometry.rotate, specifiers._right, specifiers.behind_vector
 WRONG = {
     "turned clockwise": (geometry, "rotate", lambda v, angle: ROTATE(v, -angle), {"rotate", "offset_along", "offset_local", "beyond"}),
     "seen from the other side": (geometry, "angle_of", lambda v: atan2(v.x, -v.y), {"heading_of", "beyond", "apparent_heading", "apparently_facing"}),
     "headings the other way round": (operators, "relative_heading", lambda h1, h2: h2 - h1, {"relative_heading"}),
+    "right is left": (specifiers, "_left", RIGHT, {"left_of"}),
+    "the gap is forgotten": (specifiers, "behind_vector", lambda v, s, self: BEHIND(v, 0.0, self), {"behind_of"}),
+    "corners the other way round": (operators, "front_left_of", lambda o: operators.front_right_of(o), {"of_box"}),
+    "toward is away": (specifiers, "facing_toward", lambda v, self: geometry.angle_of(self.position - v), {"facing_toward"}),
     "past it sideways": (operators, "distance_past", lambda op, v: ROTATE(op.position - v, -op.heading).x, {"distance_past"}),
 }
 

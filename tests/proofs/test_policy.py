@@ -101,7 +101,7 @@ def by_the_machine(moments: Sequence[Moment]) -> tuple[list[list[int]], object]:
     failed: list[Failed] = []
     scenario = scenic_ref.loads(text, readings={"time-unit": "steps"})
     try:
-        found = scenario.simulate("still", steps=len(moments), max_attempts=1, on_failed=failed.append).simulation
+        found = scenario.simulate("still", steps=len(moments), max_attempts=1, on_failed=failed.append, backend="interpreter").simulation
     except AttemptsExhausted:
         line = text.splitlines()[failed[0].requirement.span.line - 1]
         return [], ("Thrown_away", failed[0].step, int(line[-1]))
@@ -184,4 +184,4 @@ def test_the_other_reading_is_noticed(tmp_path: Path) -> None:
     moment = Moment(GOES_ON, False, (), (), (), ((TERMINATES, 1), (FAILS, 2)))
     assert by_the_theory(evaluated(["dynamics.Policy"], [in_coq([moment])], tmp_path)[0]) == ([], ("Thrown_away", 0, 5)) == by_the_machine([moment])
     stopped = scenic_ref.loads(in_scenic([moment]), readings={"time-unit": "steps", "behaviors-after-terminate": "stop"})
-    assert stopped.simulate("still", steps=1, max_attempts=1).simulation.result != "time limit"
+    assert stopped.simulate("still", steps=1, max_attempts=1, backend="interpreter").simulation.result != "time limit"

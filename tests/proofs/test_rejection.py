@@ -24,7 +24,7 @@ pytestmark = pytest.mark.slow
 COUNT, FEWER = 1000, 300
 Law = dict[int | None, Fraction]
 """The probability of each scene, by 10 x + y, and that of none; those of probability 0 are left out."""
-LAWS = ("factorised", "weighted", "redrawn", "repaired", "exchanged")
+LAWS = ("factorised", "apart", "weighted", "redrawn", "repaired", "exchanged")
 """Distributions that are, but for the repaired one, those of rejection sampling."""
 ASKED = """map (fun '(dx, dy, allowed_x, allowed_y, apart, attempts) =>
     let one_of allowed v := existsb (Nat.eqb v) allowed in
@@ -43,12 +43,15 @@ ASKED = """map (fun '(dx, dy, allowed_x, allowed_y, apart, attempts) =>
     let drawn_from (xy : nat * nat) := Qmake 1 (Pos.of_nat (1 + fst xy + 2 * snd xy)) in
     let w xy := Qdiv (mass_of xy) (drawn_from xy) in
     let runs := table scenes drawn_from in
+    let alone d holds := Component [d] [] (forallb holds) in
+    let pair l := match l with [a; b] => (a, b) | _ => (0, 0)%nat end in
     let same_prior (a : nat * nat * unit) := accepts (fst a) in
     (told (pr is_none tried),
      [law (found tried);
       law (normalised (found tried));
       law scenes_of;
       law (factorised dx dy x_holds y_holds fits);
+      law (bind (drawn_apart (Component [] [alone dx x_holds; alone dy y_holds] (fun l => fits (pair l)))) (fun l => ret (pair l)));
       map (fun xy => told (Qdiv (expect (fun a => Qmult (w a) (indicator (is xy a))) runs) (expect w runs))) scenes;
       law (bind scenes_of (where_accepted accepts (redraw dx)));
       law (repaired accepts dx (fun _ => dy));
@@ -112,7 +115,8 @@ Asked = tuple[Program, Answer]
 
 def by_the_theory(programs: Sequence[Program], folder: Path) -> list[Asked]:
     """The programs with what Coq says of them."""
-    told = evaluated(["kernel.Distribution", "inference.Rejection"], [f"{ASKED} {listed(p.in_coq() for p in programs)}"], folder)[0]
+    theories = ["kernel.Distribution", "inference.Rejection", "inference.Components"]
+    told = evaluated(theories, [f"{ASKED} {listed(p.in_coq() for p in programs)}"], folder)[0]
     found = []
     for program, (numerator, denominator, laws) in zip(programs, told, strict=True):
         some, given, desired, *others = (

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -10,7 +11,10 @@ from random import Random
 
 import pytest
 import scenic_ref
+from scenic_ref.inference import rejection
+from scenic_ref.inference.enumeration import Runner, Taken, following, product
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted
+from scenic_ref.semantics.kernel.outcome import Draw
 from scenic_ref.semantics.scenes import statements
 from scenic_ref.semantics.space.distributions import Coin
 
@@ -18,7 +22,7 @@ from .coq import evaluated, needs_coq
 
 pytestmark = pytest.mark.slow
 
-COUNT = 1000
+COUNT, FEWER, LIMITS = 1000, 300, (1, 2)
 READINGS = ("run", "scene")
 DEMANDED = ("0", "0.25", "0.5", "0.5", "0.75", "0.9", "1")
 LAW = """map (fun '(prior, hard, soft) =>
@@ -27,6 +31,11 @@ LAW = """map (fun '(prior, hard, soft) =>
     let law d := map (fun v => told (pr (Nat.eqb v) d)) (map fst prior) in
     (told (mass (attempt left soft)), law (under_run left soft), law (under_scene left soft)))"""
 """What Coq is asked: the probability that a run is accepted, and that of each value under both readings."""
+LIMITED = f"""map (fun '(prior, hard, soft) => map (fun attempts =>
+    let told q := let r := Qred q in (Qnum r, Zpos (Qden r)) in
+    let found := found_per_scene prior (map (fun B => (Qmake 1 1, B)) hard ++ soft) attempts in
+    map (fun v => told (pr (Nat.eqb v) found)) (map fst prior)) [{"; ".join(f"{limit}%nat" for limit in LIMITS)}])"""
+"""What it is asked about a limit on the attempts at each scene, under `scene`: the probability of each value, given that a scene is found."""
 
 
 @dataclass(frozen=True)
@@ -188,3 +197,48 @@ def test_the_other_reading_is_noticed(asked: list[Asked]) -> None:
 def test_a_requirement_that_is_checked_at_tails_is_noticed(asked: list[Asked], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(statements, "Coin", lambda probability: Coin(1 - probability))
     assert differences(asked[:100]) > 80
+
+
+def found_within(program: Program, attempts: int, patch: pytest.MonkeyPatch) -> tuple[Fraction, ...]:
+    """The exact distribution of what `rejection.sample` gives under `scene`, given that it gives something."""
+    scenario = scenic_ref.loads(program.in_scenic(), readings={"soft": "scene"})
+    law: dict[object, Fraction] = defaultdict(Fraction)
+    prefix: list[Taken] | None = []
+    while prefix is not None:
+        runner = Runner(prefix, None)
+        choose = once_per_scene(runner.choose)
+        patch.setattr(rejection, "from_stream", lambda *_, choose=choose: choose)
+        try:
+            scene = rejection.sample(scenario.start, 0, 0, max_attempts=attempts).scene.params["r"]
+        except AttemptsExhausted:
+            scene = None
+        law[scene] += runner.probability * product(share for _, share in runner.coins.values())
+        prefix = following(runner.choices)
+    found = 1 - law[None]
+    return tuple(law[value] / found if found else Fraction(0) for value in range(len(program.weights)))
+
+
+def once_per_scene(choose: Callable[[Draw], object]) -> Callable[[Draw], object]:
+    """A chooser whose coins show the same in all attempts."""
+    known: dict[object, object] = {}
+
+    def answer(draw: Draw) -> object:
+        if not draw.per_scene:
+            return choose(draw)
+        if draw.address not in known:
+            known[draw.address] = choose(draw)
+        return known[draw.address]
+
+    return answer
+
+
+@needs_coq
+def test_a_limit_on_the_attempts_gives_what_the_theory_says(asked: list[Asked], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With one attempt it is the law under `run`, and with more it is neither that nor the law under `scene`."""
+    several = asked[:FEWER]
+    theories = ["kernel.Distribution", "scenes.SoftRequirements", "inference.Rejection"]
+    told = evaluated(theories, [f"{LIMITED} {listed(program.in_coq() for program, _ in several)}"], tmp_path)[0]
+    theory = [tuple(tuple(Fraction(*pair) for pair in law) for law in laws) for laws in told]
+    assert [tuple(found_within(program, limit, monkeypatch) for limit in LIMITS) for program, _ in several] == theory
+    assert all(laws[0] == answer["run"].law for (_, answer), laws in zip(several, theory, strict=True))
+    assert sum(laws[1] not in (answer["run"].law, answer["scene"].law) for (_, answer), laws in zip(several, theory, strict=True)) > FEWER / 4

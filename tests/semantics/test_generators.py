@@ -173,7 +173,7 @@ def test_a_configuration_can_be_stepped_again():
 
 def test_agents_share_a_generator():
     """`for` asks for an element in each turn, so each agent gets some; a list would be used up by the first."""
-    result = loads(AGENTS, dialect="scenic-2.1").simulate(seed=0, steps=3)
+    result = loads(AGENTS, dialect="scenic-2.1").simulate(seed=0, steps=3, backend="interpreter")
     assert plain(result.simulation.records["log"][0][1]) == [["a", 0], ["b", 10], ["a", 20], ["b", 30], ["a", 40], ["b", 50]]
 
 

@@ -44,7 +44,7 @@ def test_an_error_of_a_scene_says(program: str, message: str) -> None:
 )
 def test_an_error_of_a_behavior_says(body: str, message: str) -> None:
     with pytest.raises(ProgramError) as raised:
-        scenic_ref.loads(BEHAVIOR.format(body)).simulate(steps=2)
+        scenic_ref.loads(BEHAVIOR.format(body)).simulate(steps=2, backend="interpreter")
     assert raised.value.message == message
 
 

@@ -254,7 +254,7 @@ def test_what_scenarios_bind_that_are_set_up_and_given_up_is_taken_back() -> Non
     watching = Again(share=1.0)
     scenario = scenic_ref.loads(program)
     with stepping(watching):
-        scenario.simulate("still", 3, max_attempts=5)
+        scenario.simulate("still", 3, max_attempts=5, backend="interpreter")
     watching.compare_all()
     assert watching.compared > 100
 
@@ -360,7 +360,7 @@ def test_a_run_keeps_nothing_that_only_served_to_go_back(program: str) -> None:
     before += living()
     with stepping(watch):
         if "behavior" in program:
-            scenario.simulate(steps=100, seed=0)
+            scenario.simulate(steps=100, seed=0, backend="interpreter")
         else:
             scenario.sample(seed=0)
     assert len(alive) > 400 and max(alive) < 40, max(alive)

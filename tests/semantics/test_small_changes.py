@@ -42,7 +42,7 @@ def test_the_hint_of_an_error_is(program: str, hint: str) -> None:
 def test_the_class_of_the_closest_object_is_named_wrongly(argument: str, got: str) -> None:
     program = f"behavior B():\n    take self.distanceToClosest({argument})\n{EGO[:-1]}, with behavior B()\n"
     with pytest.raises(RunError) as raised:
-        scenic_ref.loads(program).simulate(steps=1)
+        scenic_ref.loads(program).simulate(steps=1, backend="interpreter")
     assert raised.value.message == f"distanceToClosest expects a class, not {got}"
 
 

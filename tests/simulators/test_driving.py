@@ -207,9 +207,9 @@ def test_mixins_make_objects_take_the_actions_of_vehicles_or_pedestrians() -> No
 ACTIONS = {
     "SetVelocityAction(3, 4).velocity": (3, 4), "SetVelocityAction((3, 4)).velocity": (3, 4),
     "SetVelocityAction(xVel=3, yVel=4, zVel=9).velocity": (3, 4), "SetReverseAction(True).reverse": True,
-    "SetVelocityAction(3)": "the velocity must be a vector, not a scalar", "SetVelocityAction(3, 'a')": "the velocity must be a vector",
-    "SetReverseAction('no')": "the reverse gear is True or False, not a string",
-    "SetHandBrakeAction(3)": "the hand brake is True or False, not a scalar",
+    "SetVelocityAction(3)": "xVel must be a vector, or yVel be given as well, not 3", "SetVelocityAction(3, 'a')": "yVel must be a number, not 'a'",
+    "SetReverseAction('no')": "SetReverseAction: reverse must be True or False, not 'no'",
+    "SetHandBrakeAction(3)": "SetHandBrakeAction: handBrake must be True or False, not 3",
 }  # fmt: skip
 """Actions, and what they are or why they are refused."""
 
@@ -330,7 +330,7 @@ def test_what_controls_ask_for_is_checked():
     assert RegulatedControlAction(0.9, 0.5, 0.2).regulated == pytest.approx((0.5, 0.0, 0.3))
     with pytest.raises(ValueError, match="past_steer must be a number"):
         RegulatedControlAction(0, 0, None)  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match="max_brake must be between 0 and 1"):
+    with pytest.raises(ValueError, match="max_brake must be a number from 0 to 1, not 2"):
         RegulatedControlAction(0, 0, 0, max_brake=2)
 
 

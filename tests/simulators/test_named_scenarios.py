@@ -64,6 +64,19 @@ def test_where_ways_only_turn_ego_follows_round_the_bend(tmp_path: Path):
     assert 10 < distance(moments[-1]) < 40
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(3))
+def test_ego_goes_the_ways_that_the_car_ahead_chooses(tmp_path: Path, seed: int):
+    (tmp_path / "round.xodr").write_text(made("roundabout"))
+    text = f"param map = localPath('round.xodr')\n{MODEL}scenario Main():\n    setup:\n"
+    text += "        ways = filter(lambda l: len(l.maneuvers) > 1, network.lanes)\n"
+    text += "        ego = Car on Uniform(*ways).centerline\n    compose:\n        do FollowingScenario()\n"
+    run = scenic_ref.loads(text, directory=tmp_path).simulate("kinematic", steps=400, seed=seed).simulation
+    gaps = [distance(moment) for moment in run.moments]
+    assert max(gaps) < 25  # 108 at the end, where they part
+    assert math.dist(run.moments[0].objects[1]["position"], run.moments[-1].objects[1]["position"]) > 20  # type: ignore[arg-type]
+
+
 PULLED = "ego = Car at {}.centerline.pointAlongBy({}), with behavior FollowLaneBehavior(6)"
 
 

@@ -62,7 +62,9 @@ WRONG = {
     "computed": ("localPath('maps/' + 'town.xodr')", "maps are read before it runs"),
     "other": ("localPath('maps/town.xodr'), radius=1", "fromFile has no radius in this reference"),
     "too far": ("localPath('maps/town.xodr'), tolerance=99", "the tolerance of a map is a number of metres from 0 to 10"),
-    "computed tolerance": ("localPath('maps/town.xodr'), tolerance=1 + 1", "with tolerance a number: maps are read before it runs"),
+    "computed tolerance": ("localPath('maps/town.xodr'), tolerance=1 + 1", "that is written as a number: maps are read before it runs"),
+    "negative": ("localPath('maps/town.xodr'), tolerance=-1", "the tolerance of a map is a number of metres from 0 to 10, not -1"),
+    "in words": ("localPath('maps/town.xodr'), tolerance='wide'", "is a number of metres from 0 to 10, not 'wide'"),
     "nothing": ("3", "maps are read before it runs"),
 }
 
@@ -109,16 +111,22 @@ def test_the_tolerance_of_a_map_is_given_by_its_options(options: str, other: str
     ("options", "message"),
     [
         ("{'tolerence': 1}", "there is no map option 'tolerence'"), ("{'tolerance': 'wide'}", "is a number of metres from 0 to 10"),
-        ("{'tolerance': True}", "is a number of metres"), ("{'tolerance': 2 + 3}", "must be a dictionary of texts and constants"),
-        ("[3]", "must be a dictionary"),
+        ("{'tolerance': True}", "is a number of metres"), ("{'tolerance': -1}", "from 0 to 10, not -1"),
+        ("{'tolerance': 2 + 3}", "must be a dictionary of texts and constants"), ("[3]", "must be a dictionary"),
     ],
 )  # fmt: skip
 def test_map_options_that_mean_nothing_are_refused(options: str, message: str) -> None:
     with pytest.raises(scenic_ref.errors.ScenicError, match=message) as told:
-        scenic_ref.loads(f"param map_options = {options}\nmodel scenic.domains.driving.model\nego = Car\n").sample()
-    assert told.value.span.line == 1
+        scenic_ref.loads(f"x = 3\nparam map_options = {options}\nmodel scenic.domains.driving.model\nego = Car\n").sample()
+    assert (told.value.span.file, told.value.span.line) == ("<string>", 2)
     if "tolerence" in options:
         assert "tolerance" in told.value.hint
+
+
+def test_map_options_from_outside_are_refused_where_the_program_names_its_model() -> None:
+    with pytest.raises(scenic_ref.errors.ScenicError, match="not 'wide'") as told:
+        scenic_ref.loads("x = 3\nmodel scenic.domains.driving.model\n", params={"map_options": {"tolerance": "wide"}}).sample()
+    assert (told.value.span.file, told.value.span.line) == ("<string>", 2)
 
 
 @pytest.mark.parametrize("call", ["Network.fromPickle('a.snet')", "network.dumpPickle('a.snet', 1, 2)"])

@@ -147,14 +147,24 @@ def polygon_margin(region: PolygonalRegion, inside: np.ndarray, values: list[np.
     return np.where(inside, UNKNOWN, -away)
 
 
+PAIRS = 1 << 16
+"""So many pairs of a point and an edge are looked at at a time."""
+
+
 def points_away(edges: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """How far points are outside of the polygon with these edges; 0 inside."""
-    least, inside = np.full(len(x), np.inf), np.zeros(len(x), dtype=bool)
-    for ax, ay, bx, by in edges.tolist():
-        dx, dy = bx - ax, by - ay
-        squared = dx * dx + dy * dy
-        share = np.clip(((x - ax) * dx + (y - ay) * dy) / squared, 0.0, 1.0) if squared else 0.0
-        least = np.minimum(least, (ax + share * dx - x) ** 2 + (ay + share * dy - y) ** 2)
-        if dy:
-            inside ^= ((ay > y) != (by > y)) & (x < ax + (y - ay) / dy * dx)
-    return np.where(inside, 0.0, np.sqrt(least))
+    step = max(1, PAIRS // len(edges))
+    parts = [few_away(edges, x[first : first + step, None], y[first : first + step, None]) for first in range(0, len(x), step)]
+    return np.concatenate(parts) if parts else np.zeros(0)
+
+
+def few_away(edges: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """The same for few points, which stand below each other."""
+    ax, ay, bx, by = edges.T
+    dx, dy = bx - ax, by - ay
+    squared = dx * dx + dy * dy
+    with np.errstate(invalid="ignore", divide="ignore"):
+        share = np.where(squared == 0, 0.0, np.clip(((x - ax) * dx + (y - ay) * dy) / squared, 0.0, 1.0))
+        crossed = ((ay > y) != (by > y)) & (x < ax + (y - ay) / dy * dx)  # by a ray to the East
+    least = ((ax + share * dx - x) ** 2 + (ay + share * dy - y) ** 2).min(axis=1)
+    return np.where(np.logical_xor.reduce(crossed, axis=1), 0.0, np.sqrt(least))

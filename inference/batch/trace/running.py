@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -11,7 +11,8 @@ from ....interpreter.choosers import AS_THEY_ARE, PER_SCENE, Draws, replaced
 from ....interpreter.printer import to_source
 from ....interpreter.streams import Stream
 from ....interpreter.walls import within
-from ....semantics.kernel.config import Abrupt, Config, Stack, State, Value
+from ....semantics.kernel.callers import frames_of
+from ....semantics.kernel.config import Abrupt, Config, State, Value
 from ....semantics.kernel.driving import End, drive_machine
 from ....semantics.kernel.errors import RandomBranch
 from ....semantics.kernel.outcome import Done, Draw, Fault, Next, Outcome, Requirement, Stuck
@@ -147,13 +148,6 @@ def with_place(problem: str, config: Config, beginning: Config) -> str:
     found = [n for n in nodes if isinstance(n, Node) and n.span.line > 0]
     here = next((n for n in found if n.span.file == place(beginning).file), next(iter(found), None))
     return problem if here is None else f"{here.span}: {problem}, in `{textwrap.shorten(to_source(here), LONGEST, placeholder=' ...')}`"
-
-
-def frames_of(stack: Stack) -> Iterator[object]:
-    """The frames of a stack, the innermost first."""
-    while stack:
-        frame, stack = stack
-        yield frame
 
 
 class SymbolicRun:

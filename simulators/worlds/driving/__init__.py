@@ -18,6 +18,7 @@ from ....semantics.syntax import Program
 from ....semantics.syntax.nodes import NOWHERE, Span
 from ....semantics.syntax.statements import Param
 from ...actions import ACTIONS
+from .arguments import check_arguments
 from .named_maps import constants, maps_of, read, text_and_path, tolerance_in
 
 MAP = "scenic.domains.driving.map"
@@ -102,6 +103,7 @@ def modules(program: Program, params: Mapping[str, object], directory: Path | No
 
 FIXED: Mapping[str, Callable[[], str | Mapping[str, object]]] = {
     "scenic.domains.driving.actions": lambda: ACTIONS,
+    "scenic.domains.driving.arguments": lambda: {"check_arguments": check_arguments},
     MAPS[0]: lambda: FIXED_ROADS,
     "scenic.domains.driving.paths": lambda: {"Trajectory": paths.Trajectory},
     "scenic.domains.driving.controllers": lambda: text("controllers"),

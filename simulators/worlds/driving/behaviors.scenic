@@ -3,6 +3,7 @@
 from scenic.domains.driving.map import network
 from scenic.domains.driving.roads import *
 from scenic.domains.driving.actions import *
+from scenic.domains.driving.arguments import check_arguments
 from scenic.domains.driving.paths import Trajectory
 from scenic.domains.driving.lights import *
 
@@ -32,6 +33,7 @@ behavior StopBehavior():
         take SetThrottleAction(0), SetBrakeAction(1)
 
 behavior ConstantThrottleBehavior(x):
+    check_arguments('ConstantThrottleBehavior', x)
     take SetThrottleAction(x), SetReverseAction(False), SetHandBrakeAction(False)
 
 behavior AccelerateForwardBehavior():
@@ -39,7 +41,7 @@ behavior AccelerateForwardBehavior():
 
 # To the end of a trajectory (lanes, lines or points, in order), slower in bends: at most at `turn_speed`, if it is given.
 behavior FollowTrajectoryBehavior(target_speed=10, trajectory=None, turn_speed=None):
-    assert trajectory is not None, 'FollowTrajectoryBehavior needs a trajectory'
+    check_arguments('FollowTrajectoryBehavior', target_speed, trajectory, turn_speed)
     path = Trajectory(trajectory)
     place = path.along(self.position)
     while place < path.length - 1:
@@ -49,6 +51,7 @@ behavior FollowTrajectoryBehavior(target_speed=10, trajectory=None, turn_speed=N
 
 # Along a trajectory through an intersection, until it ends or the vehicle has left the intersection, to which it may have to come first.
 behavior TurnBehavior(trajectory, target_speed=6):
+    check_arguments('TurnBehavior', trajectory, target_speed)
     path = Trajectory(trajectory)
     place = path.along(self.position)
     within = False
@@ -60,6 +63,7 @@ behavior TurnBehavior(trajectory, target_speed=6):
 # Along a lane, straight on where it goes on (else by some maneuver), until the road ends; then the vehicle stops.
 behavior FollowLaneBehavior(target_speed=10, laneToFollow=None, is_oppositeTraffic=False):
     invariant: self in roadOrShoulder
+    check_arguments('FollowLaneBehavior', target_speed, laneToFollow, is_oppositeTraffic)
     lane = self.lane if laneToFollow is None else laneToFollow
     while not is_oppositeTraffic and len(lane.maneuvers) > 0:
         maneuver = Uniform(*onward(lane))
@@ -80,6 +84,7 @@ behavior FollowLaneBehavior(target_speed=10, laneToFollow=None, is_oppositeTraff
 
 # Into a section of a lane, which need not be beside the own one, and a little further; then the vehicle rolls on.
 behavior LaneChangeBehavior(laneSectionToSwitch, is_oppositeTraffic=False, target_speed=10):
+    check_arguments('LaneChangeBehavior', laneSectionToSwitch, is_oppositeTraffic, target_speed)
     lane = Trajectory([laneSectionToSwitch.lane], is_oppositeTraffic)
     begin = lane.along(self.position) + max(10, 1.5 * self.speed)
     path = Trajectory([self.position, lane.point(begin), lane.point(begin + 20)])
@@ -90,6 +95,7 @@ behavior LaneChangeBehavior(laneSectionToSwitch, is_oppositeTraffic=False, targe
     take SetThrottleAction(0), SetSteerAction(0)
 
 behavior DriveAvoidingCollisions(target_speed=25, avoidance_threshold=10):
+    check_arguments('DriveAvoidingCollisions', target_speed, avoidance_threshold)
     try:
         do FollowLaneBehavior(target_speed)
     interrupt when self.distanceToNextObstacle() <= avoidance_threshold:
@@ -99,11 +105,13 @@ behavior FollowLaneAvoidingCollisions():
     do DriveAvoidingCollisions(10, 8)
 
 behavior WalkForwardBehavior(speed=0.5):
+    check_arguments('WalkForwardBehavior', speed)
     while True:
         take SetWalkingDirectionAction(self.heading), SetWalkingSpeedAction(speed)
 
 # Along the sidewalk to its end.
 behavior WalkAlongSidewalkBehavior(speed=1.4):
+    check_arguments('WalkAlongSidewalkBehavior', speed)
     path = Trajectory([network.sidewalkAt(self.position, reject='the pedestrian is not on a sidewalk')])
     place = path.along(self.position)
     while place < path.length - 1:
@@ -113,12 +121,14 @@ behavior WalkAlongSidewalkBehavior(speed=1.4):
 
 # A pedestrian who begins to walk when another object comes near.
 behavior CrossingBehavior(reference_actor, min_speed=1, threshold=10, final_speed=None):
+    check_arguments('CrossingBehavior', reference_actor, min_speed, threshold, final_speed)
     while (distance from self to reference_actor) > threshold:
         take SetWalkingSpeedAction(0)
     do WalkForwardBehavior(min_speed if final_speed is None else final_speed)
 
 # Past what is ahead: over to the next lane for passing (of the other direction, if there is no other), and back.
 behavior PassingBehavior(target_speed=12):
+    check_arguments('PassingBehavior', target_speed)
     own = self.laneSection
     other = own._fasterLane if own._fasterLane is not None else own._laneToLeft
     if other is None:
@@ -142,6 +152,7 @@ behavior GetBackOntoRoad():
 
 # To the line before the traffic light of the lane (or as near to it as one can still brake), and there until it is green.
 behavior WaitForTrafficLightBehavior(target_speed=10):
+    check_arguments('WaitForTrafficLightBehavior', target_speed)
     lane = self.lane
     light = lane._trafficLight
     path = Trajectory([lane])
@@ -153,6 +164,7 @@ behavior WaitForTrafficLightBehavior(target_speed=10):
 
 # Along the lane, waiting at traffic lights that are not green; who can no more stop before the line with a strong brake drives on.
 behavior FollowLaneObeyingTrafficLights(target_speed=10):
+    check_arguments('FollowLaneObeyingTrafficLights', target_speed)
     try:
         do FollowLaneBehavior(target_speed)
     interrupt when withinDistanceToRedYellowTrafficLight(self, 6 + self.speed * self.speed / 4) and canStop(self):

@@ -13,7 +13,8 @@ from ....semantics.kernel.suggestions import did_you_mean
 from ....semantics.python.specials import WITHOUT_EFFECT
 from ....semantics.syntax import Program
 from ....semantics.syntax.nodes import NOWHERE, Span
-from ....semantics.syntax.python_expressions import Attribute, Call, Constant, DictDisplay, Name
+from ....semantics.syntax.python_expressions import Attribute, Call, Constant, DictDisplay, Name, UnaryOperation
+from ...arguments import shown
 
 LARGEST_TOLERANCE = 10.0
 """Metres by which a point may miss an element at most."""
@@ -39,7 +40,7 @@ def beside(path: Path, directory: Path | None) -> str:
 def checked(tolerance: object, span: Span) -> float:
     """A tolerance. Raises `ImportRefused`."""
     if isinstance(tolerance, bool) or not isinstance(tolerance, (int, float)) or not 0 <= tolerance <= LARGEST_TOLERANCE:
-        raise ImportRefused(f"the tolerance of a map is a number of metres from 0 to {LARGEST_TOLERANCE:g}", span)
+        raise ImportRefused(f"the tolerance of a map is a number of metres from 0 to {LARGEST_TOLERANCE:g}, not {shown(tolerance)}", span)
     return float(tolerance)
 
 
@@ -54,13 +55,25 @@ def tolerance_in(options: object, span: Span) -> float:
     return checked(options.get("tolerance", TOLERANCE), span)
 
 
-def constants(node: object) -> object:
-    """What a dictionary of constants that is written in a program holds; None for other expressions."""
+UNKNOWN = object()
+"""What an expression gives that is no constant."""
+
+
+def constant(node: object) -> object:
+    """What a constant that is written in a program is, also one with a sign; UNKNOWN for other expressions."""
     match node:
-        case DictDisplay(items=items) if all(isinstance(k, Constant) and isinstance(v, Constant) for k, v in items):
-            return {k.value: v.value for k, v in items}  # type: ignore[union-attr]
+        case Constant(value=value):
+            return value
+        case UnaryOperation(operator="-" | "+" as sign, operand=Constant(value=int() | float() as value)):
+            return -value if sign == "-" else value
         case _:
-            return None
+            return UNKNOWN
+
+
+def constants(node: object) -> object:
+    """What a dictionary of constants that is written in a program holds; UNKNOWN for other expressions."""
+    items = {constant(k): constant(v) for k, v in node.items} if isinstance(node, DictDisplay) else {UNKNOWN: None}
+    return UNKNOWN if UNKNOWN in items or UNKNOWN in items.values() else items
 
 
 def text_and_path(node: object, directory: Path | None) -> tuple[str, Path] | None:
@@ -81,7 +94,7 @@ def named(program: Program, directory: Path | None) -> Iterator[tuple[object, tu
         for node in descendants(statement):
             match node:
                 case Call(function=Attribute(name="fromFile" | "fromOpenDrive"), arguments=(first, *_)) if found := text_and_path(first, directory):
-                    given = next((k.value.value for k in node.keywords if k.name == "tolerance" and isinstance(k.value, Constant)), None)
+                    given = next((constant(k.value) for k in node.keywords if k.name == "tolerance"), None)
                     text, path = found
                     yield text if given is None else (text, given), (path, TOLERANCE if given is None else given)
                 case _:

@@ -1,5 +1,6 @@
 # Scenarios of the driving library: those that the paper names without defining them. Each happens to an ego that is there.
 
+from scenic.domains.driving.arguments import check_arguments
 from scenic.domains.driving.model import *
 
 # The point of another element of its road that is beside a vehicle, or so many metres further along the vehicle's lane; not at the very end.
@@ -51,48 +52,83 @@ def redWays(vehicle, seconds=5):
     ways = [m for m in own[0].conflictingManeuvers if m.type is ManeuverType.STRAIGHT] if len(own) > 0 else []
     return [m for m in ways if m.startLane._trafficLight is not None and staysRed(m.startLane._trafficLight, seconds)]
 
-# Along some lanes and on, braking before what is ahead.
-behavior FollowWay(way, speed):
-    if len(way) > 1:
-        do FollowTrajectoryBehavior(speed, way)
-    do FollowLaneBehavior(speed)
+# The lanes that the first of two vehicles goes along, which grow with each way that it chooses, and how far along them the second has come.
+class Trail(object):
+    def __init__(self, lanes, second):
+        self.lanes = lanes
+        self.path = Trajectory(lanes)
+        self.place = self.path.along(second.position)
 
-behavior KeepAway(way, speed):
+    def add(self, lanes):
+        self.lanes = self.lanes + lanes
+        self.path = Trajectory(self.lanes)
+
+    def nextPlace(self, second):
+        self.place = self.path.along(second.position, self.place)
+        return self.place
+
+# The first of them: as FollowLaneBehavior, straight on where that is possible.
+behavior LeadAlong(trail, speed):
+    check_arguments('LeadAlong', trail, speed)
+    lane = trail.lanes[-1]
+    while len(lane.maneuvers) > 0:
+        maneuver = Uniform(*onward(lane))
+        more = [maneuver.endLane] if maneuver.connectingLane is None else [maneuver.connectingLane, maneuver.endLane]
+        trail.add(more)
+        do FollowTrajectoryBehavior(speed, [lane, *more]) until self.position in maneuver.endLane
+        lane = maneuver.endLane
+    do FollowLaneBehavior(speed, lane)
+
+# The second: it stops before the end of the last road.
+behavior FollowTrail(trail, speed):
+    check_arguments('FollowTrail', trail, speed)
+    while True:
+        place = trail.nextPlace(self)
+        take following(self, trail.path, place, min(speed, stopping(trail.path.length - 3 - place)))
+
+behavior KeepAway(trail, speed):
+    check_arguments('KeepAway', trail, speed)
     try:
-        do FollowWay(way, speed)
+        do FollowTrail(trail, speed)
     interrupt when self.distanceToNextObstacle() <= 10:
         take SetThrottleAction(0), SetBrakeAction(1)
 
-# A driver who closes up to the car ahead, then falls back and keeps away; along the lanes to where that car was at first.
-behavior CloseUpAndFallBack(leader, speed=10, way=()):
+# A driver who closes up to the car ahead, then falls back and keeps away.
+behavior CloseUpAndFallBack(leader, trail, speed=10):
+    check_arguments('CloseUpAndFallBack', leader, trail, speed)
     try:
-        do FollowWay(way, speed) until (distance from self to leader) < 9
-        do FollowWay(way, 2) until (distance from self to leader) > 20
-        do KeepAway(way, leader.speed)
+        do FollowTrail(trail, speed) until (distance from self to leader) < 9
+        do FollowTrail(trail, 2) until (distance from self to leader) > 20
+        do KeepAway(trail, leader.speed)
     interrupt when self.timeToCollision() < 1 or self.distanceToNextObstacle() < 2:
         take SetThrottleAction(0), SetBrakeAction(1)
 
 # A parked vehicle leaves the shoulder for a lane of its road.
 behavior PullOutBehavior(lane, target_speed=8):
+    check_arguments('PullOutBehavior', lane, target_speed)
     do LaneChangeBehavior(lane.sections[0], False, target_speed)
     do FollowLaneBehavior(target_speed)
 
 # A pedestrian waits until a vehicle comes near, and walks to the other side.
 behavior CrossInFrontOf(vehicle, other, speed, threshold):
+    check_arguments('CrossInFrontOf', vehicle, other, speed, threshold)
     do CrossingBehavior(vehicle, speed, threshold) until (distance from self to other) < 0.5
     take SetWalkingSpeedAction(0)
 
-# Ego follows a car, too closely at first. Near the end of ego's lane that car is on one of the lanes after it.
+# Ego follows a car, too closely at first, also through intersections. Near the end of ego's lane that car is on one of the lanes after it.
 scenario FollowingScenario(gap=20, speed=5):
+    precondition: check_arguments('FollowingScenario', gap, speed) is None
     precondition: ego._lane is not None
     setup:
         way = wayAhead(ego, gap)
         spot = pointAhead(way, ego, gap)
-        leadCar = Car at spot, facing directionOn(way, spot), with behavior FollowLaneBehavior(speed, way[-1])
-        override ego with behavior CloseUpAndFallBack(leadCar, 10, way)
+        trail = Trail(way, ego)
+        leadCar = Car at spot, facing directionOn(way, spot), with behavior LeadAlong(trail, speed)
+        override ego with behavior CloseUpAndFallBack(leadCar, trail)
 
 # The paper's scenario of this name: a car parked at the curb pulls out ahead of `target`, which keeps away; it ends when that car is in the lane.
 scenario ParkedCarPullingAheadOf(target, metres=25, gap=0.25):
+    precondition: check_arguments('ParkedCarPullingAheadOf', target, metres, gap) is None
     precondition: target._laneGroup is not None and target._laneGroup._shoulder is not None
     precondition: target._lane is not None and leftOfLane(target) > metres + 25
     setup:
@@ -103,6 +139,7 @@ scenario ParkedCarPullingAheadOf(target, metres=25, gap=0.25):
 
 # While ego comes to an intersection, a car from the side drives on at a red light; it ends when this car has left the intersection.
 scenario RedLightRunner(speed=9):
+    precondition: check_arguments('RedLightRunner', speed) is None
     precondition: len(redWays(ego)) > 0
     setup:
         way = Uniform(*redWays(ego))
@@ -113,6 +150,7 @@ scenario RedLightRunner(speed=9):
 
 # A pedestrian walks across the road ahead of ego; it ends when ego is past, or the pedestrian has crossed.
 scenario Jaywalker(gap=25, speed=1.5):
+    precondition: check_arguments('Jaywalker', gap, speed) is None
     precondition: ego._laneGroup is not None and ego._laneGroup._sidewalk is not None
     precondition: ego._laneGroup is not None and ego._laneGroup._opposite is not None and ego._laneGroup._opposite._sidewalk is not None
     setup:
@@ -123,6 +161,7 @@ scenario Jaywalker(gap=25, speed=1.5):
 
 # The paper's scenario of this name; it ends when ego is past the parked car.
 scenario ParkedCar(gap=0.25):
+    precondition: check_arguments('ParkedCar', gap) is None
     precondition: ego._laneGroup is not None and ego._laneGroup._shoulder is not None
     setup:
         spot = OrientedPoint on visible ego.laneGroup.curb

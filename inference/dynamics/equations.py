@@ -1,0 +1,241 @@
+"""What translated expressions call: the equations of `semantics` on plain values, and the machine for what has no shorter way.
+
+Numbers, properties and comparisons of numbers need no rule between their operands and their value. All else is concluded by the rule of its
+node, driven by the machine from the values of its premises, or reduced by the machine as a whole: draws keep their addresses.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ...semantics.dynamics.processes import Coroutine
+from ...semantics.kernel.conditions import holding, truth
+from ...semantics.kernel.config import Abrupt, Config, Stack, State, Value
+from ...semantics.kernel.driving import Arrived, Chooser, Machine, Witness, drive_machine, taken_over
+from ...semantics.kernel.errors import NeedsElements
+from ...semantics.kernel.outcome import Draw, Next, Outcome, Requirement, Stuck
+from ...semantics.kernel.premises import SHARED, Conclusion, Premises, variable
+from ...semantics.kernel.queries import CLOCK, Clock, attribute_of_clock
+from ...semantics.kernel.scopes import MISSING, Scope
+from ...semantics.kernel.simulation import Who
+from ...semantics.kernel.values import Dynamic, Instance, Random, plain
+from ...semantics.python.calls import conclude_call, invocation
+from ...semantics.python.expressions import conclude_attribute, conclude_binary, conclude_unary
+from ...semantics.python.functions import InScope
+from ...semantics.scenes.comparisons import conclude_comparison
+from ...semantics.scenes.operations import apply_operator
+from ...semantics.scenes.operators import distance
+from ...semantics.space.regions import EmptyRegion, UnboundedRegion
+from ...semantics.space.vectors import Vector
+from ...semantics.step import step, stopped, told
+from ...semantics.syntax import python_expressions as p
+from ...semantics.syntax.expressions import Distance
+from ...semantics.syntax.nodes import Expression, Node
+from ...simulators.actions import ACTIONS
+from .leaving import LeftToMachine
+
+PLAIN = frozenset({float, int, bool, str, type(None)})
+"""Types of values that calls of actions are given as they are."""
+ACTION_TYPES = frozenset(ACTIONS.values())
+MOST_TURNS = 5_000
+"""So many turns of loops, and beginnings of behaviors and handlers, may a time step have here; whether it has an end is for the machine to say."""
+
+
+class RunRejected(Exception):
+    """A requirement of the run does not hold."""
+
+    def __init__(self, rule: str, requirement: Requirement) -> None:
+        super().__init__(requirement.text)
+        self.stuck = Stuck(rule, requirement)
+
+
+class Raised(Exception):
+    """An exception of the program, which it may catch."""
+
+    def __init__(self, abrupt: Abrupt) -> None:
+        super().__init__(str(abrupt.value))
+        self.abrupt = abrupt
+
+
+class Equations:
+    """The state of a simulation while compiled code runs, and the values of expressions in it.
+
+    Compiled code changes variables without a note (`versions`), since no run goes back behind it; whatever the machine changes is noted in `state`.
+
+    `prefix` and `draws` are the address of the next draw of the coroutine that runs, whose `who` it is; `handling` are the exceptions that it
+    handles. `now` is the time, as `simulation.currentTime` says it.
+    """
+
+    def __init__(self, state: State, choose: Chooser, fuel: int, witness: Witness) -> None:
+        self.state = state
+        self.choose = choose
+        self.fuel = fuel
+        self.witness = witness
+        self.who = Who("condition", 0)
+        self.prefix: tuple[int, ...] = ()
+        self.draws = 0
+        self.handling: tuple[BaseException, ...] = ()
+        self.turns = 0
+        self.now: float = 0
+
+    # The machine
+
+    def here(self, scope: Scope) -> State:
+        """The state in which the coroutine that runs goes on."""
+        return self.state._replace(sigma=scope, prefix=self.prefix, draws=self.draws, handling=self.handling)
+
+    def driven(self, control: Node | Value, scope: Scope) -> Any:
+        """What the machine reduces a node to. Raises `LeftToMachine`, `RunRejected`."""
+        base = self.base(scope)
+        return self.settled(step, taken_over(Config(control, base, self.here(scope))), base)
+
+    def base(self, scope: Scope) -> Stack:
+        """The context of what the coroutine that runs reduces; an exception stops above the frame of the coroutine, which numbers draws as before."""
+        return (InScope(scope), (Coroutine(self.who, scope, self.handling, 0, self.prefix, self.draws), ()))
+
+    def settled(self, machine: Machine, config: Config, base: Stack) -> Any:
+        """The value with which the machine comes back to the context `base`. Raises `Raised`, `RunRejected`, and `LeftToMachine` for an error."""
+
+        def is_back(config: Config) -> bool:
+            kind = type(config.control)
+            return (kind is Value and config.stack is base) or (kind is Abrupt and (config.stack is base or config.stack is base[1]))
+
+        end, _ = drive_machine(machine, config, self.choose, self.fuel, witness=self.witness, until=is_back)
+        if isinstance(end, Stuck):
+            raise RunRejected(end.rule, end.requirement)
+        if not isinstance(end, Arrived):
+            raise LeftToMachine("an error of the program")
+        self.state, self.draws = end.config.state, end.config.state.draws
+        control = end.config.control
+        if isinstance(control, Abrupt):
+            if control.kind != "raise":
+                raise LeftToMachine("a statement that leaves its block")
+            raise Raised(control)
+        assert isinstance(control, Value)
+        return control.value
+
+    def reduced(self, scope: Scope, node: Node) -> Any:
+        """⟨E, σ⟩ → v, by the machine, or a statement that takes no time; a value that was drawn keeps what it was drawn from."""
+        return self.driven(node, scope)
+
+    def concluded(self, scope: Scope, conclude: Conclusion, node: Node, values: list[object]) -> Any:
+        """The conclusion of a rule from the values of its premises; where it is no value yet, what the machine makes of it."""
+        base, state = self.base(scope), self.here(scope)
+        *before, last = values
+        frame = Premises(node, [None] * len(values), len(before), tuple(before), conclude)
+        try:
+            outcome = told(conclude(node, values, base, state), state)
+        except NeedsElements:  # those of a generator, which the machine computes
+            return self.settled(step, taken_over(Config(Value(last), (frame, base), state)), base)
+        except Exception as problem:
+            outcome = told(stopped(problem, Config(Value(last), (frame, base), state)), state)
+        if type(outcome) is Draw:
+            outcome = self.answered(outcome)
+        if type(outcome) is Next and outcome.config.stack is base and type(outcome.config.control) is Value:
+            self.state, self.draws = outcome.config.state, outcome.config.state.draws
+            return outcome.config.control.value
+        first: list[Outcome] = [outcome]
+        return self.settled(lambda config: first.pop() if first else step(config), Config(Value(None), (), state), base)
+
+    def answered(self, draw: Draw) -> Outcome:
+        """What follows a draw; one that only the machine's loop knows how to answer, or to refuse, stays as it is."""
+        try:
+            drawn = self.choose(draw)
+        except (EmptyRegion, UnboundedRegion):
+            return draw
+        return Next(draw.rule, draw.resume(drawn), draw.node)
+
+    # Expressions
+
+    def variable(self, scope: Scope, node: p.Name) -> Any:
+        """⟨x⟩ → σ(x), with what it was drawn from."""
+        if node.name not in SHARED and (found := scope.lookup(node.name)) is not MISSING:
+            return found
+        return variable(node, self.here(scope))
+
+    def attribute(self, scope: Scope, subject: Any, node: p.Attribute, name: str) -> Any:
+        """⟨E.name⟩ of anything but a property that an instance has; `name` is the canonical one."""
+        kind = type(subject)
+        if kind is Vector and name in ("x", "y"):
+            return getattr(subject, name)
+        if kind is Clock and name in CLOCK:  # that is what it is on roads, too
+            return attribute_of_clock(name, node, self.state)
+        return plain(self.concluded(scope, conclude_attribute, node, [subject]))
+
+    def binary(self, scope: Scope, node: p.BinaryOperation, left: Any, right: Any) -> Any:
+        """⟨E1 ⊕ E2⟩ → v1 ⊕ v2."""
+        if type(left) in NUMBERS and type(right) in NUMBERS and -SMALL < left < SMALL and -SMALL < right < SMALL:
+            if node.operator == "+":
+                return left + right
+            if node.operator == "-":
+                return left - right
+            if node.operator == "*":
+                return left * right
+            if node.operator == "/" and right:
+                return left / right
+        return plain(self.concluded(scope, conclude_binary, node, [left, right]))
+
+    def unary(self, scope: Scope, node: p.UnaryOperation, operand: Any) -> Any:
+        """⟨⊖E⟩ → ⊖v."""
+        if node.operator == "-" and type(operand) in NUMBERS:
+            return -operand
+        if node.operator == "not" and type(operand) is bool:
+            return not operand
+        return plain(self.concluded(scope, conclude_unary, node, [operand]))
+
+    def comparison(self, scope: Scope, node: p.Comparison, left: Any, right: Any) -> Any:
+        """⟨E1 < E2⟩ → v1 < v2."""
+        return plain(self.concluded(scope, conclude_comparison, node, [(), left, right]))
+
+    def operator(self, scope: Scope, node: Node, *operands: Any) -> Any:
+        """An operator of the paper, by the equation for the kinds of its operands."""
+        if type(node) is Distance:
+            one, other = map(self.position, operands)
+            if type(one) is Vector and type(other) is Vector:
+                return distance(one, other)
+        return plain(self.concluded(scope, apply_operator, node, list(operands)))
+
+    def position(self, value: Any) -> Any:
+        """The position of an instance; other values as they are."""
+        return self.state.objects[value.number].get("position") if type(value) is Instance else value
+
+    def call(self, scope: Scope, node: p.Call, function: Any, arguments: tuple[Any, ...], named: tuple[Any, ...] = ()) -> Any:
+        """⟨f(E_1, ..., E_n)⟩; arguments keep what they were drawn from. `named` are the values of the keywords of the call."""
+        if type(function) is Random:
+            function = function.value
+        if type(function) is Dynamic:
+            return invocation(function, arguments, {k.name: v for k, v in zip(node.keywords, named)} if named else {})  # type: ignore[misc]
+        if type(function) is type and function in ACTION_TYPES:
+            given: list[Any] = [plain(a) for a in arguments]
+            more: dict[str, Any] = {k.name or "": plain(v) for k, v in zip(node.keywords, named)}
+            if all(type(a) in PLAIN for a in (*given, *more.values())):
+                return function(*given, **more)
+        return self.concluded(scope, conclude_call, node, [function, *arguments, *named])
+
+    def action(self, known: dict[type, Any], kind: type, arguments: tuple[Any, ...]) -> Any:
+        """An action of constants, which is made once: nobody can change it."""
+        made = known[kind] = kind(*arguments)
+        return made
+
+    # What decides
+
+    def is_true(self, scope: Scope, result: Any, node: Expression) -> bool:
+        """The truth of a condition that decides control flow."""
+        return truth(plain(result), node, self.here(scope), "this condition")
+
+    def holds(self, scope: Scope, result: Any, node: Expression) -> bool:
+        """Whether a condition of a requirement, guard, interrupt or end holds."""
+        inner = plain(result)
+        if inner is True or inner is False:
+            return inner
+        return bool(holding(inner, node.span, self.here(scope), "a condition", ""))
+
+    def turn(self) -> None:
+        """A loop goes back, or a behavior or handler begins. Raises `LeftToMachine` where that may be without end."""
+        self.turns += 1
+        if self.turns > MOST_TURNS:
+            raise LeftToMachine("a time step of very many turns")
+
+
+NUMBERS = frozenset({int, float})
+SMALL = 1 << 62

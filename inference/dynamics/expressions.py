@@ -1,0 +1,227 @@
+"""Expressions as Python source: what has no rule of its own between operands and value stands in the source itself, all else calls `Equations`.
+
+Every translation gives a plain value, or, where the rule of the paper only passes a value on (`premises.CARRIERS`), one that keeps what it was drawn
+from. A node without translation is reduced by the machine.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from ...semantics.kernel.classes import canonical
+from ...semantics.kernel.premises import SHARED
+from ...semantics.kernel.scopes import Names
+from ...semantics.scenes.released import EQUATIONS, REWRITINGS
+from ...semantics.syntax import expressions as e
+from ...semantics.syntax import python_expressions as p
+from ...semantics.syntax.nodes import Node
+from .equations import PLAIN
+
+ORDER = frozenset({"<", ">", "<=", ">="})
+SPELLED = frozenset({"+", "-", "*"})
+"""Operators that stand in the source where both operands are floats."""
+
+
+class Expressions:
+    """The source of expressions in a scope with these own `names`; what the source refers to is collected in `constants`.
+
+    In the source, `q` are the `Courses`, `S` is σ, `B` its own variables, `M` those of the module right around it (`plain_scope`), and `U` those that
+    are built in. `self` is one of the variables where there is an agent.
+    """
+
+    def __init__(self, names: Names, readings: Mapping[str, str], *, plain_scope: bool, has_agent: bool) -> None:
+        self.names = names
+        self.has_agent = has_agent
+        self.readings = readings
+        self.plain_scope = plain_scope
+        self.constants: dict[str, object] = {}
+        self.temporaries = 0
+
+    def constant(self, value: object) -> str:
+        """The name of a value in the source."""
+        name = f"k{len(self.constants)}"
+        self.constants[name] = value
+        return name
+
+    def temporary(self) -> str:
+        """A new variable of the source."""
+        self.temporaries += 1
+        return f"t{self.temporaries}"
+
+    def value(self, node: Node) -> str:
+        """The source of an expression whose value is plain."""
+        match node:
+            case p.Constant(value=found):
+                return self.literal(found)
+            case p.Name():
+                return self.without_origin(self.name(node))
+            case p.Attribute():
+                return self.attribute(node)
+            case p.BinaryOperation():
+                return self.binary(node)
+            case p.UnaryOperation(operator="not", operand=inner) if self.is_comparison(inner):
+                return f"(not {self.value(inner)})"
+            case p.UnaryOperation(operand=inner):
+                return f"q.unary(S, {self.constant(node)}, {self.value(inner)})"
+            case p.BooleanOperation():
+                return self.boolean(node)
+            case p.Comparison(operators=(_,), operands=(_,)):
+                return self.comparison(node)
+            case p.Conditional(test=test, then=then, otherwise=otherwise):
+                return f"({self.value(then)} if {self.truth(test)} else {self.value(otherwise)})"
+            case p.Call():
+                return self.without_origin(self.call(node)) if self.is_translated_call(node) else self.reduced(node)
+            case _ if (rewriting := REWRITINGS.get(type(node))) is not None and rewriting.applies(node):
+                return self.value(rewriting.rewrite(node))
+            case _ if type(node) in EQUATIONS and not isinstance(node, e.SideOf):
+                operands = [getattr(node, name) for name in EQUATIONS[type(node)][0]]
+                if all(operand is not None for operand in operands):
+                    return f"q.operator(S, {self.constant(node)}, {', '.join(map(self.value, operands))})"
+                return self.reduced(node)
+            case _:
+                return self.reduced(node)
+
+    def carried(self, node: Node) -> str:
+        """The source of an expression whose value keeps what it was drawn from."""
+        match node:
+            case p.Name():
+                return self.name(node)
+            case p.Constant():
+                return self.value(node)
+            case p.Call() if self.is_translated_call(node):
+                return self.call(node)
+            case p.Conditional(test=test, then=then, otherwise=otherwise):
+                return f"({self.carried(then)} if {self.truth(test)} else {self.carried(otherwise)})"
+            case _ if type(node) in TRANSLATED or type(node) in EQUATIONS:
+                return self.value(node)
+            case _:
+                return f"q.reduced(S, {self.constant(node)})"
+
+    def reduced(self, node: Node) -> str:
+        """What the machine reduces a node to."""
+        return self.without_origin(f"q.reduced(S, {self.constant(node)})")
+
+    def without_origin(self, source: str) -> str:
+        """A value without what it was drawn from."""
+        t = self.temporary()
+        return f"({t} if type({t} := {source}) is not Random else {t}.value)"
+
+    def literal(self, found: object) -> str:
+        """A constant; those whose text is not their value stand among the constants."""
+        if found is None or found is True or found is False or (type(found) is str and len(found) < MOST_TEXT):
+            return repr(found)
+        if (type(found) is int and -MOST_DIGITS < found < MOST_DIGITS) or (type(found) is float and math.isfinite(found)):
+            return f"({found!r})"
+        return self.constant(found)
+
+    def name(self, node: p.Name) -> str:
+        """⟨x⟩ → σ(x), with what it was drawn from."""
+        name = node.name
+        if name in self.names.local and name not in SHARED:
+            return f"B[{name!r}]"
+        if name in SHARED:
+            return f"q.variable(S, {self.constant(node)})"
+        if name == "self" and self.has_agent:
+            return "B['self']"
+        t = self.temporary()
+        places = [f"S.lookup({name!r})"]
+        if self.plain_scope:
+            places = [f"{scope}.get({name!r}, MISSING)" for scope in ("MU" if name in BUILT_IN else "M")]
+        found = " or ".join(f"({t} := {place}) is not MISSING" for place in places)
+        return f"({t} if {found} else q.variable(S, {self.constant(node)}))"
+
+    def attribute(self, node: p.Attribute) -> str:
+        """⟨E.name⟩: a property in the source itself."""
+        o, v, name = self.temporary(), self.temporary(), canonical(node.name, self.readings)
+        there = f"({v} := q.state.objects[{o}.number].get({name!r}, MISSING)) is not MISSING and type({v}) not in WRAPPED"
+        subject = self.value(node.value)
+        if name == "currentTime":
+            return f"(q.now if type({o} := {subject}) is Clock else q.attribute(S, {o}, {self.constant(node)}, {name!r}))"
+        return f"({v} if type({o} := {subject}) is Instance and {there} else q.attribute(S, {o}, {self.constant(node)}, {name!r}))"
+
+    def binary(self, node: p.BinaryOperation) -> str:
+        """Arithmetic: of floats in the source itself."""
+        left, right = self.value(node.left), self.value(node.right)
+        if node.operator not in SPELLED:
+            return f"q.binary(S, {self.constant(node)}, {left}, {right})"
+        a, b = self.temporary(), self.temporary()
+        floats = f"(type({a} := {left}) is float) & (type({b} := {right}) is float)"
+        return f"({a} {node.operator} {b} if {floats} else q.binary(S, {self.constant(node)}, {a}, {b}))"
+
+    def comparison(self, node: p.Comparison) -> str:
+        """One link: numbers are compared in the source itself."""
+        (operator,), (operand,) = node.operators, node.operands
+        a, b = self.temporary(), self.temporary()
+        left, right = f"({a} := {self.value(node.left)})", f"({b} := {self.value(operand)})"
+        otherwise = f"q.comparison(S, {self.constant(node)}, {a}, {b})"
+        if operator in ("is", "is not"):
+            return f"({left} {operator} {right})"
+        if operator in ORDER:
+            return f"({a} {operator} {b} if (type{left} in NUMBERS) & (type{right} in NUMBERS) else {otherwise})"
+        if operator in ("==", "!="):
+            return f"({a} {operator} {b} if (type{left} in PLAIN) & (type{right} in PLAIN) else {otherwise})"
+        return f"q.comparison(S, {self.constant(node)}, {self.value(node.left)}, {self.value(operand)})"
+
+    def is_comparison(self, node: Node) -> bool:
+        """Whether the value of a translation is True or False."""
+        match node:
+            case p.Constant(value=bool()):
+                return True
+            case p.UnaryOperation(operator="not", operand=inner):
+                return self.is_comparison(inner)
+            case p.BooleanOperation(operands=operands):
+                return all(map(self.is_comparison, operands))
+            case _:
+                return False
+
+    def truth(self, node: Node) -> str:
+        """The truth of what decides control flow."""
+        if self.is_comparison(node):
+            return self.value(node)
+        t = self.temporary()
+        return f"({t} if ({t} := {self.value(node)}) is True or {t} is False else q.is_true(S, {t}, {self.constant(node)}))"
+
+    def holds(self, node: Node) -> str:
+        """Whether the condition of a requirement, guard, interrupt or end holds."""
+        t = self.temporary()
+        return f"({t} if ({t} := {self.value(node)}) is True or {t} is False else q.holds(S, {t}, {self.constant(node)}))"
+
+    def boolean(self, node: p.BooleanOperation) -> str:
+        """`and`, `or`: the last operand that is looked at."""
+        *before, last = node.operands
+        source = self.value(last)
+        for operand in reversed(before):
+            t, u = self.temporary(), self.temporary()
+            decides = f"({u} if ({u} := {self.value(operand)}) is True or {u} is False else q.is_true(S, {u}, {self.constant(operand)}))"
+            source = f"({source} if ({t} := {decides}) else {u})" if node.operator == "and" else f"({u} if ({t} := {decides}) else {source})"
+        return source
+
+    def is_translated_call(self, node: p.Call) -> bool:
+        """Whether all arguments are given one by one."""
+        return not any(isinstance(a, p.Starred) for a in node.arguments) and all(k.name is not None for k in node.keywords)
+
+    def call(self, node: p.Call) -> str:
+        """A call, whose value keeps what it was drawn from; that of an action's class with plain arguments stands in the source itself."""
+        names = [self.temporary() for _ in node.arguments]
+        arguments = "".join(f"{self.carried(a)}, " for a in node.arguments)
+        if node.keywords or not isinstance(node.function, p.Name):
+            named = f", ({''.join(f'{self.carried(k.value)}, ' for k in node.keywords)})" if node.keywords else ""
+            return f"q.call(S, {self.constant(node)}, {self.carried(node.function)}, ({arguments}){named})"
+        f, k = self.temporary(), self.constant(node)
+        function = f"({f} := {self.carried(node.function)}) in ACTIONS"
+        if all(isinstance(a, p.Constant) and type(a.value) in PLAIN for a in node.arguments):
+            known = self.constant({})
+            return f"(({known}.get({f}) or q.action({known}, {f}, ({arguments}))) if {function} else q.call(S, {k}, {f}, ({arguments})))"
+        given = "".join(f"({t} := {self.carried(a)}), " for t, a in zip(names, node.arguments))
+        several, plain = self.temporary(), " and ".join(f"type({t}) in PLAIN" for t in names)
+        return f"({f}({', '.join(names)}) if ({function}) & bool({several} := ({given})) and {plain} else q.call(S, {k}, {f}, {several}))"
+
+
+BUILT_IN = frozenset({"simulation", "abs", "min", "max", "round", "len", "range", "int", "float", "str", "Range", "Uniform", "Discrete", "Normal"})
+"""Names of the outermost scope that behaviors use most."""
+TRANSLATED = frozenset({
+    p.Attribute, p.BinaryOperation, p.UnaryOperation, p.BooleanOperation, p.Comparison,
+})  # fmt: skip
+MOST_TEXT = 1_000
+MOST_DIGITS = 10**15

@@ -1,0 +1,330 @@
+"""Behaviors and monitors as Python generators, one small function per statement form; `courses` has what they call.
+
+A generator yields the actions of a time step, and goes on in the next one. A block within a statement with interrupts is a generator of its own,
+which returns how it was left: None at its end, else "break", "continue" or "return", for the block around it to do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, NamedTuple
+
+from ...semantics.kernel.premises import SHARED
+from ...semantics.kernel.queries import Clock
+from ...semantics.kernel.scopes import MISSING, NO_NAMES, Names, function_names
+from ...semantics.kernel.values import Instance, Random
+from ...semantics.kernel.waiting import Waiting
+from ...semantics.syntax import dynamics as d
+from ...semantics.syntax import python_expressions as p
+from ...semantics.syntax import statements as s
+from ...semantics.syntax.nodes import Expression, Node
+from .equations import ACTION_TYPES, NUMBERS, PLAIN
+from .expressions import Expressions
+from .leaving import Untranslated
+
+NAMES: Mapping[str, object] = {
+    "Random": Random, "MISSING": MISSING, "Instance": Instance, "NUMBERS": NUMBERS, "PLAIN": PLAIN, "ACTIONS": ACTION_TYPES,
+    "WRAPPED": frozenset({Random, Waiting}), "Clock": Clock,
+}  # fmt: skip
+"""What every source may refer to."""
+
+class ExceptClause(NamedTuple):
+    """A clause `except`: what gives its classes (None: it catches everything), the name of the exception in it, its block."""
+
+    type: Callable[[], Any] | None
+    name: str | None
+    body: Callable[[], Iterator[Any]]
+
+
+TIMELESS = (
+    s.Assignment, s.AugmentedAssignment, s.ExpressionStatement, s.FunctionDefinition, s.Delete, s.Assert, s.Import, s.ImportFrom, s.ClassDefinition,
+    s.Require, s.SoftRequire, s.Raise,
+)  # fmt: skip
+"""Statements without blocks of their own level, for the machine to perform if there is no translation."""
+
+
+class Statements(Expressions):
+    """The source of a coroutine's body, line by line.
+
+    `loops` is how many loops of the generator that is being written are open; within a block of a statement with interrupts (`nested`) others are
+    around it.
+    """
+
+    def __init__(self, names: Names, readings: Mapping[str, str], *, plain_scope: bool, has_agent: bool) -> None:
+        super().__init__(names, readings, plain_scope=plain_scope, has_agent=has_agent)
+        self.lines: list[str] = []
+        self.indent = 1
+        self.loops = 0
+        self.nested = 0
+        self.functions = 0
+
+    def line(self, text: str) -> None:
+        """A line of the source."""
+        self.lines.append("    " * self.indent + text)
+
+    def block(self, block: s.Block) -> None:
+        """⟨s1; s2⟩, as an indented block."""
+        self.indent += 1
+        for statement in block:
+            self.statement(statement)
+        self.line("pass")
+        self.indent -= 1
+
+    def statement(self, node: Node) -> None:
+        """One statement. Raises `Untranslated`."""
+        translation = STATEMENTS.get(type(node))
+        if translation is not None:
+            translation(self, node)
+        elif isinstance(node, TIMELESS):
+            self.line(f"q.reduced(S, {self.constant(node)})")
+        else:
+            raise Untranslated(WORDS.get(type(node), type(node).__name__), node.span.line)
+
+    # Python's statements
+
+    def passed(self, node: Node) -> None:
+        """`pass`, and declarations that act when names are resolved."""
+
+    def expression(self, node: s.ExpressionStatement) -> None:
+        """⟨E⟩ for its effect: a text, such as that which describes a behavior, has none."""
+        if not isinstance(node.value, p.Constant):
+            self.line(f"q.reduced(S, {self.constant(node)})")
+
+    def assignment(self, node: s.Assignment) -> None:
+        """σ[x / v] for a variable of the coroutine's own; other targets are bound by the machine."""
+        target = node.targets[0]
+        if len(node.targets) == 1 and isinstance(target, p.Name) and self.is_own(target.name):
+            self.line(f"B[{target.name!r}] = {self.carried(node.value)}")
+        else:
+            self.line(f"q.reduced(S, {self.constant(node)})")
+
+    def is_own(self, name: str) -> bool:
+        """Whether a variable belongs to the coroutine, and to nobody else."""
+        return name in self.names.local and name not in SHARED
+
+    def augmented(self, node: s.AugmentedAssignment) -> None:
+        """`x += E` where both are numbers; else the machine changes or binds what it is."""
+        if not (isinstance(node.target, p.Name) and self.is_own(node.target.name) and node.operator in ("+", "-", "*")):
+            self.line(f"q.reduced(S, {self.constant(node)})")
+            return
+        name, a, b = repr(node.target.name), self.temporary(), self.temporary()
+        subject = node.value.value if isinstance(node.value, p.Attribute) else node.value
+        if not isinstance(subject, (p.Constant, p.Name)):  # whatever takes more steps is not evaluated twice
+            self.line(f"q.reduced(S, {self.constant(node)})")
+            return
+        self.line(f"{a}, {b} = B.get({name}), {self.value(node.value)}")
+        small = f"type({a}) is int and type({b}) is int and -{LARGE} < {a} < {LARGE} and -{LARGE} < {b} < {LARGE}"
+        self.line(f"if (type({a}) is float and type({b}) is float) or ({small}): B[{name}] = {a} {node.operator} {b}")
+        self.line(f"else: q.reduced(S, {self.constant(node)})")
+
+    def if_(self, node: s.If) -> None:
+        """`if B: ... else: ...`."""
+        self.line(f"if {self.truth(node.test)}:")
+        self.block(node.then)
+        if node.otherwise:
+            self.line("else:")
+            self.block(node.otherwise)
+
+    def while_(self, node: s.While) -> None:
+        """`while B: ...`."""
+        self.line(f"while {self.truth(node.test)}:")
+        self.loop(node)
+
+    def for_(self, node: s.For) -> None:
+        """`for x in I: ...` over a list, tuple or range."""
+        if not (isinstance(node.target, p.Name) and self.is_own(node.target.name)):
+            raise Untranslated("this loop variable", node.span.line)
+        t = self.temporary()
+        self.line(f"for {t} in q.elements({self.value(node.iterable)}):")
+        self.line(f"    B[{node.target.name!r}] = {t}")
+        self.loop(node)
+
+    def loop(self, node: s.While | s.For) -> None:
+        """The body of a loop, and what comes after its last turn; turns are counted where no time need pass in one."""
+        self.loops += 1
+        if not any(isinstance(statement, (d.Take, d.Wait)) for statement in node.body):
+            self.line("    q.turn()")
+        self.block(node.body)
+        self.loops -= 1
+        if node.otherwise:
+            self.line("else:")
+            self.block(node.otherwise)
+
+    def leave(self, node: s.Break | s.Continue) -> None:
+        """`break`, `continue`: of the block around it, if the loop is not within this one."""
+        word = "break" if isinstance(node, s.Break) else "continue"
+        self.line(word if self.loops else f"return {word!r}")
+
+    def return_(self, node: s.Return) -> None:
+        """`return` ends a behavior; its value is nobody's, but is reduced."""
+        if node.value is not None:
+            self.line(f"q.reduced(S, {self.constant(node.value)})")
+        self.line("return 'return'")
+
+    # Dynamic statements
+
+    def take(self, node: d.Take) -> None:
+        """`take E1, ..., En`."""
+        t, known = self.temporary(), " and ".join(f"type({self.temporary()}) in ACTIONS" for _ in node.actions)
+        names = [part.split(")")[0] for part in known.split("type(")[1:]]
+        self.line(f"{t} = ({''.join(f'({name} := {self.value(a)}), ' for name, a in zip(names, node.actions))})")
+        self.line(f"q.leaf, q.node = I, {self.constant(node)}")
+        self.line(f"yield {t} if {known} and I.agent is not None else q.taken({t})")
+        self.line("if I.invariants: q.check_invariants(I)")
+
+    def wait(self, node: d.Wait) -> None:
+        """`wait`."""
+        self.line(f"q.leaf, q.node = I, {self.constant(node)}")
+        self.line("yield ()")
+        self.line("if I.invariants: q.check_invariants(I)")
+
+    def wait_for(self, node: d.WaitFor) -> None:
+        """`wait for T`, `wait until B`."""
+        whole = self.function((s.While(test=p.Constant(value=True), body=(d.Wait(span=node.span),), span=node.span),))
+        clause = self.limit(node, node.limit)
+        self.line(f"yield from q.abortable(q.interruptible(I, {self.constant(node)}, ({clause},), {whole}()))")
+
+    def terminate(self, node: d.Terminate) -> None:
+        """`terminate`, `terminate simulation`."""
+        self.line(f"q.terminate({self.constant(node)})")
+
+    def abort(self, node: d.Abort) -> None:
+        """`abort`."""
+        self.line(f"q.abort({self.constant(node)})")
+
+    def do(self, node: d.Do) -> None:
+        """`do B1, ..., Bn`, with or without a limit."""
+        t = self.temporary()
+        self.line(f"{t} = q.invocations({self.constant(node)}, ({''.join(f'{self.value(i)}, ' for i in node.invocations)}))")
+        self.limited(node, f"q.invoke(I, {self.constant(node)}, {t}, {node.limit is not None})")
+
+    def pick(self, node: d.DoChoose | d.DoShuffle) -> None:
+        """`do choose`, `do shuffle`."""
+        t = self.temporary()
+        weights = "".join(f"{self.value(w)}, " for w in node.weights) or "1, " * len(node.invocations)
+        options = "".join(f"{self.value(i)}, " for i in node.invocations)
+        self.line(f"{t} = q.options({self.constant(node)}, ({options}), ({weights}))")
+        self.limited(node, f"q.pick(I, {self.constant(node)}, {t}, {node.limit is not None})")
+
+    def limited(self, node: d.Do | d.DoChoose | d.DoShuffle, task: str) -> None:
+        """A task, within the limit of its statement."""
+        if node.limit is None:
+            self.line(f"yield from {task}")
+            return
+        clause = self.limit(node, node.limit)
+        self.line(f"yield from q.abortable(q.interruptible(I, {self.constant(node)}, ({clause},), {task}))")
+        self.line("if I.invariants: q.check_invariants(I)")
+
+    def limit(self, node: Node, limit: d.TimeLimit | d.Until) -> str:
+        """The clause of a limit: what ends the statement, where that stands, and the handler, which aborts."""
+        place = node if isinstance(limit, d.TimeLimit) else limit.condition
+        if isinstance(limit, d.Until):
+            condition = self.condition(limit.condition)
+        else:
+            condition = f"q.deadline({self.constant(node)}, {self.value(limit.amount)})"
+        return f"({condition}, {self.constant(place)}, {self.function((d.Abort(span=node.span),))})"
+
+    def try_(self, node: s.Try) -> None:
+        """`try`, with `interrupt when` or without."""
+        course = f"{self.function(node.body)}()"
+        if node.interrupts:
+            clauses = "".join(f"({self.condition(i.condition)}, {self.constant(i.condition)}, {self.function(i.body)}), " for i in node.interrupts)
+            course = f"q.interruptible(I, {self.constant(node)}, ({clauses}), {course})"
+        if node.handlers or node.otherwise:
+            handlers = "".join(f"{self.handler(h)}, " for h in node.handlers)
+            course = f"q.attempt(S, {course}, ({handlers}), {self.function(node.otherwise) if node.otherwise else None})"
+        if node.final:
+            course = f"q.at_last({course}, {self.function(node.final)})"
+        if node.interrupts:
+            course = f"q.abortable({course})"
+        t = self.temporary()
+        self.line(f"{t} = yield from {course}")
+        self.line(f"if {t} == 'return': return 'return'")
+        if self.loops:
+            self.line(f"if {t} == 'break': break")
+            self.line(f"if {t} == 'continue': continue")
+        elif self.nested:
+            self.line(f"if {t} is not None: return {t}")
+
+    def handler(self, handler: s.Handler) -> str:
+        """A clause `except`."""
+        kind = "None"
+        if handler.type is not None:
+            kind = self.new_name("c")
+            self.line(f"def {kind}(): return {self.value(handler.type)}")
+        return f"ExceptClause({kind}, {handler.name!r}, {self.function(handler.body)})"
+
+    def condition(self, condition: Expression) -> str:
+        """A condition that is looked at again and again, as a function."""
+        name = self.new_name("c")
+        self.line(f"def {name}(): return {self.holds(condition)}")
+        return name
+
+    def function(self, block: s.Block) -> str:
+        """A block as a generator of its own."""
+        name = self.new_name("f")
+        self.line(f"def {name}():")
+        loops, self.loops, self.nested = self.loops, 0, self.nested + 1
+        self.block(block)
+        self.line("    return")
+        self.line("    yield")
+        self.loops, self.nested = loops, self.nested - 1
+        return name
+
+    def new_name(self, kind: str) -> str:
+        """The name of a function in the source."""
+        self.functions += 1
+        return f"{kind}{self.functions}"
+
+
+STATEMENTS: Mapping[type, Callable[[Statements, Any], None]] = {
+    s.Pass: Statements.passed, s.Global: Statements.passed, s.Nonlocal: Statements.passed, s.ExpressionStatement: Statements.expression,
+    s.Assignment: Statements.assignment, s.AugmentedAssignment: Statements.augmented, s.If: Statements.if_, s.While: Statements.while_,
+    s.For: Statements.for_, s.Break: Statements.leave, s.Continue: Statements.leave, s.Return: Statements.return_, s.Try: Statements.try_,
+    d.Take: Statements.take, d.Wait: Statements.wait, d.WaitFor: Statements.wait_for, d.Terminate: Statements.terminate, d.Abort: Statements.abort,
+    d.Do: Statements.do, d.DoChoose: Statements.pick, d.DoShuffle: Statements.pick,
+}  # fmt: skip
+WORDS: Mapping[type, str] = {d.Override: "`override`", s.Param: "`param`", s.Mutate: "`mutate`"}
+"""What has no translation, in words."""
+LARGE = 1 << 40
+SCOPES = "B, M, U = S.bindings, S.parent.bindings, S.module.parent.bindings"
+OF_MODULE = "B = M = S.bindings; U = S.parent.bindings"
+"""The variables of a coroutine, of its module, and those that are built in."""
+
+
+def coroutine(
+    body: s.Block, names: Names, readings: Mapping[str, str], *, plain_scope: bool, has_agent: bool
+) -> Callable[..., Iterator[Any]]:
+    """The generator function of the body of a behavior or monitor: of the `Courses`, its scope, and its invocation. Raises `Untranslated`."""
+    source = Statements(names, readings, plain_scope=plain_scope, has_agent=has_agent)
+    source.indent = 0
+    source.line("def coroutine(q, S, I):")
+    source.line(f"    {SCOPES if plain_scope else 'B = S.bindings'}")
+    source.block(body)
+    source.line("    return")
+    source.line("    yield")
+    return made("\n".join(source.lines), source, "coroutine", body[0])
+
+
+def condition(
+    node: Expression, definition: Node | None, readings: Mapping[str, str], *, plain_scope: bool, decides: bool
+) -> Callable[[Any, Any], Any]:
+    """The function of the `Equations` and a scope that gives the value of an expression: whether it holds, if it `decides` something.
+
+    The scope is that of a behavior, whose `definition` says what it binds, or of a scenario: then it is the module's where it is plain.
+    """
+    names = NO_NAMES if definition is None else function_names(definition)
+    source = Expressions(names, readings, plain_scope=plain_scope, has_agent=definition is not None)
+    value = source.holds(node) if decides else source.value(node)
+    scopes = SCOPES if definition is not None and plain_scope else OF_MODULE if plain_scope else "B = S.bindings"
+    return made(f"def condition(q, S):\n    {scopes}\n    return {value}", source, "condition", node)
+
+
+def made(text: str, source: Expressions, name: str, node: Node) -> Callable[..., Any]:
+    """The function of that name which a source defines. Raises `Untranslated` for nesting that Python does not have."""
+    scope: dict[str, Any] = {**NAMES, "ExceptClause": ExceptClause, **source.constants}
+    try:
+        exec(compile(text, f"<compiled from line {node.span.line}>", "exec"), scope)  # the text is made from the syntax tree, by the functions above
+    except (SyntaxError, RecursionError, MemoryError, ValueError):
+        raise Untranslated("more nesting than Python allows", node.span.line) from None
+    return scope[name]

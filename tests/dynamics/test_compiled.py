@@ -1,0 +1,551 @@
+"""Compiled behaviors give the simulations of the machine, byte for byte; wrong policies in their place are found out."""
+
+from __future__ import annotations
+
+import inspect
+import textwrap
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+
+import pytest
+import scenic_ref
+from scenic_ref.conformance.loading import load_vectors
+from scenic_ref.conformance.ourselves import load
+from scenic_ref.conformance.programs.dynamic import dynamic_program
+from scenic_ref.conformance.programs.dynamic_mistakes import misbehaving
+from scenic_ref.inference import simulation
+from scenic_ref.inference.dynamics import courses, policy
+from scenic_ref.inference.dynamics.courses import Courses
+from scenic_ref.inference.dynamics.policy import CompiledPolicy
+from scenic_ref.semantics.kernel.errors import FuelExhausted, UsageError
+
+from ..oracle.invention import invented
+from ..oracle.programs import text_of
+from .compared import differences, said
+
+ROOT = Path(__file__).parent.parent.parent
+SEED = 11
+
+BY_HAND = {
+    "variables": """
+n = 0
+def twice(x): return 2 * x
+behavior B(a, b=Range(0, 1), *rest, c=3, **more):
+    global n
+    x = y = a
+    n = n + 1
+    x += 2
+    x -= 0.5
+    x *= 3
+    z = [x, y]
+    z.append(n)
+    z[0] += 1
+    u, (v, w) = 1, (2, 3)
+    take x, y, z, u, v, w, b, rest, c, more, twice(x)
+    del y
+    take n, resample(b), [i * i for i in range(3)], (lambda q: q + x)(1)
+    def inner(t):
+        return t + x
+    take inner(2), f"{x:.1f}", {'a': 1}, {1, 2}, x if x > 2 else 0, not x, -x, +x, x // 2, x % 2, x ** 2, 7 / 2
+    take x > 1 > 0, 1 in z, x is None, x and 0, 0 or x, self is ego, None, True, z[-1], z[0:2]
+ego = Object with behavior B(1, Range(0, 1), 7, d=9)
+other = Object at 5 @ 0, with behavior B(2)
+""",
+    "loops": """
+behavior B:
+    for i in [1, 2, 3]:
+        if i == 2: continue
+        take i
+    else:
+        take 'else'
+    for i in range(5):
+        try:
+            while True:
+                take i
+                if i == 1: break
+                try:
+                    take 'deep'
+                    if simulation.currentTime > 6: break
+                interrupt when simulation.currentTime == 5:
+                    take 'inner'
+                    continue
+        interrupt when simulation.currentTime == 4:
+            take 'handler'
+            continue
+        interrupt when simulation.currentTime == 9:
+            break
+        take 'after', i
+    while simulation.currentTime < 12:
+        wait
+    else:
+        take 'over'
+    return 5
+ego = Object with behavior B
+""",
+    "exceptions": """
+behavior Guarded(n):
+    precondition: simulation.currentTime < n
+    invariant: simulation.currentTime < n + 1
+    while True:
+        take n
+behavior B:
+    try:
+        do Guarded(2)
+    except InvariantViolation as e:
+        take 'caught', str(type(e))
+    else:
+        take 'never'
+    finally:
+        take 'finally'
+    for i in range(3):
+        try:
+            if i == 0: raise ValueError('v')
+            if i == 1: [][1]
+            take 1 / (i - 2)
+        except (IndexError, ValueError) as e:
+            try:
+                raise
+            except IndexError:
+                take 'index'
+            except Exception as f:
+                take 'other', f.args
+        except ZeroDivisionError:
+            try:
+                do Guarded(1)
+            except GuardViolation:
+                take 'violated'
+                break
+        finally:
+            take 'last', i
+    try:
+        try:
+            take 'x'
+            abort
+        interrupt when False:
+            pass
+        except ValueError:
+            pass
+        else:
+            take 'not after abort'
+        finally:
+            take 'but this'
+        assert simulation.currentTime < 3, 'late'
+    except AssertionError as e:
+        take e.args
+ego = Object with behavior B
+""",
+    "together": """
+behavior A(n):
+    for i in range(n):
+        take Uniform(*range(9)), n
+behavior T(n):
+    take Range(0, 1)
+    terminate
+behavior B:
+    do A(2), A(3)
+    do A(4), A(1) for 2 steps
+    do choose A(1), A(2)
+    do shuffle {A(1): 2, A(2): 1} until simulation.currentTime > 7
+    do A(9), T(1)
+ego = Object with behavior B
+other = Object at 5 @ 0, with behavior A(5)
+""",
+    "requirements": """
+behavior B:
+    x = Uniform(1, 2, 3, 4)
+    require x < 4
+    require[0.5] x < 2
+    take x
+    self.color = Range(0, 1)
+    take self.color
+    take x
+monitor M:
+    while simulation.currentTime < 3:
+        take 5
+        wait
+    if Uniform(0, 1) == 0: terminate
+require always ego.position.x < 100
+require eventually simulation.currentTime >= 2
+terminate when Uniform(0, 0, 0, 0, 1) == 1
+ego = Object with behavior B, with color 3
+""",
+    "scenarios": """
+behavior B(n):
+    while True:
+        take n, self.speed
+scenario Part(n):
+    setup:
+        Object at (10 * n, 0), with behavior B(n), with speed n
+        override ego with behavior B(n + 100), with speed 3
+        require eventually simulation.currentTime > n
+        monitor M:
+            while True:
+                wait
+    compose:
+        wait
+        wait
+scenario Main():
+    setup:
+        ego = Object with behavior B(0), with speed 1
+    compose:
+        wait
+        do Part(1), Part(2)
+        try:
+            do choose {Part(3): 1, Part(4): 2} for 3 steps
+        interrupt when simulation.currentTime == 5:
+            do Part(5)
+        wait
+""",
+    "queries": """
+behavior B:
+    while True:
+        take self.heading + 1, (distance from self to other), (relative heading of other), (angle to other), self can see other
+        take (0 @ 1 offset along self.heading by 1 @ 0), self.position.distanceTo(other.position), other in workspace, simulation.objects
+        take (front of self).position, self.position + (1 @ 2), (1, 2) + self.position
+        take abs(-2), max(1, 3), min([4, 2]), len([1]), round(2.6), math.sin(1)
+import math
+workspace = Workspace(RectangularRegion(0 @ 0, 0, 50, 50))
+ego = Object facing 20 deg, with behavior B
+other = Object at Range(3, 9) @ 4, with requireVisible False
+""",
+    "nested definitions": """
+def make(k):
+    behavior Inner(a):
+        x = a + k
+        take x
+        take k
+    return Inner
+C = make(5)
+behavior B:
+    do C(2)
+    do make(7)(1)
+    local = C
+    do local(3)
+ego = Object with behavior B
+""",
+    "randomness that is carried": """
+behavior Use(v):
+    take v, resample(v), resample(v)
+behavior B:
+    x = Range(0, 1)
+    y = x
+    take x, y, resample(y), x + y, [x, y]
+    do Use(y)
+    do Use(x if x > 0.5 else y)
+    z = (x, y)
+    take resample(z[0]) if False else z
+ego = Object with behavior B
+""",
+    "guards and handlers": """
+behavior Sometimes(k):
+    precondition: simulation.currentTime < k
+    take 'sometimes', k
+behavior Changing:
+    self.level = self.level + 1
+    take 'changes'
+    self.level = self.level + 1
+behavior Flat:
+    invariant: self.level < 2
+    take 'flat'
+    do Changing
+    take 'not reached'
+behavior Short:
+    invariant: simulation.currentTime < 4
+    try:
+        while True:
+            take 'short'
+    interrupt when simulation.currentTime >= 4:
+        take 'not reached either'
+behavior B:
+    do choose Sometimes(9), Sometimes(1)
+    do shuffle {Sometimes(3): 1, Sometimes(4): 2}
+    try:
+        do Short
+    except InvariantViolation:
+        take 'caught', simulation.currentTime
+    try:
+        try:
+            take 'inside'
+            raise ValueError
+        finally:
+            take 'finally'
+    except ValueError:
+        take 'outside'
+    try:
+        do Flat
+    except GuardViolation:
+        take 'violated'
+    do Flat
+ego = Object with behavior B, with level 0
+""",
+    "handlers of no time": """
+n = 0
+behavior Never:
+    precondition: False
+    take 'never'
+behavior Often:
+    take 'often'
+behavior B:
+    global n
+    try:
+        take 'body'
+        take 'more'
+    interrupt when n < 3:
+        n = n + 1
+    take n
+    for i in range(5):
+        do choose Never(), Often(), Never()
+ego = Object with behavior B
+""",
+    "a later dialect": """
+behavior A(n):
+    while True:
+        take n
+behavior B():
+    wait for 2 steps
+    wait until simulation().currentTime >= 4
+    try:
+        do A(1) for 0.3 seconds
+        terminate simulation
+    interrupt when simulation().currentTime >= 30:
+        wait
+monitor M(n):
+    for i in range(n):
+        wait
+    terminate
+require monitor M(9)
+terminate after 11 steps
+record simulation().currentTime as time
+record initial ego.position
+record final Range(0, 1) as last
+class Thing:
+    x: Range(0, 1)
+ego = new Thing with behavior B()
+other = new Thing at (5, 0), with behavior A(self.x)
+""",
+}  # fmt: skip
+"""Programs with what those at random seldom have."""
+
+
+def by_hand(name: str, profile: str = "paper") -> scenic_ref.Scenario:
+    """One of them."""
+    if name == "a later dialect":
+        return scenic_ref.loads(BY_HAND[name], dialect="scenic-3")
+    return scenic_ref.loads(BY_HAND[name], profile=profile)
+
+
+@pytest.mark.parametrize("name", BY_HAND)
+@pytest.mark.parametrize("profile", ["paper", "scenic-3"])
+def test_programs_by_hand(name: str, profile: str) -> None:
+    scenario = by_hand(name, profile)
+    assert not list(differences(scenario, range(12), steps=20))
+
+
+@pytest.mark.parametrize("alternative", ["interrupt-first-step=later-steps", "invariant-of-caller=every-step", "terminate-who=simulation"])
+def test_other_readings(alternative: str) -> None:
+    reading, name = alternative.split("=")
+    for number in range(5):
+        scenario = scenic_ref.loads(text_of(invented(SEED, number)), readings={reading: name})
+        assert not list(differences(scenario, range(2)))
+
+
+def test_what_programs_by_hand_leave_to_the_machine() -> None:
+    """Nothing but what is written here, so that the tests above test compiled code."""
+    left = {}
+    for name in BY_HAND:
+        scenario = by_hand(name)
+        for seed in range(5):
+            said(scenario, "compiled", seed, steps=20)
+        found = {*scenario.compiled.left.values(), *scenario.compiled.wholes}
+        left |= {name: found} if found else {}
+    assert left == {}
+
+
+@pytest.mark.parametrize("first", range(0, 20, 10))
+def test_programs_at_random(first: int) -> None:
+    for number in range(first, first + 10):
+        for text in (dynamic_program(SEED, number), text_of(invented(SEED, number))):
+            assert not list(differences(scenic_ref.loads(text), range(2))), text
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("first", range(100, 500, 50))
+def test_many_programs_at_random(first: int) -> None:
+    for number in range(first, first + 50):
+        for text in (dynamic_program(SEED, number), text_of(invented(SEED, number))):
+            assert not list(differences(scenic_ref.loads(text), range(2))), text
+
+
+def test_programs_with_mistakes() -> None:
+    """Errors are the machine's, words and places included."""
+    for wrong in misbehaving():
+        scenario = scenic_ref.loads(wrong.text)
+        assert not list(differences(scenario, range(1))), wrong.text
+
+
+@pytest.mark.slow
+def test_vectors() -> None:
+    """All vectors about simulations, in every dialect."""
+    count = 0
+    for vector in load_vectors():
+        if vector.steps is None:
+            continue
+        for dialect in vector.texts:
+            try:
+                scenario = load(vector.task(dialect))
+            except Exception:  # whatever a vector about errors raises where it is loaded
+                continue
+            count += 1
+            assert not list(differences(scenario, range(2))), (vector.name, dialect)
+    assert count > 900
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("simulator", ["still", "kinematic"])
+def test_listings_and_examples(simulator: str) -> None:
+    """The dynamic programs of the paper, and of the folder of examples, on roads and elsewhere."""
+    count = 0
+    for path in sorted((ROOT / "examples").rglob("*.scenic")):
+        if not any(word in path.read_text() for word in ("behavior ", "scenario ", "monitor ")):
+            continue
+        count += 1
+        assert not list(differences(scenic_ref.load(path), range(1), simulator, 20)), path
+    assert count >= 18
+
+
+# Wrong policies
+
+
+def changed(function: Callable[..., object], old: str, new: str) -> Callable[..., object]:
+    """A function of the compiled backend with another text."""
+    text = textwrap.dedent(inspect.getsource(function))
+    assert text.count(old) >= 1, old
+    scope: dict[str, object] = dict(vars(courses) if function.__module__ == courses.__name__ else vars(policy))
+    exec(text.replace(old, new), scope)
+    return scope[function.__name__]  # type: ignore[return-value]
+
+
+WRONG = {
+    "earlier clauses first": (Courses.interruptible, "clauses[after]", "clauses[last - after if current == BODY else after]"),
+    "handlers are not interrupted": (Courses.interruptible, "while after > current:", "while after > current and current == BODY:"),
+    "interrupts from the second step on": (Courses.interruptible, 'if isinstance(node, LATER) and', "if True or"),
+    "handlers do not repeat": (Courses.interruptible, "current if since < simulation_of(self.state).step else current - 1", "current - 1"),
+    "handlers repeat in their own step": (Courses.interruptible, "if since < simulation_of(self.state).step else current - 1", ""),
+    "no invariants when a handler begins": (Courses.interruptible, "if begun and leaf is here and here.invariants:", "if False:"),
+    "invariants at the beginning only": (Courses.check_invariants, "self.check(of.invariants, of.scope)", "return"),
+    "no preconditions": (Courses.run_behavior, "if code.preconditions and not enabled:", "if False:"),
+    "no invariants of the caller": (Courses.run_behavior, "if caller.invariants and not limited:", "if False:"),
+    "violations reject": (
+        Courses.check, 'raise Raised(Abrupt("raise", guard.violation(guard.text), guard.node.span))',
+        'raise RunRejected("", Requirement("guard", guard.node.span, guard.text))',
+    ),
+    "all are enabled": (Courses.is_enabled, "return all(", "return True or all("),
+    "shuffle stops after one": (Courses.pick, "if isinstance(node, d.DoShuffle) else []", "if False else []"),
+    "weights are equal": (Courses.pick, "(k, options[k][1])", "(k, 1)"),
+    "draws are not counted": (Courses.drawn, "self.draws += 1", "pass"),
+    "behaviors together draw the same": (Courses.together, "(*base, place), 0", "(*base, 0), 0"),
+    "behaviors together end with the first": (Courses.together, "if not left:", "if len(left) < len(running):"),
+    "terminate ends one of several": (Courses.together, "if terminates:\n            raise", "if False:\n            raise"),
+    "finally is skipped": (Courses.at_last, "except (Raised, Aborted, Terminated) as found:", "except Aborted as found:"),
+    "abort ends nothing": (Courses.abort, "raise Aborted", "return"),
+    "else after abort": (Courses.abortable, "return None", "raise"),
+    "monitors after behaviors": (CompiledPolicy.steps, "self.monitors()", "pass"),
+    "no check of the flag before behaviors": (CompiledPolicy.steps, 'self.ended("D-Policy-4")', "None"),
+    "no check of the flag after them": (CompiledPolicy.steps, 'self.ended("D-Policy-6")', "None"),
+    "requirements are not looked at": (CompiledPolicy.steps, "self.requirements()", "None"),
+    "always is eventually": (CompiledPolicy.requirement, "if not eventually and not holds:", "if False:"),
+    "conditions share draws": (CompiledPolicy.evaluated, "address_of(who, self.state), 0, ()", "address_of(who, self.state)[:3], 0, ()"),
+    "termination is not looked at": (CompiledPolicy.termination, "for index, declared in enumerate(top.terminations):", "for index, declared in ():"),
+    "agents begin anew": (CompiledPolicy.behaviors, "if agent is not None and agent.ended:", "if False:"),
+}  # fmt: skip
+
+
+@cache
+def programs() -> list[scenic_ref.Scenario]:
+    """Those by hand, and some at random."""
+    texts = [text_of(invented(SEED, number)) for number in range(40)] + [dynamic_program(SEED, number) for number in range(40)]
+    return [*map(by_hand, BY_HAND), *map(scenic_ref.loads, texts)]
+
+
+@cache
+def by_machine(program: int, seed: int) -> tuple[object, ...]:
+    """What the machine says of one of the programs."""
+    return said(programs()[program], "interpreter", seed, steps=20)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", WRONG)
+def test_a_wrong_policy_is_found_out(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By a program by hand, or one of those at random."""
+    method, old, new = WRONG[name]
+    wrong = type("Wrong", (CompiledPolicy,), {method.__name__: changed(method, old, new)})
+    monkeypatch.setattr(simulation, "CompiledPolicy", wrong)
+    tried = ((k, seed) for k in range(len(programs())) for seed in range(2))
+    assert any(said(programs()[k], "compiled", seed, steps=20) != by_machine(k, seed) for k, seed in tried)
+
+
+# What is left, limits, and what is kept
+
+
+def test_a_coroutine_with_something_untranslated_is_left_alone() -> None:
+    scenario = scenic_ref.loads(
+        "behavior Fine:\n    take 7\nbehavior Odd:\n    for a, b in [(1, 2)]:\n        take a, b\nbehavior Plain:\n    take 1\n    do Odd\n"
+        "ego = Object with behavior Plain\nother = Object at 5 @ 0, with behavior Odd\nlast = Object at 9 @ 0, with behavior Fine\n"
+    )
+    assert not list(differences(scenario, range(2)))
+    assert sorted(scenario.compiled.left.values()) == ["this loop variable on line 4"] * 2
+    assert not scenario.compiled.wholes
+
+
+def test_endless_loops_and_recursion_are_the_machines_errors() -> None:
+    for text in (
+        "behavior B:\n    while True:\n        pass\nego = Object with behavior B",
+        "behavior B:\n    do B()\nego = Object with behavior B",
+        "behavior B:\n    take 1\n    for i in range(10**9):\n        x = i\nego = Object with behavior B",
+    ):
+        scenario = scenic_ref.loads(text, fuel=20_000)
+        assert said(scenario, "compiled", 0) == said(scenario, "interpreter", 0)
+    assert isinstance(said(scenario, "compiled", 0)[0], type(FuelExhausted))
+
+
+def test_handlers_that_interrupt_each_other_without_end_are_the_machines_error() -> None:
+    text = """
+n = 0
+behavior B:
+    global n
+    try:
+        take 1
+        take 2
+    interrupt when n % 2 == 0 and simulation.currentTime == 1:
+        n = n + 1
+        while n % 2 == 1:
+            n = n + 2
+    interrupt when n % 2 == 1 and simulation.currentTime == 1:
+        n = n + 1
+        while n % 2 == 0:
+            n = n + 2
+ego = Object with behavior B"""
+    scenario = scenic_ref.loads(text, fuel=20_000)
+    assert said(scenario, "compiled", 0, steps=3) == said(scenario, "interpreter", 0, steps=3)
+
+
+def test_many_turns_that_end_are_the_machines_too() -> None:
+    scenario = scenic_ref.loads("behavior B:\n    n = 0\n    while n < 6000:\n        n += 1\n    take n\nego = Object with behavior B")
+    assert not list(differences(scenario, range(1), steps=2))
+    assert scenario.compiled.wholes
+
+
+def test_what_is_compiled_is_compiled_once() -> None:
+    scenario = scenic_ref.loads(BY_HAND["loops"])
+    scenario.simulate(steps=5)
+    codes = dict(scenario.compiled.codes)
+    scenario.simulate(steps=5, seed=1)
+    assert scenario.compiled.codes == codes
+    assert codes
+
+
+def test_an_unknown_backend_is_an_error() -> None:
+    scenario = scenic_ref.loads("ego = Object")
+    with pytest.raises(UsageError, match="there is no backend 'fast' of simulations"):
+        scenario.simulate(backend="fast")  # type: ignore[arg-type]
