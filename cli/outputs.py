@@ -294,9 +294,17 @@ def in_pieces(lines: Iterable[bytes | memoryview]) -> Iterator[memoryview]:
     for several in lines:
         rest = memoryview(several)
         while rest:
-            size = bytes(rest[:AT_ONCE]).rfind(b"\n") + 1 or bytes(rest).find(b"\n") + 1 or len(rest)
+            size = whole_lines(rest)
             yield rest[:size]
             rest = rest[size:]
+
+
+def whole_lines(text: memoryview) -> int:
+    """How many bytes are written at a time: of whole lines, as many as there is room for, or of the first one."""
+    most = AT_ONCE
+    while not (end := bytes(text[:most]).rfind(b"\n") + 1) and most < len(text):
+        most *= 2
+    return end or len(text)
 
 
 def write_all(file: int, data: bytes | memoryview) -> None:
