@@ -9,6 +9,7 @@ from typing import NamedTuple, Protocol, TypeVar
 
 from ..formats.notebooks import counted
 from ..formats.table_files import SUFFIXES
+from ..inference.batch.evaluate.columns import leavers
 from ..inference.batch.jobs.blocks import Workers, cluster, processes
 from ..inference.batch.jobs.failures import FailedDraw
 from ..inference.rejection import InterruptedDraw
@@ -27,6 +28,8 @@ from .workers import Job, draw_here, drawn_by
 
 MOST_PLOTTED = 16
 MOST_FINDINGS, MOST_PARTS = 16, 16
+LOOKED, MOST_LEAVERS = 512, 3
+"""Runs that are looked at for what leaves some to the interpreter, and how much of that is told."""
 
 
 class SceneRequest(NamedTuple):
@@ -170,7 +173,8 @@ def backend_lines(interpreted: str | None, tally: Tally, drawing: Drawing) -> li
     left = f"{runs} left to the interpreter"
     batch, device = batch_of(drawing), drawing.scenario.device
     if device is None:
-        return [f"drawn by the batch backend; {left}"]
+        why = leavers(batch.graph, LOOKED).most_common(MOST_LEAVERS) if tally.left else []
+        return [f"drawn by the batch backend; {left}", *(f"left at {one}" for one, _ in why)]
     if batch.tensors is None:
         return [f"drawn by the batch backend, without torch: parts of a scene are drawn apart; {left}"]
     lines = [f"drawn by the batch backend with torch on {device}; {left}, {tally.doubtful:,} to NumPy, since rounding might decide"]

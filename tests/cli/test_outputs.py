@@ -8,7 +8,7 @@ from scenic_ref.cli.outputs import AT_ONCE, in_pieces
 SHORT, LONG = b"x" * 99 + b"\n", b"y" * (3 * AT_ONCE) + b"\n"
 
 
-@pytest.mark.parametrize("lines", [[SHORT] * 5000, [LONG] * 3, [SHORT, LONG, SHORT, LONG], [b"\n"], []], ids=["short", "long", "both", "empty", "none"])
+@pytest.mark.parametrize("lines", [[SHORT] * 5000, [LONG] * 3, [SHORT, LONG, SHORT, LONG], [b"\n"], []], ids=["short", "long", "both", "one", "none"])
 @pytest.mark.parametrize("kind", [bytes, memoryview])
 def test_pieces_are_whole_lines_and_no_longer_than_they_must_be(lines: list[bytes], kind: type) -> None:
     text = b"".join(lines)
