@@ -38,6 +38,7 @@ class CourseRequest:
     seed: int = 0
     end_to_end: bool = False
     trust: bool = False
+    formats: tuple[str, ...] = FORMATS
 
     def json(self) -> dict[str, object]:
         """The options that decide the figures."""
@@ -58,7 +59,7 @@ def measure(request: CourseRequest, tell: Tell, finish: Callable[[Figures], None
         for there, missing in ((numba, NO_NUMBA), (arrow, NO_ARROW) if request.end_to_end else (torch, NO_TORCH)):
             if not there:
                 tell(missing)
-        rivals: list[Contender] = [*(written(numba, arrow) if request.end_to_end else ours(numba, torch, request.prune)), *others]
+        rivals: list[Contender] = [*(written(numba, arrow, request.formats) if request.end_to_end else ours(numba, torch, request.prune)), *others]
         figures = Figures(tuple(r.name for r in rivals), others[0].name if others else rivals[0].name, load={"before": load()})
         try:
             for number, program in enumerate(todo, 1):
@@ -85,10 +86,10 @@ def ours(numba: bool, torch: bool, prune: bool) -> Iterator[Ours]:
             yield Ours("torch")
 
 
-def written(numba: bool, arrow: bool) -> Iterator[Contender]:
-    """The fastest backend, which draws only, and the command with a file in each format that can be written here."""
+def written(numba: bool, arrow: bool, formats: Sequence[str]) -> Iterator[Contender]:
+    """The fastest backend, which draws only, and the command with a file in each of the formats that can be written here."""
     yield Ours("numba" if numba else "numpy")
-    yield from (RunToFile(format) for format in FORMATS if arrow or format not in NEED_ARROW)
+    yield from (RunToFile(format) for format in formats if arrow or format not in NEED_ARROW)
 
 
 def programs_of(request: CourseRequest) -> list[MeasuredProgram]:

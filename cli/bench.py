@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from .completing import one_of
 from .options import DebugOption, TrustOption
 
 if TYPE_CHECKING:
@@ -41,6 +42,13 @@ def bench(
     end_to_end: Annotated[
         bool, typer.Option("--end-to-end", help="Measure what `run` to a file takes, in each format, beside drawing by the fastest backend.")
     ] = False,
+    formats: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--format", metavar="FORMAT", show_default=False, autocompletion=one_of("jsonl", "npz", "parquet", "arrow", "csv"),
+            help="With --end-to-end: only jsonl, npz, parquet, arrow or csv.",
+        ),
+    ] = None,
     trust: TrustOption = False,
     seed: Annotated[int, typer.Option("--seed", metavar="SEED", help="The seed of the scenes.")] = 0,
     output: Annotated[str | None, typer.Option("--json", metavar="PATH", help="Write all figures as JSON.")] = None,
@@ -54,6 +62,7 @@ def bench(
     interpreter. Ctrl-C shows what is measured so far.
     """
     from ..benchmarks.course import CourseRequest, measure
+    from ..benchmarks.end_to_end import FORMATS
     from ..semantics.kernel.errors import UsageError
     from .session import tell
 
@@ -62,12 +71,18 @@ def bench(
         raise UsageError("there is nothing to measure", hint="give programs, or --growth")
     if end_to_end and (prune or growth or against):
         raise UsageError("--end-to-end measures the command itself, and goes with none of --prune, --growth and --against")
+    if formats and not end_to_end:
+        raise UsageError("--format says which files --end-to-end measures")
+    if unknown := [form for form in formats or () if form not in FORMATS]:
+        raise UsageError(f"there is no format {unknown[0]}", hint=f"the formats are {', '.join(FORMATS)}")
     if plot is not None and not programs:
         raise UsageError("--plot draws the figures of programs, so it needs some")
     if not 0 < seconds < float("inf"):
         raise UsageError("--seconds must be a positive number")
     check_outputs(programs or (), output, plot)
-    request = CourseRequest(tuple(programs or ()), seconds, repeat, tuple(against or ()), released, prune, growth, seed, end_to_end, trust)
+    request = CourseRequest(
+        tuple(programs or ()), seconds, repeat, tuple(against or ()), released, prune, growth, seed, end_to_end, trust, tuple(formats or FORMATS)
+    )
     measure(request, tell, lambda figures: finish(figures, request, output, plot))
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
+from .completing import one_of
 from .options import (
     DEFAULT_FUEL,
     DEFAULT_MEMORY,
@@ -65,7 +66,11 @@ def check(
     junit: Annotated[str | None, typer.Option("--junit", metavar="PATH", help="Write the verdict as JUnit XML.")] = None,
     strict: Annotated[bool, typer.Option("--strict", help="Take warnings for errors: with any, the exit code is 1.")] = False,
     form: Annotated[
-        str, typer.Option("--format", metavar="FORMAT", help="How to tell what is wrong with the program: text, json, github or sarif.")
+        str,
+        typer.Option(
+            "--format", metavar="FORMAT", autocompletion=one_of("text", "json", "github", "sarif"),
+            help="How to tell what is wrong with the program: text, json, github or sarif.",
+        ),
     ] = "text",
     seed: Annotated[int, typer.Option("--seed", metavar="SEED", help="The seed of the scenes that the samples are compared with.")] = DEFAULT_SEED,
     workers: Annotated[int, typer.Option("--workers", metavar="PROCESSES", min=1, help="Draw with so many processes.")] = 1,

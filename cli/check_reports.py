@@ -11,13 +11,14 @@ from string import Template
 from xml.etree import ElementTree
 
 from ..inference.statistics import Feature, Verdict
+from ..inference.statistics.columns import unit_of
 from ..semantics.kernel.errors import UsageError
 from .files import check_place, write
 from .options import Source
 
 MOST_DRAWN = 8
 MOST_LISTED = 400
-WIDTH, HEIGHT, FOOT = 900, 130, 24
+WIDTH, HEIGHT, FOOT, UNIT = 900, 130, 24, 14
 MARGIN, TOP = 64, 8
 """What the axis of the shares takes at the left, and half the height of its uppermost number."""
 LETTER, LONGEST = 5.2, 20
@@ -69,8 +70,11 @@ def _drawn(feature: Feature) -> str:
     bars = "".join(_bar(MARGIN + i * step, step, label, x, y, highest, slanted=slanted) for i, (label, x, y) in enumerate(cells))
     note = f"e-value 10^{feature.evidence:.1f}, total variation {feature.distance:.2%} in {len(cells)} cells (point at a bar for its numbers)"
     foot = 14 + 0.6 * LETTER * min(LONGEST, max(len(label) for label, _, _ in cells)) if slanted else FOOT
-    name, box = escape(feature.name), f"0 {-TOP} {WIDTH} {HEIGHT + foot + TOP:.0f}"
-    picture = f'<svg viewBox="{box}" role="img" aria-label="{name}">{shares(highest)}{bars}</svg>'
+    name, units = escape(feature.name), [unit_of(part) for part in feature.name.split(" & ")]
+    if all(units):
+        foot += UNIT
+        bars += f'<text x="{WIDTH}" y="{HEIGHT + foot - 4:.0f}" text-anchor="end">in {" and ".join(dict.fromkeys(units))}</text>'
+    picture = f'<svg viewBox="0 {-TOP} {WIDTH} {HEIGHT + foot + TOP:.0f}" role="img" aria-label="{name}">{shares(highest)}{bars}</svg>'
     return f'<div class="feature"><h3>{name}</h3><p>{escape(note)}</p>{picture}</div>'
 
 

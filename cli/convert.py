@@ -6,13 +6,19 @@ from typing import Annotated
 
 import typer
 
+from .completing import dialects, words
 from .options import DebugOption, DialectOption, FileArgument
 
 
 def convert(
     context: typer.Context,
     file: FileArgument,
-    to: Annotated[str, typer.Option("--to", metavar="DIALECT", help="The dialect to write: paper, pldi19, scenic-2.1 or scenic-3.")],
+    to: Annotated[
+        str,
+        typer.Option(
+            "--to", metavar="DIALECT", autocompletion=words(dialects), help="The dialect to write: paper, pldi19, scenic-2.1 or scenic-3."
+        ),
+    ],
     output: Annotated[str | None, typer.Option("-o", "--output", metavar="PATH", help="Write the program here.", show_default="stdout")] = None,
     dialect: DialectOption = None,
     debug: DebugOption = False,

@@ -67,11 +67,11 @@ def diff(
     trust: TrustOption = False,
     debug: DebugOption = False,
 ) -> None:
-    """Compare what programs mean here and in another implementation.
+    """Compare what programs mean here and elsewhere.
 
-    Errors, the support and the distribution of the scenes, how often runs are accepted, and what agents do in a world that moves as it was
-    recorded. A program is put into the other's dialect; what cannot be said there is skipped. Where the two differ, the readings under which
-    they agree are searched for and named.
+    Elsewhere is another implementation. Errors are compared, the support and the distribution of the scenes, how often runs are accepted, and
+    what agents do in a world that moves as it was recorded. A program is put into the other's dialect; what cannot be said there is skipped.
+    Where the two differ, the readings under which they agree are searched for and named.
 
     Exit codes: 0 all agree, 1 one differs, 2 wrong usage, 5 inconclusive.
     """

@@ -34,6 +34,7 @@ from .session import escaped, tell
 
 if TYPE_CHECKING:
     from ..inference.batch import Block
+    from ..inference.batch.jobs.lines import Lines
     from ..scenario import Scenario
 
 MOST_PRINTED = 10_000
@@ -71,6 +72,15 @@ class Drawing:
     """A scenario from which scenes are drawn."""
 
     scenario: Scenario
+
+    @cached_property
+    def lines(self) -> Lines:
+        """What makes the lines of scenes that are drawn many at a time, of a program that is known to have a graph."""
+        from ..inference.batch.jobs.lines import Lines
+
+        batch = self.scenario.batch
+        assert batch is not None, self.scenario.not_lifted
+        return Lines(batch.template)
 
     @cached_property
     def prints(self) -> bool:

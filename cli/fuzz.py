@@ -48,12 +48,12 @@ def fuzz(
     ] = OF_THE_OTHER,
     debug: DebugOption = False,
 ) -> None:
-    """Invent programs until one means something else in another implementation, and make it as small as it can be.
+    """Invent programs until one means something else elsewhere.
 
-    Each program is compared as `diff` does it. What differs is made smaller, compared once more with fresh scenes, and grouped by cause: the
-    words of the difference, the rules and the properties that the program is about. The folder holds the journal (with --resume the campaign
-    goes on), a page, JUnit XML, the programs, and drafts of vectors. In its findings.toml each finding has a class, for you to decide: what you
-    write there stays, and is in the reports.
+    Each program is compared with another implementation as `diff` does it. What differs is made smaller, compared once more with fresh scenes,
+    and grouped by cause: the words of the difference, the rules and the properties that the program is about. The folder holds the journal (with
+    --resume the campaign goes on), a page, JUnit XML, the programs, and drafts of vectors. In its findings.toml each finding has a class, for you
+    to decide: what you write there stays, and is in the reports.
 
     Exit codes: 0 no finding, 1 findings, 2 wrong usage.
     """

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
+from .completing import map_kinds, words
 from .options import DebugOption
 
 if TYPE_CHECKING:
@@ -31,14 +32,16 @@ def show_map(
     make: Annotated[
         str | None,
         typer.Option(
-            "--make", metavar="KIND",
+            "--make", metavar="KIND", autocompletion=words(map_kinds),
             help="Make a grid, crossing, t, roundabout, highway or suburb; without FILE, list the parameters and their values.",
         ),
     ] = None,
     param: Annotated[list[str] | None, typer.Option("-p", "--param", metavar="NAME=VALUE", help="A parameter of --make.")] = None,
     debug: DebugOption = False,
 ) -> None:
-    """Say what is in a map: roads, lanes, intersections, and the maneuvers through them, or the features of one's own; or make a road map.
+    """Say what is in a map, draw it, or make one.
+
+    Roads, lanes, intersections, and the maneuvers through them, or the features of one's own.
 
     Roads are counted outside intersections; lanes are counted everywhere. Lengths are in metres.
 

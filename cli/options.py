@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..interpreter.limits import DEFAULT_LIMITS, Limits, bytes_of, seconds_of
+from .completing import alternatives, dialects, models, profiles, words
 
 if TYPE_CHECKING:
     from ..scenario import Scenario
@@ -27,12 +28,20 @@ def set_debug(context: typer.Context, wanted: bool) -> None:
 DebugOption = Annotated[bool, typer.Option("--debug", callback=set_debug, help="Show the traceback of an internal error.")]
 FileArgument = Annotated[str, typer.Argument(metavar="FILE", help="The Scenic program.")]
 SeedOption = Annotated[int, typer.Option("--seed", metavar="SEED", help="The seed: a scene follows from the program, the seed and its number.")]
-ProfileOption = Annotated[str, typer.Option("--profile", metavar="PROFILE", help="A profile of readings; see `scenic-ref readings`.")]
-ReadingOption = Annotated[list[str] | None, typer.Option("--reading", metavar="ID=ALT", help="One reading of the paper, whatever the profile says.")]
-DialectOption = Annotated[
-    str | None, typer.Option("--dialect", metavar="DIALECT", help="The program's syntax: paper, pldi19, scenic-2.1 or scenic-3.")
+ProfileOption = Annotated[
+    str, typer.Option("--profile", metavar="PROFILE", autocompletion=words(profiles), help="A profile of readings; see `scenic-ref readings`.")
 ]
-ModelOption = Annotated[str | None, typer.Option("--model", metavar="MODEL", help="The world model, in place of the program's.")]
+ReadingOption = Annotated[
+    list[str] | None,
+    typer.Option("--reading", metavar="ID=ALT", autocompletion=words(alternatives), help="One reading of the paper, whatever the profile says."),
+]
+DialectOption = Annotated[
+    str | None,
+    typer.Option("--dialect", metavar="DIALECT", autocompletion=words(dialects), help="The program's syntax: paper, pldi19, scenic-2.1 or scenic-3."),
+]
+ModelOption = Annotated[
+    str | None, typer.Option("--model", metavar="MODEL", autocompletion=words(models), help="The world model, in place of the program's.")
+]
 ScenarioOption = Annotated[
     str | None, typer.Option("--scenario", metavar="NAME", help="The modular scenario to begin with.", show_default="Main, if there is one")
 ]

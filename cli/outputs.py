@@ -7,7 +7,7 @@ import os
 import stat
 import sys
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -289,13 +289,22 @@ def locked(file: int) -> bool:
     return True
 
 
-def in_pieces(lines: bytes) -> Iterator[memoryview]:
-    """Lines with their ends, some at a time."""
-    start = 0
-    while start < len(lines):
-        end = lines.rfind(b"\n", start, start + AT_ONCE) + 1 or lines.find(b"\n", start) + 1 or len(lines)
-        yield memoryview(lines)[start:end]
-        start = end
+def in_pieces(lines: Iterable[bytes | memoryview]) -> Iterator[memoryview]:
+    """Lines with their ends, few at a time."""
+    for several in lines:
+        rest = memoryview(several)
+        while rest:
+            size = whole_lines(rest)
+            yield rest[:size]
+            rest = rest[size:]
+
+
+def whole_lines(text: memoryview) -> int:
+    """How many bytes are written at a time: of whole lines, as many as there is room for, or of the first one."""
+    most = AT_ONCE
+    while not (end := bytes(text[:most]).rfind(b"\n") + 1) and most < len(text):
+        most *= 2
+    return end or len(text)
 
 
 def write_all(file: int, data: bytes | memoryview) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Iterable, Iterator
 from contextlib import AbstractContextManager
 from typing import Literal, NamedTuple
 
@@ -15,7 +15,7 @@ from ..inference.batch import Batch, Block
 from ..inference.batch.evaluate.features import features_in
 from ..inference.batch.jobs.blocks import FIRST, Pace, Workers, block_of
 from ..inference.batch.jobs.failures import FailedDraw, failed
-from ..inference.batch.jobs.lines import lines_of
+from ..inference.batch.jobs.shelves import Shelf, lay
 from ..inference.batch.jobs.tables import table_of
 from ..inference.statistics.columns import FeatureTable
 from ..semantics.kernel.outcome import Requirement
@@ -31,8 +31,8 @@ SMALL_PARTS = 4
 
 
 class Portion(NamedTuple):
-    """Scenes `start` to `start + len(attempts) - 1`, as lines (in one text, which is quickly sent), as columns or as features, how often which
-    requirement failed, and how long that took (seconds of a processor, so that other work of the machine does not count).
+    """Scenes `start` to `start + len(attempts) - 1`, as lines (some at a time, good until the next are asked for), as columns or as features, how
+    often which requirement failed, and how long that took (seconds of a processor, so that other work of the machine does not count).
 
     `left` runs were left to the interpreter, and `doubtful` ones by torch to NumPy. `failed` is the error that ended the job early, at the
     scene behind the last.
@@ -40,7 +40,7 @@ class Portion(NamedTuple):
 
     start: int
     attempts: np.ndarray
-    lines: bytes
+    lines: Iterable[bytes | memoryview]
     columns: Columns | None
     stuck: Counter[Requirement]
     soft: tuple[Softness, ...]
@@ -49,18 +49,21 @@ class Portion(NamedTuple):
     failed: FailedDraw | None
     features: FeatureTable | None = None
     doubtful: int = 0
+    laid: int = 0
+    """How many bytes of lines lie in the file that was lent for them."""
 
 
 class PortionJob(NamedTuple):
     """What to draw, in which form; scenes before `looked` are looked at for soft requirements.
 
-    About `ahead` more scenes will be asked for of each process.
+    About `ahead` more scenes will be asked for of each process. Lines are laid into the file `place`, if there is one.
     """
 
     job: Job
     form: Form
     looked: int
     ahead: int
+    place: str | None = None
 
 
 def batch_of(drawing: Drawing) -> Batch:
@@ -75,18 +78,13 @@ def draw_portion(drawing: Drawing, asked: PortionJob) -> Portion:
     begun = time.thread_time()
     job, batch = asked.job, batch_of(drawing)
     block = block_of(batch, job.seed, job.start, job.stop, job.max_attempts, asked.ahead)
-    lines = text_of(lines_of(batch.template, block, job.seed)) if asked.form == "lines" else b""
+    lines = drawing.lines.of(block, job.seed, asked.ahead) if asked.form == "lines" else ()
     columns = table_of(batch.template, block, job.seed) if asked.form == "table" and len(block.attempts) else None
     features = features_in(batch.template, block) if asked.form == "features" else None
     soft = softness_of(drawing, block, job.seed, asked.looked) if asked.form != "features" and drawing.has_soft_requirements else ()
     ended = failed(block.error, []) if block.error is not None else None
     seconds = time.thread_time() - begun
     return Portion(job.start, block.attempts + 1, lines, columns, block.stuck, soft, block.left, seconds, ended, features, block.doubtful)
-
-
-def text_of(lines: list[str]) -> bytes:
-    """Lines with their ends."""
-    return "\n".join([*lines, ""]).encode()
 
 
 def softness_of(drawing: Drawing, block: Block, seed: int, stop: int) -> tuple[Softness, ...]:
@@ -97,7 +95,11 @@ def softness_of(drawing: Drawing, block: Block, seed: int, stop: int) -> tuple[S
 
 def work_on_portion(asked: PortionJob) -> Portion:
     """The scenes of a job, in a process that is given nothing else."""
-    return draw_portion(drawing_of(asked.job.source), asked)
+    portion = draw_portion(drawing_of(asked.job.source), asked)
+    begun = time.thread_time()
+    size = lay(asked.place, portion.lines) if asked.place is not None else None
+    lines = () if size is not None else tuple(map(bytes, portion.lines))
+    return portion._replace(lines=lines, laid=size or 0, seconds=portion.seconds + time.thread_time() - begun)
 
 
 def portions(
@@ -114,8 +116,12 @@ def portions(
     if workers is None:
         yield from paced((draw_portion(drawing, part) for part in asked), pace)
         return
-    with workers as several:
-        yield from paced(several.draw(work_on_portion, asked), pace)
+    with workers as several, Shelf() as shelf:
+        if several.here and form == "lines":
+            asked = (part._replace(place=shelf.lend()) for part in asked)
+        for portion in paced(several.draw(work_on_portion, asked), pace):
+            yield portion._replace(lines=[shelf.read(portion.laid)]) if portion.laid else portion
+            shelf.put_back()
 
 
 def paced(found: Iterator[Portion], pace: Pace) -> Iterator[Portion]:

@@ -9,17 +9,18 @@ from typing import NamedTuple, Protocol, TypeVar
 
 from ..formats.notebooks import counted
 from ..formats.table_files import SUFFIXES
+from ..inference.batch.evaluate.columns import leavers
 from ..inference.batch.jobs.blocks import Workers, cluster, processes
 from ..inference.batch.jobs.failures import FailedDraw
 from ..inference.rejection import InterruptedDraw
 from ..scenario import FEW
 from ..semantics.kernel.errors import ScenicError, UsageError
-from .drawing import Drawing, drawing_of, tell_notes, tell_warnings
+from .drawing import Drawing, DrawnScene, drawing_of, tell_notes, tell_warnings
 from .errors import WORST
 from .files import LINES, PICTURES, check_ending, check_file, check_place
 from .options import Source
 from .outputs import Output, Resumed, open_output
-from .portions import batch_of, portions
+from .portions import Portion, batch_of, portions
 from .progress import Progress
 from .reports import Tally, processor_seconds, requirement_lines, summary, write_report
 from .session import Session, tell
@@ -27,6 +28,8 @@ from .workers import Job, draw_here, drawn_by
 
 MOST_PLOTTED = 16
 MOST_FINDINGS, MOST_PARTS = 16, 16
+LOOKED, MOST_LEAVERS = 512, 3
+"""Runs that are looked at for what leaves some to the interpreter, and how much of that is told."""
 
 
 class SceneRequest(NamedTuple):
@@ -52,7 +55,7 @@ def produce(source: Source, request: SceneRequest, session: Session) -> None:
     drawing = drawing_of(source)
     rehearse(drawing)
     begun, used = time.perf_counter(), processor_seconds()
-    tally = Tally()
+    tally, unread = Tally(), list[object]()
     start = request.start
     try:
         with ExitStack() as stack:
@@ -66,12 +69,12 @@ def produce(source: Source, request: SceneRequest, session: Session) -> None:
             progress = stack.enter_context(Progress(request.stop - request.start, start - request.start, foresight=BatchForesight(drawing, request)))
             known = list(earlier.first)
             if interpreted is None:
-                produce_by_batch(job, request, output, tally, progress, known, stack)
+                produce_by_batch(job, request, output, tally, progress, known, unread, stack)
             else:
-                produce_one_by_one(drawing, job, request, output, tally, progress, known, stack)
+                produce_one_by_one(drawing, job, request, output, tally, progress, known, unread, stack)
             output.finish()
     except KeyboardInterrupt as stop:
-        for line in lines_so_far(drawing, tally, start, stop, session):
+        for line in lines_so_far(drawing, tally, unread, start, stop, session):
             tell(line)
         raise
     if source.prune:
@@ -92,9 +95,15 @@ def produce(source: Source, request: SceneRequest, session: Session) -> None:
         plot(drawing, request, known[: request.stop])
 
 
-def lines_so_far(drawing: Drawing, tally: Tally, start: int, stop: KeyboardInterrupt, session: Session) -> list[str]:
-    """What a run from scene `start` came to that was interrupted, with the attempts at scenes that were not found yet."""
-    stuck = tally.stuck.copy()
+def lines_so_far(
+    drawing: Drawing, tally: Tally, unread: list[object], start: int, stop: KeyboardInterrupt, session: Session
+) -> list[str]:
+    """What a run from scene `start` came to that was interrupted, with the attempts at scenes that were not found yet.
+
+    `unread` is what other processes had found behind a scene that was still missing.
+    """
+    behind = tally_of(unread)
+    stuck = tally.stuck + behind.stuck
     batch = drawing.scenario.batch if "_lifted" in vars(drawing.scenario) else None
     block = None if batch is None else batch.drawing
     if isinstance(stop, InterruptedDraw):
@@ -102,7 +111,22 @@ def lines_so_far(drawing: Drawing, tally: Tally, start: int, stop: KeyboardInter
     elif block is not None and block.start >= start + tally.scenes:
         stuck.update(block.stuck)
     head = f"{counted(tally.scenes, 'scene')} so far, and {counted(stuck.total(), 'stuck attempt')}"
+    if behind.scenes:
+        head += f"; {counted(behind.scenes, 'scene')} more were drawn behind one that was still missing, and not written"
     return [head, *(requirement_lines(stuck.most_common(), session.texts, limit=WORST) if stuck else [])]
+
+
+def tally_of(results: Iterable[object]) -> Tally:
+    """The statistics of what other processes gave: portions, or lists of scenes."""
+    tally = Tally()
+    for one in results:
+        if isinstance(one, Portion):
+            tally.add_portion(one)
+        elif isinstance(one, list):
+            for drawn in one:
+                if isinstance(drawn, DrawnScene):
+                    tally.add(drawn)
+    return tally
 
 
 class BatchForesight:
@@ -149,7 +173,8 @@ def backend_lines(interpreted: str | None, tally: Tally, drawing: Drawing) -> li
     left = f"{runs} left to the interpreter"
     batch, device = batch_of(drawing), drawing.scenario.device
     if device is None:
-        return [f"drawn by the batch backend; {left}"]
+        why = leavers(batch.graph, LOOKED).most_common(MOST_LEAVERS) if tally.left else []
+        return [f"drawn by the batch backend; {left}", *(f"left at {one}" for one, _ in why)]
     if batch.tensors is None:
         return [f"drawn by the batch backend, without torch: parts of a scene are drawn apart; {left}"]
     lines = [f"drawn by the batch backend with torch on {device}; {left}, {tally.doubtful:,} to NumPy, since rounding might decide"]
@@ -180,18 +205,23 @@ def first_lines(lines: list[str], most: int) -> list[str]:
     return lines if len(lines) <= most else [*lines[: most - 1], f"... and {len(lines) - most + 1} more lines; `scenario.pruning` has all"]
 
 
-def workers_of(count: int, address: str | None, results: int) -> AbstractContextManager[Workers] | None:
-    """Who finds so many scenes or simulations, if not this process: the cluster at `address`, or `count` processes."""
+def workers_of(count: int, address: str | None, results: int, unread: list[object] | None = None) -> AbstractContextManager[Workers] | None:
+    """Who finds so many scenes or simulations, if not this process: the cluster at `address`, or `count` processes.
+
+    `unread` gets what was found and not asked for.
+    """
     if address is not None:
-        return cluster(address, count if count > 1 else None)
-    return processes(min(count, results)) if count > 1 and results > 1 else None
+        return cluster(address, count if count > 1 else None, unread)
+    return processes(min(count, results), unread) if count > 1 and results > 1 else None
 
 
 def produce_by_batch(
-    job: Job, request: SceneRequest, output: Output, tally: Tally, progress: Progress, known: list[tuple[int, int]], stack: ExitStack
+    job: Job, request: SceneRequest, output: Output, tally: Tally, progress: Progress, known: list[tuple[int, int]], unread: list[object],
+    stack: ExitStack,
 ) -> None:
-    """Draw many scenes at a time; `known` gets the attempts of the first ones. Raises the error that ends them."""
-    found = portions(job.source, job, output.form, workers_of(request.workers, request.cluster, job.stop - job.start), request.workers)
+    """Draw many scenes at a time; `known` gets the attempts of the first ones, `unread` what was drawn in vain. Raises the error that ends them."""
+    workers = workers_of(request.workers, request.cluster, job.stop - job.start, unread)
+    found = portions(job.source, job, output.form, workers, request.workers)
     stack.callback(found.close)
     for portion in found:
         output.write_many(portion)
@@ -204,10 +234,10 @@ def produce_by_batch(
 
 def produce_one_by_one(
     drawing: Drawing, job: Job, request: SceneRequest, output: Output, tally: Tally, progress: Progress, known: list[tuple[int, int]],
-    stack: ExitStack,
+    unread: list[object], stack: ExitStack,
 ) -> None:
     """Draw the scenes with the interpreter; `known` gets the attempts of the first ones. Raises the error that ends them."""
-    workers = workers_of(request.workers, request.cluster, job.stop - job.start)
+    workers = workers_of(request.workers, request.cluster, job.stop - job.start, unread)
     scenes = draw_here(drawing, job, progress.stuck) if workers is None else drawn_by(workers, job, request.workers)
     stack.callback(scenes.close)
     for drawn in printed_first(scenes, progress):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from . import completing
 from .options import DebugOption, ProfileOption, ReadingOption, pairs
 
 if TYPE_CHECKING:
@@ -15,7 +16,9 @@ if TYPE_CHECKING:
 
 
 def readings(
-    name: Annotated[str | None, typer.Argument(metavar="ID", help="The reading to explain.")] = None,
+    name: Annotated[
+        str | None, typer.Argument(metavar="ID", autocompletion=completing.words(completing.readings), help="The reading to explain.")
+    ] = None,
     profile: ProfileOption = "paper",
     reading: ReadingOption = None,
     as_json: Annotated[bool, typer.Option("--json", help="As JSON.")] = False,

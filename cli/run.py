@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from .completing import one_of
 from .options import (
     DEFAULT_ATTEMPTS,
     DEFAULT_FUEL,
@@ -45,7 +46,12 @@ def run(
         str | None,
         typer.Option("-o", "--output", metavar="PATH", help="Write JSON Lines (PATH.jsonl) or a table (.parquet, .arrow, .npz, .csv); -: stdout."),
     ] = None,
-    stream: Annotated[str, typer.Option("--format", metavar="FORMAT", help="What goes to stdout: jsonl, or arrow, a stream of tables.")] = "jsonl",
+    stream: Annotated[
+        str,
+        typer.Option(
+            "--format", metavar="FORMAT", autocompletion=one_of("jsonl", "arrow"), help="What goes to stdout: jsonl, or arrow, a stream of tables."
+        ),
+    ] = "jsonl",
     plot: Annotated[str | None, typer.Option("--plot", metavar="PATH", help="Draw the scenes (or the probabilities), as .png, .pdf or .svg.")] = None,
     profile: ProfileOption = "paper",
     reading: ReadingOption = None,
@@ -62,6 +68,7 @@ def run(
         str | None,
         typer.Option(
             "--backend", metavar="BACKEND", show_default=False,
+            autocompletion=one_of("batch", "interpreter", "enumerate", "smc", "mcmc", "importance"),
             help="batch: draw many scenes at a time (the default for 10 or more); interpreter: draw the same scenes one by one; "
             "enumerate: all outcomes with their exact probabilities; smc, mcmc, importance: where few runs are accepted.",
         ),

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from .completing import simulators, words
 from .options import (
     DEFAULT_ATTEMPTS,
     DEFAULT_FUEL,
@@ -49,7 +50,7 @@ def simulate(
     simulator: Annotated[
         str,
         typer.Option(
-            "--simulator", metavar="NAME",
+            "--simulator", metavar="NAME", autocompletion=words(simulators),
             help="still (nothing moves, any value is an action), kinematic (no forces), pymunk (collisions), sumo (traffic on roads), or your own: "
             "package.module:Class, from the current folder or installed.",
         ),

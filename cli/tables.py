@@ -33,7 +33,7 @@ class Terminal(Output):
 
     def write_many(self, portion: Portion) -> None:
         """Keep the scenes that are to be shown."""
-        self._keep(portion.lines.splitlines())
+        self._keep(b"".join(map(bytes, portion.lines)).splitlines())
 
     def _keep(self, lines: Sequence[str | bytes]) -> None:
         room = MOST_SHOWN - len(self.scenes)

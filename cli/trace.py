@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from .completing import simulators, words
 from .options import (
     DEFAULT_ATTEMPTS,
     DEFAULT_FUEL,
@@ -44,7 +45,9 @@ def trace(
     steps: Annotated[
         int | None, typer.Option("--steps", metavar="STEPS", min=0, help="Go on after the scene: the policy's rules in at most so many time steps.")
     ] = None,
-    simulator: Annotated[str, typer.Option("--simulator", metavar="NAME", help="With --steps: as for simulate.")] = "still",
+    simulator: Annotated[
+        str, typer.Option("--simulator", metavar="NAME", autocompletion=words(simulators), help="With --steps: as for simulate.")
+    ] = "still",
     timestep: Annotated[
         float | None, typer.Option("--dt", metavar="SECONDS", help="With --steps: the time step.", show_default="1 for still, 0.1 for others")
     ] = None,

@@ -18,7 +18,8 @@ from ..semantics.space.geometry import corners, direction
 from ..semantics.space.regions import Region, everywhere
 from ..semantics.space.vectors import Vector
 from .maps import Window, draw_map, polygons_in
-from .site_land import draw_site
+from .site_land import draw_site, laid
+from .site_names import marks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,6 +38,8 @@ FARTHEST = 1e9  # metres from the origin that can still be told apart in a pictu
 CROWD = 8  # with more objects than this, only those with a name are labelled, and colours are explained
 SIDE = 3.6  # inches of a small multiple
 ALONE = 6.5  # inches of a picture of one scene
+QUIET = "#7a7a76"
+"""What belongs to the map."""
 LETTER, LINE = 0.62, 1.35  # a letter's width and a line's height, in sizes of the font, both with some room
 INCH = 72  # points
 ARC_STEP = math.radians(2)
@@ -160,7 +163,8 @@ def draw(axes: Axes, scene: Scene, roads: Region | None, colours: Mapping[str, s
     draw_view(axes, view)
     for o in scene.objects:
         draw_object(axes, o, EGO if o.id == scene.ego_id else colours[o.class_name], east - west)
-    draw_names(axes, scene, size, window)
+    taken = draw_names(axes, scene, size, window)
+    draw_marks(axes, scene, size, window, taken)
     draw_scale(axes, window, size)
 
 
@@ -261,13 +265,16 @@ def draw_object(axes: Axes, o: SceneObject, colour: str, across: float) -> None:
         axes.plot([x], [y], marker="o", markersize=3, color=colour, zorder=5)
 
 
-def draw_names(axes: Axes, scene: Scene, size: int, window: Window) -> None:
-    """The name of each object that has one, else its class unless there are many, beside its box and on no other if there is room."""
+def draw_names(axes: Axes, scene: Scene, size: int, window: Window) -> list[Window]:
+    """The name of each object that has one, else its class unless there are many, beside its box and on no other if there is room.
+
+    The rectangles that boxes and names take.
+    """
     from matplotlib.patheffects import withStroke
 
     crowded = len(scene.objects) > CROWD
     named = [o for o in scene.objects if o.name or not crowded]
-    point = (window[2] - window[0]) / (INCH * (SIDE if size < 9 else ALONE))
+    point = point_of(window, size)
     boxes = [bounds_of(o) for o in scene.objects]
     taken: list[Window] = []
     for o in named:
@@ -277,6 +284,34 @@ def draw_names(axes: Axes, scene: Scene, size: int, window: Window) -> None:
         x, y = (spot[0] + spot[2]) / 2, (spot[1] + spot[3]) / 2
         label = axes.text(x, y, text, ha="center", va="center", fontsize=size - 1, color=INK if o.name else "#666666", zorder=6, clip_on=True)
         label.set_path_effects([withStroke(linewidth=2, foreground="white", alpha=0.85)])
+    return [*boxes, *taken]
+
+
+def point_of(window: Window, size: int) -> float:
+    """How many metres one point of a font is."""
+    return (window[2] - window[0]) / (INCH * (SIDE if size < 9 else ALONE))
+
+
+def draw_marks(axes: Axes, scene: Scene, size: int, window: Window, taken: Sequence[Window]) -> None:
+    """The names and directions of the features of a map of one's own, where nothing else stands."""
+    from matplotlib.patheffects import withStroke
+
+    if scene.site is None:
+        return
+    point, small = point_of(window, size), size - 2
+    west, south, east, north = window
+    scale = west, south, west + 0.3 * (east - west), south + 0.1 * (north - south)
+    found = marks(
+        laid(scene.site, window), window, [*taken, scale], lambda text: len(shortened(text)) * LETTER * small * point, LINE * small * point
+    )
+    for mark in found:
+        if mark.text:
+            label = axes.text(mark.x, mark.y, shortened(mark.text), ha="center", va="center", fontsize=small, style="italic", color=QUIET, zorder=0.9)
+            label.set_path_effects([withStroke(linewidth=1.5, foreground="white", alpha=0.85)])
+            continue
+        x, y = mark.ahead
+        ends = (mark.x + x, mark.y + y), (mark.x - x, mark.y - y)
+        axes.annotate("", *ends, arrowprops={"arrowstyle": "->", "color": QUIET, "linewidth": 0.8}, zorder=0.9)
 
 
 def bounds_of(o: SceneObject) -> Window:

@@ -29,12 +29,14 @@ KINDS = ("areas", "lines", "points")
 
 
 class Laid(NamedTuple):
-    """A feature inside a window, simplified, and its colours."""
+    """A feature inside a window, simplified, and its colours; its name ("" if it has none), and the direction of an area that has one."""
 
     kind: str
     shape: BaseGeometry
     faint: str
     dim: str
+    name: str = ""
+    heading: float | None = None
 
 
 def site_of(state: State) -> SiteMap | None:
@@ -54,7 +56,10 @@ def laid(site: SiteMap | None, window: Window) -> list[Laid]:
     seen = [features[k] for k in np.flatnonzero(shapely.intersects([feature.shape for feature in features], box))]
     colours = [UNNAMED if feature.name is None else (FAINT[order[feature.name]], DIM[order[feature.name]]) for feature in seen]
     clipped = shapely.simplify([shapely.intersection(feature.shape, box) for feature in seen], (window[2] - window[0]) / FINENESS)
-    found = [Laid(feature.kind, shape, *pair) for feature, shape, pair in zip(seen, clipped, colours, strict=True)]
+    found = [
+        Laid(feature.kind, shape, *pair, feature.name or "", feature.heading if feature.kind == "areas" else None)
+        for feature, shape, pair in zip(seen, clipped, colours, strict=True)
+    ]
     return sorted(largest(found), key=lambda one: (KINDS.index(one.kind), -one.shape.area))
 
 

@@ -28,12 +28,22 @@ FEW = 256
 """A number of which the first group has so few values is written as a place among them."""
 
 
+class StoredArray(NamedTuple):
+    """Where an array stands in the file, its type and shape; where all rows are alike, there is only the first."""
+
+    place: int
+    dtype: np.dtype[Any]
+    shape: tuple[int, ...]
+    alike: bool
+
+
 class Stored(NamedTuple):
-    """Where a column of a group stands in the file, its type, and whether values are missing."""
+    """A column of a group in the file: its type, its arrays, which rows have values if some have none, and where its texts stand."""
 
     kind: str
-    missing: bool
-    place: int
+    values: StoredArray
+    valid: StoredArray | None
+    texts: int
 
 
 class Spool:
@@ -48,15 +58,27 @@ class Spool:
         """Add a group. Raises `OSError`."""
         pieces = {}
         for name, column in group.items():
-            pieces[name] = Stored(column.kind, column.valid is not None, self.file.tell())
             if name not in OWN:
                 self.types[name] = joint(self.types.get(name, NOTHING), column.kind)
-            for array in (column.values, column.valid):
-                if array is not None:
-                    np.lib.format.write_array(self.file, np.ascontiguousarray(array), allow_pickle=False)
+            valid = None if column.valid is None else self.store(column.valid)
+            pieces[name] = Stored(column.kind, self.store(column.values), valid, self.file.tell())
             if column.kind in (TEXT, JSON):
                 self.file.write(f"{json.dumps(list(column.texts))}\n".encode())
         self.groups.append((rows_in(group), pieces))
+
+    def store(self, array: np.ndarray) -> StoredArray:
+        """Write an array."""
+        alike = len(array) > 1 and all_alike(array)
+        stored = StoredArray(self.file.tell(), array.dtype, array.shape, alike)
+        self.file.write(np.ascontiguousarray(array[:1] if alike else array).data)
+        return stored
+
+    def array(self, stored: StoredArray) -> np.ndarray:
+        """Read an array."""
+        self.file.seek(stored.place)
+        found = np.empty((1, *stored.shape[1:]) if stored.alike else stored.shape, stored.dtype)
+        self.file.readinto(found.data)  # type: ignore[attr-defined]
+        return np.repeat(found, stored.shape[0], axis=0) if stored.alike else found
 
     @property
     def kinds(self) -> Kinds:
@@ -80,21 +102,27 @@ class Spool:
 
     def has_missing(self, name: str) -> bool:
         """Whether a column lacks values."""
-        return any(name not in pieces or pieces[name].missing for _, pieces in self.groups)
+        return any(name not in pieces or pieces[name].valid is not None for _, pieces in self.groups)
 
     def piece(self, rows: int, piece: Stored | None) -> TypedColumn:
         """What was written of a column."""
         if piece is None:
             return nothing(rows)
-        self.file.seek(piece.place)
-        values = np.lib.format.read_array(self.file)  # type: ignore[arg-type]
-        valid = np.lib.format.read_array(self.file) if piece.missing else None  # type: ignore[arg-type]
-        texts = json.loads(self.file.readline()) if piece.kind in (TEXT, JSON) else ()
+        values, valid, texts = self.array(piece.values), None if piece.valid is None else self.array(piece.valid), ()
+        if piece.kind in (TEXT, JSON):
+            self.file.seek(piece.texts)
+            texts = json.loads(self.file.readline())
         return TypedColumn(piece.kind, values, texts, valid)
 
     def close(self) -> None:
         """Let the file go."""
         self.file.close()
+
+
+def all_alike(array: np.ndarray) -> bool:
+    """Whether all rows of an array are the first, bit for bit."""
+    bits = np.ascontiguousarray(array).reshape(len(array), -1).view(np.uint8)
+    return bool((bits[-1] == bits[0]).all() and (bits[1:] == bits[:-1]).all())
 
 
 class TableFile(ABC):

@@ -210,7 +210,7 @@ class ScenicBuilder(BuilderBase):
         word, class_, *specifiers = parts
         if not self.dialect.explicit_new:
             message = f"`new` belongs to dialect {having('explicit_new')}"
-            raise ParseError(message, self.token_span(word), hint="leave out `new`, or choose that dialect")
+            raise ParseError(message, self.token_span(word), hint="leave out `new`, or choose that dialect by --dialect scenic-3")
         self.require_class(class_)
         return ObjectDefinition(span=span, class_=class_, specifiers=tuple(specifiers))
 

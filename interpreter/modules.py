@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 from ..semantics.kernel.budget import refuse_too_long
 from ..semantics.kernel.errors import ImportRefused, ScenicError, UsageError
 from ..semantics.kernel.scopes import descendants
-from ..semantics.kernel.suggestions import did_you_mean
+from ..semantics.kernel.suggestions import nearest
 from ..semantics.python.imports import beside, key_of, member_key, package_of
 from ..semantics.python.library import MODULES
 from ..semantics.syntax import Program
@@ -130,9 +130,15 @@ def absent(name: str, worlds: Mapping[str, World]) -> ModuleNotFoundError:
     theirs = name.startswith("scenic.")
     outside = f"the module {name} of the released implementations is outside this reference: {why_outside(name)}"
     error = ModuleNotFoundError(outside if theirs else f"there is no module {name}")
-    otherwise = f"of theirs there are: {', '.join(key for key in worlds if key.startswith('scenic.'))}" if theirs else ""
-    if hint := did_you_mean(name, [*worlds, *HARMLESS], otherwise):
-        error.add_note(hint)
+    short = {key.split(".")[-2]: key for key in worlds if key.endswith(".model")}
+    near = nearest(name, [*worlds, *HARMLESS]) or (name if name in short else nearest(name, short))
+    if near is not None:
+        error.add_note(f"did you mean {short.get(near, near)}?")
+    elif theirs:
+        error.add_note(f"of theirs there are: {', '.join(key for key in worlds if key.startswith('scenic.'))}")
+    elif name.isidentifier():
+        models = [key for key in worlds if "." not in key or (key.startswith("scenic.domains.") and key.endswith(".model"))]
+        error.add_note(f"there is no file {name}.scenic beside the program; world models are {', '.join(models)}")
     return error
 
 

@@ -124,6 +124,7 @@ TABLE: tuple[tuple[str, str, str], ...] = (
     (r"\d\s*(?P<here>(?:m|km|cm|mm|ft|feet)\b)", "lengths are in metres and have no unit", "leave out the unit"),
     (r"\b(?:metres?|meters?)\b", "lengths are in metres and have no unit", "leave out the unit"),
     (r"\b(left\s+of|right\s+of|ahead\s+of|behind)\s+(\S+)\s+(-?[\d.]+)", "the distance needs `by`", r"write `\1 \2 by \3`"),
+    (r"\b(?P<here>left|right)\s+by\b", r"`\g<here>` needs `of`", r"write `\g<here> of X by S`"),
     (r"\bbeyond\s+\S+\s+\(", "the offset needs `by`", "write `beyond ... by ...`"),
     (r"^\s*(?P<here>print)\s+\S.*", "`print` is a function", "write `print(...)`"),
     (r"^\s*(?P<here>var|let|const|function|func)\s+\w.*", "there are no declarations", "write `name = value` or `def name():`"),

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Mapping
 
-from ..semantics.kernel.scopes import descendants, target_names
+from ..semantics.kernel.scopes import children, descendants, target_names
 from ..semantics.kernel.suggestions import meant
 from ..semantics.syntax import Node, Program
 from ..semantics.syntax import dynamics as d
 from ..semantics.syntax import statements as s
 from ..semantics.syntax.python_expressions import (
     Call,
+    Comprehension,
     ComprehensionClause,
     Constant,
     Lambda,
@@ -25,8 +27,8 @@ from ..semantics.syntax.specifiers import FacingSpecifier, WithSpecifier
 from .modules import Library, key_of, module_named
 from .warnings import DEGREES, ONE_VALUE, UNKNOWN, ProgramWarning
 
-BODIES = s.FunctionDefinition | d.BehaviorDefinition | d.MonitorDefinition | d.ScenarioDefinition | Lambda
-"""What has a body that a run of the program need not come to."""
+OWN_NAMES = s.FunctionDefinition | d.BehaviorDefinition | d.MonitorDefinition | Lambda
+"""What has a body with names of its own; a run of the program need not come to it, as to that of a scenario."""
 FULL_TURN = math.tau + 1e-9
 
 
@@ -36,15 +38,35 @@ def slips(
     """The warnings; `model` is the world model that was chosen from outside, `elsewhere` are the names of others."""
     nodes = [node for statement in program.statements for node in descendants(statement)]
     yield from _unknown_names(program, nodes, library, model, built_in, elsewhere)
+    lists = _lists(nodes)
     for node in nodes:
         match node:
             case FacingSpecifier(direction=angle) | WithSpecifier(property="heading", value=angle) | s.PropertyDefault(name="heading", value=angle):
                 yield from _in_degrees(angle)
-            case Call(function=Name(name="Uniform"), arguments=(ListDisplay() | TupleDisplay() as values,), keywords=()):
+            case Call(function=Name(name="Uniform"), arguments=(ListDisplay() | TupleDisplay() | Name() as values,), keywords=()):
+                if isinstance(values, Name) and values.name not in lists:
+                    continue
                 text = "Uniform draws one of its arguments, and this is one: always the whole list"
-                yield ProgramWarning(ONE_VALUE, text, values.span, "write the values themselves: Uniform(1, 2, 3), or Uniform(*values)")
+                yield ProgramWarning(ONE_VALUE, text, values.span, _one_by_one(values))
             case _:
                 pass
+
+
+def _lists(nodes: list[Node]) -> set[str]:
+    """The names that are bound once in the program, to a list or tuple that is written there."""
+    often = Counter(_bound(nodes))
+    given = (node for node in nodes if isinstance(node, s.Assignment) and _is_list(node.value))
+    return {target.name for node in given for target in node.targets if isinstance(target, Name) and often[target.name] == 1}
+
+
+def _is_list(value: Node) -> bool:
+    """Whether an expression writes a list or a tuple."""
+    return isinstance(value, ListDisplay | TupleDisplay) or (isinstance(value, Comprehension) and value.kind == "list")
+
+
+def _one_by_one(values: Node) -> str:
+    """How `Uniform` is given the values themselves."""
+    return f"write Uniform(*{values.name})" if isinstance(values, Name) else "write the values themselves: Uniform(1, 2, 3), or Uniform(*values)"
 
 
 # Angles
@@ -82,17 +104,60 @@ def _unknown_names(
     given = _names_of(program, library, model, set())
     if given is None:
         return
-    known = {*built_in, *given, *_bound(nodes)}
+    shared = [node for statement in program.statements for node in _outside(statement)]
+    declared = {name for node in nodes if isinstance(node, s.Global) for name in node.names}
+    known = {*built_in, *given, *declared, *_bound(shared)}
+    homes = {name: body for body in nodes if isinstance(body, OWN_NAMES) for name in _bound(_inside(body))}
     told: set[str] = set()
-    for body in nodes:
-        if isinstance(body, BODIES):
-            for node in descendants(body):
-                if isinstance(node, Name) and node.name not in known and node.name not in told and not node.name.startswith("__"):
-                    told.add(node.name)
-                    yield ProgramWarning(UNKNOWN, f"{node.name} is not defined", node.span, meant(node.name, sorted(known), elsewhere))
+    for name, visible in _used(shared, known):
+        if name.name not in visible and name.name not in told and not name.name.startswith("__"):
+            told.add(name.name)
+            hint = _told_of(homes[name.name]) if name.name in homes else meant(name.name, sorted(visible), elsewhere)
+            yield ProgramWarning(UNKNOWN, f"{name.name} is not defined", name.span, hint)
 
 
-def _bound(nodes: list[Node]) -> Iterator[str]:
+def _used(shared: list[Node], known: set[str]) -> Iterator[tuple[Name, set[str]]]:
+    """The names in bodies that a run need not come to, each with the names that are bound where it stands."""
+    for node in shared:
+        if isinstance(node, OWN_NAMES):
+            yield from _used_inside(node, known)
+        elif isinstance(node, d.ScenarioDefinition):
+            yield from ((inner, known) for inner in _outside(node) if isinstance(inner, Name))
+
+
+def _used_inside(body: Node, visible: set[str]) -> Iterator[tuple[Name, set[str]]]:
+    """The names in a body with names of its own, and in the bodies inside of it."""
+    nodes = list(_inside(body))
+    own = {*visible, *_bound(nodes)}
+    for node in nodes:
+        if isinstance(node, OWN_NAMES):
+            yield from _used_inside(node, own)
+        elif isinstance(node, Name):
+            yield node, own
+
+
+def _outside(node: Node) -> Iterator[Node]:
+    """`node` and every node below it that is not in a body with names of its own."""
+    pending = [node]
+    while pending:
+        current = pending.pop()
+        yield current
+        if not isinstance(current, OWN_NAMES):
+            pending.extend(reversed(list(children(current))))
+
+
+def _inside(body: Node) -> Iterator[Node]:
+    """Every node of a body with names of its own that is not in another one inside of it."""
+    return (node for child in children(body) for node in _outside(child))
+
+
+def _told_of(body: Node) -> str:
+    """Where a name is bound that cannot be seen from elsewhere."""
+    what = body.name if isinstance(body, s.FunctionDefinition | d.BehaviorDefinition | d.MonitorDefinition) else "the lambda"
+    return f"only {what} on line {body.span.line} has a variable of that name, its own"
+
+
+def _bound(nodes: Iterable[Node]) -> Iterator[str]:
     """Every name that is bound somewhere, in whatever scope."""
     for node in nodes:
         match node:

@@ -36,7 +36,8 @@ ToldScenes = Callable[[int], object]
 class Drawn(Iterator[Scene]):
     """The scenes of a seed, drawn as they are asked for: by iterating, or all that are left as columns, which is much quicker.
 
-    Raises, where they are drawn, the program's errors and `AttemptsExhausted`.
+    Each scene is given once: columns of scenes that are all taken raise `UsageError`. Raises, where they are drawn, the program's errors and
+    `AttemptsExhausted`.
     """
 
     def __init__(self, count: int, scenes: Iterator[Scene], blocks: tuple[Batch, int, Iterator[Block]] | None, tell: ToldScenes | Bar) -> None:
@@ -100,7 +101,9 @@ class Drawn(Iterator[Scene]):
         return pandas.DataFrame({name: series_of(column) for name, column in self._all().items()})
 
     def _all(self) -> Columns:
-        """The columns of the scenes that are left."""
+        """The columns of the scenes that are left. Raises `UsageError` if there were some and all are taken."""
+        if self._done and self._done >= self._count:
+            raise UsageError("all of these scenes are taken: each is given once", hint="call sample_many again, or keep what it gave")
         try:
             pieces = list(pieces_of(s.to_json() for s in self) if self._done or self._blocks is None else self._by_block(*self._blocks))
         finally:

@@ -28,7 +28,7 @@ def warnings_about(scenario: Scenario) -> list[ProgramWarning]:
         *about_map(scenario.program, library),
         *slips(scenario.program, library, scenario.model, {*BUILTINS, *ALWAYS}, MODELS_BY_NAME),
     ]  # fmt: skip
-    return [*given_in_vain(scenario), *sorted(found, key=lambda warning: (warning.span.line, warning.span.column))]
+    return [*given_in_vain(scenario), *sorted(dict.fromkeys(found), key=lambda warning: (warning.span.line, warning.span.column))]
 
 
 def given_in_vain(scenario: Scenario) -> list[ProgramWarning]:

@@ -12,7 +12,7 @@ from ...inference.batch import Block
 from ...inference.batch.jobs.blocks import jobs
 from ...inference.enumeration import content_of
 from ...inference.rejection import DEFAULT_ATTEMPTS
-from ...inference.statistics.columns import ABSENT, OTHERWISE, leaves
+from ...inference.statistics.columns import ABSENT, OTHERWISE, leaves, unit_of
 from ...inference.statistics.relations import table_of
 from ...interpreter.running import Witness
 from ...scenario.diagnosing import of_warning
@@ -105,7 +105,7 @@ def draw_scenes(asked: PlayRequest, send: Send) -> None:
 def features_in(scenes: list[Scene]) -> list[Json]:
     """The features of the scenes and the relations between their objects, by name, and whether they differ from scene to scene."""
     columns = [c for c in table_of(scenes).columns.values() if OTHERWISE not in c.name and len(c.name) <= LONGEST_NAME]
-    return [{"name": c.name, "varies": len(set(map(str, c.values))) > 1} for c in columns[:MOST_FEATURES]]
+    return [{"name": c.name, "unit": unit_of(c.name), "varies": len(set(map(str, c.values))) > 1} for c in columns[:MOST_FEATURES]]
 
 
 def names_in(scenes: list[Scene]) -> dict[str, str]:

@@ -5,9 +5,12 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable, Mapping
 
-from ...formats.pictures import FARTHEST, is_all, view_of, window_of
+from ...formats.maps import Window
+from ...formats.pictures import CROWD, FARTHEST, LETTER, LINE, bounds_of, is_all, shortened, view_of, window_of
 from ...formats.replay_pages import land_around, map_in
-from ...formats.scenes import OWN_FIELDS, Scene
+from ...formats.scenes import OWN_FIELDS, Scene, SceneObject
+from ...formats.site_land import laid
+from ...formats.site_names import marks
 from ...inference.enumeration import content_of
 from ...inference.rejection import acceptance
 from ...maps.network import MapWorkspace
@@ -22,6 +25,8 @@ from .texts import Json, cut, cut_text, on_page
 MOST_OBJECTS = 1_000
 """A scene with more objects is not drawn on the page."""
 MOST_REQUIREMENTS = 50
+SIZE, SMALL, NAMED = 240, 9, 24
+"""The width of a picture of a scene on the page, the size of small letters there, and what the name of an object takes above or below it."""
 
 
 def scene_shown(scene: Scene) -> Json:
@@ -53,11 +58,30 @@ def object_shown(written: Mapping[str, object]) -> Json:
     }  # fmt: skip
 
 
-def ground_of(scene: Scene, window: tuple[float, float, float, float]) -> Json:
-    """What lies below the objects: the roads, or the workspace with a map of one's own."""
+def ground_of(scene: Scene, window: Window) -> Json:
+    """What lies below the objects: the roads, or the workspace with a map of one's own, whose features are named where there is room."""
     if isinstance(scene.workspace, MapWorkspace):
         return map_in(scene.workspace.network, window)
-    return land_around(scene, window)
+    return land_around(scene, window) | {"marks": marks_shown(scene, window)}
+
+
+def marks_shown(scene: Scene, window: Window) -> list[Json]:
+    """The names and directions of the features of a map of one's own."""
+    west, south, east, north = window
+    unit = max(east - west, north - south) / SIZE
+    named = [o for o in scene.objects if o.name or len(scene.objects) <= CROWD]
+    scale = west, south, west + 0.3 * (east - west), south + 0.1 * (north - south)
+    taken = [scale, *map(bounds_of, scene.objects), *(named_room(o, unit) for o in named)]
+    found = marks(laid(scene.site, window), window, taken, lambda text: len(shortened(text)) * LETTER * SMALL * unit, LINE * SMALL * unit)
+    return [{"text": shortened(mark.text), "at": [mark.x, mark.y], "ahead": mark.ahead} for mark in found]
+
+
+def named_room(o: SceneObject, unit: float) -> Window:
+    """Where the page may put the name of an object, above or below it."""
+    west, south, east, north = bounds_of(o)
+    half = max(east - west, len(shortened(o.name or o.class_name)) * LETTER * SMALL * unit) / 2
+    middle = (west + east) / 2
+    return middle - half, south - NAMED * unit, middle + half, north + NAMED * unit
 
 
 def place_of(span: Span) -> Json:

@@ -21,6 +21,11 @@ from .betting import Array
 ABSENT = "(absent)"
 OTHERWISE, A_NUMBER = " where it is not a number", "(a number)"
 ANGLES = ("heading", "Heading", "bearing")
+UNITS = {
+    "m": ("position", "width", "length", "viewDistance", "visibleDistance", "positionStdDev", "distance", "smallestGap"),
+    "rad": ("viewAngle", "roadDeviation", "headingStdDev"), "m/s": ("speed", "velocity"), "rad/s": ("angularSpeed",),
+}  # fmt: skip
+"""What features of objects are measured in, besides angles."""
 SCALARS = {int, float}
 
 
@@ -50,6 +55,13 @@ class Column:
 def is_angle(name: str) -> bool:
     """Whether a feature of that name is an angle."""
     return last_part(name).endswith(ANGLES)
+
+
+def unit_of(name: str) -> str:
+    """What a feature of objects is measured in, as far as that is known; "" otherwise."""
+    if not (name.startswith("objects[") or is_relation(name)):
+        return ""
+    return next((unit for unit, names in UNITS.items() if last_part(name) in names), "rad" if is_angle(name) else "")
 
 
 def is_relation(name: str) -> bool:

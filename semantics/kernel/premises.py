@@ -166,7 +166,10 @@ def unknown_variable(node: Name, state: State) -> RunError:
         return RunError(f"{node.name} is not defined", node.span, rule="E-Variable", hint=hint)
     if state.ego is not None:
         known.append("ego")
-    hint = meant(node.name, [name for name in known if not name.startswith("__")], state.settings.elsewhere)
+    if node.name in state.params:
+        hint = f"it is a global parameter: write globalParameters.{node.name}"
+    else:
+        hint = meant(node.name, [name for name in known if not name.startswith("__")], state.settings.elsewhere)
     return RunError(f"{node.name} is not defined", node.span, rule="E-Variable", hint=hint)
 
 

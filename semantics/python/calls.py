@@ -205,6 +205,8 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
         class_ = plain(function)
         if isinstance(problem.exception, TypeError) and isinstance(class_, type) and issubclass(class_, NAMED):
             problem.exception.add_note(f"write {class_.__name__}({', '.join(inspect.signature(class_).parameters)})")
+        if class_ is range and any(type(argument) is Random for argument in arguments):
+            problem.exception.add_note("how often a loop runs may not be random; a whole number is drawn by DiscreteRange(low, high)")
         raise
     return returned(node, result, stack, state)
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import threading
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor, wait
 from pathlib import Path
 
 import numpy as np
@@ -12,11 +13,13 @@ import pytest
 import scenic_ref
 from scenic_ref.formats import tables
 from scenic_ref.formats.columns import JSON, TEXT, TypedColumn, in_first_order, valid_in
+from scenic_ref.formats.scenes import Scene
 from scenic_ref.formats.table_files import SUFFIXES as ALL
 from scenic_ref.formats.table_files import open_table
 from scenic_ref.formats.tables import Columns, Groups, columns_of, rows_in, some, together
+from scenic_ref.inference.batch import Block
 from scenic_ref.inference.batch.jobs.blocks import Pace, block_of, in_order
-from scenic_ref.inference.batch.jobs.lines import lines_of
+from scenic_ref.inference.batch.jobs.lines import PACE_KNOWN, Lines, lines_of
 from scenic_ref.inference.batch.jobs.tables import table_of
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted
 
@@ -37,6 +40,10 @@ def scenario_of(name: str) -> scenic_ref.Scenario:
     return scenic_ref.loads(PROGRAMS[name]) if name in PROGRAMS else scenic_ref.load(EXAMPLES / name)
 
 
+def whole_lines(lines: Iterable[str]) -> bytes:
+    return "".join(f"{line}\n" for line in lines).encode()
+
+
 def same(one: Columns, other: Columns) -> bool:
     """Whether two tables have the same rows, number for number and text for text, in the same types."""
 
@@ -48,6 +55,13 @@ def same(one: Columns, other: Columns) -> bool:
     return list(one) == list(other) and all(bits(one[name]) == bits(other[name]) for name in one)
 
 
+def without(block: Block, lost: np.ndarray, scenes: Iterable[Scene]) -> Block:
+    """A block of which some rows were left to the interpreter."""
+    columns = {number: column[~lost] for number, column in block.columns.items()}
+    others = {scene.index: scene for scene, gone in zip(scenes, lost.tolist(), strict=True) if gone}
+    return block._replace(rows=block.rows[~lost], columns=columns, others=others)
+
+
 @pytest.mark.parametrize("name", [*PROGRAMS, "gallery/two_cars.scenic", "gallery/noise.scenic", "paper/mutated_taxi.scenic"])
 def test_lines_and_tables_are_those_of_the_interpreter_s_scenes(name):
     scenario = scenario_of(name)
@@ -55,18 +69,46 @@ def test_lines_and_tables_are_those_of_the_interpreter_s_scenes(name):
     assert batch is not None
     block = block_of(batch, 5, 3, 43)
     scenes = [scenario.sample(5, index) for index in range(3, 43)]
-    assert lines_of(batch.template, block, 5) == [scene.to_line() for scene in scenes]
+    assert lines_of(batch.template, block, 5) == whole_lines(scene.to_line() for scene in scenes)
     assert same(table_of(batch.template, block, 5), columns_of(json.loads(scene.to_line()) for scene in scenes))
+
+
+@pytest.mark.extra("fast")
+@pytest.mark.parametrize("name", [*PROGRAMS, "gallery/two_cars.scenic", "gallery/noise.scenic", "finite.scenic"])
+def test_compiled_code_makes_the_same_lines(name):
+    batch = scenario_of(name).batch
+    assert batch is not None
+    lines = Lines(batch.template)
+    assert lines.compile()
+    block = block_of(batch, 5, 3, 300)
+    expected = lines_of(batch.template, block, 5)
+    for lost in (block.rows < 0, block.rows % 3 == 0, block.rows < 8, block.rows > 290, block.rows >= 0):
+        some = without(block, lost, batch.scenes_of(block, 5))
+        assert b"".join(map(bytes, lines.of(some, 5))) == expected
+    few = block_of(batch, 5, 9, 9)
+    assert b"".join(map(bytes, lines.of(few, 5))) == lines_of(batch.template, few, 5) == b""
+
+
+@pytest.mark.extra("fast")
+def test_lines_are_compiled_once_that_is_worth_it():
+    batch = scenario_of("rejected").batch
+    assert batch is not None
+    lines, block = Lines(batch.template), block_of(batch, 0, 0, 30)
+    for _ in range(2):
+        list(lines.of(block, 0, ahead=10**9))
+    assert lines.rows is None and 0 < lines.pace * 30 < lines.spent < PACE_KNOWN
+    lines.spent = 1.01 * PACE_KNOWN
+    list(lines.of(block, 0, ahead=1))
+    assert lines.rows is None
+    assert b"".join(map(bytes, lines.of(block, 0, ahead=10**9))) == lines_of(batch.template, block, 0)
+    assert lines.rows is not None
 
 
 def test_runs_that_were_left_to_the_interpreter_stand_in_their_places():
     batch = scenario_of("values").batch
     assert batch is not None
     whole = block_of(batch, 0, 10, 50)
-    scenes = dict(enumerate(batch.scenes_of(whole, 0), 10))
-    kept = whole.rows % 3 != 0
-    columns = {number: column[kept] for number, column in whole.columns.items()}
-    part = whole._replace(rows=whole.rows[kept], columns=columns, others={k: s for k, s in scenes.items() if k % 3 == 0})
+    part = without(whole, whole.rows % 3 == 0, batch.scenes_of(whole, 0))
     assert lines_of(batch.template, part, 0) == lines_of(batch.template, whole, 0)
     assert same(table_of(batch.template, part, 0), table_of(batch.template, whole, 0))
 
@@ -76,7 +118,7 @@ def test_the_sizes_of_jobs_change_neither_scenes_nor_attempts():
     assert batch is not None
     whole = block_of(batch, 1, 0, 600)
     parts = [block_of(batch, 1, start, min(start + 97, 600)) for start in range(0, 600, 97)]
-    assert [line for part in parts for line in lines_of(batch.template, part, 1)] == lines_of(batch.template, whole, 1)
+    assert b"".join(lines_of(batch.template, part, 1) for part in parts) == lines_of(batch.template, whole, 1)
     assert np.concatenate([part.attempts for part in parts]).tolist() == whole.attempts.tolist()
 
 
@@ -133,6 +175,28 @@ def test_results_come_in_order_and_few_jobs_are_under_way():
         for result in in_order(pool, work, range(40), 5):
             given.append(result)
     assert given == list(range(40))
+
+
+def test_results_that_are_there_when_nobody_asks_for_more_are_not_lost():
+    """Of three jobs the first is never done while the others are."""
+    others, end = threading.Barrier(3), threading.Event()
+
+    def work(job: int) -> int:
+        if job == 1:
+            end.wait()
+        if job > 1:
+            others.wait()
+        return job
+
+    unread: list[object] = []
+    with ThreadPoolExecutor(3) as pool:
+        found = in_order(pool, work, range(4), 4, unread)
+        assert next(found) == 0
+        others.wait()
+        wait(list(found.gi_frame.f_locals["waiting"])[1:])
+        found.close()
+        end.set()
+    assert unread == [2, 3]
 
 
 def test_an_error_in_a_job_is_raised_in_its_place_and_ends_the_rest():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import random
+import re
 import signal
 import sys
 from pathlib import Path
@@ -216,3 +217,11 @@ def test_where_nothing_can_be_pruned_the_report_says_why(ask):
     assert ask("run", "plain.scenic", "-n", 2, "-o", "plain.jsonl").code == 0
     assert Path("scenes.jsonl").read_bytes() == Path("plain.jsonl").read_bytes()
     assert ask("run", "plain.scenic", "--prune", "--backend", "enumerate").code == 2
+
+
+def test_the_report_says_where_runs_are_left_to_the_interpreter(ask):
+    ordered = "def middle(p):\n    return sorted([p.x, p.y, 0.3])[1]\n"
+    Path("sorts.scenic").write_text(f"{ordered}f = VectorField('f', middle)\nego = Object at Range(0, 1) @ Range(0, 1), facing f\n")
+    first, where = ask("run", "sorts.scenic", "-n", "40", "-o", "scenes.jsonl").err.splitlines()[1:3]
+    assert re.fullmatch(r"drawn by the batch backend; \d+ runs were left to the interpreter", first) and "; 0 runs" not in first
+    assert where == "left at sorts.scenic:4:7: what is drawn decides what happens"

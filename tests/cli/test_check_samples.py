@@ -45,6 +45,7 @@ def test_samples_of_another_program_are_different_and_the_reports_say_where(file
     assert "objects[0].position[0] &amp; objects[1].position[1]" in page
     assert "<svg" in page and "http" not in page.replace("http://www.w3.org", "")
     first = page.partition("<svg")[2].partition("</svg>")[0]
+    assert ">in m</text>" in first, "what the positions are measured in"
     assert re.search(r">0%</text>.*>\d+%</text>", first), "an axis of the shares"
     assert first.count("transform=") == first.count("<rect") / 2 > 3, "a label for each cell"
     suite = ElementTree.parse("results.xml").getroot()

@@ -48,6 +48,22 @@ def test_completion_completes_commands_and_options() -> None:
     assert said(COMP_WORDS="scenic-ref check --str", **answer).split() == ["--strict"]
 
 
+@pytest.mark.parametrize(
+    ("typed", "expected"),
+    [
+        ("run p.scenic --backend ", ["batch", "interpreter", "enumerate", "smc", "mcmc", "importance"]),
+        ("run p.scenic --dialect sc", ["scenic-2.1", "scenic-3"]), ("run p.scenic --reading soft=", ["soft=run", "soft=scene"]),
+        ("run p.scenic --model gta", ["gtaLib"]), ("simulate p.scenic --simulator k", ["kinematic"]), ("map --make cr", ["crossing"]),
+        ("readings sof", ["soft"]), ("check p.scenic --format j", ["json"]), ("convert p.scenic --to pl", ["pldi19"]),
+        ("run --profile pap", ["paper"]),
+    ],
+)
+def test_completion_completes_what_options_take(typed: str, expected: list[str]) -> None:
+    words = f"scenic-ref {typed}"
+    found = said(_SCENIC_REF_COMPLETE="complete_bash", COMP_WORDS=words, COMP_CWORD=str(len(words.split(" ")) - 1)).split()
+    assert found[: len(expected)] == expected and len(found) <= len(expected) + 2
+
+
 def test_the_version_has_a_short_option(ask) -> None:
     assert ask("-V").out == ask("--version").out != ""
 

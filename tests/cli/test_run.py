@@ -8,9 +8,17 @@ import re
 import signal
 import subprocess
 import sys
+from collections import Counter
 from pathlib import Path
 
 import pytest
+from scenic_ref.cli.drawing import drawing_of
+from scenic_ref.cli.options import Source
+from scenic_ref.cli.portions import portions
+from scenic_ref.cli.production import lines_so_far
+from scenic_ref.cli.reports import Tally
+from scenic_ref.cli.session import Session
+from scenic_ref.cli.workers import Job
 
 
 def test_a_pipe_gets_one_scene_per_line_and_nothing_else(ask):
@@ -194,15 +202,16 @@ def test_parameters_are_python_literals_or_text(ask):
 
 
 @pytest.mark.slow
-def test_an_interrupt_leaves_whole_lines_and_says_one(ask, start):
-    command = [sys.executable, "-m", "scenic_ref", "run", "random.scenic", "-n", "1000000", "-o", "scenes.jsonl"]
+@pytest.mark.parametrize("workers", ["1", "2"])
+def test_an_interrupt_leaves_whole_lines_and_says_one(ask, start, workers):
+    command = [sys.executable, "-m", "scenic_ref", "run", "random.scenic", "-n", "10000000", "-o", "scenes.jsonl", "--workers", workers]
     with start(command) as process:
         process.until(lambda: Path("scenes.jsonl").exists() and os.path.getsize("scenes.jsonl") > 0)
         process.send_signal(signal.SIGINT)
         out, err = process.communicate()
     data = Path("scenes.jsonl").read_bytes()
     told, *_, last = err.splitlines()
-    assert (process.returncode, out) == (130, "") and " scenes so far, and " in told
+    assert (process.returncode, out) == (130, "") and re.match(r"[1-9][\d,]* scenes so far, and ", told)
     assert last.startswith("interrupted;")
     assert data.endswith(b"\n")
     assert all(json.loads(line)["scene"] == k for k, line in enumerate(data.splitlines()))
@@ -222,6 +231,20 @@ def test_an_interrupt_tells_what_rejected_the_attempts_at_a_scene_that_was_not_f
     assert process.returncode == 130 and err.splitlines()[-1].startswith("interrupted;")
     assert re.search(r"^0 scenes so far, and [1-9][\d,]* stuck attempts\nrequirements that rejected most", err, re.MULTILINE)
     assert "seldom.scenic:2: require ego.position.x" in err
+
+
+def test_what_other_processes_found_behind_a_missing_scene_is_told_of():
+    """Scenes 1 to 4 are there when the run is interrupted, scene 0 is not."""
+    source = Source("p.scenic", "ego = Object at Range(0, 1) @ 0\nrequire ego.position.x > 0.9\n")
+    drawing = drawing_of(source)
+    printed: list[str] = []
+    behind = [[drawing.draw(0, index, 1000, printed)] for index in (1, 2)]
+    portion = next(portions(source, Job(source, 0, 3, 5, 1000), "lines", None))
+    drawing.scenario.batch.drawing = None
+    stuck = sum((drawn.stuck for (drawn,) in behind), Counter()) + portion.stuck
+    told = lines_so_far(drawing, Tally(), [*behind, portion], 0, KeyboardInterrupt(), Session())
+    behind_it = "4 scenes more were drawn behind one that was still missing, and not written"
+    assert told[0] == f"0 scenes so far, and {stuck.total()} stuck attempts; {behind_it}"
 
 
 def processor_time(pid: int) -> float:

@@ -10,7 +10,7 @@ import scenic_ref
 from scenic_ref.inference.statistics import BoundedMean, Categorical, Continuous, compare, compare_invariance, contradicts, evidence
 from scenic_ref.inference.statistics.betting import combined, one_sample_wealth, two_sample_wealth
 from scenic_ref.inference.statistics.cells import cells_of, opening_of
-from scenic_ref.inference.statistics.columns import Column, FeatureTable
+from scenic_ref.inference.statistics.columns import Column, FeatureTable, unit_of
 from scenic_ref.inference.statistics.facts import Facts
 from scenic_ref.inference.statistics.power import Hardest, detectable, needed
 from scenic_ref.inference.statistics.relations import gap, table_of
@@ -356,3 +356,13 @@ def test_numbers_and_texts_that_a_program_chooses_among_are_compared():
     assert compare(list(scenario.sample_many(3000, 5)), scenario, detect_tv=0.2).kind == "equivalent"
     other = scenic_ref.loads("param t = Discrete({Range(0, 1): 1, 'noon': 2})\nego = Object with v Range(0, 1)\n")
     assert compare(list(other.sample_many(3000, 5)), scenario, detect_tv=0.2).kind == "different"
+
+
+def test_features_of_objects_have_units_where_these_are_known():
+    named = {
+        "m": ["objects[3].position[1]", "objects[0].width", "distance(0, 1)", "smallestGap", "objects[0].properties.viewDistance"],
+        "rad": ["objects[0].heading", "bearing(1, 0)", "relativeHeading(0, 2)", "objects[1].properties.viewAngle"],
+        "m/s": ["objects[0].properties.speed", "objects[0].properties.velocity[1]"], "rad/s": ["objects[0].properties.angularSpeed"],
+        "": ["attempts", "params.width", "params.time", "objects[0].properties.taste", "objects[0].class"],
+    }  # fmt: skip
+    assert {unit: [name for name in names if unit_of(name) != unit] for unit, names in named.items()} == {unit: [] for unit in named}

@@ -17,7 +17,7 @@ MISTAKES: dict[str, tuple[int, int, str, str]] = {
     "Car wiht x 3": (1, 5, "`wiht` is not a specifier or operator", "did you mean `with`?"),
     "Car at X, facign 3": (1, 11, "`facign` is not a specifier", "did you mean `facing`?"),
     "Car facing towards ego": (1, 12, "`facing towards` is spelt `facing toward`", "write `facing toward`"),
-    "ego = new Car": (1, 7, "`new` belongs to dialect scenic-3", "leave out `new`, or choose that dialect"),
+    "ego = new Car": (1, 7, "`new` belongs to dialect scenic-3", "leave out `new`, or choose that dialect by --dialect scenic-3"),
     "require monitor M()": (1, 1, "`require monitor` belongs to dialect scenic-3", "leave it out: a monitor runs as soon as it is defined"),
     "if initial scenario: pass": (1, 4, "`initial scenario` without `in` belongs to dialect scenic-2.1 and scenic-3", "write `in initial scenario`"),
     "if x\n  y": (1, 5, "a `:` is missing at the end of the line", "end the line with `:`"),

@@ -40,6 +40,20 @@ def warned(text: str, directory: Path | None = None) -> list[tuple[int, int, str
         ),
         ("class A:\n    heading: -45\nego = A\n", (2, 14, "headings are in radians, and -45 is more than a full turn", "for degrees write -45 deg")),
         ("ego = Object with tag Uniform([1, 2])\n", (1, 31, ONE, "write the values themselves: Uniform(1, 2, 3), or Uniform(*values)")),
+        ("xs = [1, 2]\nego = Object at (Uniform(xs), 0)\n", (2, 26, ONE, "write Uniform(*xs)")),
+        ("xs = [i for i in (1, 2)]\nego = Object with tag Uniform(xs)\n", (2, 31, ONE, "write Uniform(*xs)")),
+        (
+            "def f():\n    gap = 3\n    return gap\ndef g():\n    return gap\nego = Object\n",
+            (5, 12, "gap is not defined", "only f on line 1 has a variable of that name, its own"),
+        ),
+        (
+            "behavior B():\n    speed = 3\n    take speed\nscenario Main():\n    setup:\n        ego = Object with a speed, with b B()\n",
+            (6, 29, "speed is not defined", "only B on line 1 has a variable of that name, its own"),
+        ),
+        (
+            "def f():\n    return (lambda a: a)(a)\nego = Object\n",
+            (2, 26, "a is not defined", "only the lambda on line 2 has a variable of that name, its own"),
+        ),
         (
             "def f():\n    return nosuch\nego = Object\n",
             (2, 12, "nosuch is not defined", "assign it first, or import it; a text stands in quotation marks"),
@@ -76,6 +90,13 @@ def test_a_slip_is_warned_about(text: str, expected: tuple[int, int, str, str]) 
         "from nosuch import *\ndef f():\n    return g\nego = Object\n",
         "scenario Main():\n    setup:\n        ego = Object\n        speed = 3\n    compose:\n        wait\nbehavior B():\n    take speed\n",
         "import mars\nego = Object\n",  # it makes a workspace
+        "gap = 3\ndef f():\n    def g():\n        return gap + wide + 1\n    wide = 2\n    return g()\nego = Object at (f(), 0)\n",
+        "def f():\n    global gap\n    gap = 3\ndef g():\n    return gap\nego = Object\n",
+        "def f():\n    n = 1\n    def g():\n        nonlocal n\n        n = 2\n    return n\nego = Object\n",
+        "f = lambda x: [x + y for y in (1, 2)]\nego = Object\n",
+        "xs = [1, 2]\nxs = Range(0, 1)\nego = Object with width Uniform(xs)\n",
+        "xs = [1, 2]\ndef f(xs):\n    return Uniform(xs)\nego = Object\n",
+        "xs = (1, 2)\nego = Object with width Uniform(*xs)\n",
     ],
 )
 def test_what_may_be_meant_is_not_warned_about(text: str) -> None:
@@ -120,7 +141,8 @@ def test_vectors_are_warned_about_imports_that_they_do_not_use_and_what_they_are
                     wrong.append((vector.name, dialect, warning.message))
     assert wrong == []
     assert others == {
-        ("refused-a-local-variable-before-it-is-bound", UNKNOWN), ("uniform-of-one-list", ONE_VALUE), ("headings-as-properties-wrapped", DEGREES),
+        ("refused-a-local-variable-before-it-is-bound", UNKNOWN), ("uniform-of-one-list", ONE_VALUE),
+        ("uniform-of-an-unpacked-list", ONE_VALUE), ("headings-as-properties-wrapped", DEGREES),
     }  # fmt: skip
 
 

@@ -213,6 +213,15 @@ def test_a_histogram_of_many_values_is_binned_and_has_no_law(page: Page):
     page.settled()
     assert len(page.driver.find_elements("css selector", "#chart rect.bar")) == 24
     assert "infinitely many" in page.text("chart")
+    assert "in m" in [text.text for text in page.driver.find_elements("css selector", "#chart svg text")]
+
+
+def test_names_lie_on_no_other_object(page: Page):
+    page.typed("ego = Object at (0, 0), with width 3, with length 2\nObject at (0, -2.3), with width 3, with length 2\n")
+    boxes = "return ['.label:not(.mark)', '.thing'].map(kind => [...document.querySelectorAll(`#grid .card:first-child ${kind}`)].map(e => "
+    names, things = page.driver.execute_script(boxes + "{const b = e.getBBox(); return [b.x, b.y, b.x + b.width, b.y + b.height]}))")
+    assert len(names) >= 3 and len(things) >= 2
+    assert not [(a, b) for a in names for b in things if a[0] < b[2] and b[0] < a[2] and a[1] + 2 < b[3] and b[1] < a[3] - 2]
 
 
 def test_a_trace_is_stepped_through_and_its_rules_are_marked_in_the_program(page: Page):

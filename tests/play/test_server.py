@@ -171,6 +171,7 @@ def test_a_map_is_named_by_an_option_also_without_a_file(serve, tmp_path):
         scene = served.only("scenes", "model site_map\nego = Object at (5, 5)\n", "scene", count=1)
         assert scene["params"]["map"] == "m.wkt"
         assert len(scene["ground"]["areas"]) == 2 and len(scene["ground"]["lines"]) == 1
+        assert sorted(mark["text"] for mark in scene["ground"]["marks"]) == ["fence", "yard"]
         assert served.only("scenes", "ego = Object at (5, 5)\n", "checked", count=1)["diagnostics"][0]["kind"] == "unread parameter"
 
 

@@ -249,6 +249,19 @@ def test_frames_of_what_is_drawn():
     assert scenario.sample_many(0).to_arrow().num_rows == 0
 
 
+@pytest.mark.parametrize("n", [3, 30])
+def test_scenes_that_are_all_taken_have_no_columns_but_those_of_none_do(n):
+    scenario = scenic_ref.loads(PROGRAM)
+    drawn = scenario.sample_many(n)
+    next(drawn)
+    assert len(set(drawn.columns()["scene"].tolist())) == n - 1, "those that are left"
+    for taken in (drawn, scenario.sample_many(n)):
+        list(taken)
+        with pytest.raises(UsageError, match="all of these scenes are taken"):
+            taken.columns()
+    assert len(scenario.sample_many(0).columns()["x"]) == 0
+
+
 @pytest.mark.parametrize(("method", "package"), [("to_arrow", "pyarrow"), ("to_pandas", "pandas"), ("to_polars", "polars")])
 def test_a_missing_package_is_named_with_its_extra(method, package, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, package, None)

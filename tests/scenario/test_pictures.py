@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import math
 import pickle
 from dataclasses import replace
 from pathlib import Path
@@ -11,9 +12,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scenic_ref
+import shapely
 from scenic_ref.formats.maps import Window
 from scenic_ref.formats.pictures import CLASSES, EGO, bounds_of, common_area, figure_of, picture, room_for, views_of
-from scenic_ref.formats.site_land import DIM, FAINT, MOST_POINTS, laid
+from scenic_ref.formats.site_land import DIM, FAINT, MOST_POINTS, Laid, laid
+from scenic_ref.formats.site_names import MOST_MARKS, marks
 
 VISION = {
     "all three cones": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
@@ -114,6 +117,32 @@ def test_scenes_show_the_features_of_a_map_of_ones_own_whatever_draws_them(tmp_p
         found = [(one.kind, one.faint, one.dim) for one in laid(scene.site, window)]
         assert found == [("areas", FAINT[3], DIM[3]), ("lines", FAINT[1], DIM[1]), ("points", FAINT[0], DIM[0])]
         assert picture([scene]) != picture([replace(scene, site=None)])
+
+
+def test_names_and_directions_of_a_map_stand_inside_of_its_features_and_on_nothing_else() -> None:
+    window, height = (0.0, 0.0, 40.0, 40.0), 1.0
+    yard, lane = shapely.box(0, 0, 40, 20), shapely.box(4, 2, 30, 12)
+    found = [
+        Laid("areas", yard, "", "", "yard"), Laid("areas", lane, "", "", "lane", -math.pi / 2),
+        Laid("areas", shapely.box(38, 38, 39, 39), "", "", "too small"),
+        Laid("lines", shapely.LineString([(2, 30), (38, 30)]), "", "", "wall"), Laid("points", shapely.Point(20, 35), "", "", "post"),
+    ]  # fmt: skip
+    object_ = (4.0, 2.0, 20.0, 12.0)
+    made = marks(found, window, [object_], lambda text: 0.6 * len(text), height)
+    placed = {mark.text: (mark.x, mark.y) for mark in made}
+    assert sorted(placed) == ["", "lane", "post", "wall", "yard"]
+    assert covered([(x - 1, y - 0.5, x + 1, y + 0.5) for x, y in placed.values()], [object_]) == 0
+    assert lane.contains(shapely.Point(placed["lane"])) and lane.contains(shapely.Point(placed[""]))
+    assert yard.difference(lane).contains(shapely.Point(placed["yard"]))
+    assert placed["wall"][1] == 31 and placed["post"] == (20, 36)
+    [arrow] = [mark.ahead for mark in made if not mark.text]
+    assert arrow == pytest.approx((1, 0), abs=1e-9), "to the East"
+
+
+def test_the_names_of_a_crowded_map_take_no_longer(tmp_path: Path) -> None:
+    squares = [Laid("areas", shapely.box(k % 50, k // 50, k % 50 + 0.9, k // 50 + 0.9), "", "", f"n{k}") for k in range(2500)]
+    found = [Laid("areas", shapely.box(0, 0, 50, 50), "", "", "yard"), *squares]
+    assert 0 < len(marks(found, (0.0, 0.0, 50.0, 50.0), [], lambda text: 0.1 * len(text), 0.2)) <= MOST_MARKS
 
 
 def test_a_crowded_map_is_drawn_without_its_smallest_features(tmp_path: Path) -> None:

@@ -248,6 +248,9 @@ def test_unbounded_regions_have_no_random_point() -> None:
             random_points(region, 1)
 
 
+PLATE = RectangularRegion(ORIGIN, 0.0, 1.0, 1.0)
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [
@@ -259,6 +262,9 @@ def test_unbounded_regions_have_no_random_point() -> None:
         (lambda: PolygonalRegion(polygon=Polygon()), "finite coordinates"),
         (lambda: PolygonalRegion(), "either by its points or by a polygon"),
         (lambda: PolygonalRegion(polygon=3), "made of polygons"),  # pyright: ignore[reportArgumentType]
+        (lambda: PolygonalRegion(PolylineRegion([(0, 0), (1, 1)])), "made of polygons, not of PolylineRegion"),  # pyright: ignore[reportArgumentType]
+        (lambda: PolylineRegion(PLATE), "made from a list of points, not from RectangularRegion"),  # pyright: ignore[reportArgumentType]
+        (lambda: PointSetRegion("p", PLATE), "made from a list of points, not from RectangularRegion"),  # pyright: ignore[reportArgumentType]
         (lambda: PolylineRegion([(0, 0)]), "at least 2 different points"),
         (lambda: PolylineRegion([(0, 0), (math.inf, 0)]), "must be finite"),
         (lambda: CircularRegion(ORIGIN, -1.0), "the radius of a circle must not be negative"),

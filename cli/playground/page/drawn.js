@@ -43,6 +43,16 @@ function groundOf(ground, f) {
   return group;
 }
 
+// The names and directions of the features of a map of one's own.
+function marksOf(marks, f) {
+  return svg("g", {}, ...marks.map(({text: words, at, ahead: [east, north]}) => {
+    if (words) return text(f.X(at[0]), f.Y(at[1]) + 3, words, "label mark");
+    const [x, y] = [east * f.scale, -north * f.scale], [cx, cy] = [f.X(at[0]), f.Y(at[1])];
+    const point = (ahead, left) => `${(cx + ahead * x + left * y).toFixed(1)} ${(cy + ahead * y - left * x).toFixed(1)}`;
+    return svg("path", {d: `M${point(-1, 0)}L${point(1, 0)}M${point(.4, .4)}L${point(1, 0)}L${point(.4, -.4)}`, class: "way"});
+  }));
+}
+
 // The box of an object with a triangle at its front; a dot where the box would not be seen.
 function thing(o, ego, f) {
   const [x, y] = o.position, group = svg("g"), kind = `thing ${colourOf(o, ego)}`, sin = Math.sin(o.heading), cos = Math.cos(o.heading);
@@ -64,19 +74,29 @@ function sentence(o, ego) {
   return `${nameOf(o, ego)} (${o.class}, object ${o.id}) at (${o.position.map(number).join(", ")}), heading ${number(o.heading * 180 / Math.PI)}°`;
 }
 
+// The name of each object below or above its box, wherever it lies on fewest of the other boxes and names.
 function labels(objects, ego, f) {
-  const group = svg("g"), taken = [], crowded = objects.length > 8;
-  for (const o of objects) {
-    if (crowded && !o.name) continue;
-    const sin = Math.abs(Math.sin(o.heading)), cos = Math.abs(Math.cos(o.heading)), half = (o.length * cos + o.width * sin) / 2 * f.scale;
-    const x = f.X(o.position[0]), below = f.Y(o.position[1]) + half + 11, above = f.Y(o.position[1]) - half - 4;
-    const free = y => taken.every(([a, b]) => Math.abs(y - b) > 10 || Math.abs(x - a) > 42) && y < f.height - 3 && y > 9;
-    const y = [below, below + 11, above, above - 11].find(free) ?? below;
-    taken.push([x, y]);
-    group.append(svg("text", {x: Math.min(Math.max(x, 16), f.width - 16), y, class: "label"}, clipped(nameOf(o, ego), 22)));
-  }
+  const group = svg("g"), crowded = objects.length > 8, taken = objects.map(o => boxOf(o, f));
+  objects.forEach((o, own) => {
+    if (crowded && !o.name) return;
+    const words = clipped(nameOf(o, ego), 22), [, top, , bottom] = taken[own], half = 3 * words.length;
+    const x = Math.min(Math.max(f.X(o.position[0]), 16), f.width - 16), box = y => [x - half, y - 9, x + half, y + 2];
+    const over = y => taken.filter((other, i) => i !== own && overlap(box(y), other)).length + (y > f.height - 3 || y < 9 ? taken.length : 0);
+    const places = [bottom + 11, bottom + 22, top - 4, top - 15], least = Math.min(...places.map(over)), y = places.find(y => over(y) === least);
+    taken.push(box(y));
+    group.append(text(x, y, words));
+  });
   return group;
 }
+
+// West, top, east and bottom of the box of an object.
+function boxOf(o, f) {
+  const sin = Math.abs(Math.sin(o.heading)), cos = Math.abs(Math.cos(o.heading)), [x, y] = [f.X(o.position[0]), f.Y(o.position[1])];
+  const across = (o.length * sin + o.width * cos) / 2 * f.scale, along = (o.length * cos + o.width * sin) / 2 * f.scale;
+  return [x - across, y - along, x + across, y + along];
+}
+
+const overlap = (a, b) => a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3];
 
 function scaleBar(f) {
   const most = f.width / 4 / f.scale, power = 10 ** Math.floor(Math.log10(most)), metres = [5, 2, 1].map(s => s * power).find(m => m <= most * (1 + 1e-9)) || power;
@@ -93,6 +113,7 @@ function drawScene(scene, size = SIZE) {
   const f = frame(scene.window, size, size);
   root.append(groundOf(scene.ground, f));
   if (scene.view.length) root.append(svg("path", {d: pathOf(scene.view, f), class: scene.allSeen ? "view all" : "view"}));
+  if (scene.ground.marks) root.append(marksOf(scene.ground.marks, f));
   root.append(...scene.objects.map(o => thing(o, scene.ego, f)), labels(scene.objects, scene.ego, f), scaleBar(f));
   return root;
 }

@@ -1,6 +1,6 @@
 // Histograms of a property, a relation or an expression, and the exact law beside the bars where the program is finite.
 
-const counted = {values: [], law: null, what: null};
+const counted = {values: [], law: null, what: null, unit: ""};
 const MOST_BARS = 24, BINS = 24;
 
 function featureTitle(name) {
@@ -34,6 +34,7 @@ function histogramIfNeeded() {
 function askHistogram(expression, feature) {
   const what = expression ? {expression} : {feature}, count = Number(at("values").value);
   counted.values = []; counted.law = null; counted.what = expression || featureTitle(feature);
+  counted.unit = expression ? "" : state.features.find(f => f.name === feature)?.unit || "";
   say("histogram-message", "");
   at("chart").hidden = true;
   ask("histogram", "histogram", {count, ...what}, found => {
@@ -73,10 +74,10 @@ function barsOf(values, law) {
 const labelOf = value => value === null ? "(none)" : typeof value === "number" ? number(value) : typeof value === "boolean" ? (value ? "True" : "False") : value;
 
 function showHistogram() {
-  const {values, law, what} = counted, n = values.length;
+  const {values, law, what, unit} = counted, n = values.length;
   if (!n) return;
   const {bars, binned, low, high} = barsOf(values, law), highest = Math.max(...bars.map(b => Math.max(b.count / n, b.exact ?? 0))) || 1;
-  const width = 640, height = 240, left = 44, slanted = !binned && (bars.length > 12 || bars.some(b => b.label.length * bars.length > 90)), bottom = slanted ? 64 : 26, top = 12, wide = (width - left - 8) / bars.length, tall = height - top - bottom;
+  const width = 640, left = 44, slanted = !binned && (bars.length > 12 || bars.some(b => b.label.length * bars.length > 90)), below = slanted ? 64 : 26, bottom = below + (unit ? 16 : 0), height = 240 + bottom - below, top = 12, wide = (width - left - 8) / bars.length, tall = height - top - bottom;
   const Y = share => top + tall * (1 - share / highest);
   const chart = svg("svg", {viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": `Histogram of ${what} in ${n} scenes; the table below has the figures`});
   for (const share of [0, highest / 2, highest]) chart.append(svg("line", {x1: left, x2: width - 8, y1: Y(share), y2: Y(share), class: "axis"}), svg("text", {x: left - 5, y: Y(share) + 4, "text-anchor": "end", class: "tick"}, percent(share, highest < .1 ? 1 : 0)));
@@ -92,7 +93,8 @@ function showHistogram() {
       if (b.fraction && b.fraction.length < 12 && wide > 34) chart.append(svg("text", {x: middle, y: Math.min(Y(b.exact), Y(b.count / n)) - 4, "text-anchor": "middle"}, b.fraction));
     }
   });
-  if (binned) for (const share of [0, .25, .5, .75, 1]) chart.append(svg("text", {x: left + (width - left - 8) * share, y: height - 8, "text-anchor": share === 0 ? "start" : share === 1 ? "end" : "middle", class: "tick"}, number(low + (high - low) * share)));
+  if (binned) for (const share of [0, .25, .5, .75, 1]) chart.append(svg("text", {x: left + (width - left - 8) * share, y: height - bottom + 18, "text-anchor": share === 0 ? "start" : share === 1 ? "end" : "middle", class: "tick"}, number(low + (high - low) * share)));
+  if (unit) chart.append(svg("text", {x: left + (width - left - 8) / 2, y: height - 4, "text-anchor": "middle", class: "tick"}, `in ${unit}`));
   const legend = make("div", {class: "legend"}, make("span", {}, make("i"), `share of ${plural(n, "scene")}`));
   if (law && law.law) legend.append(make("span", {}, make("i", {class: "law"}), `the exact law (${plural(law.runs, "run")}); a run is accepted with probability ${clipped(law.acceptance, 30)}`));
   else if (law) legend.append(make("span", {}, `No exact law: ${law.why}`));

@@ -14,6 +14,7 @@ from typing import Any
 import numba
 import numpy as np
 from llvmlite import ir
+from numba.core import cgutils
 from numba.extending import get_cython_function_address, intrinsic
 
 from ....interpreter.streams import MULTIPLIER_0, MULTIPLIER_1, ROUNDS, UNIT, UNUSED_BITS, WEYL_0, WEYL_1
@@ -42,7 +43,6 @@ def from_scipy(name: str) -> Callable[..., float]:
     return kind(get_cython_function_address("scipy.special.cython_special", name))
 
 
-@intrinsic
 def _high(context: Any, a: Any, b: Any) -> Any:
     """The high word of the 128-bit product of two 64-bit words."""
 
@@ -54,12 +54,31 @@ def _high(context: Any, a: Any, b: Any) -> Any:
     return numba.uint64(numba.uint64, numba.uint64), generate
 
 
+high_word: Any = intrinsic(_high)
+
+
+def _copy(context: Any, target: Any, at: Any, source: Any, start: Any, length: Any) -> Any:
+    """Copy bytes of one array into another, from a place on; they do not overlap."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        into, at, out_of, start, length = arguments
+        place = builder.gep(context.make_array(signature.args[0])(context, builder, into).data, [at])
+        origin = builder.gep(context.make_array(signature.args[2])(context, builder, out_of).data, [start])
+        cgutils.raw_memcpy(builder, place, origin, length, 1)
+        return context.get_dummy_value()
+
+    return numba.void(target, numba.int64, source, numba.int64, numba.int64), generate
+
+
+copy_bytes: Any = intrinsic(_copy)
+
+
 @compile_
 def philox(seed: np.uint64, code: np.uint64, scene: np.uint64, attempt: np.uint64, block: np.uint64) -> tuple[float, float, float, float]:
     """The four numbers in [0, 1) of a block, as `interpreter.streams` defines them."""
     k0, k1, c0, c1, c2, c3 = seed, code, scene, attempt, block, _ZERO
     for _ in range(ROUNDS):
-        high0, low0, high1, low1 = _high(_M0, c0), _M0 * c0, _high(_M1, c2), _M1 * c2  # pyright: ignore[reportCallIssue]: the first parameter is the compiler's
+        high0, low0, high1, low1 = high_word(_M0, c0), _M0 * c0, high_word(_M1, c2), _M1 * c2
         c0, c1, c2, c3 = high1 ^ c1 ^ k0, low1, high0 ^ c3 ^ k1, low0
         k0, k1 = k0 + _W0, k1 + _W1
     return (c0 >> _UNUSED) * UNIT, (c1 >> _UNUSED) * UNIT, (c2 >> _UNUSED) * UNIT, (c3 >> _UNUSED) * UNIT

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -14,7 +15,7 @@ from ....semantics.space.crowds import crowd_meets
 from ....semantics.space.numeric import Elementary
 from ....semantics.space.symbols import NotLifted
 from ....semantics.syntax.nodes import NOWHERE
-from ..trace.graph import AsFloat, Crowd, Graph, GraphNode, Lookup, Macro, Part, RowCall, RowDraw, Search, Site
+from ..trace.graph import AsFloat, Crowd, Graph, GraphEvent, GraphNode, Lookup, Macro, Part, RowCall, RowDraw, Search, Site
 from ..trace.structures import row_maker, symbols_in
 from .clipped import Clipped, curve_tests, largest_radius
 from .numbers import Numbers
@@ -90,20 +91,42 @@ def without_value(column: np.ndarray) -> FailedRows | None:
 
 def rejection_rates(graph: Graph, runs: int, seed: int = 0) -> dict[int, float]:
     """How often each event would reject a run if it were the only one, estimated from `runs` runs."""
+    return {place: float(rejected.mean()) for place, (_, rejected, _) in enumerate(each_alone(graph, runs, seed))}
+
+
+def leavers(graph: Graph, runs: int, seed: int = 0) -> Counter[str]:
+    """What leaves runs to the interpreter, in words and with its place, and how many of `runs` runs it does.
+
+    Guards do, and calls that fail or give something else than in the run that was traced.
+    """
+    found, going = Counter[str](), np.ones(runs, dtype=bool)
+    for event, rejected, left in each_alone(graph, runs, seed):
+        often = int((left & going).sum())
+        if often and event.guarded is not None:
+            found[f"{event.guarded.span}: {event.guarded.text}"] += often
+        elif often and event.requirement is not None:
+            found[f"{event.requirement.span}: {event.requirement.text} fails, or gives something of another type"] += often
+        going &= ~(rejected | left)
+    return found
+
+
+def each_alone(graph: Graph, runs: int, seed: int) -> Iterator[tuple[GraphEvent, np.ndarray, np.ndarray]]:
+    """Each event, the rows that it would reject if it were the only one, and those that it would leave; a guard does both."""
     scenes = np.arange(runs, dtype=np.uint64)
     numbers, columns, failed = Numbers(seed, scenes, np.zeros_like(scenes)), dict[int, np.ndarray](), dict[int, FailedRows]()
-    rates: dict[int, float] = {}
+    none = np.zeros(runs, dtype=bool)
     done: set[int] = set()
-    for place, event in enumerate(graph.events):
+    for event in graph.events:
         for node in cone(roots_of(event), done):
             columns[node.number] = column(node, columns, numbers, failed)
             done.add(node.number)
         if event.kind == "call":
-            rejected = failed[event.node.number].rejected if event.node.number in failed else np.zeros(runs, dtype=bool)
+            rejected, left, _ = failed.get(event.node.number, FailedRows(none, none))
         else:
             rejected = columns[event.node.number] != event.expected
-        rates[place] = float((rejected if event.condition is None else rejected & columns[event.condition.number]).mean())
-    return rates
+            left = rejected if event.kind == "guard" else none
+        applies = True if event.condition is None else columns[event.condition.number]
+        yield event, rejected & applies, left & applies
 
 
 def column(node: GraphNode, columns: Columns, numbers: Numbers, failed: dict[int, FailedRows]) -> np.ndarray:

@@ -48,7 +48,7 @@ FEW = 512
 """Fewer runs than this take no less time, if their scenes have no more than `FEW_OBJECTS` objects."""
 FEW_OBJECTS = 50
 
-COMPILE_LEAST, COMPILE_NODE = 4.5, 0.016
+COMPILE_LEAST, COMPILE_NODE = 2.5, 0.009
 """Seconds of a processor that compiling takes, by and large: at least (the compiler itself must be loaded), and for each node."""
 
 PACE_KNOWN = 0.25

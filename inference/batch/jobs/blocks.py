@@ -88,8 +88,13 @@ def jobs(batch: Batch, n: int, seed: int, start: int, max_attempts: int) -> Gene
 # Results
 
 
-def in_order(pool: Executor, work: Callable[[Asked], Given], jobs: Iterable[Asked], most: int) -> Generator[Given]:
-    """The results of the jobs, in order; at most `most` of them run at a time. Raises `InternalError` if a worker dies, and what `work` raises."""
+def in_order(
+    pool: Executor, work: Callable[[Asked], Given], jobs: Iterable[Asked], most: int, unread: list[object] | None = None
+) -> Generator[Given]:
+    """The results of the jobs, in order; at most `most` of them run at a time. Raises `InternalError` if a worker dies, and what `work` raises.
+
+    `unread` gets the results that are there when no more are asked for.
+    """
     waiting: deque[Future[Given]] = deque()
     try:
         for job in jobs:
@@ -103,32 +108,38 @@ def in_order(pool: Executor, work: Callable[[Asked], Given], jobs: Iterable[Aske
         raise InternalError("a worker process ended without an answer", hint="was there enough memory? try fewer --workers") from None
     finally:
         for future in waiting:
-            future.cancel()
+            if not future.cancel() and unread is not None and future.done() and future.exception() is None:
+                unread.append(future.result())
 
 
 @dataclass(frozen=True)
 class Workers:
-    """What does jobs, and how many at a time."""
+    """What does jobs, and how many at a time; `here` where all of it are processes of this machine.
+
+    `unread` gets the results that are there when no more are asked for.
+    """
 
     pool: Executor
     count: int
+    here: bool = False
+    unread: list[object] | None = None
 
     def draw(self, work: Callable[[Asked], Given], jobs: Iterable[Asked]) -> Generator[Given]:
         """The results of the jobs, in order."""
-        return in_order(self.pool, work, jobs, 2 * self.count + 1)
+        return in_order(self.pool, work, jobs, 2 * self.count + 1, self.unread)
 
 
 # Who does them
 
 
 @contextmanager
-def processes(count: int) -> Iterator[Workers]:
+def processes(count: int, unread: list[object] | None = None) -> Iterator[Workers]:
     """Processes of this machine; they end with this one, however it ends."""
     pool = ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"), initializer=end_with_parent)
     before = set(multiprocessing.active_children())
     finished = False
     try:
-        yield Workers(pool, count)
+        yield Workers(pool, count, here=True, unread=unread)
         finished = True
     finally:
         results = getattr(pool, "_result_queue", None)
@@ -158,7 +169,7 @@ def give_up_reading(results: object) -> None:
 
 
 @contextmanager
-def cluster(address: str, count: int | None = None) -> Iterator[Workers]:
+def cluster(address: str, count: int | None = None, unread: list[object] | None = None) -> Iterator[Workers]:
     """The workers of the Dask cluster at `address`, or for "local" of one that is started here, with `count` processes (None: one for each core).
 
     Raises `UsageError` if distributed is not installed or there is no cluster.
@@ -178,7 +189,7 @@ def cluster(address: str, count: int | None = None) -> Iterator[Workers]:
         at_once = sum(client.nthreads().values())  # type: ignore[union-attr]
         if not at_once:
             raise UsageError(f"the cluster at {address} has no workers")
-        yield Workers(client.get_executor(pure=False), at_once)
+        yield Workers(client.get_executor(pure=False), at_once, unread=unread)
     finally:
         client.close()
         if started is not None:

@@ -133,7 +133,8 @@ class GraphEvent(NamedTuple):
     """What decides a run, in the order of the program.
 
     "require": the run is rejected unless `node` is `expected`. "guard": the trace speaks for the run only if `node` is `expected`.
-    "call": a row-by-row node, whose failures are the run's. None of them counts where `condition`, a coin's node, is False.
+    "call": a row-by-row node, whose failures are the run's. None of them counts where `condition`, a coin's node, is False. `guarded` says where
+    a guard stands.
     """
 
     kind: Literal["require", "guard", "call"]
@@ -141,6 +142,7 @@ class GraphEvent(NamedTuple):
     expected: bool = True
     requirement: Requirement | None = None
     condition: GraphNode | None = None
+    guarded: Requirement | None = None
 
 
 @dataclass

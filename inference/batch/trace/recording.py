@@ -309,7 +309,8 @@ class Recorder:
         """The truth of a symbol in the traced run; other runs, where it differs, are not what the graph describes."""
         truth = self.truth(symbol)
         if isinstance(truth, Traced):
-            self.graph.events.append(GraphEvent("guard", truth.node, bool(truth.example), condition=self.condition))
+            where = self.place("what is drawn decides what happens")
+            self.graph.events.append(GraphEvent("guard", truth.node, bool(truth.example), condition=self.condition, guarded=where))
             return bool(truth.example)
         return truth
 

@@ -52,4 +52,6 @@ def vector(kind: str, name: str, value: Vector | Sequence[float]) -> Vector:
 
 def vectors(kind: str, values: Iterable[Vector | Sequence[float]]) -> tuple[Vector, ...]:
     """Each of `values` as a vector of finite floats."""
+    if not isinstance(values, Iterable):
+        raise BadRegion(f"a {kind} is made from a list of points, not from {values!r}")
     return tuple(vector(kind, f"point {number}", value) for number, value in enumerate(values))

@@ -124,11 +124,10 @@ def _from_points(points: Sequence[Vector | Sequence[float]]) -> Polygon:
 
 def _parts(polygon: object) -> list[Polygon]:
     """The polygons that `polygon` is or holds; a region with straight edges stands for its own."""
-    if isinstance(polygon, Region):
-        polygon = getattr(polygon, "polygon", polygon)
-    if isinstance(polygon, Polygon):
-        return [polygon]
-    members = polygon.geoms if isinstance(polygon, MultiPolygon) else polygon
+    inside = getattr(polygon, "polygon", None) if isinstance(polygon, Region) else polygon
+    if isinstance(inside, Polygon):
+        return [inside]
+    members = inside.geoms if isinstance(inside, MultiPolygon) else inside
     if not isinstance(members, Iterable):
         raise BadRegion(f"a polygonal region is made of polygons, not of {polygon!r}")
     return [part for member in members for part in _parts(member)]

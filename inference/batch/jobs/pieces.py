@@ -1,0 +1,53 @@
+"""Rows of text in pieces: texts that all rows share, and what is different in each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import groupby, repeat
+from typing import NamedTuple
+
+import numpy as np
+
+from ....formats.numbers import number_texts
+
+
+class Picked(NamedTuple):
+    """In each row one of some texts, by its number."""
+
+    texts: Sequence[str]
+    numbers: np.ndarray
+
+
+Cells = str | list[str] | Picked | np.ndarray
+"""A piece: the same in all rows, or one for each, or the texts of a column of finite floats or of whole numbers."""
+
+
+def merged(pieces: Sequence[Cells]) -> list[Cells]:
+    """The pieces, those that all rows share in one where they follow each other."""
+    found: list[Cells] = []
+    for shared, group in groupby(pieces, lambda piece: isinstance(piece, str)):
+        several = list(group)
+        found += ["".join(several)] if shared else several  # type: ignore[arg-type]
+    return found
+
+
+def texts_of(piece: Cells) -> str | list[str]:
+    """A piece as texts."""
+    match piece:
+        case Picked(texts=texts, numbers=numbers):
+            return list(map(texts.__getitem__, numbers.tolist()))
+        case np.ndarray():
+            return number_texts(piece) if piece.dtype.kind == "f" else list(map(str, piece.tolist()))
+        case str() | list():
+            return piece
+
+
+def joined(pieces: Sequence[Cells], count: int) -> list[str]:
+    """The rows, `count` of them."""
+    parts = [texts_of(piece) for piece in pieces]
+    if all(isinstance(part, str) for part in parts):
+        return ["".join(parts)] * count  # type: ignore[arg-type]
+    return list(map("".join, zip(*(repeat(part, count) if isinstance(part, str) else part for part in parts), strict=True)))
+
+
+__all__ = ["Cells", "Picked", "joined", "merged"]
