@@ -35,6 +35,7 @@ def scenes(text: str, backend: Backend, n: int, seed: int = 3) -> list[dict[str,
     return [scene.to_json() for scene in scenic_ref.loads(text).sample_many(n, seed, backend=backend)]
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     "text",
     [

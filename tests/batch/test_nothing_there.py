@@ -27,6 +27,7 @@ PROGRAMS = {
 }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_the_scenes_are_those_of_the_interpreter_and_no_run_is_left_to_it(name):
     scenario = scenic_ref.loads(f"{MODEL}{PROGRAMS[name]}\n")
@@ -47,6 +48,7 @@ def test_what_is_not_asked_for_is_left_to_the_interpreter_where_it_is_none_and_s
     assert "not (None)" in said[0]
 
 
+@pytest.mark.slow
 def test_what_is_asked_of_two_values_that_are_never_there_together_is_left_to_the_interpreter():
     """As the page on the batch backend says, with the same words."""
     asked = "(distance from ego._crossing to ego._intersection) < 5"

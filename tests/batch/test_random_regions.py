@@ -39,7 +39,7 @@ def invented(seed: int) -> str:
     return "\n".join([*lines, *numbers.sample(further, numbers.randint(1, 4))]) + "\n"
 
 
-@pytest.mark.sampled(8)
+@pytest.mark.sampled(20)
 @pytest.mark.parametrize("seed", range(60))
 def test_the_scenes_are_those_of_the_interpreter(seed):
     scenario = scenic_ref.loads(invented(seed))

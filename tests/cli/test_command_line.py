@@ -48,6 +48,7 @@ def test_completion_completes_commands_and_options() -> None:
     assert said(COMP_WORDS="scenic-ref check --str", **answer).split() == ["--strict"]
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("typed", "expected"),
     [

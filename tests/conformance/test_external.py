@@ -151,6 +151,7 @@ FAULTS = {
 }  # fmt: skip
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("fault", FAULTS)
 def test_every_fault_has_its_verdict_and_the_next_question_is_answered(fault: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     how, words = FAULTS[fault]

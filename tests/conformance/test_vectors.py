@@ -29,12 +29,23 @@ BY_NAME = {v.name: v for v in VECTORS}
 OURSELVES = Ourselves()
 
 
-def many_samples(vector: ConformanceVector) -> bool:
-    """Whether the machine draws a thousand scenes or more for it; in the quick tests the batch backend alone does."""
-    return isinstance(vector.matcher, QuantityLaw) and vector.matcher.samples >= 1000
+LONG = {
+    "reading-rejected-simulation-retry", "regions-far-in-the-south-west", "agents-and-monitors-draw-independently",
+    "behaviors-at-a-time-draw-independently", "in-points-beside-a-draw-of-infinitely-many-values", "reading-oncoming-range",
+    "conditions-over-time-draw-independently", "boxes-whose-corners-lie-on-an-arc", "edges-of-generators-exceptions-and-scopes",
+    "scenarios-at-a-time-draw-independently", "points-between-numbers-that-are-drawn", "reading-soft-scene",
+    "refused-a-default-that-makes-its-own-class-without-end", "a-line-in-a-narrow-sector", "areas-and-edges-left-of-combinations-with-arcs",
+    "lines-through-regions-in-several-frames", "calls-one-after-another", "mutation-scale-at-random",
+}  # fmt: skip
+"""Those which take the machine more than a second."""
 
 
-@pytest.mark.parametrize("vector", [pytest.param(v, marks=pytest.mark.slow) if many_samples(v) else v for v in VECTORS], ids=lambda v: v.name)
+def takes_long(vector: ConformanceVector) -> bool:
+    """Whether it is left to the slow tests; where a thousand scenes or more are drawn, the batch backend draws them in the quick ones."""
+    return vector.name in LONG or (isinstance(vector.matcher, QuantityLaw) and vector.matcher.samples >= 1000)
+
+
+@pytest.mark.parametrize("vector", [pytest.param(v, marks=pytest.mark.slow) if takes_long(v) else v for v in VECTORS], ids=lambda v: v.name)
 def test_the_vector_holds_on_ourselves(vector: ConformanceVector) -> None:
     verdict = judge(OURSELVES, vector).verdict
     assert (verdict.status, verdict.reason) == ("passed", "")

@@ -335,6 +335,7 @@ def by_hand(name: str, profile: str = "paper") -> scenic_ref.Scenario:
     return scenic_ref.loads(BY_HAND[name], profile=profile)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", BY_HAND)
 @pytest.mark.parametrize("profile", ["paper", "scenic-3"])
 def test_programs_by_hand(name: str, profile: str) -> None:

@@ -86,6 +86,7 @@ def test_every_world_has_the_definitions_that_it_has():
     assert {"Car", "EgoCar", "Bus", "Compact", "createPlatoonAt"} <= {one.name for one in outline(text).children}
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     "piece",
     ['"""', "(", '"', "x = ", "\n", " \n", "[\n", "class A:\n", "\\\n", "f'{", "'\\", "#\n", "import a as b,", "with with ", "x.", "\t", "; ", ": "],

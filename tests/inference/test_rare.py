@@ -71,6 +71,7 @@ def test_an_estimate_without_the_weight_of_a_level_is_found_out(monkeypatch: pyt
     assert not wrong.low <= EXACT <= wrong.high
 
 
+@pytest.mark.slow
 def test_levels_fall_to_0_and_their_parts_multiply_to_the_probability() -> None:
     batch = scenic_ref.loads(RARE).batch
     assert batch is not None
@@ -116,6 +117,7 @@ def test_as_many_scenes_are_given_as_asked_for() -> None:
     assert len(smc.some(7, 0, random)) == 0
 
 
+@pytest.mark.slow
 def test_states_are_moved_in_parts(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(smc, "CHUNK", 700)
     monkeypatch.setattr(states, "CHUNK", 700)

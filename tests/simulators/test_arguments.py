@@ -112,6 +112,7 @@ def check_told(name: str, kinds: Mapping[str, Wanted], way: str, owner: str = ""
     assert told(wrong, way) == expected
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", BEHAVIORS)
 def test_a_behavior_refuses_what_it_cannot_take(name: str) -> None:
     check_told(name, WANTED[name], "do")
@@ -122,6 +123,7 @@ def test_a_scenario_refuses_what_it_cannot_take(name: str) -> None:
     check_told(name, WANTED[name], "run")
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", CONTROLLERS)
 def test_a_controller_refuses_what_it_cannot_take(name: str) -> None:
     check_told(name, WANTED[name], "", "simulation()." if name.startswith("get") else "")
@@ -129,11 +131,13 @@ def test_a_controller_refuses_what_it_cannot_take(name: str) -> None:
         check_told("run_step", WANTED[f"{name}.run_step"], "", f"{name}().", f"{name}.run_step")
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_a_function_refuses_what_it_cannot_take(name: str) -> None:
     check_told(name, WANTED[name], "")
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", ACTIONS)
 def test_an_action_refuses_what_it_cannot_be(name: str) -> None:
     check_told(name, ACTIONS[name], "take")
@@ -157,6 +161,7 @@ LINES = {
 }
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("what", LINES)
 def test_it_is_told_at_the_line_of_the_program(what: str) -> None:
     body, line = LINES[what]
@@ -177,6 +182,7 @@ ALLOWED = [
 """What the released library's documentation allows, and a little more."""
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("call", ALLOWED)
 def test_what_the_released_library_documents_is_taken(call: str) -> None:
     run = scenic_ref.loads(f"{MODEL}behavior B():\n    do {call}\nego = Car with behavior B\n").simulate("kinematic", 2, 0).simulation

@@ -33,6 +33,7 @@ def test_arguments_of_actions_have_the_released_names(name):
     assert all(str(p.default) == default for p, (_, _, default) in zip(ours, expected, strict=True) if default)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", RELEASED_BEHAVIORS)
 def test_arguments_of_behaviors_have_the_released_names(name):
     agent = "Pedestrian on network.sidewalks[0]" if name == "WalkForwardBehavior" else "Car at network.lanes[0].centerline.pointAlongBy(5)"
@@ -52,6 +53,7 @@ def test_an_action_takes_whatever_has_a_position(where):
     assert (moved["position"].x, moved["position"].y) == (1.0, 2.0)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("action", "agent", "can"),
     [
