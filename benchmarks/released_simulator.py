@@ -1,13 +1,14 @@
 """Run by the Python of a released Scenic: agent-steps per second of the processor in its simulator in which nothing happens.
 
-    python released_simulator.py "AGENTS BEHAVIOR STEPS REPEAT" ...
+    python released_simulator.py STEPS < PROGRAM
 
-Each request is answered by a line of JSON: the seconds of each turn, those of a simulation without time steps taken away.
+A line of JSON: the seconds of so many time steps, those of a simulation of a single one taken away. The text is in our syntax.
 """
 
 from __future__ import annotations
 
 import json
+import re
 import sys
 import tempfile
 import time
@@ -25,34 +26,11 @@ class SetBrakeAction(Action):
     def __init__(self, brake): self.brake = brake
     def applyTo(self, obj, simulation): pass
 '''
-HEAD = """
-from actions_of_benchmark import *
-class Car:
-    width: 2
-    length: 4.5
-    speed: 0
-    requireVisible: False
-    allowCollisions: True
-behavior Go(throttle=0.3):
-    while True:
-        take SetThrottleAction(throttle), SetSteerAction(0)
-behavior Slow():
-    take SetBrakeAction(0.5)
-behavior Drive():
-    try:
-        do Go()
-    interrupt when self.speed > 8:
-        do Slow()
-behavior Nested():
-    try:
-        do Drive()
-    interrupt when simulation().currentTime > 1e6:
-        abort
-"""
+"""The names that the program takes from the driving library; here they do nothing."""
 
 
 def main() -> None:
-    """Answer the requests."""
+    """Run the program."""
     folder = tempfile.mkdtemp()
     (Path(folder) / "actions_of_benchmark.py").write_text(ACTIONS)
     sys.path.insert(0, folder)
@@ -60,21 +38,19 @@ def main() -> None:
     from scenic.core.simulators import DummySimulator  # pyright: ignore[reportMissingImports]
 
     newer = not hasattr(scenic.syntax.translator, "constructorStatements")
-    for request in sys.argv[1:]:
-        agents, behavior, steps, repeat = request.split()
-        text = HEAD + "".join(
-            f"{'ego = ' if k == 0 else ''}{'new ' if newer else ''}Car at {5 * k} @ 0, with behavior {behavior}()\n" for k in range(int(agents))
-        )
-        scene, _ = scenic.scenarioFromString(text, **({"mode2D": True} if newer else {})).generate()
-        simulator = DummySimulator()
+    text = sys.stdin.read().replace("from scenic.domains.driving.actions", "from actions_of_benchmark").replace("simulation.", "simulation().")
+    text = re.sub(r"\bCar at \((\d+), (\d+)\)", rf"{'new ' if newer else ''}Car at \1 @ \2", text)
+    text = re.sub(r"(with behavior \w+)$", r"\1()", text, flags=re.MULTILINE)
+    scene, _ = scenic.scenarioFromString(text, **({"mode2D": True} if newer else {})).generate()
+    simulator = DummySimulator()
 
-        def seconds(count: int, scene: object = scene, simulator: object = simulator) -> float:
-            begun = time.process_time()
-            simulator.simulate(scene, maxSteps=count, maxIterations=1)  # type: ignore[attr-defined]
-            return time.process_time() - begun
+    def seconds(count: int) -> float:
+        begun = time.process_time()
+        simulator.simulate(scene, maxSteps=count, maxIterations=1)
+        return time.process_time() - begun
 
-        seconds(1)
-        print(json.dumps([seconds(int(steps)) - seconds(1) for _ in range(int(repeat))]), flush=True)
+    seconds(1)
+    print(json.dumps(seconds(int(sys.argv[1])) - seconds(1)))
 
 
 if __name__ == "__main__":

@@ -104,8 +104,8 @@ def measure(simulator: str, agents: int, behavior: str, steps: int, repeat: int,
             alone = seconds_of(scenario, by_name(simulator), 0, backend)
             turns[backend].append(seconds_of(scenario, by_name(simulator), steps, backend) - alone)
         for name, python in against.items():
-            asked = f"{agents} {BEHAVIORS[behavior]} {steps} 1"
-            turns[name] += json.loads(subprocess.run([python, str(RELEASED), asked], check=True, capture_output=True, text=True).stdout)
+            done = subprocess.run([python, str(RELEASED), str(steps)], input=text, check=True, capture_output=True, text=True)
+            turns[name].append(json.loads(done.stdout))
         timed = Timed(by_name(simulator))
         seconds_of(scenario, timed, steps, "compiled")
         inside.append(timed.seconds)

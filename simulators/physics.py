@@ -138,8 +138,8 @@ class Physics:
             self.smallest = min(self.smallest, max(min(width, length), 1e-3))
         self.gotten.clear()
         self.batch.get_space_bodies(self.space, self.fields.BODY_ID, self.gotten)
-        moving = {one.body.id: one for one in self.moving.values()}
-        self.ordered = [moving[number] for number in np.frombuffer(self.gotten.int_buf(), np.uintp).tolist()]
+        by_number = {moving.body.id: moving for moving in self.moving.values()}
+        self.ordered = [by_number[number] for number in np.frombuffer(self.gotten.int_buf(), np.uintp).tolist()]
         self.look()
 
     def body_of(self, width: float, length: float, *, still: bool, turns: bool) -> Any:

@@ -60,6 +60,10 @@ def test_the_vector_holds_on_the_batch_backend(vector: ConformanceVector) -> Non
     assert (verdict.status, verdict.reason) == ("passed", "")
 
 
+def test_what_is_left_to_the_slow_tests_is_a_vector() -> None:
+    assert set(BY_NAME) >= LONG
+
+
 # A right implementation passes whatever its seed: its samples contradict the rival
 
 
