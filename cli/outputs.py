@@ -68,6 +68,9 @@ class Resumed:
 class Output(ABC):
     """A place for scenes. Used in a `with`: leaving it without `finish` leaves nothing half-written."""
 
+    lines: int | None = None
+    """How many lines were written, where each scene is one."""
+
     @property
     def form(self) -> Form:
         """The form in which many scenes at a time are taken."""
@@ -104,7 +107,7 @@ class LinesFile(Output):
     def __init__(self, path: str, *, resume: bool, kind: Kind = SCENES) -> None:
         self.path = path
         self.kind = kind
-        self.size = 0
+        self.size = self.lines = 0
         try:
             self.file = os.open(path, (os.O_RDWR if resume else os.O_WRONLY) | os.O_CREAT | BINARY, 0o666)
         except OSError as error:
@@ -169,6 +172,7 @@ class LinesFile(Output):
                 self.cut()
                 raise UsageError(f"{self.path} cannot be written: {error.strerror or error}", hint=f"{self.path} holds whole lines only") from None
             self.size += len(data)
+            self.lines += bytes(data).count(b"\n")
 
     def cut(self) -> None:
         """Cut off whatever follows the last whole line."""
@@ -183,6 +187,9 @@ class LinesFile(Output):
 
 class Pipe(Output):
     """Standard output, as JSON Lines."""
+
+    def __init__(self) -> None:
+        self.lines = 0
 
     def write(self, drawn: DrawnScene) -> None:
         """One line, at once."""
@@ -201,6 +208,7 @@ class Pipe(Output):
                 raise
             except OSError as error:
                 raise UsageError(f"standard output cannot be written: {error.strerror or error}") from None
+            self.lines += bytes(data).count(b"\n")
 
 
 class ArrowPipe(Output):

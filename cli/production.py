@@ -55,7 +55,7 @@ def produce(source: Source, request: SceneRequest, session: Session) -> None:
     drawing = drawing_of(source)
     rehearse(drawing)
     begun, used = time.perf_counter(), processor_seconds()
-    tally, unread = Tally(), list[object]()
+    tally, unread, output = Tally(), list[object](), None
     start = request.start
     try:
         with ExitStack() as stack:
@@ -74,7 +74,8 @@ def produce(source: Source, request: SceneRequest, session: Session) -> None:
                 produce_one_by_one(drawing, job, request, output, tally, progress, known, unread, stack)
             output.finish()
     except KeyboardInterrupt as stop:
-        for line in lines_so_far(drawing, tally, unread, start, stop, session):
+        written = None if output is None else output.lines
+        for line in lines_so_far(drawing, tally, written, unread, start, stop, session):
             tell(line)
         raise
     if source.prune:
@@ -96,11 +97,12 @@ def produce(source: Source, request: SceneRequest, session: Session) -> None:
 
 
 def lines_so_far(
-    drawing: Drawing, tally: Tally, unread: list[object], start: int, stop: KeyboardInterrupt, session: Session
+    drawing: Drawing, tally: Tally, written: int | None, unread: list[object], start: int, stop: KeyboardInterrupt, session: Session
 ) -> list[str]:
     """What a run from scene `start` came to that was interrupted, with the attempts at scenes that were not found yet.
 
-    `unread` is what other processes had found behind a scene that was still missing.
+    Of the scenes of the tally so many were `written` (None: they are not written one by one). `unread` is what other processes had found
+    behind a scene that was still missing.
     """
     behind = tally_of(unread)
     stuck = tally.stuck + behind.stuck
@@ -110,9 +112,10 @@ def lines_so_far(
         stuck.update(stop.stuck)
     elif block is not None and block.start >= start + tally.scenes:
         stuck.update(block.stuck)
-    head = f"{counted(tally.scenes, 'scene')} so far, and {counted(stuck.total(), 'stuck attempt')}"
-    if behind.scenes:
-        head += f"; {counted(behind.scenes, 'scene')} more were drawn behind one that was still missing, and not written"
+    scenes = tally.scenes if written is None else written
+    head = f"{counted(scenes, 'scene')} so far, and {counted(stuck.total(), 'stuck attempt')}"
+    if more := tally.scenes - scenes + behind.scenes:
+        head += f"; {counted(more, 'scene')} more were drawn, and not written"
     return [head, *(requirement_lines(stuck.most_common(), session.texts, limit=WORST) if stuck else [])]
 
 
@@ -224,8 +227,8 @@ def produce_by_batch(
     found = portions(job.source, job, output.form, workers, request.workers)
     stack.callback(found.close)
     for portion in found:
-        output.write_many(portion)
         tally.add_portion(portion)
+        output.write_many(portion)
         progress.drawn(int(portion.attempts.sum()), len(portion.attempts))
         known += enumerate(portion.attempts[: max(0, MOST_PLOTTED + 1 - len(known))].tolist(), portion.start)
         if portion.failed is not None:
@@ -241,8 +244,8 @@ def produce_one_by_one(
     scenes = draw_here(drawing, job, progress.stuck) if workers is None else drawn_by(workers, job, request.workers)
     stack.callback(scenes.close)
     for drawn in printed_first(scenes, progress):
-        output.write(drawn)
         tally.add(drawn)
+        output.write(drawn)
         progress.drawn(drawn.attempts)
         if len(known) <= MOST_PLOTTED:
             known.append((drawn.index, drawn.attempts))

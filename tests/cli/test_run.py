@@ -12,8 +12,10 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
+from scenic_ref.cli import outputs
 from scenic_ref.cli.drawing import drawing_of
 from scenic_ref.cli.options import Source
+from scenic_ref.cli.outputs import write_all
 from scenic_ref.cli.portions import portions
 from scenic_ref.cli.production import lines_so_far
 from scenic_ref.cli.reports import Tally
@@ -211,7 +213,9 @@ def test_an_interrupt_leaves_whole_lines_and_says_one(ask, start, workers):
         out, err = process.communicate()
     data = Path("scenes.jsonl").read_bytes()
     told, *_, last = err.splitlines()
-    assert (process.returncode, out) == (130, "") and re.match(r"[1-9][\d,]* scenes so far, and ", told)
+    written = re.match(r"([\d,]+) scenes so far, and ", told)
+    assert (process.returncode, out) == (130, "") and written is not None
+    assert 0 < int(written[1].replace(",", "")) == data.count(b"\n")
     assert last.startswith("interrupted;")
     assert data.endswith(b"\n")
     assert all(json.loads(line)["scene"] == k for k, line in enumerate(data.splitlines()))
@@ -224,8 +228,11 @@ def test_an_interrupt_tells_what_rejected_the_attempts_at_a_scene_that_was_not_f
     command = [sys.executable, "-m", "scenic_ref", "run", "seldom.scenic", "-n", str(count), "--max-attempts", "1000000000"]
     if count > 1:
         Path("seldom.scenic").write_text("ego = Object at Normal(0, 1) @ 0\nrequire ego.position.x > 30\n")
+    before = sum(os.times()[2:4])
+    subprocess.run([*command[:-1], "1"], capture_output=True, check=False)
+    starting = sum(os.times()[2:4]) - before
     with start(command) as process:
-        process.until(lambda: processor_time(process.pid) > 4)
+        process.until(lambda: processor_time(process.pid) > starting + 4)
         process.send_signal(signal.SIGINT)
         _, err = process.communicate()
     assert process.returncode == 130 and err.splitlines()[-1].startswith("interrupted;")
@@ -242,9 +249,26 @@ def test_what_other_processes_found_behind_a_missing_scene_is_told_of():
     portion = next(portions(source, Job(source, 0, 3, 5, 1000), "lines", None))
     drawing.scenario.batch.drawing = None
     stuck = sum((drawn.stuck for (drawn,) in behind), Counter()) + portion.stuck
-    told = lines_so_far(drawing, Tally(), [*behind, portion], 0, KeyboardInterrupt(), Session())
-    behind_it = "4 scenes more were drawn behind one that was still missing, and not written"
-    assert told[0] == f"0 scenes so far, and {stuck.total()} stuck attempts; {behind_it}"
+    told = lines_so_far(drawing, Tally(), 0, [*behind, portion], 0, KeyboardInterrupt(), Session())
+    assert told[0] == f"0 scenes so far, and {stuck.total()} stuck attempts; 4 scenes more were drawn, and not written"
+
+
+@pytest.mark.parametrize("to", ["scenes.jsonl", "-"])
+def test_an_interrupt_while_scenes_are_written_tells_how_many_were(ask, monkeypatch, to):
+    sizes: list[int] = []
+
+    def first_only(file: int, data: memoryview) -> None:
+        if sizes:
+            raise KeyboardInterrupt
+        sizes.append(bytes(data).count(b"\n"))
+        write_all(file, data)
+
+    monkeypatch.setattr(outputs, "write_all", first_only)
+    found = ask("run", "random.scenic", "-n", "512", "-o", to)
+    lines = Path(to).read_text().splitlines() if to != "-" else found.out.splitlines()
+    assert found.code == 130 and 0 < sizes[0] == len(lines) < 512
+    told = rf"{sizes[0]} scenes so far, and \d+ stuck attempts; {512 - sizes[0]} scenes more were drawn, and not written\n"
+    assert re.match(told, found.err)
 
 
 def processor_time(pid: int) -> float:
