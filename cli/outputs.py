@@ -68,13 +68,15 @@ class Resumed:
 class Output(ABC):
     """A place for scenes. Used in a `with`: leaving it without `finish` leaves nothing half-written."""
 
-    lines: int | None = None
-    """How many lines were written, where each scene is one."""
-
     @property
     def form(self) -> Form:
         """The form in which many scenes at a time are taken."""
         return "lines"
+
+    @property
+    def lines(self) -> int | None:
+        """How many lines were written, where each scene is one."""
+        return None
 
     def __enter__(self) -> Output:
         return self
@@ -101,13 +103,42 @@ class Output(ABC):
         """No more scenes come, finished or not."""
 
 
-class LinesFile(Output):
-    """A file of JSON Lines, written in place: every line is written as soon as its scene is drawn, and always whole."""
+class LineByLine(Output):
+    """JSON Lines, each written whole as soon as its scene is drawn; Ctrl-C comes before or after it."""
+
+    written = 0
+
+    @property
+    def lines(self) -> int:
+        """How many were written."""
+        return self.written
+
+    def write(self, drawn: DrawnScene) -> None:
+        """One line."""
+        self._write(f"{drawn.line}\n".encode())
+
+    def write_many(self, portion: Portion) -> None:
+        """Whole lines."""
+        for data in in_pieces(portion.lines):
+            self._write(data)
+
+    def _write(self, data: bytes | memoryview) -> None:
+        with uninterrupted():
+            self.put(data)
+            self.written += bytes(data).count(b"\n")
+
+    @abstractmethod
+    def put(self, data: bytes | memoryview) -> None:
+        """Write whole lines. Raises `UsageError` if there is no room."""
+
+
+class LinesFile(LineByLine):
+    """A file of JSON Lines, written in place."""
 
     def __init__(self, path: str, *, resume: bool, kind: Kind = SCENES) -> None:
         self.path = path
         self.kind = kind
-        self.size = self.lines = 0
+        self.size = 0
         try:
             self.file = os.open(path, (os.O_RDWR if resume else os.O_WRONLY) | os.O_CREAT | BINARY, 0o666)
         except OSError as error:
@@ -153,26 +184,16 @@ class LinesFile(Output):
             raise UsageError(f"{self.path} cannot be resumed: its line {number + 1} is {word} {index}, not {number}")
         return Earlier(index, attempts, line)
 
-    def write(self, drawn: DrawnScene) -> None:
-        """One line, in full or not at all."""
-        self._write(f"{drawn.line}\n".encode())
-
-    def write_many(self, portion: Portion) -> None:
-        """Whole lines."""
-        for data in in_pieces(portion.lines):
-            self._write(data)
-
-    def _write(self, data: bytes | memoryview) -> None:
-        with uninterrupted():
-            try:
-                write_all(self.file, data)
-            except BrokenPipeError:
-                raise
-            except OSError as error:
-                self.cut()
-                raise UsageError(f"{self.path} cannot be written: {error.strerror or error}", hint=f"{self.path} holds whole lines only") from None
-            self.size += len(data)
-            self.lines += bytes(data).count(b"\n")
+    def put(self, data: bytes | memoryview) -> None:
+        """In full or not at all."""
+        try:
+            write_all(self.file, data)
+        except BrokenPipeError:
+            raise
+        except OSError as error:
+            self.cut()
+            raise UsageError(f"{self.path} cannot be written: {error.strerror or error}", hint=f"{self.path} holds whole lines only") from None
+        self.size += len(data)
 
     def cut(self) -> None:
         """Cut off whatever follows the last whole line."""
@@ -185,30 +206,17 @@ class LinesFile(Output):
         os.close(self.file)
 
 
-class Pipe(Output):
+class Pipe(LineByLine):
     """Standard output, as JSON Lines."""
 
-    def __init__(self) -> None:
-        self.lines = 0
-
-    def write(self, drawn: DrawnScene) -> None:
-        """One line, at once."""
-        self._write(f"{drawn.line}\n".encode())
-
-    def write_many(self, portion: Portion) -> None:
-        """Whole lines."""
-        for data in in_pieces(portion.lines):
-            self._write(data)
-
-    def _write(self, data: bytes | memoryview) -> None:
-        with uninterrupted():
-            try:
-                write_all(sys.stdout.fileno(), data)
-            except BrokenPipeError:
-                raise
-            except OSError as error:
-                raise UsageError(f"standard output cannot be written: {error.strerror or error}") from None
-            self.lines += bytes(data).count(b"\n")
+    def put(self, data: bytes | memoryview) -> None:
+        """At once."""
+        try:
+            write_all(sys.stdout.fileno(), data)
+        except BrokenPipeError:
+            raise
+        except OSError as error:
+            raise UsageError(f"standard output cannot be written: {error.strerror or error}") from None
 
 
 class ArrowPipe(Output):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import signal
 import threading
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor, wait
@@ -18,7 +19,7 @@ from scenic_ref.formats.table_files import SUFFIXES as ALL
 from scenic_ref.formats.table_files import open_table
 from scenic_ref.formats.tables import Columns, Groups, columns_of, rows_in, some, together
 from scenic_ref.inference.batch import Block
-from scenic_ref.inference.batch.jobs.blocks import Pace, block_of, in_order
+from scenic_ref.inference.batch.jobs.blocks import Pace, block_of, in_order, uninterrupted
 from scenic_ref.inference.batch.jobs.lines import PACE_KNOWN, Lines, lines_of
 from scenic_ref.inference.batch.jobs.tables import table_of
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted
@@ -267,3 +268,17 @@ def test_an_unfinished_table_leaves_nothing(rows, suffix, tmp_path):
     table.add_columns(rows)
     table.close()
     assert not list(tmp_path.iterdir())
+
+
+def test_an_interrupt_waits_whichever_thread_the_system_tells_of_it():
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    done: list[str] = []
+    try:
+        with pytest.raises(KeyboardInterrupt), uninterrupted():
+            teller = threading.Thread(target=signal.raise_signal, args=(signal.SIGINT,))
+            teller.start()
+            teller.join()
+            done.append("after the interrupt")
+        assert done and signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    finally:
+        signal.signal(signal.SIGINT, before)

@@ -18,6 +18,7 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing import connection
+from types import FrameType
 from typing import TypeVar
 
 from ....interpreter.extras import needed
@@ -210,7 +211,26 @@ def end_with_parent() -> None:
 
 @contextmanager
 def uninterrupted() -> Iterator[None]:
-    """Delay Ctrl-C until afterwards, where the system can do that."""
+    """Delay Ctrl-C until afterwards, whichever thread the system tells of it; processes that are started meanwhile may not be told."""
+    answer = signal.getsignal(signal.SIGINT)
+    if not callable(answer) or threading.current_thread() is not threading.main_thread():
+        with masked():
+            yield
+        return
+    came = list[FrameType | None]()
+    signal.signal(signal.SIGINT, lambda _, frame: came.append(frame))
+    try:
+        with masked():
+            yield
+    finally:
+        signal.signal(signal.SIGINT, answer)
+        if came:
+            answer(signal.SIGINT, came[0])
+
+
+@contextmanager
+def masked() -> Iterator[None]:
+    """Keep Ctrl-C from this thread, and from processes that it starts, where the system can do that."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
