@@ -272,11 +272,13 @@ def test_an_unfinished_table_leaves_nothing(rows, suffix, tmp_path):
 
 def test_an_interrupt_waits_whichever_thread_the_system_tells_of_it():
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    begun = threading.Event()
+    teller = threading.Thread(target=lambda: (begun.wait(), signal.raise_signal(signal.SIGINT)))
+    teller.start()  # before, since it would inherit that nobody tells it
     done: list[str] = []
     try:
         with pytest.raises(KeyboardInterrupt), uninterrupted():
-            teller = threading.Thread(target=signal.raise_signal, args=(signal.SIGINT,))
-            teller.start()
+            begun.set()
             teller.join()
             done.append("after the interrupt")
         assert done and signal.getsignal(signal.SIGINT) is signal.default_int_handler
