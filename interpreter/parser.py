@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import os
 from functools import cache
 from importlib.resources import files
-from pathlib import Path
 from typing import Literal
 
 from lark import Lark, Token, Tree
@@ -19,6 +17,7 @@ from .builder_dynamics import DynamicsBuilder
 from .builder_expressions import ExpressionBuilder
 from .builder_scenic import ScenicBuilder
 from .builder_statements import StatementBuilder
+from .caches import cache_folder
 from .dialects import Dialect
 from .indentation import Layout
 from .nesting import check_nesting
@@ -80,13 +79,8 @@ def tables(released: bool) -> Lark:
 
 def cache_file() -> str | None:
     """The file that keeps the tables between processes, or None where none can be written."""
-    try:
-        base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
-        folder = Path(base) / "scenic_ref"
-        folder.mkdir(parents=True, exist_ok=True)
-    except (OSError, RuntimeError):
-        return None
-    return str(folder / "grammar.tables") if os.access(folder, os.W_OK) else None
+    folder = cache_folder()
+    return None if folder is None else str(folder / "grammar.tables")
 
 
 class TreeBuilder(ExpressionBuilder, ScenicBuilder, StatementBuilder, DynamicsBuilder):

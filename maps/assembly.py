@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
+import numpy as np
 import shapely
 
 from .elements import Lane, LaneSection, LinearElement, NetworkElement, Road
@@ -98,7 +99,8 @@ class Assembly:
     ) -> L:
         """An element along its edges."""
         middle = (left + right) / 2 if center is None else center
-        return self.add(kind, uid, polygon=areas(polygon), left=left, right=right, middle=middle, across=center is None, **more)
+        lines = {"left": left, "right": right, "middle": middle}
+        return self.add(kind, uid, polygon=areas(polygon), across=center is None, **{k: np.ascontiguousarray(v) for k, v in lines.items()}, **more)
 
 
 def lane_name(place: Place) -> str:

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from functools import cached_property
 from inspect import get_annotations
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Self, TypeVar
 
 from ..semantics.space.vectors import TakesPoints
 
 HIDDEN = frozenset({
     "polygon", "by_id", "by_uid", "first", "_tree", "strips", "gaps", "nearest", "connecting", "of", "scenic_names", "left", "right", "middle",
-    "outermost", "across", "along", "source", "again", "turn", "turns",
+    "outermost", "direction_cells", "across", "along", "source", "again", "turn", "turns",
 })  # fmt: skip
 """What is no matter of programs."""
+
+
+F = TypeVar("F", bound="Fixed")
 
 
 class Fixed(TakesPoints):
@@ -43,9 +46,10 @@ class Fixed(TakesPoints):
         raise AttributeError(f"{type(self).__name__} is immutable")
 
 
-def complete(element: Fixed, **attributes: object) -> None:
-    """Give an object, while the network is made, what did not exist when it was."""
+def complete(element: F, **attributes: object) -> F:
+    """An object that, while the network is made, is given what did not exist when it was."""
     vars(element).update(attributes)
+    return element
 
 
 def element_of(network: Any, uid: str) -> Any:

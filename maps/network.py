@@ -31,6 +31,7 @@ from .fixed import Fixed
 from .intersections import Intersection
 from .regions import NetworkCurve, NetworkField, fringe, region, region_along
 from .signals import Signal
+from .storing import keep_cells, load_cells
 
 
 class MapWorkspace(Workspace):
@@ -160,15 +161,22 @@ class Network(Fixed):
 
         What is within `tolerance` of one has its direction, as for `first`: points of curbs may miss the road by rounding.
         """
+        cells = load_cells(self.source, self.tolerance)
+        if cells is None:
+            cells = self.direction_cells()
+            keep_cells(self.source, self.tolerance, cells)
+        made = NetworkField("roadDirection", cells, defaultHeading=0.0)
+        made.network = self
+        return made
+
+    def direction_cells(self) -> list[Cell]:
+        """The parts of `roadDirection`, the first that has a point being the one that counts."""
         within = [lane for i in self.intersections for lane in dict.fromkeys(m.connectingLane for m in i.maneuvers) if lane is not None]
         others = [lane for lane in self.lanes if lane not in set(within)]
         cells: list[Cell] = [cell for lane in within for cell in lane.strips]
         cells += [cell for i in self.intersections for cell in i.gaps()]
         cells += [cell for element in (*others, *self.shoulders) for cell in element.strips]
-        outermost = fringe(cells, (*self.lanes, *self.shoulders, *self.intersections), self.tolerance)
-        made = NetworkField("roadDirection", [*cells, *outermost], defaultHeading=0.0)
-        made.network = self
-        return made
+        return [*cells, *fringe(cells, (*self.lanes, *self.shoulders, *self.intersections), self.tolerance)]
 
     @cached_property
     def _tree(self) -> tuple[shapely.STRtree, tuple[NetworkElement, ...]]:

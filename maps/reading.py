@@ -20,6 +20,7 @@ from .making import made
 from .network import Network
 from .notes import Notes
 from .opendrive import OpenDrive
+from .records import keep_network, load_network
 from .shapes import section_shapes
 from .signals import Signal
 from .xml import MapError
@@ -54,8 +55,13 @@ def network_from(data: bytes, tolerance: float = TOLERANCE) -> Network:
 
 @lru_cache(maxsize=4)
 def kept(data: bytes, tolerance: float) -> Network:
-    """The network, once it is made."""
-    return network_of(opendrive.read(data), tolerance)
+    """The network, once it is made; that of a large map also for other processes."""
+    found = load_network(data, tolerance)
+    if found is not None:
+        return complete(found, source=data, again=partial(network_from, tolerance=tolerance))
+    made = network_of(opendrive.read(data), tolerance)
+    keep_network(made)
+    return made
 
 
 def network_of(file: OpenDrive, tolerance: float = TOLERANCE) -> Network:

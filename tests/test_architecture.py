@@ -14,13 +14,13 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 LAYERS = [
-    "semantics", "maps", "interpreter", "formats", "simulators", "inference", "scenario", "testing", "conformance", "benchmarks",
+    "semantics", "interpreter", "maps", "formats", "simulators", "inference", "scenario", "testing", "conformance", "benchmarks",
     "editors", "cli",
 ]
 MAY_IMPORT = {
     "semantics": {"semantics"},
-    "maps": {"semantics", "maps"},
     "interpreter": {"semantics", "interpreter"},
+    "maps": {"semantics", "interpreter", "maps"},
     "formats": {"semantics", "maps", "interpreter", "formats"},
     "simulators": {"semantics", "maps", "interpreter", "formats", "simulators"},
     "inference": {"semantics", "interpreter", "formats", "simulators", "inference"},

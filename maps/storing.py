@@ -1,0 +1,147 @@
+"""What is made of a map, in files that are kept between processes, since making it takes much longer than reading it.
+
+A file has numbers, texts, coordinates and shapes only (a digest and an .npz: nothing that could be run), is named by all that it depends on, and
+appears whole or not at all. What cannot be read is made again; where nothing can be written, nothing is kept.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import os
+import tempfile
+import zipfile
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely.geometry.base import BaseGeometry
+
+from ..interpreter.caches import cache_folder
+from ..semantics.space.fields import Cell
+
+Arrays: TypeAlias = Mapping[str, NDArray[Any]]
+SMALLEST = 1 << 16
+"""Bytes of a map from which on something is kept of it; smaller ones are read as quickly."""
+MOST, MOST_BYTES = 64, 1 << 29
+"""Files that are kept, and their size; those that were not used for longest go first."""
+FAULTS = (ValueError, LookupError, TypeError, EOFError, zipfile.BadZipFile, shapely.errors.ShapelyError)
+"""What comes of a file that is whole but was not written by this."""
+DIGEST = hashlib.blake2b().digest_size
+"""Bytes at the beginning of a file that tell whether the others are as they were written."""
+PART = ".part"
+
+
+@cache
+def code() -> bytes:
+    """What is made of a map depends on this, beside the map: the code, and the libraries that calculate. Empty if it cannot be told."""
+    package = Path(__file__).parents[1]
+    sources = sorted(file for folder in ("maps", "semantics/space") for file in (package / folder).rglob("*.py"))
+    if not sources:
+        return b""
+    found = hashlib.blake2b(f"{np.__version__} {shapely.__version__} {shapely.geos_version_string}".encode())
+    for file in sources:
+        found.update(file.read_bytes())
+    return found.digest()
+
+
+def place_of(what: str, source: bytes, tolerance: float) -> Path | None:
+    """The file that keeps `what` of a map; None if that is small, or nothing can be kept."""
+    folder = cache_folder() if len(source) >= SMALLEST and code() else None
+    if folder is None:
+        return None
+    key = hashlib.blake2b(code() + f"{what} {tolerance!r} ".encode() + source, digest_size=20)
+    return folder / "maps" / f"{key.hexdigest()}.map"
+
+
+def arrays_in(place: Path | None) -> Arrays | None:
+    """What a file keeps; None if there is none, or if it is damaged."""
+    if place is None:
+        return None
+    try:
+        written = place.read_bytes()
+        os.utime(place)
+    except OSError:
+        return None
+    digest, data = written[:DIGEST], memoryview(written)[DIGEST:]
+    if digest != hashlib.blake2b(data).digest():
+        return None
+    try:
+        with np.load(io.BytesIO(data), allow_pickle=False) as file:
+            return {name: file[name] for name in file.files}
+    except FAULTS:
+        return None
+
+
+def keep(place: Path, arrays: Arrays) -> None:
+    """Write a file, if that is possible, in place of what other processes may be reading or writing."""
+    buffer = io.BytesIO()
+    np.savez(buffer, **arrays)  # type: ignore[arg-type]  # none is named allow_pickle
+    data = buffer.getbuffer()
+    temporary = None
+    try:
+        place.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile(dir=place.parent, suffix=PART, delete=False) as file:
+            temporary = file.name
+            file.write(hashlib.blake2b(data).digest())
+            file.write(data)
+        os.replace(temporary, place)
+        temporary = None
+        forget(place.parent)
+    except OSError:
+        pass
+    finally:
+        if temporary is not None:
+            with suppress(OSError):
+                os.unlink(temporary)
+
+
+def forget(folder: Path) -> None:
+    """Delete what was not used for longest, until no more is kept than is wanted."""
+    found = sorted(((entry.stat().st_mtime, entry.stat().st_size, entry.path) for entry in os.scandir(folder)), reverse=True)
+    size = 0
+    for number, (_, bytes_of_it, path) in enumerate(found):
+        size += bytes_of_it
+        if number >= MOST or size > MOST_BYTES:
+            with suppress(OSError):
+                os.unlink(path)
+
+
+
+def packed(shapes: Sequence[BaseGeometry]) -> dict[str, NDArray[Any]]:
+    """Shapes as arrays."""
+    each = shapely.to_wkb(np.array(shapes, dtype=object))
+    return {"shapes": np.frombuffer(b"".join(each), dtype=np.uint8), "sizes": np.array([len(one) for one in each], dtype=np.int64)}
+
+
+def unpacked(arrays: Arrays) -> NDArray[Any]:
+    """The shapes that `packed` was given."""
+    ends = np.cumsum(arrays["sizes"]).tolist()
+    data = arrays["shapes"].tobytes()
+    return shapely.from_wkb(np.array([data[start:end] for start, end in zip([0, *ends], ends, strict=False)], dtype=object))
+
+
+# The direction of traffic
+
+
+def load_cells(source: bytes, tolerance: float) -> list[Cell] | None:
+    """The parts of the field of a map's `roadDirection`, if they were kept."""
+    arrays = arrays_in(place_of("direction", source, tolerance))
+    if arrays is None:
+        return None
+    try:
+        return list(zip(unpacked(arrays), arrays["headings"].tolist(), strict=True))
+    except FAULTS:
+        return None
+
+
+def keep_cells(source: bytes, tolerance: float, cells: Sequence[Cell]) -> None:
+    """Keep the parts of the field for the next process."""
+    place = place_of("direction", source, tolerance)
+    if place is not None:
+        keep(place, {"headings": np.array([heading for _, heading in cells], dtype=float), **packed([polygon for polygon, _ in cells])})
