@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 from ..semantics.kernel.errors import UsageError
 from ..semantics.kernel.suggestions import did_you_mean
@@ -15,12 +16,14 @@ def check_whole(*named: tuple[str, object, int | None]) -> None:
             raise UsageError(f"{what} is a whole number{'' if least is None else f' of at least {least}'}, not {number!r}")
 
 
-def check_settings(readings: object, params: object, fuel: object) -> None:
+def check_settings(readings: object, params: object, fuel: object, directory: object) -> None:
     """What a scenario is loaded with. Raises `UsageError` for what is not what it should be."""
     for what, given, example in (("readings", readings, '{"soft": "scene"}'), ("params", params, '{"time": 12}')):
         if given is not None and not (isinstance(given, Mapping) and all(isinstance(name, str) for name in given)):
             raise UsageError(f"{what} maps names to values, as in {example}, and is not {given!r:.60}")
     check_whole(("fuel", fuel, 1))
+    if not isinstance(directory, str | Path | None):
+        raise UsageError(f"a directory is a text or a `pathlib.Path`, not {directory!r:.60}")
 
 
 def no_backend(backend: object, known: Sequence[str], *, elsewhere: Sequence[str], there: str) -> UsageError:

@@ -16,10 +16,13 @@ from .scenario import Scenario
 
 def loads(
     text: str, *, file: str = "<string>", dialect: str | None = None, profile: str = "paper", readings: Mapping[str, str] | None = None,
-    params: Mapping[str, object] | None = None, model: str | None = None, trust: bool = False, directory: Path | None = None,
+    params: Mapping[str, object] | None = None, model: str | None = None, trust: bool = False, directory: str | Path | None = None,
     fuel: int = DEFAULT_FUEL, scenario: str | None = None,
 ) -> Scenario:
-    """The scenario of a program text. Raises `ParseError`, `CheckError`, `UsageError`; warns of parameters that nothing reads."""
+    """The scenario of a program text; modules in `directory` can be imported.
+
+    Raises `ParseError`, `CheckError`, `UsageError`; warns of parameters that nothing reads.
+    """
     return warned(
         scenario_of(
             text, file=file, dialect=dialect, profile=profile, readings=readings, params=params, model=model, trust=trust, directory=directory,
@@ -30,7 +33,7 @@ def loads(
 
 def scenario_of(
     text: str, *, file: str = "<string>", dialect: str | None = None, profile: str = "paper", readings: Mapping[str, str] | None = None,
-    params: Mapping[str, object] | None = None, model: str | None = None, trust: bool = False, directory: Path | None = None,
+    params: Mapping[str, object] | None = None, model: str | None = None, trust: bool = False, directory: str | Path | None = None,
     fuel: int = DEFAULT_FUEL, scenario: str | None = None,
 ) -> Scenario:
     """As `loads`, without a warning."""

@@ -58,20 +58,20 @@ class Scenario(Portable, Shown, OverTime):
 
     `profile` and `readings` choose among the readings of the paper; `params` are global parameters that win over the
     program's own; `model` is the world model that replaces the program's (or is added, if it names none). `scenario` is the modular scenario
-    to begin with, else `Main` if there is one, else the program itself.
+    to begin with, else `Main` if there is one, else the program itself. Modules and maps are looked for in `directory`.
     """
 
     def __init__(
         self, program: Program, *, profile: str = "paper", readings: Mapping[str, str] | None = None, params: Mapping[str, object] | None = None,
-        model: str | None = None, trust: bool = False, directory: Path | None = None, fuel: int = DEFAULT_FUEL, scenario: str | None = None,
+        model: str | None = None, trust: bool = False, directory: str | Path | None = None, fuel: int = DEFAULT_FUEL, scenario: str | None = None,
     ) -> None:
-        check_settings(readings, params, fuel)
+        check_settings(readings, params, fuel, directory)
         self.program = program
         self.readings = select(profile, readings)
         self.params = dict(params or {})
         self.model = model
         self.trust = trust
-        self.directory = directory
+        self.directory = None if directory is None else Path(directory)
         self.fuel = fuel
         self.scenario = scenario
         self.draws: Draws = AS_THEY_ARE

@@ -92,6 +92,7 @@ def test_a_scene_without_objects_has_a_picture() -> None:
     (lambda: scenario(params={3: 4}), "params maps names to values"),
     (lambda: scenario(readings=["soft"]), "readings maps names to values"),
     (lambda: scenario(fuel="a"), "fuel is a whole number of at least 1, not 'a'"),
+    (lambda: scenario(directory=3), "a directory is a text or a `pathlib.Path`, not 3"),
     (lambda: scenario().sample().plot(3), "ax is axes of matplotlib, or None for new ones, not 3"),
     (lambda: scenario().plot(0), "n is a whole number of at least 1, not 0"),
     (lambda: scenario().plot(101), "a picture holds 100 scenes at most, not 101"),
@@ -139,3 +140,9 @@ def test_tracebacks_show_the_hint_once_also_from_other_processes(wrong: Callable
     for error in (found.value, pickle.loads(pickle.dumps(found.value))):
         assert "".join(traceback.format_exception(error)).splitlines()[-1] == last
         assert error.__notes__ == [last]
+
+
+def test_a_directory_may_be_a_text(tmp_path):
+    (tmp_path / "places.scenic").write_text("far = 30\n")
+    text = "from places import far\nego = Object at far @ 0\n"
+    assert scenic_ref.loads(text, directory=str(tmp_path)).sample().objects[0].position == (30, 0)
