@@ -1,18 +1,20 @@
 """`scenic-ref run` as a user starts it, with a file at its end: the seconds of the processor that it uses for each further scene.
 
 Each measurement runs the command twice, for n and for 2 n scenes. What the second takes more is n scenes, drawn and written; the rest of the first is
-the start, with what it compiles. The process answers as `own_sampler` does.
+the start, with what it compiles: n is so large that both runs do. The process answers as `own_sampler` does.
 """
 
 from __future__ import annotations
 
 import json
+import math
 import os
 import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +34,8 @@ LEAST = 1e-9
 """Seconds that scenes take at least."""
 COUNTED = 100
 """Scenes of which the numbers are counted."""
+KNOWN, TWICE = 0.5, 2
+"""Seconds of drawing on columns after which its pace is known; so many times as long as compiling may take, the smaller run would draw on columns."""
 
 Cost = Callable[[int], float]
 """The seconds of the processor that a run of so many scenes takes."""
@@ -86,13 +90,16 @@ def run(task: WritingTask, count: int, folder: str) -> float:
 class TimedCommand:
     """Runs for n and 2 n scenes; n grows until n scenes take long enough, later only where the noise took more than they did."""
 
-    def __init__(self, cost: Cost) -> None:
+    def __init__(self, cost: Cost, compiled: Callable[[], int] = lambda: FIRST) -> None:
         self.cost = cost
+        self.compiled = compiled
         self.count = FIRST
         self.growing = True
 
     def sample(self, seconds: float) -> dict[str, Any]:
-        """What the further scenes took, at least `seconds` seconds if there is an end to it."""
+        """What the further scenes took, at least `seconds` seconds if there is an end to it; from a second on, so many that both runs compile."""
+        if self.growing and seconds >= 1:
+            self.count = max(self.count, self.compiled())
         while True:
             once, twice = self.cost(self.count), self.cost(2 * self.count)
             took = twice - once
@@ -115,8 +122,22 @@ def numbers_of(task: WritingTask) -> float:
     return sum(column.size for column in columns.values() if column.dtype.kind in "bif") / COUNTED
 
 
+def compiled_from(task: WritingTask) -> int:
+    """The scenes from which on a run of the program compiles what draws them; `FIRST` if it never does."""
+    scenario = load(task.program, trust=task.trust)
+    batch = None if scenario.not_lifted is not None or find_spec("numba") is None else scenario.batch
+    if batch is None:
+        return FIRST
+    batch.may_compile = False
+    count = FIRST
+    while batch.spent < KNOWN and count < LARGEST:
+        batch.block(task.seed, 0, count)
+        count *= 2
+    return min(LARGEST, max(FIRST, math.ceil(TWICE * batch.compiling / batch.pace)))
+
+
 def main() -> None:
     """The process; the task is its argument."""
     task = WritingTask(**json.loads(sys.argv[1]))
     with tempfile.TemporaryDirectory() as folder:
-        serve(lambda: ({"numbers": numbers_of(task)}, TimedCommand(lambda count: run(task, count, folder)).sample))
+        serve(lambda: ({"numbers": numbers_of(task)}, TimedCommand(lambda count: run(task, count, folder), lambda: compiled_from(task)).sample))

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 from scenic_ref.benchmarks import course
 from scenic_ref.benchmarks.bars import bars
 from scenic_ref.benchmarks.contenders import Ours
-from scenic_ref.benchmarks.end_to_end import FIRST, LARGEST, TimedCommand, WritingTask, numbers_of
+from scenic_ref.benchmarks.end_to_end import FIRST, LARGEST, TimedCommand, WritingTask, compiled_from, numbers_of
 from scenic_ref.benchmarks.figures import Cell, Figures, fitted
 from scenic_ref.benchmarks.growth import many_objects, many_polygons
 from scenic_ref.benchmarks.own_sampler import SamplingTask, TimedSampler, prepare
@@ -232,6 +233,15 @@ def test_further_scenes_are_told_from_the_start():
     assert asked == [FIRST, 2 * FIRST, 4 * FIRST, 8 * FIRST, 16 * FIRST, 32 * FIRST]
     assert sampler.sample(9)["scenes"] == 16_000, "later measurements are of the same number"
     assert TimedCommand(lambda count: 3.0).sample(1)["scenes"] <= LARGEST, "an end where a scene costs nothing"
+
+
+def test_both_runs_compile():
+    """Where a measurement may take a second: the smaller one would take longer on columns than compiling does."""
+    path = Path(__file__).parents[2] / "examples" / "gallery" / "simplest.scenic"
+    count = compiled_from(WritingTask(str(path), "npz"))
+    assert count == FIRST if find_spec("numba") is None else FIRST < count < LARGEST
+    assert TimedCommand(lambda count: count / 1000, lambda: 5 * FIRST).sample(1)["scenes"] == 5 * FIRST
+    assert TimedCommand(lambda count: count / 1000, lambda: 5 * FIRST).sample(0.5)["scenes"] == FIRST
 
 
 def test_a_measurement_that_was_all_noise_is_taken_again_of_more_scenes():

@@ -162,13 +162,18 @@ class Batch:
         for index in range(block.start, block.start + len(block.attempts)):
             yield block.others[index] if index in block.others else next(made)
 
+    @property
+    def compiling(self) -> float:
+        """The seconds of a processor that compiling is expected to take."""
+        return COMPILE_LEAST + COMPILE_NODE * len(self.graph.nodes)
+
     def block(self, seed: int, start: int, stop: int, *, max_attempts: int = DEFAULT_ATTEMPTS, ahead: int = 0) -> Block:
         """Scenes `start` to `stop - 1`; about `ahead` more will be asked for, as far as is known.
 
         Once the columns have taken as long as compiling is expected to take, or will by what is known of their pace, the compiled evaluator
         does the rest. Small blocks, which come first, tell little of the pace.
         """
-        compiling = COMPILE_LEAST + COMPILE_NODE * len(self.graph.nodes)
+        compiling = self.compiling
         if self.may_compile and self.tensors is None and self.spent > PACE_KNOWN * compiling and self.spent + self.pace * ahead > compiling:
             self.compile()
         begun = time.thread_time()
