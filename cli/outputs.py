@@ -73,10 +73,8 @@ class Output(ABC):
         """The form in which many scenes at a time are taken."""
         return "lines"
 
-    @property
-    def lines(self) -> int | None:
-        """How many lines were written, where each scene is one."""
-        return None
+    written = 0
+    """How many scenes are where they go; of a table none before it is complete."""
 
     def __enter__(self) -> Output:
         return self
@@ -105,13 +103,6 @@ class Output(ABC):
 
 class LineByLine(Output):
     """JSON Lines, each written whole as soon as its scene is drawn; Ctrl-C comes before or after it."""
-
-    written = 0
-
-    @property
-    def lines(self) -> int:
-        """How many were written."""
-        return self.written
 
     def write(self, drawn: DrawnScene) -> None:
         """One line."""
@@ -236,22 +227,23 @@ class ArrowPipe(Output):
 
     def write(self, drawn: DrawnScene) -> None:
         """The objects of a scene, soon."""
-        self._sent(self.stream.add, json.loads(drawn.line))
+        self._sent(self.stream.add, json.loads(drawn.line), scenes=1)
 
     def write_many(self, portion: Portion) -> None:
         """The objects of all scenes, soon."""
         if portion.columns is not None:
-            self._sent(self.stream.add_columns, portion.columns)
+            self._sent(self.stream.add_columns, portion.columns, scenes=len(portion.attempts))
 
     def finish(self) -> None:
         """What is left, and the end of the stream."""
         self._sent(self.stream.finish)
 
-    def _sent(self, send: Callable[..., None], *what: object) -> None:
+    def _sent(self, send: Callable[..., None], *what: object, scenes: int = 0) -> None:
         with uninterrupted():
             try:
                 send(*what)
                 sys.stdout.buffer.flush()
+                self.written += scenes
             except BrokenPipeError:
                 raise
             except OSError as error:

@@ -74,8 +74,9 @@ def produce(source: Source, request: SceneRequest, session: Session) -> None:
                 produce_one_by_one(drawing, job, request, output, tally, progress, known, unread, stack)
             output.finish()
     except KeyboardInterrupt as stop:
-        written = None if output is None else output.lines
-        for line in lines_so_far(drawing, tally, written, unread, start, stop, session):
+        if start > request.start:
+            tell(f"{start - request.start:,} scenes were there already")
+        for line in lines_so_far(drawing, tally, 0 if output is None else output.written, unread, start, stop, session):
             tell(line)
         raise
     if source.prune:
@@ -97,12 +98,11 @@ def produce(source: Source, request: SceneRequest, session: Session) -> None:
 
 
 def lines_so_far(
-    drawing: Drawing, tally: Tally, written: int | None, unread: list[object], start: int, stop: KeyboardInterrupt, session: Session
+    drawing: Drawing, tally: Tally, written: int, unread: list[object], start: int, stop: KeyboardInterrupt, session: Session
 ) -> list[str]:
     """What a run from scene `start` came to that was interrupted, with the attempts at scenes that were not found yet.
 
-    Of the scenes of the tally so many were `written` (None: they are not written one by one). `unread` is what other processes had found
-    behind a scene that was still missing.
+    Of the scenes of the tally so many were `written`. `unread` is what other processes had found behind a scene that was still missing.
     """
     behind = tally_of(unread)
     stuck = tally.stuck + behind.stuck
@@ -112,9 +112,8 @@ def lines_so_far(
         stuck.update(stop.stuck)
     elif block is not None and block.start >= start + tally.scenes:
         stuck.update(block.stuck)
-    scenes = tally.scenes if written is None else written
-    head = f"{counted(scenes, 'scene')} so far, and {counted(stuck.total(), 'stuck attempt')}"
-    if more := tally.scenes - scenes + behind.scenes:
+    head = f"{counted(written, 'scene')} so far, and {counted(stuck.total(), 'stuck attempt')}"
+    if more := tally.scenes - written + behind.scenes:
         head += f"; {counted(more, 'scene')} more were drawn, and not written"
     return [head, *(requirement_lines(stuck.most_common(), session.texts, limit=WORST) if stuck else [])]
 

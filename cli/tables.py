@@ -39,6 +39,7 @@ class Terminal(Output):
         room = MOST_SHOWN - len(self.scenes)
         self.scenes += map(json.loads, lines[:room])
         self.more += len(lines[room:])
+        self.written += len(lines)
 
     def close(self) -> None:
         """Show the scenes that were drawn."""

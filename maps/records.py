@@ -7,6 +7,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from inspect import get_annotations
 from typing import Any
 
 import numpy as np
@@ -131,7 +132,7 @@ class NetworkReader:
         for one, (_, attributes) in zip(self.objects, self.records, strict=True):
             complete(one, **{name: self.value(value) for name, value in attributes.items()})
         network = self.objects[0]
-        if not isinstance(network, Network):
+        if not isinstance(network, Network) or not vars(network).keys() | APART >= get_annotations(Network).keys():
             raise TypeError("the first object is no network")
         return network
 

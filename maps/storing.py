@@ -9,11 +9,13 @@ from __future__ import annotations
 import hashlib
 import io
 import os
+import sys
 import tempfile
+import time
 import zipfile
+import zlib
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from functools import cache
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -29,34 +31,43 @@ Arrays: TypeAlias = Mapping[str, NDArray[Any]]
 SMALLEST = 1 << 16
 """Bytes of a map from which on something is kept of it; smaller ones are read as quickly."""
 MOST, MOST_BYTES = 64, 1 << 29
-"""Files that are kept, and their size; those that were not used for longest go first."""
-FAULTS = (ValueError, LookupError, TypeError, EOFError, zipfile.BadZipFile, shapely.errors.ShapelyError)
+"""Files that are kept, two of each map, and their size; those that were not used for longest go first."""
+SKEW = 60.0
+"""Seconds by which clocks differ; what was used later than that was used by a wrong clock, and goes first."""
+FAULTS = (
+    ValueError, LookupError, TypeError, AttributeError, EOFError, RuntimeError, MemoryError, zlib.error, zipfile.BadZipFile,
+    shapely.errors.ShapelyError,
+)  # fmt: skip
 """What comes of a file that is whole but was not written by this."""
 DIGEST = hashlib.blake2b().digest_size
 """Bytes at the beginning of a file that tell whether the others are as they were written."""
-PART = ".part"
+ENDING, PART = ".map", ".part"
 
 
-@cache
-def code() -> bytes:
-    """What is made of a map depends on this, beside the map: the code, and the libraries that calculate. Empty if it cannot be told."""
+def code_there() -> bytes:
+    """All code that what is made of a map may depend on, and the libraries that calculate; empty if it cannot be told."""
     package = Path(__file__).parents[1]
-    sources = sorted(file for folder in ("maps", "semantics/space") for file in (package / folder).rglob("*.py"))
-    if not sources:
+    found = hashlib.blake2b(f"{sys.version} {np.__version__} {shapely.__version__} {shapely.geos_version_string}".encode())
+    try:
+        sources = sorted(file for folder in ("maps", "semantics") for file in (package / folder).rglob("*.py") if not file.name.startswith("."))
+        for file in sources:
+            found.update(file.read_bytes())
+    except OSError:
         return b""
-    found = hashlib.blake2b(f"{np.__version__} {shapely.__version__} {shapely.geos_version_string}".encode())
-    for file in sources:
-        found.update(file.read_bytes())
-    return found.digest()
+    return found.digest() if sources else b""
+
+
+CODE = code_there()
+"""The code that runs: it is read when it is imported, since it may be changed later."""
 
 
 def place_of(what: str, source: bytes, tolerance: float) -> Path | None:
     """The file that keeps `what` of a map; None if that is small, or nothing can be kept."""
-    folder = cache_folder() if len(source) >= SMALLEST and code() else None
+    folder = cache_folder() if len(source) >= SMALLEST and CODE else None
     if folder is None:
         return None
-    key = hashlib.blake2b(code() + f"{what} {tolerance!r} ".encode() + source, digest_size=20)
-    return folder / "maps" / f"{key.hexdigest()}.map"
+    key = hashlib.blake2b(CODE + f"{what} {tolerance!r} ".encode() + source, digest_size=20)
+    return folder / "maps" / f"{key.hexdigest()}{ENDING}"
 
 
 def arrays_in(place: Path | None) -> Arrays | None:
@@ -79,7 +90,9 @@ def arrays_in(place: Path | None) -> Arrays | None:
 
 
 def keep(place: Path, arrays: Arrays) -> None:
-    """Write a file, if that is possible, in place of what other processes may be reading or writing."""
+    """Write a file, if that is possible and this is still the code that runs, in place of what other processes may be reading or writing."""
+    if code_there() != CODE:
+        return
     buffer = io.BytesIO()
     np.savez(buffer, **arrays)  # type: ignore[arg-type]  # none is named allow_pickle
     data = buffer.getbuffer()
@@ -103,14 +116,22 @@ def keep(place: Path, arrays: Arrays) -> None:
 
 def forget(folder: Path) -> None:
     """Delete what was not used for longest, until no more is kept than is wanted."""
-    found = sorted(((entry.stat().st_mtime, entry.stat().st_size, entry.path) for entry in os.scandir(folder)), reverse=True)
-    size = 0
-    for number, (_, bytes_of_it, path) in enumerate(found):
-        size += bytes_of_it
-        if number >= MOST or size > MOST_BYTES:
-            with suppress(OSError):
-                os.unlink(path)
+    found, size = list[tuple[float, int, str]](), 0
+    for entry in os.scandir(folder):
+        if entry.name.endswith((ENDING, PART)):
+            with suppress(OSError):  # another process has deleted it
+                known = entry.stat(follow_symlinks=False)
+                used = known.st_mtime if known.st_mtime < time.time() + SKEW else 0.0
+                found.append((used, known.st_size, entry.path))
+    for number, (_, bytes_of_it, path) in enumerate(sorted(found, reverse=True)):
+        if number < MOST and size + bytes_of_it <= MOST_BYTES:
+            size += bytes_of_it
+            continue
+        with suppress(OSError):
+            os.unlink(path)
 
+
+# Shapes
 
 
 def packed(shapes: Sequence[BaseGeometry]) -> dict[str, NDArray[Any]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
+from os import PathLike
 
 from ..semantics.kernel.errors import UsageError
 from ..semantics.kernel.suggestions import did_you_mean
@@ -22,7 +22,7 @@ def check_settings(readings: object, params: object, fuel: object, directory: ob
         if given is not None and not (isinstance(given, Mapping) and all(isinstance(name, str) for name in given)):
             raise UsageError(f"{what} maps names to values, as in {example}, and is not {given!r:.60}")
     check_whole(("fuel", fuel, 1))
-    if not isinstance(directory, str | Path | None):
+    if not isinstance(directory, str | PathLike | None):
         raise UsageError(f"a directory is a text or a `pathlib.Path`, not {directory!r:.60}")
 
 

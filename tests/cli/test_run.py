@@ -269,6 +269,22 @@ def test_an_interrupt_while_scenes_are_written_tells_how_many_were(ask, monkeypa
     assert found.code == 130 and 0 < sizes[0] == len(lines) < 512
     told = rf"{sizes[0]} scenes so far, and \d+ stuck attempts; {512 - sizes[0]} scenes more were drawn, and not written\n"
     assert re.match(told, found.err)
+    if to != "-":
+        sizes.clear()
+        found = ask("run", "random.scenic", "-n", "600", "-o", to, "--resume")
+        now = Path(to).read_text().count("\n") - len(lines)
+        assert found.code == 130 and now == sizes[0]
+        assert found.err.startswith(f"{len(lines)} scenes were there already\n{now} scenes so far, and ")
+
+
+def test_of_an_interrupted_table_nothing_is_written(ask, monkeypatch):
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(outputs.TableOutput, "write_many", interrupt)
+    found = ask("run", "random.scenic", "-n", "512", "-o", "scenes.npz")
+    assert found.code == 130 and not Path("scenes.npz").exists()
+    assert re.match(r"0 scenes so far, and \d+ stuck attempts; 512 scenes more were drawn, and not written\n", found.err)
 
 
 def processor_time(pid: int) -> float:

@@ -9,7 +9,9 @@ import os
 import pickle
 import random
 from collections.abc import Mapping
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
+from threading import Barrier
 
 import numpy as np
 import pytest
@@ -106,16 +108,43 @@ def test_other_maps_tolerances_and_codes_have_other_files(folder, monkeypatch):
     for count, ask in enumerate([lambda: again(MAP), lambda: again(MAP, 0.06), lambda: again(MAP + b"\n"), lambda: again(MAP)], start=1):
         ask()
         assert len(list(folder.iterdir())) == min(count, 3)
-    monkeypatch.setattr(storing, "code", lambda: b"another")
+    monkeypatch.setattr(storing, "CODE", b"another")
+    monkeypatch.setattr(storing, "code_there", lambda: b"another")
     again(MAP)
     assert len(list(folder.iterdir())) == 4
+
+
+def test_code_that_is_changed_while_it_runs_keeps_nothing(folder, monkeypatch):
+    monkeypatch.setattr(storing, "code_there", lambda: b"newer than what runs")
+    assert again(MAP).roadDirection.cells
+    assert not folder.exists()
+
+
+@pytest.mark.parametrize("change", ["other", "more", "gone"])
+def test_the_code_is_all_that_the_package_has(tmp_path, monkeypatch, change):
+    for folder in ("maps", "semantics/space"):
+        (tmp_path / folder).mkdir(parents=True)
+        (tmp_path / folder / "made.py").write_text("x = 1\n")
+    monkeypatch.setattr(storing, "__file__", str(tmp_path / "maps" / "storing.py"))
+    first = storing.code_there()
+    (tmp_path / "maps" / ".#made.py").symlink_to("nobody@nowhere")  # as editors lock files
+    assert first == storing.code_there() != b""
+    place = tmp_path / "semantics" / "space" / "made.py"
+    if change == "other":
+        place.write_text("x = 2\n")
+    elif change == "more":
+        (tmp_path / "semantics" / "more.py").write_text("y = 1\n")
+    else:
+        place.unlink()
+        place.symlink_to("nowhere.py")
+    assert storing.code_there() != first and (change != "gone" or storing.code_there() == b"")
 
 
 def test_small_maps_and_unknown_code_are_not_kept(folder, monkeypatch):
     monkeypatch.setattr(storing, "SMALLEST", len(MAP) + 1)
     again(MAP)
     monkeypatch.setattr(storing, "SMALLEST", 0)
-    monkeypatch.setattr(storing, "code", lambda: b"")
+    monkeypatch.setattr(storing, "CODE", b"")
     again(MAP)
     assert not folder.exists()
 
@@ -162,6 +191,8 @@ FORGED = [
     {**NOTHING, "objects": objects(["Car", {}])}, {**NOTHING, "objects": objects(["Lane", {}])}, {**NOTHING, "objects": objects(1)},
     {**NOTHING, "objects": objects(["Network", {"roads": [7]}])}, {**NOTHING, "objects": objects(["Network", {"roads": {"run": "x"}}])},
     {**NOTHING, "objects": objects(["Network", {"roads": {"shape": 0}}]), "sizes": np.array([5])},
+    {**NOTHING, "objects": objects(["Network", []])}, {**NOTHING, "objects": objects(["Network", {}])},
+    {**NOTHING, "objects": np.frombuffer(b"[" * 100_000, dtype=np.uint8)},
 ]  # fmt: skip
 
 
@@ -206,11 +237,33 @@ def test_what_was_not_used_for_longest_goes_first(folder, monkeypatch):
     assert list(folder.iterdir()) == []
 
 
-def written_by_another(begin: object, home: str) -> str:
+def test_files_of_others_stay_and_hinder_nothing(folder, monkeypatch):
+    monkeypatch.setattr(storing, "MOST", 3)
+    folder.mkdir(parents=True)
+    (folder / "thesis.tex").write_text("")
+    os.utime(folder / "thesis.tex", (0, 0))
+    (folder / "away.map").symlink_to("nowhere")
+    for k in range(5):
+        again(MAP + b"\n" * k)
+    assert (folder / "thesis.tex").exists() and len(list(folder.iterdir())) == 4
+
+
+def test_a_clock_that_was_wrong_hinders_nothing(folder, monkeypatch):
+    monkeypatch.setattr(storing, "MOST", 2)
+    for k in range(2):
+        again(MAP + b"\n" * k)
+    for place in folder.iterdir():
+        os.utime(place, (4e9, 4e9))
+    again(MAP + b" ")
+    again(MAP + b"  ")
+    assert any(place.stat().st_mtime < 3.9e9 for place in folder.iterdir())
+
+
+def written_by_another(begin: Barrier, home: str) -> str:
     """What another process gets, when all begin."""
     os.environ["XDG_CACHE_HOME"] = home
     storing.SMALLEST = 0
-    begin.wait()
+    begin.wait(60)
     network = network_from(MAP)
     return repr((network, len(network.roadDirection.cells)))
 
@@ -218,8 +271,8 @@ def written_by_another(begin: object, home: str) -> str:
 @pytest.mark.slow
 def test_processes_may_write_at_the_same_time(folder):
     spawning = multiprocessing.get_context("spawn")
-    with spawning.Manager() as manager, spawning.Pool(4) as pool:
+    with spawning.Manager() as manager, ProcessPoolExecutor(4, mp_context=spawning) as pool:
         begin = manager.Barrier(4)
-        told = pool.starmap(written_by_another, [(begin, str(folder.parent.parent))] * 4, chunksize=1)
+        told = [one.result() for one in [pool.submit(written_by_another, begin, str(folder.parent.parent)) for _ in range(4)]]
     assert len(set(told)) == 1 and sorted(place.suffix for place in folder.iterdir()) == [".map", ".map"]
     assert in_full(again(MAP)) == in_full(network_of(opendrive.read(MAP), TOLERANCE))
