@@ -14,10 +14,10 @@ import sys
 import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from ..interpreter.extras import is_installed
 from ..scenario import load
 from .contenders import MeasuredProgram, on_one_thread, python_that_runs
 from .own_sampler import Skipped, serve
@@ -125,7 +125,7 @@ def numbers_of(task: WritingTask) -> float:
 def compiled_from(task: WritingTask) -> int:
     """The scenes from which on a run of the program compiles what draws them; `FIRST` if it never does."""
     scenario = load(task.program, trust=task.trust)
-    batch = None if scenario.not_lifted is not None or find_spec("numba") is None else scenario.batch
+    batch = None if scenario.not_lifted is not None or not is_installed("numba") else scenario.batch
     if batch is None:
         return FIRST
     batch.may_compile = False
