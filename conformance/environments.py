@@ -13,6 +13,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..interpreter.caches import cache_place
 from ..semantics.kernel.errors import UsageError
 from ..semantics.readings import select
 from .external import ANSWER_SECONDS, External
@@ -76,17 +77,10 @@ def released(version: str, seconds: float, say: Callable[[str], None]) -> Extern
     return External([str(python), str(ADAPTER)], profile=select(RELEASES[version].profile), seconds=seconds)
 
 
-def cache() -> Path:
-    """The folder of the environments."""
-    if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local"), "scenic-ref")
-    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache"), "scenic-ref")
-
-
 def environment(version: str, say: Callable[[str], None]) -> Path:
     """The Python that has the release installed; its environment is made if there is none. Raises `UsageError`."""
     tag = f"{sys.version_info.major}.{sys.version_info.minor}"
-    folder = cache() / f"scenic-{version}-python-{tag}"
+    folder = cache_place() / f"scenic-{version}-python-{tag}"
     python = Path("Scripts", "python.exe") if sys.platform == "win32" else Path("bin", "python")
     if not (folder / MADE).exists():
         say(f"making an environment with scenic {version} in {folder}, once: this takes some minutes")

@@ -13,7 +13,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from scenic_ref.conformance.environments import MADE, Release, cache, make
+from scenic_ref.conformance.environments import MADE, Release, make
+from scenic_ref.interpreter.caches import cache_place
 from scenic_ref.maps import read_map
 from scenic_ref.maps.elements import Lane, LaneSection
 from scenic_ref.maps.making import made
@@ -31,7 +32,7 @@ Contacts = dict[Place, dict[str, set[Place]]]
 
 def python() -> Path:
     """The Python of an environment with `ad_map_access`, which is made once."""
-    folder = cache() / "ad_map_access-3.0.0"
+    folder = cache_place() / "ad_map_access-3.0.0"
     if not (folder / MADE).exists():
         try:
             make(folder, Path("bin", "python"), PACKAGE, print)

@@ -10,13 +10,13 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
+from scenic_ref.interpreter.caches import cache_place
 from scenic_ref.maps.making import made
 
 from .test_making import CASES
 from .walked import DRIVEN, Map, ends_of
 
-CACHE = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-PYTHON = CACHE / "scenic-ref" / "scenic-3.1.1-python-3.11" / "bin" / "python"
+PYTHON = cache_place() / "scenic-3.1.1-python-3.11" / "bin" / "python"
 RIGHT = [case for case in CASES if not case[1].get("left_hand")]
 READ = """
 import collections, json, sys, warnings

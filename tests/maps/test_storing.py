@@ -35,7 +35,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.setattr(storing, "SMALLEST", 0)
     kept.cache_clear()
-    return tmp_path / "scenic_ref" / "maps"
+    return tmp_path / "scenic-ref" / "maps"
 
 
 def again(source: bytes, tolerance: float = TOLERANCE) -> Network:
@@ -218,7 +218,7 @@ def test_nothing_half_written_is_left(folder, monkeypatch, stop):
 
 
 def test_where_nothing_can_be_written_nothing_is_kept(folder, monkeypatch):
-    Path(folder.parent.parent, "scenic_ref").write_text("")
+    Path(folder.parent.parent, "scenic-ref").write_text("")
     assert in_full(again(MAP)) == in_full(network_of(opendrive.read(MAP), TOLERANCE))
 
 
