@@ -1,6 +1,6 @@
-"""Run by the Python of a released Scenic: agent-steps per second of the processor in its simulator in which nothing happens.
+"""Run by the Python of a released Scenic: the processor's seconds of a simulation, in its simulator in which nothing happens or its Newtonian one.
 
-    python released_simulator.py STEPS < PROGRAM
+    python released_simulator.py STEPS still|kinematic < PROGRAM
 
 A line of JSON: the seconds of so many time steps, those of a simulation of a single one taken away. The text is in our syntax.
 """
@@ -13,20 +13,30 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import Any
 
 ACTIONS = '''
 from scenic.core.simulators import Action
 class SetThrottleAction(Action):
     def __init__(self, throttle): self.throttle = throttle
-    def applyTo(self, obj, simulation): pass
+    def applyTo(self, obj, simulation): obj.throttle = self.throttle
 class SetSteerAction(Action):
     def __init__(self, steer): self.steer = steer
-    def applyTo(self, obj, simulation): pass
+    def applyTo(self, obj, simulation): obj.steer = self.steer
 class SetBrakeAction(Action):
     def __init__(self, brake): self.brake = brake
-    def applyTo(self, obj, simulation): pass
+    def applyTo(self, obj, simulation): obj.brake = self.brake
 '''
-"""The names that the program takes from the driving library; here they do nothing."""
+"""The names that the program takes from the driving library, which needs a map there; they set what the Newtonian simulator reads."""
+CONTROLS = "class Car:\n    isCar: True\n    throttle: 0\n    brake: 0\n    steer: 0\n    hand_brake: 0\n    reverse: 0"
+"""What its cars have."""
+
+
+def newtonian() -> Any:
+    """The simulator of vehicles without forces between them, which shows nothing."""
+    from scenic.simulators.newtonian import NewtonianSimulator  # pyright: ignore[reportMissingImports]
+
+    return NewtonianSimulator(render=False)
 
 
 def main() -> None:
@@ -41,8 +51,9 @@ def main() -> None:
     text = sys.stdin.read().replace("from scenic.domains.driving.actions", "from actions_of_benchmark").replace("simulation.", "simulation().")
     text = re.sub(r"\bCar at \((\d+), (\d+)\)", rf"{'new ' if newer else ''}Car at \1 @ \2", text)
     text = re.sub(r"(with behavior \w+)$", r"\1()", text, flags=re.MULTILINE)
+    text = text.replace("class Car:", CONTROLS)
     scene, _ = scenic.scenarioFromString(text, **({"mode2D": True} if newer else {})).generate()
-    simulator = DummySimulator()
+    simulator = newtonian() if sys.argv[2] == "kinematic" else DummySimulator()
 
     def seconds(count: int) -> float:
         begun = time.process_time()

@@ -2,8 +2,9 @@
 
     python benchmarks/simulation.py [--steps N] [--repeat K] [--against NAME=PYTHON ...] [-o RESULT.json]
 
-Turns of both backends, and of each released Scenic (the Python of its environment; still only: its simulator in which nothing happens), alternate.
-Medians of K turns with the least and the most; of the simulator, what its own calls take.
+Turns of both backends, and of each released Scenic (the Python of its environment; still and kinematic only: its simulator in which nothing happens,
+and its Newtonian one), alternate. Medians of K turns with the least and the most; also what the compiled policy and the simulator's own time step
+take of a turn. At last the milliseconds until a simulation of one time step ends, of a scenario that was just loaded.
 """
 
 from __future__ import annotations
@@ -14,14 +15,15 @@ import json
 import statistics
 import subprocess
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import scenic_ref
 from scenic_ref.benchmarks.results import print_head, print_row, save
+from scenic_ref.inference.dynamics.policy import CompiledPolicy
 from scenic_ref.simulators import by_name
-from scenic_ref.simulators.simulating import Simulator
 
 HEAD = """
 from scenic.domains.driving.actions import *
@@ -54,24 +56,25 @@ RELEASED = Path(__file__).with_name("released_simulator.py")
 BEHAVIORS = {"simple": "Go", "nested": "Nested"}
 
 
-class Timed:
-    """A simulator that adds up the seconds spent in it."""
+@contextmanager
+def timed(owner: Any, name: str) -> Iterator[Callable[[], float]]:
+    """What the calls of a method of this class or object take in all, in seconds of the processor."""
+    method = getattr(owner, name)
+    spent = 0.0
 
-    def __init__(self, inner: Simulator) -> None:
-        self.inner, self.timestep, self.properties, self.random = inner, inner.timestep, inner.properties, inner.random
-        self.seconds = 0.0
+    def measured(*arguments: object) -> object:
+        nonlocal spent
+        begun = time.process_time()
+        try:
+            return method(*arguments)
+        finally:
+            spent += time.process_time() - begun
 
-    def __getattr__(self, name: str) -> object:
-        method = getattr(self.inner, name)
-
-        def timed(*arguments: object) -> object:
-            begun = time.process_time()
-            try:
-                return method(*arguments)
-            finally:
-                self.seconds += time.process_time() - begun
-
-        return timed
+    setattr(owner, name, measured)
+    try:
+        yield lambda: spent
+    finally:
+        setattr(owner, name, method)
 
 
 class Row(NamedTuple):
@@ -93,9 +96,10 @@ def row_of(seconds: Sequence[float], count: int) -> Row:
 
 def measure(simulator: str, agents: int, behavior: str, steps: int, repeat: int, against: Mapping[str, str]) -> dict[str, object]:
     """One row of the table."""
-    text = HEAD + "".join(f"{'ego = ' if k == 0 else ''}Car at ({5 * k}, 0), with behavior {BEHAVIORS[behavior]}\n" for k in range(agents))
+    text = program(agents, behavior)
     scenario = scenic_ref.loads(text)
     turns: dict[str, list[float]] = {name: [] for name in ("compiled", "interpreter", *against)}
+    policies: list[float] = []
     inside: list[float] = []
     for backend in BACKENDS:
         seconds_of(scenario, by_name(simulator), 5, backend)
@@ -104,18 +108,37 @@ def measure(simulator: str, agents: int, behavior: str, steps: int, repeat: int,
             alone = seconds_of(scenario, by_name(simulator), 0, backend)
             turns[backend].append(seconds_of(scenario, by_name(simulator), steps, backend) - alone)
         for name, python in against.items():
-            done = subprocess.run([python, str(RELEASED), str(steps)], input=text, check=True, capture_output=True, text=True)
+            done = subprocess.run([python, str(RELEASED), str(steps), simulator], input=text, check=True, capture_output=True, text=True)
             turns[name].append(json.loads(done.stdout))
-        timed = Timed(by_name(simulator))
-        seconds_of(scenario, timed, steps, "compiled")
-        inside.append(timed.seconds)
+        inner = by_name(simulator)
+        with timed(CompiledPolicy, "__call__") as policy, timed(inner, "step") as inner_step:
+            seconds_of(scenario, inner, 0, "compiled")
+            alone = policy()
+            seconds_of(scenario, inner, steps, "compiled")
+            policies.append(policy() - 2 * alone)
+            inside.append(inner_step())
     rows = {name: row_of(seconds, agents * steps) for name, seconds in turns.items()}
     others = [name for name in turns if name != "compiled"]
     ratios = {f"{name} / compiled": round(statistics.median(a / b for a, b in zip(turns[name], turns["compiled"])), 1) for name in others}
     return {
         "simulator": simulator, "behavior": behavior, "agents": agents, **{name: str(row) for name, row in rows.items()},
-        "the simulator's own": str(row_of(inside, agents * steps)), **ratios,
+        "policy": str(row_of(policies, agents * steps)), "simulator's step": str(row_of(inside, agents * steps)), **ratios,
     }  # fmt: skip
+
+
+def first_step(agents: int, behavior: str, repeat: int) -> dict[str, object]:
+    """Until the first time step has passed: a scenario that was just loaded, the scene and one time step; milliseconds."""
+    turns: dict[str, list[float]] = {backend: [] for backend in BACKENDS}
+    for backend in BACKENDS * (1 + repeat):
+        turns[backend].append(seconds_of(scenic_ref.loads(program(agents, behavior)), by_name("still"), 1, backend))
+    rows = {backend: str(row_of(seconds[1:], 1000)) for backend, seconds in turns.items()}
+    ratio = statistics.median(a / b for a, b in zip(*(turns[backend][1:] for backend in BACKENDS)))
+    return {"behavior": behavior, "agents": agents, **rows, "compiled / interpreter": round(ratio, 2)}
+
+
+def program(agents: int, behavior: str) -> str:
+    """So many cars with a behavior."""
+    return HEAD + "".join(f"{'ego = ' if k == 0 else ''}Car at ({5 * k}, 0), with behavior {BEHAVIORS[behavior]}\n" for k in range(agents))
 
 
 def seconds_of(scenario: scenic_ref.Scenario, simulator: object, steps: int, backend: str) -> float:
@@ -137,13 +160,15 @@ def main() -> None:
     options = parser.parse_args()
     against = dict(one.split("=", 1) for one in options.against)
     rows = [
-        measure(s, n, b, options.steps, options.repeat, against if s == "still" else {})
+        measure(s, n, b, options.steps, options.repeat, against if s != "pymunk" else {})
         for s in options.simulators for b in BEHAVIORS for n in (2, 10, 50)
     ]  # fmt: skip
-    print_head(list(rows[0]))
-    for row in rows:
-        print_row(list(row.values()))
-    save(options.o, rows, steps=options.steps)
+    first = [first_step(n, b, 3 * options.repeat) for b in BEHAVIORS for n in (1, 2, 10)]
+    for table in (rows, first):
+        print_head(list(table[0]))
+        for row in table:
+            print_row(list(row.values()))
+    save(options.o, rows, steps=options.steps, first=first)
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from ..formats.recordings import Body
 from ..semantics.kernel.kinds import kind_name
 from ..semantics.kernel.values import Described
 from ..semantics.space.vectors import TakesObjects, TakesPoints, Vector
-from .arguments import HEADING, NUMBER, SHARE, SPEED, STEERING, TRUTH, VECTOR, Wanted, check
+from .arguments import HEADING, NUMBER, SHARE, SPEED, STEERING, TRUTH, VECTOR, Wanted, check, unwanted
 
 WALKING = SPEED._replace(words=f"{SPEED.words} (SetWalkingDirectionAction turns a pedestrian round)")
 VEHICLES = "drives"
@@ -46,7 +46,9 @@ class Action(TakesPoints, TakesObjects):
 
     def __post_init__(self) -> None:
         """Check the arguments. Raises `ValueError`."""
-        check(type(self).__name__, self.wanted, {name: getattr(self, name) for name in self.wanted})
+        for name, kind in self.wanted.items():
+            if not kind.admits(getattr(self, name)):
+                raise unwanted(type(self).__name__, name, kind, getattr(self, name))
 
     def reason_against(self, body: Body | Described) -> str | None:
         """Why this object cannot take the action, None if it can."""

@@ -26,7 +26,7 @@ class Wanted(NamedTuple):
 
 def is_number(value: object) -> bool:
     """Whether a value is a finite number."""
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+    return math.isfinite(value) if type(value) is float else isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
 
 
 def between(low: float, high: float, words: str) -> Wanted:
@@ -68,4 +68,9 @@ def check(of: str, wanted: Mapping[str, Wanted], values: Mapping[str, object]) -
     """Raise `ValueError` for the first argument that is not what is wanted."""
     for name, kind in wanted.items():
         if not kind.admits(values[name]):
-            raise ValueError(f"{of}: {name} must be {kind.words}, not {shown(values[name])}")
+            raise unwanted(of, name, kind, values[name])
+
+
+def unwanted(of: str, name: str, kind: Wanted, value: object) -> ValueError:
+    """The error for an argument that is not what is wanted."""
+    return ValueError(f"{of}: {name} must be {kind.words}, not {shown(value)}")

@@ -136,14 +136,17 @@ def take(body: Moving, action: object) -> None:
 def move(body: Moving, dt: float) -> None:
     """One time step of `dt` seconds."""
     if body.vehicle:
-        speed = body.speed
+        sine, cosine = math.sin(body.heading), math.cos(body.heading)
+        speed = math.hypot(body.vx, body.vy)
+        if body.vy * cosine < body.vx * sine:
+            speed = -speed
         controls = body.controls
         if controls.braking > 0:
             slower = BRAKING * controls.braking * dt
             speed = max(0.0, speed - slower) if speed > 0 else min(0.0, speed + slower)
         else:
             speed += controls.driving * ACCELERATION * dt
-        body.run(speed, body.heading)
+        body.vx, body.vy = -speed * sine, speed * cosine
         body.turning = -speed * math.sin(controls.steer * math.pi / 2) / body.length if controls.steer else 0.0
     body.x += body.vx * dt
     body.y += body.vy * dt

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from types import MappingProxyType
 from typing import NamedTuple, Protocol, TypeVar
@@ -155,12 +155,20 @@ def step_of(simulator: Simulator, actions: Mapping[int, tuple[object, ...]]) -> 
     return Passed(tuple(events), reason)
 
 
-def read_pose(simulator: Simulator, id: int, who: object, span: Span = NOWHERE) -> Pose:
-    """What the simulator says of an object now; `who` says which it is.
+def read_poses(simulator: Simulator, ids: Iterable[int]) -> list[Pose]:
+    """What the simulator says of these objects now, to be checked. Raises `SimulatorError`, `RejectRun`."""
 
-    Raises `SimulatorError` for other properties than it declares, and values that they cannot have; `RejectRun`.
+    def read() -> list[Pose]:
+        return [simulator.read(id) for id in ids]
+
+    return guarded(read, may=(RejectRun,))
+
+
+def checked_pose(pose: Pose, simulator: Simulator, who: object, span: Span = NOWHERE) -> Pose:
+    """What the simulator says of an object, which is `who`.
+
+    Raises `SimulatorError` for other properties than it declares, and values that they cannot have.
     """
-    pose = guarded(simulator.read, id, may=(RejectRun,))
     if not isinstance(pose, Mapping) or pose.keys() != simulator.properties:
         said = ", ".join(sorted(map(str, pose))) if isinstance(pose, Mapping) else repr(pose)
         declared = ", ".join(sorted(simulator.properties)) or "nothing"

@@ -20,7 +20,7 @@ from ..interpreter.streams import simulator_seed
 from ..semantics.dynamics.policy import begin
 from ..semantics.kernel.config import Config, State
 from ..semantics.kernel.errors import UsageError
-from .protocol import RejectRun, Simulator, Surroundings, check_usable, guarded, in_use, read_pose, step_of
+from .protocol import RejectRun, Simulator, Surroundings, check_usable, checked_pose, guarded, in_use, read_poses, step_of
 from .simulating import ENDED, Failed, create_new, rejected, surroundings
 
 TOLERANCE = 1e-9
@@ -80,7 +80,7 @@ def played(
         actions = actions_of(step, number, bodies, simulator, classes)
         before = poses(bodies, simulator)
         events, ended = step_of(simulator, actions)
-        read_again = [read(body, simulator) for body in bodies]
+        read_again = read(bodies, simulator)
         moments.append(Moment(number, before, actions, events, step.doing))
         bodies = read_again
     return ended
@@ -131,9 +131,10 @@ def made(kind: Callable[..., object], recorded: RecordedAction, where: str) -> o
         raise UsageError(f"{where}: {named}{problem}") from None
 
 
-def read(body: Body, simulator: Simulator) -> Body:
-    """The object as the simulator has it now. Raises `SimulatorError`."""
-    return body._replace(properties={**body.properties, **read_pose(simulator, body.id, f"object {body.id}")})
+def read(bodies: Sequence[Body], simulator: Simulator) -> list[Body]:
+    """The objects as the simulator has them now. Raises `SimulatorError`."""
+    said = zip(bodies, read_poses(simulator, [body.id for body in bodies]), strict=True)
+    return [b._replace(properties={**b.properties, **checked_pose(pose, simulator, f"object {b.id}")}) for b, pose in said]
 
 
 def poses(bodies: Sequence[Body], simulator: Simulator) -> tuple[Pose, ...]:

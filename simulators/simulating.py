@@ -27,7 +27,7 @@ from ..semantics.kernel.values import Instance, plain
 from ..semantics.programs import ego_of
 from ..semantics.scenes.default_requirements import workspace_of
 from ..semantics.syntax.nodes import NOWHERE, Span
-from .protocol import RejectRun, Simulator, Surroundings, check_usable, guarded, in_use, read_pose, step_of
+from .protocol import RejectRun, Simulator, Surroundings, check_usable, checked_pose, guarded, in_use, read_poses, step_of
 from .still import Still
 from .worlds.driving import MAP
 
@@ -253,16 +253,23 @@ def check_actions(simulator: Simulator, state: State, actions: Mapping[int, tupl
     """Each action is checked against the agent that takes it. Raises `RunError`."""
     if getattr(type(simulator), "check", None) is Still.check:  # any value is one
         return
-    for id, taken in actions.items():
-        instance = state.scene[id]
-        body = Body(id, instance.class_.name, MappingProxyType(state.objects[instance.number]))
-        for action in taken:
-            reason = guarded(simulator.check, body, action)
-            if not (reason is None or isinstance(reason, str)):
-                raise SimulatorError(f"check() must return None or a reason, not {reason!r}", NOWHERE)
-            if reason is not None:
-                span, hint = policy.place(instance, state)
-                raise RunError(f"{instance!r} cannot take the action {action!r}: {reason}", span, rule="D-Take", hint=hint)
+
+    def check() -> tuple[Instance, object, object] | None:
+        for id, taken in actions.items():
+            instance = state.scene[id]
+            body = Body(id, instance.class_.name, MappingProxyType(state.objects[instance.number]))
+            for action in taken:
+                reason = simulator.check(body, action)
+                if reason is not None:
+                    return instance, action, reason
+        return None
+
+    if (found := guarded(check)) is not None:
+        instance, action, reason = found
+        if not isinstance(reason, str):
+            raise SimulatorError(f"check() must return None or a reason, not {reason!r}", NOWHERE)
+        span, hint = policy.place(instance, state)
+        raise RunError(f"{instance!r} cannot take the action {action!r}: {reason}", span, rule="D-Take", hint=hint)
 
 
 def read_back(simulator: Simulator, state: State) -> State:
@@ -270,6 +277,6 @@ def read_back(simulator: Simulator, state: State) -> State:
     if getattr(type(simulator), "read", None) is Still.read:  # nothing has changed
         return state
     objects = dict(state.objects)
-    for id, instance in enumerate(state.scene):
-        objects[instance.number] = {**objects[instance.number], **read_pose(simulator, id, instance, instance.span)}
+    for instance, pose in zip(state.scene, read_poses(simulator, range(len(state.scene))), strict=True):
+        objects[instance.number] = {**objects[instance.number], **checked_pose(pose, simulator, instance, instance.span)}
     return state.with_objects(objects)
