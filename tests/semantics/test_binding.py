@@ -103,16 +103,11 @@ def watch(vectors: tuple[ConformanceVector, ...]) -> Watched:
     return found
 
 
-@pytest.fixture(scope="module")
-def watched() -> Watched:
-    """All vectors."""
-    return watch(load_vectors())
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("rule", sorted(RULES.keys() - UNREACHABLE))
-def test_the_function_that_the_catalogue_names_runs_when_the_rule_fires(rule: str, watched: Watched) -> None:
-    assert watched.bound[rule] and not watched.unbound[rule], sorted(watched.unbound[rule])[:5]
+def test_the_function_that_the_catalogue_names_runs_when_the_rule_fires() -> None:
+    watched = watch(load_vectors())
+    assert not watched.unbound
+    assert watched.bound.keys() >= RULES.keys() - UNREACHABLE
 
 
 def test_no_two_rules_have_one_function() -> None:
