@@ -49,9 +49,9 @@ def test_a_soft_requirement_that_never_holds_is_met_by_the_coin(share):
 
 @pytest.mark.slow
 def test_random_programs_that_are_said_to_have_no_scene_have_none():
-    """A requirement on a parameter is added to 150 programs; of those that are said to have no scene, 40 runs are made each."""
+    """A requirement on a parameter is added to 60 programs; of those that are said to have no scene, 40 runs are made each."""
     said = possible = 0
-    for program in random_programs(150, 5):
+    for program in random_programs(60, 5):
         name = re.search(r"^param (\w+) = \1", program.text, re.MULTILINE)
         scenario = scenic_ref.loads(f"{program.text}require {name[1]} > 4\n" if name else program.text)
         try:
@@ -68,5 +68,5 @@ def test_random_programs_that_are_said_to_have_no_scene_have_none():
             except ScenicError:
                 continue
             assert isinstance(found, Rejected), program.text
-    assert said > 10
-    assert possible > 50
+    assert said > 2
+    assert possible > 20
