@@ -7,8 +7,9 @@ BIN := $(VENV)/bin
 PLAIN ?= .venv-plain
 TESTS ?=
 MARK ?=
+SHARE ?=
 
-.PHONY: demo test test-all test-plain nightly mutants results check docs showcase man proofs bench bench-roads clean
+.PHONY: demo test test-all test-slow test-plain nightly mutants results check docs showcase man proofs bench bench-roads clean
 
 $(VENV)/.core: pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit("scenic-ref needs Python 3.11 or later" if sys.version_info < (3, 11) else 0)'
@@ -37,6 +38,10 @@ test: $(VENV)/.test
 ## All tests: also many seeds, what is killed at random moments, all machines that are wrong, big compilations
 test-all: $(VENV)/.test
 	$(BIN)/python -m pytest -n auto --dist worksteal --seconds $(TESTS)
+
+## The slow tests alone, or a share of them: make test-slow SHARE=0/3
+test-slow: $(VENV)/.test
+	$(BIN)/python -m pytest -n auto --dist worksteal --seconds -m slow $(if $(SHARE),--share $(SHARE)) $(TESTS)
 
 ## All tests without any extra, in an environment of its own: what needs one is skipped, nothing else
 test-plain: $(PLAIN)/.test

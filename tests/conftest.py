@@ -9,6 +9,7 @@ import os
 import select
 import signal
 import time
+import zlib
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import suppress
@@ -34,8 +35,17 @@ settings.load_profile("whatever the clock says")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """`--seconds`: what the tests of each folder took."""
+    """`--seconds`: what the tests of each folder took; `--share`: a part of the tests."""
     parser.addoption("--seconds", action="store_true", help="tell what the tests of each folder took of the processor, with what they started")
+    parser.addoption("--share", type=share, metavar="K/N", help="of N shares of the tests only number K, from 0 on; together they are all tests")
+
+
+def share(text: str) -> tuple[int, int]:
+    """Which share of how many. Raises `ValueError`."""
+    number, _, of = text.partition("/")
+    if not 0 <= int(number) < int(of):
+        raise ValueError
+    return int(number), int(of)
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -51,8 +61,8 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 @pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Of a test that is sampled, all cases but some are slow; before those that are asked for are chosen."""
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Of a test that is sampled, all cases but some are slow; before those that are asked for are chosen. Then the share of them."""
     cases: Counter[str] = Counter()
     for item in items:
         mark = item.get_closest_marker("sampled")
@@ -61,6 +71,11 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             if cases[name] % mark.args[0]:
                 item.add_marker("slow")
             cases[name] += 1
+    if (wanted := config.getoption("--share")) is not None:
+        number, of = wanted
+        shares = [zlib.crc32(item.nodeid.encode()) % of for item in items]
+        config.hook.pytest_deselected(items=[item for item, its in zip(items, shares, strict=True) if its != number])
+        items[:] = [item for item, its in zip(items, shares, strict=True) if its == number]
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -34,3 +34,19 @@ def test_a_run_is_held_to_what_the_suite_promises(text: str, code: int, told: st
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *workers, "test_it.py"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, env=environment)
     assert (done.returncode, told in done.stdout) == (code, True), done.stdout + done.stderr
+
+
+def test_shares_of_a_run_are_all_its_tests_once(tmp_path: Path):
+    (tmp_path / "conftest.py").write_text((Path(__file__).parent / "conftest.py").read_text())
+    (tmp_path / "test_it.py").write_text("import pytest\n@pytest.mark.parametrize('k', range(30))\ndef test_one(k):\n    pass\n")
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "--collect-only", "--share"]
+    found: list[str] = []
+    for number in range(3):
+        done = subprocess.run([*command, f"{number}/3", "test_it.py"], cwd=tmp_path, capture_output=True, text=True, env=environment)
+        of_share = [line for line in done.stdout.splitlines() if "::" in line]
+        assert len(of_share) > 4, done.stdout + done.stderr
+        found += of_share
+    assert sorted(found) == sorted(f"test_it.py::test_one[{k}]" for k in range(30))
+    wrong = subprocess.run([*command, "3/3", "test_it.py"], cwd=tmp_path, capture_output=True, text=True, env=environment)
+    assert wrong.returncode == 4 and "invalid share value: '3/3'" in wrong.stderr
