@@ -18,7 +18,7 @@ from .programs import DynamicProgram, text_of
 
 SEED = 1
 PROGRAMS, PORTION = 200, 20
-MANY, LARGE_PORTION = 2000, 100
+MANY, LARGE_PORTION = 800, 50
 OWN = ("by_hand", "coroutines", "faults", "invention", "oracle", "policy", "programs", "running")
 
 
