@@ -114,11 +114,19 @@ GEOMETRY: Mapping[str, object] = {
 
 HOST: Mapping[str, object] = {**BUILTIN, "sin": math.sin, "cos": math.cos, "hypot": math.hypot, "NotImplemented": NotImplemented}
 
-EXCEPTIONS: Mapping[str, object] = {
-    name: value
-    for name, value in vars(python).items()
-    if isinstance(value, type) and issubclass(value, Exception) and not issubclass(value, Warning)
-} | GUARD_VIOLATIONS
+EXCEPTION_NAMES = (
+    "Exception", "ArithmeticError", "AssertionError", "AttributeError", "BufferError", "EOFError", "ImportError", "LookupError",
+    "MemoryError", "NameError", "OSError", "ReferenceError", "RuntimeError", "StopAsyncIteration", "StopIteration", "SyntaxError",
+    "SystemError", "TypeError", "ValueError", "FloatingPointError", "OverflowError", "ZeroDivisionError", "BlockingIOError",
+    "ChildProcessError", "ConnectionError", "FileExistsError", "FileNotFoundError", "InterruptedError", "IsADirectoryError",
+    "NotADirectoryError", "PermissionError", "ProcessLookupError", "TimeoutError", "IndentationError", "IndexError", "KeyError",
+    "ModuleNotFoundError", "NotImplementedError", "RecursionError", "UnboundLocalError", "UnicodeError", "BrokenPipeError",
+    "ConnectionAbortedError", "ConnectionRefusedError", "ConnectionResetError", "TabError", "UnicodeDecodeError", "UnicodeEncodeError",
+    "UnicodeTranslateError", "ExceptionGroup", "EnvironmentError", "IOError",
+)  # fmt: skip
+"""The exceptions of Python 3.11, so that the same names are known whatever Python runs the program: later ones have more."""
+
+EXCEPTIONS: Mapping[str, object] = {name: vars(python)[name] for name in EXCEPTION_NAMES} | GUARD_VIOLATIONS
 
 BUILTINS: Mapping[str, object] = {
     **HOST, **EXCEPTIONS, **GEOMETRY, **BUILT_IN_CLASSES, **CONSTRUCTORS, **SPECIAL_VALUES,
