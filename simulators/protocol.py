@@ -155,16 +155,19 @@ def step_of(simulator: Simulator, actions: Mapping[int, tuple[object, ...]]) -> 
     return Passed(tuple(events), reason)
 
 
-def read_poses(simulator: Simulator, ids: Iterable[int]) -> list[Pose]:
-    """What the simulator says of these objects now, to be checked. Raises `SimulatorError`, `RejectRun`."""
+def read_poses(simulator: Simulator, objects: Iterable[tuple[int, object, Span]]) -> list[Pose]:
+    """What the simulator says now of objects, each given by its number, what an error calls it and its place.
+
+    Each is checked and copied before the next is read, since a simulator may give the same mapping again. Raises `SimulatorError`, `RejectRun`.
+    """
 
     def read() -> list[Pose]:
-        return [simulator.read(id) for id in ids]
+        return [dict(checked_pose(simulator.read(id), simulator, who, span)) for id, who, span in objects]
 
     return guarded(read, may=(RejectRun,))
 
 
-def checked_pose(pose: Pose, simulator: Simulator, who: object, span: Span = NOWHERE) -> Pose:
+def checked_pose(pose: Pose, simulator: Simulator, who: object, span: Span) -> Pose:
     """What the simulator says of an object, which is `who`.
 
     Raises `SimulatorError` for other properties than it declares, and values that they cannot have.

@@ -20,7 +20,8 @@ from ..interpreter.streams import simulator_seed
 from ..semantics.dynamics.policy import begin
 from ..semantics.kernel.config import Config, State
 from ..semantics.kernel.errors import UsageError
-from .protocol import RejectRun, Simulator, Surroundings, check_usable, checked_pose, guarded, in_use, read_poses, step_of
+from ..semantics.syntax.nodes import NOWHERE
+from .protocol import RejectRun, Simulator, Surroundings, check_usable, guarded, in_use, read_poses, step_of
 from .simulating import ENDED, Failed, create_new, rejected, surroundings
 
 TOLERANCE = 1e-9
@@ -133,8 +134,8 @@ def made(kind: Callable[..., object], recorded: RecordedAction, where: str) -> o
 
 def read(bodies: Sequence[Body], simulator: Simulator) -> list[Body]:
     """The objects as the simulator has them now. Raises `SimulatorError`."""
-    said = zip(bodies, read_poses(simulator, [body.id for body in bodies]), strict=True)
-    return [b._replace(properties={**b.properties, **checked_pose(pose, simulator, f"object {b.id}")}) for b, pose in said]
+    said = read_poses(simulator, [(body.id, f"object {body.id}", NOWHERE) for body in bodies])
+    return [body._replace(properties={**body.properties, **pose}) for body, pose in zip(bodies, said, strict=True)]
 
 
 def poses(bodies: Sequence[Body], simulator: Simulator) -> tuple[Pose, ...]:

@@ -27,7 +27,7 @@ from ..semantics.kernel.values import Instance, plain
 from ..semantics.programs import ego_of
 from ..semantics.scenes.default_requirements import workspace_of
 from ..semantics.syntax.nodes import NOWHERE, Span
-from .protocol import RejectRun, Simulator, Surroundings, check_usable, checked_pose, guarded, in_use, read_poses, step_of
+from .protocol import RejectRun, Simulator, Surroundings, check_usable, guarded, in_use, read_poses, step_of
 from .still import Still
 from .worlds.driving import MAP
 
@@ -277,6 +277,7 @@ def read_back(simulator: Simulator, state: State) -> State:
     if getattr(type(simulator), "read", None) is Still.read:  # nothing has changed
         return state
     objects = dict(state.objects)
-    for instance, pose in zip(state.scene, read_poses(simulator, range(len(state.scene))), strict=True):
-        objects[instance.number] = {**objects[instance.number], **checked_pose(pose, simulator, instance, instance.span)}
+    said = read_poses(simulator, [(id, instance, instance.span) for id, instance in enumerate(state.scene)])
+    for instance, pose in zip(state.scene, said, strict=True):
+        objects[instance.number] = {**objects[instance.number], **pose}
     return state.with_objects(objects)

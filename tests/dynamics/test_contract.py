@@ -6,6 +6,8 @@ import math
 from pathlib import Path
 
 import pytest
+import scenic_ref
+from scenic_ref.semantics.kernel.errors import SimulatorError
 from scenic_ref.semantics.space.vectors import Vector
 from scenic_ref.simulators import EndRun, RejectRun, by_name
 from scenic_ref.simulators.actions import SetSpeedAction, SetThrottleAction
@@ -259,3 +261,37 @@ def test_the_example_of_the_documents_keeps_it():
     exec(code, space)
     check_simulator(space["OnRails"], action=2.0)  # type: ignore[arg-type]
     check_simulator(space["OnRails"], action=900.0, rejected="ego = Object at (0, 2000)", ends_within=3)  # type: ignore[arg-type]
+
+
+class Refilling(Kinematic):
+    """Gives one mapping, with what it says of the object that was asked for last."""
+
+    def __init__(self):
+        super().__init__()
+        self.said = {}
+
+    def read(self, id):
+        self.said.update(super().read(id))
+        return self.said
+
+
+TWO = "ego = Object with speed 3\nObject at (10, 0), with speed 4\n"
+
+
+def test_a_simulator_may_give_the_same_mapping_for_each_object():
+    runs = [scenic_ref.loads(TWO).simulate(simulator, 3).simulation for simulator in (Refilling(), Kinematic())]
+    assert runs[0].moments == runs[1].moments
+    assert runs[1].moments[-1].objects[0]["position"] != runs[1].moments[-1].objects[1]["position"]
+
+
+class WrongAndRejected(Kinematic):
+    def read(self, id):
+        if id == 1:
+            raise RejectRun("no more")
+        return {**super().read(id), "speed": math.nan}
+
+
+def test_a_wrong_value_is_told_though_the_next_object_is_rejected():
+    with pytest.raises(SimulatorError, match="gives nan as the speed") as found:
+        scenic_ref.loads(TWO).simulate(WrongAndRejected(), 3)
+    assert found.value.span.line == 1
