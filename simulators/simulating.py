@@ -6,7 +6,7 @@ A simulator is anything with the methods of `Simulator`. A run that fails a requ
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from types import MappingProxyType
 from typing import NamedTuple, Protocol
@@ -22,7 +22,7 @@ from ..semantics.kernel.callers import caller_in, of_program
 from ..semantics.kernel.config import Config, State
 from ..semantics.kernel.errors import RunError, SimulatorError
 from ..semantics.kernel.outcome import Act, Done, Finish, Next, Outcome, Requirement, Stuck
-from ..semantics.kernel.simulation import line_of, satisfied, simulation_of
+from ..semantics.kernel.simulation import Running, line_of, satisfied, simulation_of
 from ..semantics.kernel.values import Instance, plain
 from ..semantics.programs import ego_of
 from ..semantics.scenes.default_requirements import workspace_of
@@ -61,7 +61,7 @@ class Policy(Protocol):
         """The actions of a time step, or its end; `limit` is the reason to end in it if there is no other."""
         ...
 
-    def doing(self, state: State) -> Iterable[tuple[int, str]]:
+    def doing(self, state: State) -> dict[int, str]:
         """Which behaviors each agent is in, with the number of its instance."""
         ...
 
@@ -86,9 +86,9 @@ class MachinePolicy:
         assert isinstance(outcome, (Act, Finish, Stuck))
         return outcome
 
-    def doing(self, state: State) -> Iterable[tuple[int, str]]:
+    def doing(self, state: State) -> dict[int, str]:
         """Which behaviors each agent is in, and where."""
-        return ((n, text) for n, agent in simulation_of(state).agents.items() if (text := doing(agent)))
+        return {n: text for n, agent in simulation_of(state).agents.items() if (text := doing(agent))}
 
     def place(self, instance: Instance, state: State) -> tuple[Span, str]:
         """Where the behavior waits, if it does so in a statement; else where the object was made."""
@@ -131,6 +131,7 @@ def simulated(
     told: list[str] = []
     chosen = make(state, listening(told, witness, file_of(state)))
     held: set[int] = set()
+    known: Mapping[int, Running] = {}
     first = len(state.scene)
     made = new_bodies(state, 0)
     try:
@@ -147,7 +148,8 @@ def simulated(
         outcome = chosen(state, ended or (limit if number == steps else ""))
         if isinstance(outcome, Stuck):
             return Failed(outcome.requirement, number)
-        if (now := satisfied(outcome.state)) != held:
+        if (scenarios := simulation_of(outcome.state).scenarios) is not known:
+            known, now = scenarios, satisfied(outcome.state)
             told += [f"`require eventually` on line {line} is satisfied" for line in sorted(now - held)]
             held |= now
         if isinstance(outcome, Finish):
@@ -171,7 +173,7 @@ def simulated(
             after = read_back(simulator, state)
         except RejectRun as problem:
             return rejected(problem, number)
-        doings = dict(chosen.doing(state)) if same else {ids[n]: text for n, text in chosen.doing(state)}
+        doings = chosen.doing(state) if same else {ids[n]: text for n, text in chosen.doing(state).items()}
         moments.append(Moment(number, before, actions, (*told, *events), doings))
         state = after_one_step(after)
     raise AssertionError("the policy ends at the time limit")

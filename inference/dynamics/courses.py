@@ -75,9 +75,9 @@ class Courses(Equations):
     leaf: Invocation
     node: Node | None
 
-    def begin(self, agent: Instance, behavior: Dynamic, node: Node) -> Course:
+    def begin(self, agent: Instance, behavior: Dynamic) -> Course:
         """The course of an agent's behavior."""
-        return self.run_behavior(Invocation(agent, "", 0), node, behavior, limited=False)
+        return self.run_behavior(Invocation(agent, "", 0), behavior, limited=False)
 
     # Small statements
 
@@ -143,14 +143,25 @@ class Courses(Equations):
             raise LeftToMachine("`do` with something that is no behavior")
         return found
 
-    def invoke(self, caller: Invocation, node: Node, behaviors: Sequence[Dynamic], limited: bool) -> Course:
-        """`do B1, ..., Bn`; where the statement has a limit, its end is not yet the return of the statement."""
-        if len(behaviors) == 1:
-            return self.run_behavior(caller, node, behaviors[0], limited=limited)
-        return self.together(caller, node, behaviors, limited)
+    def invoke(self, caller: Invocation, behaviors: Sequence[Dynamic], limited: bool) -> Course:
+        """`do B1, ..., Bn`; where the statement has a limit, its end is not yet the return of the statement.
 
-    def run_behavior(self, caller: Invocation, node: Node, behavior: Dynamic, *, limited: bool, enabled: bool = False) -> Course:
+        A limit is looked at before the guards are; else these are checked at once, and nothing stands between the caller and the body.
+        """
+        if len(behaviors) == 1:
+            if not (limited or caller.invariants):
+                return self.entered(caller, behaviors[0])
+            return self.run_behavior(caller, behaviors[0], limited=limited)
+        return self.together(caller, behaviors, limited)
+
+    def run_behavior(self, caller: Invocation, behavior: Dynamic, *, limited: bool, enabled: bool = False) -> Course:
         """`invocations.run_behavior`: the guards, the body; when it has ended, the invariants of the caller."""
+        yield from self.entered(caller, behavior, enabled=enabled)
+        if caller.invariants and not limited:
+            self.check_invariants(caller)
+
+    def entered(self, caller: Invocation, behavior: Dynamic, *, enabled: bool = False) -> Course:
+        """The body of a behavior, whose guards hold."""
         self.turn()
         if caller.depth >= MOST_DEPTH:
             raise LeftToMachine("behaviors deep inside each other")
@@ -161,14 +172,12 @@ class Courses(Equations):
         if code.invariants:
             self.check(code.invariants, scope)
         path = f"{caller.path} > {stable_repr(behavior)}" if caller.path else stable_repr(behavior)
-        yield from code.run(self, scope, Invocation(caller.agent, path, caller.depth + 1, scope, code.invariants))
-        if caller.invariants and not limited:
-            self.check_invariants(caller)
+        return code.run(self, scope, Invocation(caller.agent, path, caller.depth + 1, scope, code.invariants))
 
-    def together(self, caller: Invocation, node: Node, behaviors: Sequence[Dynamic], limited: bool) -> Course:
+    def together(self, caller: Invocation, behaviors: Sequence[Dynamic], limited: bool) -> Course:
         """`invocations.run_together`: several behaviors at the same time, each with draws of its own; all have to end."""
         alone = Invocation(caller.agent, "", caller.depth)
-        running: list[tuple[int, Course]] = [(k, self.run_behavior(alone, node, b, limited=False)) for k, b in enumerate(behaviors)]
+        running: list[tuple[int, Course]] = [(k, self.run_behavior(alone, b, limited=False)) for k, b in enumerate(behaviors)]
         here = Invocation(caller.agent, caller.path, caller.depth)
         while True:
             base = (*self.prefix, self.draws)
@@ -218,7 +227,7 @@ class Courses(Equations):
             chosen = self.drawn("D-Choose", Discrete(tuple((k, options[k][1]) for k in enabled)), node)
             behavior, _ = options[chosen]
             options = [one for k, one in enumerate(options) if k != chosen] if isinstance(node, d.DoShuffle) else []
-            yield from self.run_behavior(caller, node, behavior, limited=limited or bool(options), enabled=True)
+            yield from self.run_behavior(caller, behavior, limited=limited or bool(options), enabled=True)
             if not options:
                 return
 

@@ -6,7 +6,7 @@ passes on without looking at them. Compose blocks, and coroutines that are not c
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
@@ -306,7 +306,7 @@ class CompiledPolicy(Courses):
             try:
                 self.library.code_of(behavior)
                 node = Node(span=instance.span)
-                return CompiledCourse(self.begin(instance, with_arguments(behavior, node, self.state), node), key, Who("behavior", instance.number))
+                return CompiledCourse(self.begin(instance, with_arguments(behavior, node, self.state)), key, Who("behavior", instance.number))
             except Untranslated as problem:
                 self.library.left[key] = problem.reason
         return rules.first_step(behavior, instance.span, self.state)
@@ -342,16 +342,16 @@ class CompiledPolicy(Courses):
 
     # What is told of agents
 
-    def doing(self, state: State) -> Iterable[tuple[int, str]]:
+    def doing(self, state: State) -> dict[int, str]:
         """Which behaviors each agent is in, and where."""
-        found: list[tuple[int, str]] = []
+        found: dict[int, str] = {}
         for number, agent in simulation_of(state).agents.items():
             process: Any = agent.process
             if type(process) is CompiledCourse:
                 leaf, node = process.leaf, process.node
-                found.append((number, leaf.lines.get(id(node)) or leaf.doing(node)))  # type: ignore[union-attr]
+                found[number] = leaf.lines.get(id(node)) or leaf.doing(node)  # type: ignore[union-attr]
             elif text := doing(agent):
-                found.append((number, text))
+                found[number] = text
         return found
 
     def place(self, instance: Instance, state: State) -> tuple[Span, str]:

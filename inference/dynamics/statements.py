@@ -196,7 +196,7 @@ class Statements(Expressions):
         """`do B1, ..., Bn`, with or without a limit."""
         t = self.temporary()
         self.line(f"{t} = q.invocations({self.constant(node)}, ({''.join(f'{self.value(i)}, ' for i in node.invocations)}))")
-        self.limited(node, f"q.invoke(I, {self.constant(node)}, {t}, {node.limit is not None})")
+        self.limited(node, f"q.invoke(I, {t}, {node.limit is not None})")
 
     def pick(self, node: d.DoChoose | d.DoShuffle) -> None:
         """`do choose`, `do shuffle`."""

@@ -136,7 +136,7 @@ WRONG = {
     "handlers repeat in their own step": (Courses.interruptible, "if since < simulation_of(self.state).step else current - 1", ""),
     "no invariants when a handler begins": (Courses.interruptible, "if begun and leaf is here and here.invariants:", "if False:"),
     "invariants at the beginning only": (Courses.check_invariants, "self.check(of.invariants, of.scope)", "return"),
-    "no preconditions": (Courses.run_behavior, "if code.preconditions and not enabled:", "if False:"),
+    "no preconditions": (Courses.entered, "if code.preconditions and not enabled:", "if False:"),
     "no invariants of the caller": (Courses.run_behavior, "if caller.invariants and not limited:", "if False:"),
     "violations reject": (
         Courses.check, 'raise Raised(Abrupt("raise", guard.violation(guard.text), guard.node.span))',
