@@ -15,7 +15,7 @@ import json
 import statistics
 import subprocess
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -136,6 +136,17 @@ def first_step(agents: int, behavior: str, repeat: int) -> dict[str, object]:
     return {"behavior": behavior, "agents": agents, **rows, "compiled / interpreter": round(ratio, 2)}
 
 
+def shown(rows: Iterable[dict[str, object]]) -> list[dict[str, object]]:
+    """The rows of a table, each printed when it is there."""
+    table: list[dict[str, object]] = []
+    for row in rows:
+        table.append(row)
+        if len(table) == 1:
+            print_head(list(row))
+        print_row(list(row.values()))
+    return table
+
+
 def program(agents: int, behavior: str) -> str:
     """So many cars with a behavior."""
     return HEAD + "".join(f"{'ego = ' if k == 0 else ''}Car at ({5 * k}, 0), with behavior {BEHAVIORS[behavior]}\n" for k in range(agents))
@@ -159,15 +170,11 @@ def main() -> None:
     parser.add_argument("--simulators", nargs="+", default=list(SIMULATORS), choices=SIMULATORS)
     options = parser.parse_args()
     against = dict(one.split("=", 1) for one in options.against)
-    rows = [
+    rows = shown(
         measure(s, n, b, options.steps, options.repeat, against if s != "pymunk" else {})
         for s in options.simulators for b in BEHAVIORS for n in (2, 10, 50)
-    ]  # fmt: skip
-    first = [first_step(n, b, 3 * options.repeat) for b in BEHAVIORS for n in (1, 2, 10)]
-    for table in (rows, first):
-        print_head(list(table[0]))
-        for row in table:
-            print_row(list(row.values()))
+    )  # fmt: skip
+    first = shown(first_step(n, b, 3 * options.repeat) for b in BEHAVIORS for n in (1, 2, 10))
     save(options.o, rows, steps=options.steps, first=first)
 
 

@@ -13,6 +13,7 @@ from ..inference.batch.evaluate.columns import leavers
 from ..inference.batch.jobs.blocks import Workers, cluster, processes
 from ..inference.batch.jobs.failures import FailedDraw
 from ..inference.rejection import InterruptedDraw
+from ..inference.smc import guess
 from ..scenario import FEW
 from ..semantics.kernel.errors import ScenicError, UsageError
 from .drawing import Drawing, DrawnScene, drawing_of, tell_notes, tell_warnings
@@ -150,8 +151,6 @@ class BatchForesight:
         batch = None if self.drawing.scenario.not_lifted is not None else self.drawing.scenario.batch
         if batch is None:
             return None
-        from ..inference.smc import guess  # with SciPy's statistics, which take a while to import
-
         return guess(batch)
 
 

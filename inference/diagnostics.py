@@ -9,7 +9,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from scipy import special, stats
+from scipy import special
 
 
 class Diagnosis(NamedTuple):
@@ -65,7 +65,9 @@ def varies_not(draws: np.ndarray) -> bool:
 
 def rank_normalised(draws: np.ndarray) -> np.ndarray:
     """The normal quantiles of the ranks among all draws; equal ones share their mean rank."""
-    ranks = stats.rankdata(draws, method="average").reshape(draws.shape)
+    from scipy.stats import rankdata  # with all of SciPy's statistics, which take long to import
+
+    ranks = rankdata(draws, method="average").reshape(draws.shape)
     return special.ndtri((ranks - 0.375) / (draws.size + 0.25))
 
 

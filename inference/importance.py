@@ -14,7 +14,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from scipy import stats
+from scipy.special import betaincinv
 
 from ..formats.scenes import Scene, scene_of
 from ..interpreter.streams import fold
@@ -141,8 +141,8 @@ def mean_weight(runs: float, total: float, squares: float, *, share: float, is_s
         return Probability(math.nan, 0.0, share, LEVEL)
     mean, rest = total / runs, (1 - LEVEL) / 2
     if is_simple:
-        low = float(stats.beta.ppf(rest, total, runs - total + 1)) if total else 0.0
-        high = float(stats.beta.ppf(1 - rest, total + 1, runs - total)) if total < runs else 1.0
+        low = float(betaincinv(total, runs - total + 1, rest)) if total else 0.0
+        high = float(betaincinv(total + 1, runs - total, 1 - rest)) if total < runs else 1.0
     else:
         once = math.log(2 / rest)
         variance = max(squares - runs * mean**2, 0.0) / (runs - 1)

@@ -11,6 +11,8 @@ from collections import Counter
 from collections.abc import Callable
 from typing import NamedTuple
 
+from scipy.special import betaincinv
+
 from ..formats.scenes import Scene, scene_of
 from ..interpreter.choosers import AS_THEY_ARE, Draws, from_stream
 from ..interpreter.running import DEFAULT_FUEL, Accepted, Chooser, Witness, run
@@ -77,13 +79,11 @@ def acceptance(scenes: int, attempts: int, level: float = LEVEL) -> Probability:
     The attempts of all scenes have the negative binomial distribution, whose bounds are those of Clopper and Pearson but for the last run,
     which is always accepted.
     """
-    from scipy import stats  # takes half a second
-
     rest = (1 - level) / 2
     if not scenes:
         return Probability(math.nan, 0.0, 1.0, level)
-    low = float(stats.beta.ppf(rest, scenes, attempts - scenes + 1))
-    high = float(stats.beta.ppf(1 - rest, scenes, attempts - scenes)) if attempts > scenes else 1.0
+    low = float(betaincinv(scenes, attempts - scenes + 1, rest))
+    high = float(betaincinv(scenes, attempts - scenes, 1 - rest)) if attempts > scenes else 1.0
     return Probability(scenes / attempts, low, high, level)
 
 

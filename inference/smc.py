@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy import stats
+from scipy.special import stdtrit
 
 from ..interpreter.streams import fold
 from ..semantics.kernel.errors import AttemptsExhausted, UsageError
@@ -248,7 +248,7 @@ def probability(populations: Sequence[Population], share: float, level: float = 
     largest = logs.max()
     relative = np.exp(logs - largest)
     estimate = share * float(np.exp(largest) * relative.mean())
-    factor = float(stats.t.ppf((1 + level) / 2, count - 1)) / math.sqrt(count)
+    factor = float(stdtrit(count - 1, (1 + level) / 2)) / math.sqrt(count)
     if not relative.all():
         half = share * float(np.exp(largest) * relative.std(ddof=1)) * factor
         return Probability(estimate, max(estimate - half, 0.0), min(estimate + half, 1.0), level)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import scipy.stats  # noqa: F401 (for `acceptance`)
-
 from ...scenario import loads
 from . import work  # noqa: F401 (with all that does the works)
 
