@@ -174,7 +174,7 @@ def cell_of(pair: Sequence[object]) -> Cell:
     polygon, heading = pair if isinstance(pair, (tuple, list)) and len(pair) == 2 else (None, None)
     shape = polygon_through(polygon) if isinstance(polygon, (tuple, list)) else getattr(polygon, "polygon", polygon)
     if not isinstance(shape, (Polygon, MultiPolygon)):
-        raise BadField(f"a cell of a vector field must be a pair of a polygonal region and a heading, not {pair!r}")
+        raise BadField(f"a cell of a vector field must be a pair of a polygonal region, or its corners, and a heading, not {pair!r}")
     if not (heading is None or callable(heading) or is_real(heading)):
         raise BadField(f"the heading of a cell must be a number, a function of the point or None, not {heading!r}")
     return shape, heading  # type: ignore[return-value]

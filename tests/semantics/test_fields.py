@@ -120,8 +120,8 @@ def test_areas_are_given_by_points_or_by_regions_with_straight_edges(area: str) 
     ("area", "message"),
     [
         ("[(0, 0), (4, 0)]", "at least 3 different points"), ("[(0, 0), (4, 4), (4, 0), (0, 4)]", "is not a polygon: Self-intersection"),
-        ("[1, 2, 3]", "must be vectors"), ("CircularRegion((0, 0), 4)", "must be a pair of a polygonal region and a heading"),
-        ("RectangularRegion((0, 0), 0, 0, 2)", "must be a pair of a polygonal region and a heading"),
+        ("[1, 2, 3]", "must be vectors"), ("CircularRegion((0, 0), 4)", "must be a pair of a polygonal region, or its corners, and a heading"),
+        ("RectangularRegion((0, 0), 0, 0, 2)", "must be a pair of a polygonal region, or its corners, and a heading"),
     ],
 )  # fmt: skip
 def test_a_cell_that_is_no_area_is_an_error(area: str, message: str) -> None:

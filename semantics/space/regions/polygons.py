@@ -129,7 +129,8 @@ def _parts(polygon: object) -> list[Polygon]:
         return [inside]
     members = inside.geoms if isinstance(inside, MultiPolygon) else inside
     if not isinstance(members, Iterable):
-        raise BadRegion(f"a polygonal region is made of polygons, not of {polygon!r}")
+        instead = "; use that region as it is, or give its corners" if isinstance(polygon, Region) else ""
+        raise BadRegion(f"a polygonal region is made of polygons, not of {polygon!r}{instead}")
     return [part for member in members for part in _parts(member)]
 
 
