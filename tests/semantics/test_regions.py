@@ -262,7 +262,7 @@ PLATE = RectangularRegion(ORIGIN, 0.0, 1.0, 1.0)
         (lambda: PolygonalRegion(polygon=Polygon()), "finite coordinates"),
         (lambda: PolygonalRegion(), "either by its points or by a polygon"),
         (lambda: PolygonalRegion(polygon=3), "made of polygons"),  # pyright: ignore[reportArgumentType]
-        (lambda: PolygonalRegion(PolylineRegion([(0, 0), (1, 1)])), r"made of polygons, not of PolylineRegion.*; use that region as it is, or give its corners"),  # pyright: ignore[reportArgumentType]
+        (lambda: PolygonalRegion(PolylineRegion([(0, 0), (1, 1)])), r"made of polygons, not of PolylineRegion.*; use that region as it is"),  # pyright: ignore[reportArgumentType]
         (lambda: PolylineRegion(PLATE), "made from a list of points, not from RectangularRegion"),  # pyright: ignore[reportArgumentType]
         (lambda: PointSetRegion("p", PLATE), "made from a list of points, not from RectangularRegion"),  # pyright: ignore[reportArgumentType]
         (lambda: PolylineRegion([(0, 0)]), "at least 2 different points"),
