@@ -90,7 +90,13 @@ def compiled(
     simulate: Callable[..., Simulated | Failed], start: Callable[[], Config], choose: Chooser, simulator: Simulator, steps: int,
     library: Library | None, fuel: int,
 ) -> Simulated | Failed:  # fmt: skip
-    """One run with what is compiled of the program, from its beginning by the machine where that cannot go on."""
+    """One run with what is compiled of the program, from its beginning by the machine where that cannot go on.
+
+    Of less fuel than the default only the machine knows how far it goes.
+    """
+    if library is not None and fuel < DEFAULT_FUEL:
+        library.wholes["less fuel than by default"] += 1
+        library = None
     while library is not None and library.usable:
 
         def policy(state: State, witness: Witness) -> CompiledPolicy:

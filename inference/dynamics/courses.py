@@ -20,11 +20,12 @@ from ...semantics.kernel.simulation import flagged, has_passed, line_of, simulat
 from ...semantics.kernel.values import HOLDING, Dynamic, Instance, plain, unwrap
 from ...semantics.python.texts import stable_repr
 from ...semantics.space.distributions import Discrete
+from ...semantics.space.vectors import Vector
 from ...semantics.syntax import dynamics as d
 from ...semantics.syntax import statements as s
 from ...semantics.syntax.nodes import Node
 from .code import Code, CompiledGuard, Library
-from .equations import Equations, Raised, RunRejected
+from .equations import MOST_DEPTH, Equations, Raised, RunRejected
 from .leaving import LeftToMachine
 from .statements import ExceptClause
 
@@ -33,8 +34,6 @@ Course = Generator[Actions, None, Any]
 """What a coroutine still has to do: it yields the actions of each time step."""
 Clause = tuple[Callable[[], bool], Node, Callable[[], Course]]
 """The condition of an interrupt, where it stands, and its handler."""
-MOST_DEPTH = 50
-"""So many behaviors may be inside each other here; each costs some of Python's stack."""
 
 
 class Aborted(Exception):
@@ -46,17 +45,23 @@ class Terminated(Exception):
 
 
 class Invocation:
-    """A behavior that runs for an agent, or a monitor (without agent): `path` tells it and those around it, `line` of a statement in it is kept."""
+    """A behavior that runs for an agent, or a monitor (without agent): `path` are it and those around it, the outermost first.
 
-    __slots__ = ("agent", "depth", "invariants", "lines", "path", "scope")
+    `lines` are the texts that tell what the agent does at a statement, where these stay the same: arguments may be lists that change.
+    """
 
-    def __init__(self, agent: Instance | None, path: str, depth: int, scope: Scope | None = None, invariants: Sequence[CompiledGuard] = ()) -> None:
+    __slots__ = ("agent", "depth", "fixed", "invariants", "lines", "path", "scope")
+
+    def __init__(
+        self, agent: Instance | None, path: tuple[Dynamic, ...], depth: int, scope: Scope | None = None, invariants: Sequence[CompiledGuard] = ()
+    ) -> None:
         self.agent = agent
         self.path = path
         self.depth = depth
         self.scope = scope
         self.invariants = invariants
         self.lines: dict[int, str] = {}
+        self.fixed = all(type(value) in FIXED for one in path for value in given_to(one))
 
     def doing(self, node: Node | None) -> str:
         """Which behaviors the agent is in, and on which line the innermost waits."""
@@ -64,8 +69,22 @@ class Invocation:
         if text is None:
             assert self.agent is not None
             place = "" if node is None else line_of(node.span, self.agent.span.file)
-            text = self.lines[id(node)] = ", ".join([self.path, *([place] if place else [])])
+            text = ", ".join([" > ".join(map(stable_repr, self.path)), *([place] if place else [])])
+            if self.fixed:
+                self.lines[id(node)] = text
         return text
+
+
+FIXED = frozenset({float, int, bool, str, type(None), Vector, Instance})
+"""Types of arguments that are always told in the same words."""
+
+
+def given_to(behavior: Dynamic) -> Iterator[Any]:
+    """The arguments of a behavior that runs."""
+    assert behavior.arguments is not None
+    positional, named = behavior.arguments
+    yield from positional
+    yield from named.values()
 
 
 class Courses(Equations):
@@ -77,7 +96,7 @@ class Courses(Equations):
 
     def begin(self, agent: Instance, behavior: Dynamic) -> Course:
         """The course of an agent's behavior."""
-        return self.run_behavior(Invocation(agent, "", 0), behavior, limited=False)
+        return self.run_behavior(Invocation(agent, (), 0), behavior, limited=False)
 
     # Small statements
 
@@ -171,22 +190,21 @@ class Courses(Equations):
             self.check(code.preconditions, scope)
         if code.invariants:
             self.check(code.invariants, scope)
-        path = f"{caller.path} > {stable_repr(behavior)}" if caller.path else stable_repr(behavior)
-        return code.run(self, scope, Invocation(caller.agent, path, caller.depth + 1, scope, code.invariants))
+        return code.run(self, scope, Invocation(caller.agent, (*caller.path, behavior), caller.depth + 1, scope, code.invariants))
 
     def together(self, caller: Invocation, behaviors: Sequence[Dynamic], limited: bool) -> Course:
         """`invocations.run_together`: several behaviors at the same time, each with draws of its own; all have to end."""
-        alone = Invocation(caller.agent, "", caller.depth)
+        alone = Invocation(caller.agent, (), caller.depth)
         running: list[tuple[int, Course]] = [(k, self.run_behavior(alone, b, limited=False)) for k, b in enumerate(behaviors)]
         here = Invocation(caller.agent, caller.path, caller.depth)
         while True:
             base = (*self.prefix, self.draws)
-            outer = self.prefix, self.draws + 1
+            outer = self.prefix, self.draws + 1, self.handling
             actions: list[Any] = []
             left: list[tuple[int, Course]] = []
             terminates = False
             for place, course in running:
-                self.prefix, self.draws = (*base, place), 0
+                self.prefix, self.draws, self.handling = (*base, place), 0, ()
                 try:
                     actions.extend(next(course))
                     left.append((place, course))
@@ -195,11 +213,11 @@ class Courses(Equations):
                 except Terminated:
                     terminates = True
                 except Raised:
-                    self.prefix, self.draws = outer
+                    self.prefix, self.draws, self.handling = outer
                     if terminates:
                         self.state = flagged(f"the behavior of {caller.agent!r} executed `terminate`", self.state)
                     raise
-            self.prefix, self.draws = outer
+            self.prefix, self.draws, self.handling = outer
             if terminates:
                 raise Terminated
             if not left:
@@ -233,9 +251,7 @@ class Courses(Equations):
 
     def is_enabled(self, caller: Invocation, behavior: Dynamic) -> bool:
         """Whether the preconditions of a behavior hold."""
-        guards = self.library.code_of(behavior).preconditions
-        scope = scope_of(behavior, {"self": caller.agent}) if guards else None
-        return all(guard.holds(self, scope) for guard in guards)
+        return all(guard.holds(self, scope_of(behavior, {"self": caller.agent})) for guard in self.library.code_of(behavior).preconditions)
 
     def drawn(self, rule: str, distribution: Discrete, node: Node) -> Any:
         """The value of a draw of the coroutine that runs."""

@@ -11,7 +11,7 @@ from typing import Any
 from ...semantics.dynamics.processes import Coroutine
 from ...semantics.kernel.conditions import holding, truth
 from ...semantics.kernel.config import Abrupt, Config, Stack, State, Value
-from ...semantics.kernel.driving import Arrived, Chooser, Machine, Witness, drive_machine, taken_over
+from ...semantics.kernel.driving import Arrived, Chooser, Machine, Unfinished, Witness, drive_machine, taken_over
 from ...semantics.kernel.errors import NeedsElements
 from ...semantics.kernel.outcome import Draw, Next, Outcome, Requirement, Stuck
 from ...semantics.kernel.premises import SHARED, Conclusion, Premises, variable
@@ -34,11 +34,18 @@ from ...semantics.syntax.nodes import Expression, Node
 from ...simulators.actions import ACTIONS
 from .leaving import LeftToMachine
 
-PLAIN = frozenset({float, int, bool, str, type(None)})
-"""Types of values that calls of actions are given as they are."""
+PLAIN = frozenset({float, int, bool, type(None)})
+"""Types of values that actions are given and that are compared as they are: the machine takes nothing off the run's budget for them."""
 ACTION_TYPES = frozenset(ACTIONS.values())
+MOST_DEPTH = 50
+"""So many behaviors may be inside each other here; each costs some of Python's stack."""
 MOST_TURNS = 5_000
-"""So many turns of loops, and beginnings of behaviors and handlers, may a time step have here; whether it has an end is for the machine to say."""
+"""So many turns of loops, and beginnings of behaviors and handlers, may a time step have here; whether it has an end is for the machine to say.
+
+A turn of more than `TURN` nodes of the syntax tree counts as several. So what is compiled takes the machine less than half of its fuel.
+"""
+TURN = 50
+VERY_LONG = "a time step of very many turns"
 
 
 class RunRejected(Exception):
@@ -63,7 +70,8 @@ class Equations:
     Compiled code changes variables without a note (`versions`), since no run goes back behind it; whatever the machine changes is noted in `state`.
 
     `prefix` and `draws` are the address of the next draw of the coroutine that runs, whose `who` it is; `handling` are the exceptions that it
-    handles. `now` is the time, as `simulation.currentTime` says it.
+    handles. `now` is the time, as `simulation.currentTime` says it. `spent` are the steps of the machine in this time step: half of its fuel is for
+    what compiled code does without it.
     """
 
     def __init__(self, state: State, choose: Chooser, fuel: int, witness: Witness) -> None:
@@ -76,13 +84,14 @@ class Equations:
         self.draws = 0
         self.handling: tuple[BaseException, ...] = ()
         self.turns = 0
+        self.spent = 0
         self.now: float = 0
 
     # The machine
 
     def here(self, scope: Scope) -> State:
-        """The state in which the coroutine that runs goes on."""
-        return self.state._replace(sigma=scope, prefix=self.prefix, draws=self.draws, handling=self.handling)
+        """The state in which the coroutine that runs goes on; as many behaviors are inside each other there as may be here at most."""
+        return self.state._replace(sigma=scope, prefix=self.prefix, draws=self.draws, handling=self.handling, depth=MOST_DEPTH)
 
     def driven(self, control: Node | Value, scope: Scope) -> Any:
         """What the machine reduces a node to. Raises `LeftToMachine`, `RunRejected`."""
@@ -100,11 +109,12 @@ class Equations:
             kind = type(config.control)
             return (kind is Value and config.stack is base) or (kind is Abrupt and (config.stack is base or config.stack is base[1]))
 
-        end, _ = drive_machine(machine, config, self.choose, self.fuel, witness=self.witness, until=is_back)
+        end, steps = drive_machine(machine, config, self.choose, self.fuel // 2 - self.spent, witness=self.witness, until=is_back)
+        self.spent += steps
         if isinstance(end, Stuck):
             raise RunRejected(end.rule, end.requirement)
         if not isinstance(end, Arrived):
-            raise LeftToMachine("an error of the program")
+            raise LeftToMachine(VERY_LONG if isinstance(end, Unfinished) else "an error of the program")
         self.state, self.draws = end.config.state, end.config.state.draws
         control = end.config.control
         if isinstance(control, Abrupt):
@@ -185,6 +195,11 @@ class Equations:
 
     def comparison(self, scope: Scope, node: p.Comparison, left: Any, right: Any) -> Any:
         """⟨E1 < E2⟩ → v1 < v2."""
+        if type(left) is str and type(right) is str and len(left) + len(right) < SHORT:
+            if node.operators[0] == "==":
+                return left == right
+            if node.operators[0] == "!=":
+                return left != right
         return plain(self.concluded(scope, conclude_comparison, node, [(), left, right]))
 
     def operator(self, scope: Scope, node: Node, *operands: Any) -> Any:
@@ -213,7 +228,7 @@ class Equations:
         return self.concluded(scope, conclude_call, node, [function, *arguments, *named])
 
     def action(self, known: dict[type, Any], kind: type, arguments: tuple[Any, ...]) -> Any:
-        """An action of constants, which is made once: nobody can change it."""
+        """An action of constants in a `take` statement, which is made once: it is nobody's but the simulator's."""
         made = known[kind] = kind(*arguments)
         return made
 
@@ -230,12 +245,14 @@ class Equations:
             return inner
         return bool(holding(inner, node.span, self.here(scope), "a condition", ""))
 
-    def turn(self) -> None:
+    def turn(self, weight: int = 1) -> None:
         """A loop goes back, or a behavior or handler begins. Raises `LeftToMachine` where that may be without end."""
-        self.turns += 1
+        self.turns += weight
         if self.turns > MOST_TURNS:
-            raise LeftToMachine("a time step of very many turns")
+            raise LeftToMachine(VERY_LONG)
 
 
 NUMBERS = frozenset({int, float})
+SHORT = 200
+"""Characters of two texts that are compared without a word to the run's budget."""
 SMALL = 1 << 62

@@ -6,7 +6,6 @@ from. A node without translation is reduced by the machine.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 
 from ...semantics.kernel.classes import canonical
@@ -60,7 +59,7 @@ class Expressions:
                 return self.attribute(node)
             case p.BinaryOperation():
                 return self.binary(node)
-            case p.UnaryOperation(operator="not", operand=inner) if self.is_comparison(inner):
+            case p.UnaryOperation(operator="not", operand=inner) if self.is_truth_value(inner):
                 return f"(not {self.value(inner)})"
             case p.UnaryOperation(operand=inner):
                 return f"q.unary(S, {self.constant(node)}, {self.value(inner)})"
@@ -108,12 +107,8 @@ class Expressions:
         return f"({t} if type({t} := {source}) is not Random else {t}.value)"
 
     def literal(self, found: object) -> str:
-        """A constant; those whose text is not their value stand among the constants."""
-        if found is None or found is True or found is False or (type(found) is str and len(found) < MOST_TEXT):
-            return repr(found)
-        if (type(found) is int and -MOST_DIGITS < found < MOST_DIGITS) or (type(found) is float and math.isfinite(found)):
-            return f"({found!r})"
-        return self.constant(found)
+        """A constant: the very value of the syntax tree, which `is` tells from equal ones."""
+        return repr(found) if found is None or found is True or found is False else self.constant(found)
 
     def name(self, node: p.Name) -> str:
         """⟨x⟩ → σ(x), with what it was drawn from."""
@@ -163,21 +158,21 @@ class Expressions:
             return f"({a} {operator} {b} if (type{left} in PLAIN) & (type{right} in PLAIN) else {otherwise})"
         return f"q.comparison(S, {self.constant(node)}, {self.value(node.left)}, {self.value(operand)})"
 
-    def is_comparison(self, node: Node) -> bool:
+    def is_truth_value(self, node: Node) -> bool:
         """Whether the value of a translation is True or False."""
         match node:
             case p.Constant(value=bool()):
                 return True
             case p.UnaryOperation(operator="not", operand=inner):
-                return self.is_comparison(inner)
+                return self.is_truth_value(inner)
             case p.BooleanOperation(operands=operands):
-                return all(map(self.is_comparison, operands))
+                return all(map(self.is_truth_value, operands))
             case _:
                 return False
 
     def truth(self, node: Node) -> str:
         """The truth of what decides control flow."""
-        if self.is_comparison(node):
+        if self.is_truth_value(node):
             return self.value(node)
         t = self.temporary()
         return f"({t} if ({t} := {self.value(node)}) is True or {t} is False else q.is_true(S, {t}, {self.constant(node)}))"
@@ -201,16 +196,19 @@ class Expressions:
         """Whether all arguments are given one by one."""
         return not any(isinstance(a, p.Starred) for a in node.arguments) and all(k.name is not None for k in node.keywords)
 
-    def call(self, node: p.Call) -> str:
-        """A call, whose value keeps what it was drawn from; that of an action's class with plain arguments stands in the source itself."""
+    def call(self, node: p.Call, *, once: bool = False) -> str:
+        """A call, whose value keeps what it was drawn from; that of an action's class with plain arguments stands in the source itself.
+
+        `once`: an action of constants is made once, since nobody can tell it from another.
+        """
         names = [self.temporary() for _ in node.arguments]
         arguments = "".join(f"{self.carried(a)}, " for a in node.arguments)
-        if node.keywords or not isinstance(node.function, p.Name):
+        if node.keywords or not isinstance(node.function, p.Name) or not (node.arguments or once):
             named = f", ({''.join(f'{self.carried(k.value)}, ' for k in node.keywords)})" if node.keywords else ""
             return f"q.call(S, {self.constant(node)}, {self.carried(node.function)}, ({arguments}){named})"
         f, k = self.temporary(), self.constant(node)
         function = f"({f} := {self.carried(node.function)}) in ACTIONS"
-        if all(isinstance(a, p.Constant) and type(a.value) in PLAIN for a in node.arguments):
+        if once and all(isinstance(a, p.Constant) and type(a.value) in PLAIN for a in node.arguments):
             known = self.constant({})
             return f"(({known}.get({f}) or q.action({known}, {f}, ({arguments}))) if {function} else q.call(S, {k}, {f}, ({arguments})))"
         given = "".join(f"({t} := {self.carried(a)}), " for t, a in zip(names, node.arguments))
@@ -223,5 +221,3 @@ BUILT_IN = frozenset({"simulation", "abs", "min", "max", "round", "len", "range"
 TRANSLATED = frozenset({
     p.Attribute, p.BinaryOperation, p.UnaryOperation, p.BooleanOperation, p.Comparison,
 })  # fmt: skip
-MOST_TEXT = 1_000
-MOST_DIGITS = 10**15

@@ -1,6 +1,7 @@
 """What compiled code leaves to the machine: a kind of coroutine, or a whole simulation, which is then run again from its beginning.
 
-A simulation is a function of the program, the seed and its number, so that the machine finds the same one, with the same error where there is one.
+A simulation is a function of the program, the seed and its number, so that the machine finds the same one, with the same error where there is one;
+but Python code that a program with `--trust` calls has run once before.
 """
 
 from __future__ import annotations

@@ -19,7 +19,7 @@ from ...semantics.dynamics.invocations import doing, with_arguments
 from ...semantics.dynamics.processes import DYNAMIC, Ended, Yielded, address_of
 from ...semantics.dynamics.requirements import CONDITIONS, over_time
 from ...semantics.kernel.config import Config, Stack, State, Value
-from ...semantics.kernel.driving import Arrived, drive_machine, taken_over
+from ...semantics.kernel.driving import Arrived, Unfinished, drive_machine, taken_over
 from ...semantics.kernel.errors import FuelExhausted, GuardViolation
 from ...semantics.kernel.outcome import Act, Finish, Outcome, Requirement, Stuck
 from ...semantics.kernel.scopes import ByIdentity
@@ -43,7 +43,7 @@ from ...semantics.syntax.nodes import Node, Span
 from ...semantics.syntax.statements import Block
 from .code import Library
 from .courses import Aborted, Course, Courses, Invocation, Terminated
-from .equations import Raised, RunRejected
+from .equations import VERY_LONG, Raised, RunRejected
 from .leaving import LeftToMachine, Untranslated
 
 ENDED, TERMINATED = "ended", "terminated"
@@ -67,11 +67,15 @@ class CompiledCourse:
 
 
 class CompiledPolicy(Courses):
-    """The policy of one simulation. Raises `LeftToMachine` where only the machine knows what is next: the simulation begins anew then."""
+    """The policy of one simulation; `home` is its own part of the state, beside those of the coroutines.
+
+    Raises `LeftToMachine` where only the machine knows what is next: the simulation begins anew then.
+    """
 
     def __init__(self, state: State, choose: Chooser, library: Library, witness: Witness, fuel: int = DEFAULT_FUEL) -> None:
         super().__init__(state, choose, fuel, witness)
         self.library = library
+        self.home = {name: getattr(state, name) for name in ("sigma", "prefix", "draws", "handling", "depth")}
         top = simulation_of(state).scenarios[TOP]
         self.simple = top.compose is None and not (top.dynamic is not None and top.dynamic.definition.invariants)  # type: ignore[attr-defined]
         self.calm = self.simple and not (top.always or top.eventually or top.terminations or top.monitors or top.records)
@@ -86,7 +90,7 @@ class CompiledPolicy(Courses):
         simulation = simulation_of(state)
         same = not simulation.flag and simulation.limit == limit and simulation.active == active
         self.state = state if same else with_simulation(state, flag="", limit=limit, active=active)
-        self.turns = 0
+        self.turns = self.spent = 0
         self.now = simulation.step if self.in_steps else simulation.step * simulation.timestep
         state.settings.door.budget.renew()
         try:
@@ -138,14 +142,19 @@ class CompiledPolicy(Courses):
         if reason:
             self.state = flagged(reason, self.state)
 
+    def own(self) -> State:
+        """The state in which the policy goes on, where coroutines have left theirs."""
+        return self.state._replace(**self.home)
+
     def by_machine(self, control: Any, number: rules.Step, until: int) -> None:
         """A step of the policy, by the machine; it ends where the one numbered `until` begins."""
-        config = taken_over(Config(control, (number, ()), self.state))
-        end, _ = drive_machine(machine_step, config, self.choose, self.fuel, witness=self.witness, until=partial(begins, until))
+        config = taken_over(Config(control, (number, ()), self.own()))
+        end, steps = drive_machine(machine_step, config, self.choose, self.fuel // 2 - self.spent, witness=self.witness, until=partial(begins, until))
+        self.spent += steps
         if isinstance(end, Stuck):
             raise RunRejected(end.rule, end.requirement)
         if not isinstance(end, Arrived):
-            raise LeftToMachine("an error of the program")
+            raise LeftToMachine(VERY_LONG if isinstance(end, Unfinished) else "an error of the program")
         self.state = end.config.state
 
     def termination(self, top: Running) -> str:
@@ -243,7 +252,7 @@ class CompiledPolicy(Courses):
         if key not in self.library.left:
             try:
                 code = self.library.monitor(body, process.sigma)
-                return CompiledCourse(code.run(self, process.sigma, Invocation(None, "", 0, process.sigma)), key, who)
+                return CompiledCourse(code.run(self, process.sigma, Invocation(None, (), 0, process.sigma)), key, who)
             except Untranslated as problem:
                 self.library.left[key] = problem.reason
         return process
@@ -309,7 +318,7 @@ class CompiledPolicy(Courses):
                 return CompiledCourse(self.begin(instance, with_arguments(behavior, node, self.state)), key, Who("behavior", instance.number))
             except Untranslated as problem:
                 self.library.left[key] = problem.reason
-        return rules.first_step(behavior, instance.span, self.state)
+        return rules.first_step(behavior, instance.span, self.own())
 
     def advanced(self, process: CompiledCourse) -> Any:
         """What a compiled coroutine does in this time step: its actions, ENDED or TERMINATED."""
@@ -333,8 +342,9 @@ class CompiledPolicy(Courses):
             taken = self.advanced(process)
             return (None if taken is ENDED or taken is TERMINATED else process), taken
         base: Stack = (rules.Step(0), ())
-        first: list[Outcome] = [run_for_one_step(process, who, base, self.state)]
-        result = self.settled(lambda config: first.pop() if first else machine_step(config), Config(Value(None), (), self.state), base)
+        state = self.own()
+        first: list[Outcome] = [run_for_one_step(process, who, base, state)]
+        result = self.settled(lambda config: first.pop() if first else machine_step(config), Config(Value(None), (), state), base)
         if isinstance(result, Yielded):
             return result.rest, result.actions
         assert isinstance(result, Ended)

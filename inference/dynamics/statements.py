@@ -11,14 +11,14 @@ from typing import Any, NamedTuple
 
 from ...semantics.kernel.premises import SHARED
 from ...semantics.kernel.queries import Clock
-from ...semantics.kernel.scopes import MISSING, NO_NAMES, Names, function_names
+from ...semantics.kernel.scopes import MISSING, NO_NAMES, Names, descendants, function_names
 from ...semantics.kernel.values import Instance, Random
 from ...semantics.kernel.waiting import Waiting
 from ...semantics.syntax import dynamics as d
 from ...semantics.syntax import python_expressions as p
 from ...semantics.syntax import statements as s
 from ...semantics.syntax.nodes import Expression, Node
-from .equations import ACTION_TYPES, NUMBERS, PLAIN
+from .equations import ACTION_TYPES, NUMBERS, PLAIN, TURN
 from .expressions import Expressions
 from .leaving import Untranslated
 
@@ -108,8 +108,7 @@ class Statements(Expressions):
             self.line(f"q.reduced(S, {self.constant(node)})")
             return
         name, a, b = repr(node.target.name), self.temporary(), self.temporary()
-        subject = node.value.value if isinstance(node.value, p.Attribute) else node.value
-        if not isinstance(subject, (p.Constant, p.Name)):  # whatever takes more steps is not evaluated twice
+        if not isinstance(node.value, (p.Constant, p.Name)):  # whatever takes more steps is not evaluated twice
             self.line(f"q.reduced(S, {self.constant(node)})")
             return
         self.line(f"{a}, {b} = B.get({name}), {self.value(node.value)}")
@@ -142,8 +141,8 @@ class Statements(Expressions):
     def loop(self, node: s.While | s.For) -> None:
         """The body of a loop, and what comes after its last turn; turns are counted where no time need pass in one."""
         self.loops += 1
-        if not any(isinstance(statement, (d.Take, d.Wait)) for statement in node.body):
-            self.line("    q.turn()")
+        if not passes_time(node.body):
+            self.line(f"    q.turn({1 + sum(1 for statement in node.body for _ in descendants(statement)) // TURN})")
         self.block(node.body)
         self.loops -= 1
         if node.otherwise:
@@ -165,12 +164,16 @@ class Statements(Expressions):
 
     def take(self, node: d.Take) -> None:
         """`take E1, ..., En`."""
-        t, known = self.temporary(), " and ".join(f"type({self.temporary()}) in ACTIONS" for _ in node.actions)
-        names = [part.split(")")[0] for part in known.split("type(")[1:]]
-        self.line(f"{t} = ({''.join(f'({name} := {self.value(a)}), ' for name, a in zip(names, node.actions))})")
+        t, names = self.temporary(), [self.temporary() for _ in node.actions]
+        known = " and ".join(f"type({name}) in ACTIONS" for name in names)
+        self.line(f"{t} = ({''.join(f'({name} := {self.taken(a)}), ' for name, a in zip(names, node.actions))})")
         self.line(f"q.leaf, q.node = I, {self.constant(node)}")
         self.line(f"yield {t} if {known} and I.agent is not None else q.taken({t})")
         self.line("if I.invariants: q.check_invariants(I)")
+
+    def taken(self, node: Expression) -> str:
+        """The source of an action; one of constants is made once."""
+        return self.without_origin(self.call(node, once=True)) if isinstance(node, p.Call) and self.is_translated_call(node) else self.value(node)
 
     def wait(self, node: d.Wait) -> None:
         """`wait`."""
@@ -277,6 +280,16 @@ class Statements(Expressions):
         return f"{kind}{self.functions}"
 
 
+def passes_time(body: s.Block) -> bool:
+    """Whether each turn of a loop takes a time step: `take` or `wait` is one of its statements, before which nothing can leave the turn."""
+    for statement in body:
+        if isinstance(statement, (d.Take, d.Wait)):
+            return True
+        if any(isinstance(node, s.Continue) for node in descendants(statement)):
+            return False
+    return False
+
+
 STATEMENTS: Mapping[type, Callable[[Statements, Any], None]] = {
     s.Pass: Statements.passed, s.Global: Statements.passed, s.Nonlocal: Statements.passed, s.ExpressionStatement: Statements.expression,
     s.Assignment: Statements.assignment, s.AugmentedAssignment: Statements.augmented, s.If: Statements.if_, s.While: Statements.while_,
@@ -284,7 +297,7 @@ STATEMENTS: Mapping[type, Callable[[Statements, Any], None]] = {
     d.Take: Statements.take, d.Wait: Statements.wait, d.WaitFor: Statements.wait_for, d.Terminate: Statements.terminate, d.Abort: Statements.abort,
     d.Do: Statements.do, d.DoChoose: Statements.pick, d.DoShuffle: Statements.pick,
 }  # fmt: skip
-WORDS: Mapping[type, str] = {d.Override: "`override`", s.Param: "`param`", s.Mutate: "`mutate`"}
+WORDS: Mapping[type, str] = {d.BehaviorDefinition: "the definition of a behavior", d.Override: "`override`", s.Param: "`param`", s.Mutate: "`mutate`"}
 """What has no translation, in words."""
 LARGE = 1 << 40
 SCOPES = "B, M, U = S.bindings, S.parent.bindings, S.module.parent.bindings"

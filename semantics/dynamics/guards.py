@@ -3,23 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 from ..kernel.conditions import holding
 from ..kernel.config import PASS, Abrupt, Config, Stack, State
+from ..kernel.draws import Apart
 from ..kernel.errors import InvariantViolation, PreconditionViolation
 from ..kernel.outcome import Next, Outcome, Requirement, Stuck
 from ..kernel.scopes import Scope, function_names
-from ..kernel.simulation import TOP, simulation_of
+from ..kernel.simulation import TOP, Who, simulation_of
 from ..kernel.values import Dynamic
 from ..python.functions import bind
 from ..syntax import dynamics as d
 from ..syntax import statements as s
 from ..syntax.nodes import Expression
 from .frames import Interruptible, Invoked, Returning, Scenarios, Shuffling, Together
-from .processes import Coroutine
+from .processes import Coroutine, address_of
 
 Then = Callable[[Stack, State], Outcome]
+
+
+PRECONDITIONS, INVARIANTS = 1, 2
+"""The parts of a scenario (`Who.part`) whose draws are those of guards that no compose block checks."""
 
 
 class Guards(NamedTuple):
@@ -49,6 +55,20 @@ def guarded(guards: tuple[Guards, ...], then: Then, stack: Stack, state: State, 
         return then(stack, state)
     frame = Guarding(guards, index, state.sigma, then)
     return Next("", Config(guards[0].conditions[index], (frame, stack), state._replace(sigma=guards[0].scope)))
+
+
+def guarded_apart(who: Who, guards: tuple[Guards, ...], then: Then, stack: Stack, state: State) -> Outcome:
+    """Reduce the guards of a scenario outside of its compose block, then go on; their draws are those of `who` in this time step."""
+    if not any(one.conditions for one in guards):
+        return then(stack, state)
+    inner = state._replace(prefix=address_of(who, state), draws=0)
+    return guarded(guards, partial(after_apart, then), (Apart(state.prefix, state.draws), stack), inner)
+
+
+def after_apart(then: Then, stack: Stack, state: State) -> Outcome:
+    """The guards hold: go on as before."""
+    frame, below = stack
+    return then(below, state._replace(prefix=frame.prefix, draws=frame.draws))
 
 
 def resume_guarding(frame: Guarding, result: object, stack: Stack, state: State) -> Outcome:

@@ -34,7 +34,7 @@ from ..syntax import dynamics as d
 from ..syntax.nodes import NOWHERE, Node
 from . import guards
 from .endings import end_scenario
-from .guards import guarded, opening_guards
+from .guards import PRECONDITIONS, guarded_apart, opening_guards
 from .interrupts import run_for_one_step
 from .invocations import Begin, Beginning, begin_all, with_arguments
 from .processes import Ended, Yielded
@@ -96,7 +96,8 @@ def compose_blocks(frame: Step, result: object, stack: Stack, state: State) -> O
     terminate when conditions is true, or it executes terminate, set a flag to remember this".
     """
     if result is None:
-        return guarded(opening_guards(state), partial(step_of_scenario, TOP), (frame, stack), with_simulation(state, active=()))
+        first, inner = partial(step_of_scenario, TOP), with_simulation(state, active=())
+        return guarded_apart(Who("compose", TOP, PRECONDITIONS), opening_guards(state), first, (frame, stack), inner)
     reason = result.reason if isinstance(result, Over) else ""
     return following(frame, "D-Policy-1", stack, flagged(reason, state))
 

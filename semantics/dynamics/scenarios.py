@@ -34,7 +34,7 @@ from ..syntax import dynamics as d
 from ..syntax.nodes import Node
 from .endings import end_scenario
 from .frames import Scenarios
-from .guards import compose_guards, guarded, guards_of, returned, scope_of
+from .guards import INVARIANTS, compose_guards, guarded, guarded_apart, guards_of, returned, scope_of
 from .interrupts import run_for_one_step, within
 from .processes import Coroutine, Ended, Yielded, address_of, suspend
 from .requirements import condition_at, decision, over_time
@@ -260,7 +260,8 @@ def compose_or_conditions(number: int, stack: Stack, state: State) -> Outcome:
     running = simulation_of(state).scenarios[number]
     if running.compose is not None:
         return run_for_one_step(running.compose, Who("compose", number), (Stepping(number), stack), state)
-    return guarded((compose_guards(number, state),), partial(check_termination, number, 0), stack, state)
+    invariants = compose_guards(number, state)
+    return guarded_apart(Who("compose", number, INVARIANTS), (invariants,), partial(check_termination, number, 0), stack, state)
 
 
 def resume_stepping(frame: Stepping, result: object, stack: Stack, state: State) -> Outcome:

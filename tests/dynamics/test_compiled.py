@@ -200,7 +200,8 @@ def test_a_coroutine_with_something_untranslated_is_left_alone() -> None:
     assert not scenario.compiled.wholes
 
 
-def test_endless_loops_and_recursion_are_the_machines_errors() -> None:
+def test_endless_loops_and_recursion_are_the_machines_errors(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(simulation, "DEFAULT_FUEL", 20_000)
     for text in (
         "behavior B:\n    while True:\n        pass\nego = Object with behavior B",
         "behavior B:\n    do B()\nego = Object with behavior B",
@@ -211,7 +212,8 @@ def test_endless_loops_and_recursion_are_the_machines_errors() -> None:
     assert isinstance(said(scenario, "compiled", 0)[0], type(FuelExhausted))
 
 
-def test_handlers_that_interrupt_each_other_without_end_are_the_machines_error() -> None:
+def test_handlers_that_interrupt_each_other_without_end_are_the_machines_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(simulation, "DEFAULT_FUEL", 20_000)
     text = """
 n = 0
 behavior B:

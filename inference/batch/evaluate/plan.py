@@ -7,7 +7,7 @@ when it is checked. The next one is that which is cheapest for what it rejects, 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -43,12 +43,7 @@ def plan(
     done = set(known)
     order: list[tuple[list[GraphNode], GraphEvent | None]] = []
     for segment in segments(graph.events, range(len(graph.events)) if events is None else sorted(events)):
-        pending = list(segment)
-        while pending:
-            prices = [cost(cone(roots_of(graph.events[k]), done)) / max(rejects.get(k, 0.5), LEAST_REJECTED) for k in pending]
-            event = graph.events[pending.pop(prices.index(min(prices)))]
-            order.append((cone(roots_of(event), done), event))
-            done.update(node.number for node in order[-1][0])
+        order.extend(cheapest_first(graph, segment, done, rejects))
     order.append((cone(list(outputs), done), None))
     last: dict[int, int] = {}
     for position, (nodes, event) in enumerate(order):
@@ -63,6 +58,28 @@ def plan(
     for number, position in last.items():
         forgotten.setdefault(position, []).append(graph.nodes[number])
     return tuple(PlanStep(tuple(nodes), event, tuple(forgotten.get(i, ()))) for i, (nodes, event) in enumerate(order))
+
+
+def cheapest_first(
+    graph: Graph, segment: Sequence[int], done: set[int], rejects: Mapping[int, float]
+) -> Iterator[tuple[list[GraphNode], GraphEvent]]:
+    """The events at some places, each with what is still to be computed for it, which is `done` then; the next one is the cheapest."""
+    cones = {place: cone(roots_of(graph.events[place]), done) for place in segment}
+    costs = {place: cost(nodes) for place, nodes in cones.items()}
+    needing: dict[int, list[int]] = {}
+    for place, nodes in cones.items():
+        for node in nodes:
+            needing.setdefault(node.number, []).append(place)
+    pending = list(segment)
+    while pending:
+        prices = [costs[place] / max(rejects.get(place, 0.5), LEAST_REJECTED) for place in pending]
+        chosen = pending.pop(prices.index(min(prices)))
+        nodes = [node for node in cones[chosen] if node.number not in done]
+        for node in nodes:
+            done.add(node.number)
+            for place in needing[node.number]:
+                costs[place] -= cost_of(node)
+        yield nodes, graph.events[chosen]
 
 
 def segments(events: Sequence[GraphEvent], places: Iterable[int]) -> list[list[int]]:
