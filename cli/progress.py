@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from rich.progress import TaskID
 
 INTERVAL = 0.1
+A_WHILE = 2.0
+"""After so many seconds a single scene has a bar."""
 LOOK_AFTER, LONG = 30.0, 1800.0
 """After so many seconds it is looked at how many are left, and said if they are as many as this."""
 FEW_ACCEPTED = 1e-3
@@ -55,15 +57,21 @@ class Progress:
             self.timer = threading.Timer(LOOK_AFTER, self.foretell)
             self.timer.daemon = True
             self.timer.start()
-        if sys.stderr.isatty() and self.total > 1:
-            from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
-            from rich.progress import Progress as Bar
-
-            columns = (TextColumn(self.what), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"), TimeRemainingColumn(compact=True))
-            self.bar = Bar(*columns, console=console(sys.stderr), transient=True)
-            self.bar.start()
-            self.task = self.bar.add_task("", total=self.total, completed=self.scenes, rate="")
+        if self.total > 1:
+            self.start()
         return self
+
+    def start(self) -> None:
+        """Show the bar on a terminal; that of a single scene is shown when it takes a while."""
+        if not sys.stderr.isatty():
+            return
+        from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
+        from rich.progress import Progress as Bar
+
+        columns = (TextColumn(self.what), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"), TimeRemainingColumn(compact=True))
+        self.bar = Bar(*columns, console=console(sys.stderr), transient=True)
+        self.bar.start()
+        self.task = self.bar.add_task("", total=self.total, completed=self.scenes, rate="")
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         if self.timer is not None:
@@ -116,6 +124,8 @@ class Progress:
     def show(self) -> None:
         """Update the bar, not too often."""
         now = time.monotonic()
+        if self.bar is None and self.total == 1 and now - self.begun > A_WHILE:
+            self.start()
         if self.bar is None or self.task is None or now - self.shown < INTERVAL:
             return
         self.shown = now

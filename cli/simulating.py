@@ -238,8 +238,8 @@ MOST_LEFT = 5
 
 def left_to_machine(tally: SimulationTally) -> list[str]:
     """What was left to the machine, and why; errors of the program are told as such."""
-    lines = [f"the machine ran what is not compiled: {reason}" for reason in tally.parts]
-    lines += [f"the machine ran {counted(often, 'attempt')} alone: {reason}" for reason, often in tally.wholes.most_common()]
+    lines = [f"not compiled, so that the machine ran all of the behavior or monitor, more slowly: {reason}" for reason in tally.parts]
+    lines += [f"the machine ran {counted(often, 'attempt')} from the beginning: {reason}" for reason, often in tally.wholes.most_common()]
     return lines[:MOST_LEFT] + ([f"... and {len(lines) - MOST_LEFT} more reasons"] if len(lines) > MOST_LEFT else [])
 
 

@@ -45,8 +45,8 @@ def drive(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL, witness:
     if isinstance(end, Fault):
         raise end.error
     if isinstance(end, Unfinished):
-        timeless = "time passes only where something is taken, waited for or done"
-        raise endless(end.config, fuel, "raise --fuel if it really takes that long" if end.config.state.simulation is None else timeless)
+        timeless = "" if end.config.state.simulation is None else "time passes only where something is taken, waited for or done; "
+        raise endless(end.config, fuel, f"{timeless}raise --fuel if it really takes that long")
     return end, steps  # type: ignore[return-value]
 
 

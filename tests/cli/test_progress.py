@@ -52,6 +52,18 @@ def test_a_first_scene_that_does_not_come_is_told_of(clock, capsys):
         assert "at least 2.8 hours more: of 90,000 attempts 0 gave a scene" in capsys.readouterr().err
 
 
+def test_a_single_scene_has_a_bar_when_it_takes_a_while(clock, monkeypatch):
+    monkeypatch.setattr(progress.sys.stderr, "isatty", lambda: True, raising=False)
+    with Progress(1) as shown:
+        shown.stuck(10)
+        assert shown.bar is None
+        clock[0] += 3
+        shown.stuck(1_000)
+        assert shown.bar is not None
+    with Progress(2) as shown:
+        assert shown.bar is not None
+
+
 class Seen:
     """A run of which no scene is there yet."""
 

@@ -128,6 +128,6 @@ def test_backends_give_the_same_file_and_what_is_left_to_the_machine_is_told(ask
     for name in ("p", "odd"):
         found = [ask("simulate", f"{name}.scenic", "-n", "3", "-o", "-", "--backend", backend) for backend in ("compiled", "interpreter")]
         assert found[0].out == found[1].out
-        assert ("the machine ran what is not compiled: this loop variable on line 2" in found[0].err) is (name == "odd")
+        assert ("the machine ran all of the behavior or monitor, more slowly: this loop variable on line 2" in found[0].err) is (name == "odd")
         assert "the machine ran" not in found[1].err
     assert ask("simulate", "p.scenic", "--backend", "fast").code == 2

@@ -180,7 +180,7 @@ def test_errors_have_their_place():
         actions(behavior("take 1 / 0"))
     with pytest.raises(FuelExhausted, match="endless loop") as endless:
         actions(behavior("while True:\n    pass"), fuel=10_000)
-    assert endless.value.hint == "time passes only where something is taken, waited for or done"
+    assert endless.value.hint == "time passes only where something is taken, waited for or done; raise --fuel if it really takes that long"
     with pytest.raises(RunError, match="invokes itself too deeply"):
         actions(behavior("do B()"))
     with pytest.raises(RunError, match="no agent that could run"):
