@@ -46,7 +46,7 @@ WASTE = 0.25
 """The share of the attempts at a scene, of those evaluated at a time, that may be expected to be in vain."""
 FEW = 512
 """Fewer runs than this take no less time, if their scenes have no more than `FEW_OBJECTS` objects."""
-FEW_OBJECTS = 50
+FEW_OBJECTS = 200
 
 COMPILE_LEAST, COMPILE_NODE = 2.5, 0.009
 """Seconds of a processor that compiling takes, by and large: at least (the compiler itself must be loaded), and for each node."""
