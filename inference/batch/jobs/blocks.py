@@ -17,7 +17,7 @@ from concurrent.futures import CancelledError, Executor, Future, InvalidStateErr
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
-from multiprocessing import connection
+from multiprocessing import connection, resource_tracker
 from types import FrameType
 from typing import TypeVar
 
@@ -179,6 +179,8 @@ def cluster(address: str, count: int | None = None, unread: list[object] | None 
         from distributed import Client, LocalCluster
     except ImportError as problem:
         raise needed("a cluster", "distributed", problem) from None
+    if os.name == "posix":
+        resource_tracker.ensure_running()  # begun later, it would take the mask off the thread that starts processes
     try:
         with uninterrupted():  # a thread that starts processes is made here
             options = {"n_workers": count, "threads_per_worker": 1, "dashboard_address": None, "silence_logs": 50}
