@@ -89,6 +89,8 @@ def produce_simulations(source: Source, request: SimulationRequest, session: Ses
             earlier = output.earlier(request.seed)
             check_earlier(drawing, request, simulator, earlier)
             request = request._replace(start=min(earlier.count, request.stop))
+            if earlier.count:
+                tell(f"{'1 simulation was' if earlier.count == 1 else f'{earlier.count:,} simulations were'} there already")
             total = request.stop - request.start
         progress = stack.enter_context(Progress(total, what="simulations"))
         wanted = output is not None or request.html is not None

@@ -98,7 +98,7 @@ def test_an_interrupted_file_of_simulations_is_resumed_to_the_same_bytes(ask, tm
         done = ask("simulate", "p.scenic", "-n", "6", "-o", "torn.jsonl", "--resume")
         assert done.code == 0, done.err
         assert (tmp_path / "torn.jsonl").read_bytes() == whole
-    assert "0 simulations of seed 0" in done.err
+    assert "6 simulations were there already" in done.err and "0 simulations of seed 0" in done.err
 
 
 def test_only_a_file_of_the_same_simulations_is_resumed(ask, tmp_path):
