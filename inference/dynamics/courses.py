@@ -95,7 +95,7 @@ class Courses(Equations):
     node: Node | None
 
     def begin(self, agent: Instance, behavior: Dynamic) -> Course:
-        """The course of an agent's behavior."""
+        """The course of an agent's behavior; its guards are checked in its first time step."""
         return self.run_behavior(Invocation(agent, (), 0), behavior, limited=False)
 
     # Small statements

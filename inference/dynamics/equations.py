@@ -67,6 +67,8 @@ class Raised(Exception):
 class Equations:
     """The state of a simulation while compiled code runs, and the values of expressions in it.
 
+    `state` has the scope, the numbering of draws and the handled exceptions of whichever coroutine ran last: each that goes on has its own (`here`).
+
     Compiled code changes variables without a note (`versions`), since no run goes back behind it; whatever the machine changes is noted in `state`.
 
     `prefix` and `draws` are the address of the next draw of the coroutine that runs, whose `who` it is; `handling` are the exceptions that it
