@@ -100,13 +100,18 @@ def test_one_process_replays(ask, tmp_path, option, value):
 
 
 @pytest.mark.slow
-def test_an_interrupt_leaves_whole_simulations_and_no_process(tmp_path, start):
+@pytest.mark.parametrize(
+    ("option", "value", "told"),
+    [("--workers", "2", os.kill), ("--workers", "2", os.killpg), pytest.param("--cluster", "local", os.killpg, marks=pytest.mark.extra("cluster"))],
+)
+def test_an_interrupt_leaves_whole_simulations_and_no_process(tmp_path, start, option, value, told):
+    """A terminal tells all processes of Ctrl-C: a cluster's workers once filled the screen with tracebacks."""
     (tmp_path / "p.scenic").write_text(PROGRAM.replace("        print(simulation.currentTime, x)\n", ""))
-    command = [sys.executable, "-m", "scenic_ref", "simulate", "p.scenic", "-n", "1000000", "--steps", "9", "--workers", "2", "-o", "runs.jsonl"]
+    command = [sys.executable, "-m", "scenic_ref", "simulate", "p.scenic", "-n", "1000000", "--steps", "9", option, value, "-o", "runs.jsonl"]
     path = tmp_path / "runs.jsonl"
     with start(command) as process:
         process.until(lambda: path.exists() and path.read_bytes().count(b"\n") >= 3)
-        process.send_signal(signal.SIGINT)
+        told(process.pid, signal.SIGINT)
         out, err = process.communicate()
     assert (process.returncode, out) == (130, "")
     assert "written as whole lines" in err.splitlines()[-1]
@@ -115,19 +120,3 @@ def test_an_interrupt_leaves_whole_simulations_and_no_process(tmp_path, start):
     assert data.endswith(b"\n")
     runs = [json.loads(line)["run"] for line in data.splitlines()]
     assert runs == list(range(len(runs)))
-
-
-@pytest.mark.slow
-@pytest.mark.extra("cluster")
-def test_a_terminals_interrupt_is_answered_by_this_process_alone(tmp_path, start):
-    """A terminal tells all processes of Ctrl-C: the cluster's workers once filled the screen with tracebacks."""
-    (tmp_path / "p.scenic").write_text(PROGRAM.replace("        print(simulation.currentTime, x)\n", ""))
-    command = [sys.executable, "-m", "scenic_ref", "simulate", "p.scenic", "-n", "1000000", "--steps", "9", "--cluster", "local", "-o", "runs.jsonl"]
-    path = tmp_path / "runs.jsonl"
-    with start(command) as process:
-        process.until(lambda: path.exists() and path.read_bytes().count(b"\n") >= 3)
-        os.killpg(process.pid, signal.SIGINT)
-        out, err = process.communicate()
-    assert (process.returncode, out) == (130, "")
-    assert "written as whole lines" in err.splitlines()[-1]
-    assert "Traceback" not in err
