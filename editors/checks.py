@@ -96,17 +96,15 @@ class CheckingProcess:
         if self.process is not None and self.process.stdout is not None and self.process.stdout.at_eof():
             with suppress(TimeoutError):
                 await asyncio.wait_for(self.process.wait(), PATIENCE)
-        process = self.kill()
-        if process is not None:
-            await process.wait()
-
-    def kill(self) -> Process | None:
-        """End the process, and give it back to who wants to wait for that."""
+        if self.starting is not None and not self.starting.done():
+            self.starting.cancel()
+            await asyncio.wait([self.starting])
         process, self.process, self.starting, self.busy = self.process, None, None, False
-        if process is not None and process.returncode is None:
+        if process is not None:
             with suppress(ProcessLookupError):
                 process.kill()
-        return process
+            with suppress(OSError):
+                await process.communicate()  # closes its pipes, too: asyncio would complain of them when the loop is closed
 
 
 class CheckingQueue:
@@ -118,10 +116,10 @@ class CheckingQueue:
         self.turn = asyncio.Lock()
         self.tasks: dict[str, asyncio.Task[None]] = {}
 
-    async def begin(self) -> None:
+    def begin(self) -> None:
         """Start the process before there is anything to check."""
-        async with self.turn:
-            await self.process.ready()
+        if self.process.starting is None:
+            self.process.starting = asyncio.ensure_future(self.process.launch())
 
     def changed(self, text: Revision, delay: float = DELAY) -> None:
         """Check a text soon, in place of an older one."""
@@ -144,11 +142,14 @@ class CheckingQueue:
                 found = await self.process.check(text)
         self.publish(text, found)
 
-    def end(self) -> None:
-        """Drop all texts, and end the process."""
+    async def end(self) -> None:
+        """Drop all texts, and end the process: nothing of it is left when this is over."""
+        tasks = list(self.tasks.values())
         for uri in list(self.tasks):
             self.dropped(uri)
-        self.process.kill()
+        if tasks:
+            await asyncio.wait(tasks)
+        await self.process.end()
 
 
 def whole(file: str, message: str, severity: str = "error") -> dict[str, object]:

@@ -226,12 +226,12 @@ def make_server(seconds: float) -> ScenicServer:
         server.text_document_publish_diagnostics(types.PublishDiagnosticsParams(params.text_document.uri, []))
 
     @server.feature(types.INITIALIZED)
-    async def initialized(params: types.InitializedParams) -> None:
-        await server.checks.begin()
+    def initialized(params: types.InitializedParams) -> None:
+        server.checks.begin()
 
     @server.feature(types.SHUTDOWN)
-    def shut_down(*_: object) -> None:
-        server.checks.end()
+    async def shut_down(*_: object) -> None:
+        await server.checks.end()
 
     server.feature(types.TEXT_DOCUMENT_HOVER)(lambda params: server.hover_at(params))
     server.feature(types.TEXT_DOCUMENT_COMPLETION, types.CompletionOptions([".", " "]))(lambda params: server.completions_at(params))
@@ -288,4 +288,4 @@ async def serve_tcp(port: int, seconds: float) -> None:
     try:
         await run_async(stop_event=threading.Event(), reader=heard, protocol=protocol, error_handler=server.report_server_error)
     finally:
-        server.checks.end()
+        await server.checks.end()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import os
 import signal
@@ -361,6 +362,27 @@ def test_no_process_is_left(tmp_path, how):
     editor.do(editor.server.wait())
     while alive(worker):
         time.sleep(0.01)
+
+
+@pytest.mark.parametrize("moment", ["started", "listening", "checking"])
+def test_the_process_has_ended_when_the_checks_have(moment):
+    from scenic_ref.editors.checks import CheckingQueue, Revision
+
+    async def begun_and_ended():
+        queue = CheckingQueue(1000, lambda text, found: None)
+        queue.begin()
+        process = None if moment == "started" else await queue.process.ready()
+        if moment == "checking":
+            queue.changed(Revision("file:///a", 1, ENDLESS, "a.scenic", None), 0)
+            while not queue.process.busy:
+                await asyncio.sleep(0.01)
+        await queue.end()
+        assert process is None or process.returncode == -signal.SIGKILL
+        return [*asyncio.all_tasks() - {asyncio.current_task()}]
+
+    before = children(os.getpid())
+    assert asyncio.run(begun_and_ended()) == []
+    assert children(os.getpid()) == before
 
 
 def test_tcp_serves_one_client_of_this_machine_and_no_web_page(tmp_path):

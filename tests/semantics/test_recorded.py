@@ -96,6 +96,10 @@ def recorded() -> dict[str, str]:
     return json.loads(RECORDED.read_text("utf-8"))
 
 
+def test_something_is_recorded_of_every_program() -> None:
+    assert set(recorded()) == {"python", *(name for name, _ in programs())}
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "found"), [pytest.param(*p, id=p[0]) for p in programs()])
 def test_the_program_gives_what_it_gave(name: str, found: Callable[[], str]) -> None:
