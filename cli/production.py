@@ -175,7 +175,7 @@ def backend_lines(interpreted: str | None, tally: Tally, drawing: Drawing) -> li
     batch, device = batch_of(drawing), drawing.scenario.device
     if device is None:
         why = leavers(batch.graph, LOOKED).most_common(MOST_LEAVERS) if tally.left else []
-        return [f"drawn by the batch backend; {left}", *(f"left at {one}" for one, _ in why)]
+        return [f"drawn by the batch backend; {left}", *(f"left at {one} (so are {often:,} of {LOOKED} other runs)" for one, often in why)]
     if batch.tensors is None:
         return [f"drawn by the batch backend, without torch: parts of a scene are drawn apart; {left}"]
     lines = [f"drawn by the batch backend with torch on {device}; {left}, {tally.doubtful:,} to NumPy, since rounding might decide"]
