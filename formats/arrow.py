@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from ..interpreter.extras import needed
 from ..semantics.kernel.errors import UsageError
-from .columns import BOOL, FLOAT, INT53, INT64, JSON, NOTHING, TEXT, TypedColumn, as_kind, joint, length_of, nothing, shown_kind
+from .columns import BOOL, FLOAT, INT53, INT64, JSON, NOTHING, TEXT, TypedColumn, as_kind, is_alike, joint, length_of, nothing, shown_kind
 from .tables import OWN, PARTS, SCHEMA, Columns, Groups, part_of, rows_in
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ class Arrow:
             if inside:
                 fields.append(pyarrow.field(part, pyarrow.struct(inside), nullable=False))
         self.schema = pyarrow.schema(fields, metadata={"schema": SCHEMA})
+        self.last: dict[str, tuple[object, Any]] = {}
 
     def field(self, name: str, shown: str) -> Any:
         """The field of a column; one of JSON texts says so."""
@@ -45,7 +46,20 @@ class Arrow:
         plain = {BOOL: self.arrow.bool_(), INT53: self.arrow.int64(), INT64: self.arrow.int64(), FLOAT: self.arrow.float64()}
         return plain.get(kind, self.arrow.string())
 
-    def array(self, column: TypedColumn) -> Any:
+    def array(self, name: str, column: TypedColumn) -> Any:
+        """The array of a column; where all rows are alike, and those of the last group were the same, that of the last group."""
+        if not (is_alike(column.values) and (column.valid is None or is_alike(column.valid))):
+            return self.new_array(column)
+        text = column.texts[int(column.values[0])] if column.kind in (TEXT, JSON) else None
+        value = column.values[:1].tobytes() if text is None else text
+        what = (column.rows, value, column.valid is None or bool(column.valid[0]))
+        last, array = self.last.get(name, (None, None))
+        if last != what:
+            array = self.new_array(column)
+            self.last[name] = what, array
+        return array
+
+    def new_array(self, column: TypedColumn) -> Any:
         """The array of a column."""
         arrow, kind = self.arrow, self.type_of(column.kind)
         mask = None if column.valid is None else ~column.valid
@@ -63,9 +77,10 @@ class Arrow:
         arrays = []
         for field in self.schema:
             if field.name in OWN:
-                arrays.append(self.array(group[field.name]))
+                arrays.append(self.array(field.name, group[field.name]))
             else:
-                inside = [self.array(group[f"{field.name}.{child.name}"]) for child in field.type]
+                names = [f"{field.name}.{child.name}" for child in field.type]
+                inside = [self.array(name, group[name]) for name in names]
                 arrays.append(self.arrow.StructArray.from_arrays(inside, fields=list(field.type)))
         return self.arrow.RecordBatch.from_arrays(arrays, schema=self.schema)
 

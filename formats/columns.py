@@ -143,7 +143,22 @@ def dtype_of(kind: str) -> np.dtype[Any]:
 
 def constant(value: object, count: int) -> TypedColumn:
     """A value of the scene format in each row."""
-    return taken(column_of([value]), np.zeros(count, dtype=np.int64))
+    return repeated(column_of([value]), count)
+
+
+def repeated(column: TypedColumn, count: int) -> TypedColumn:
+    """The first row of a column, so many times, but once in memory."""
+    return column._replace(values=alike(column.values, count), valid=None if column.valid is None else alike(column.valid, count))
+
+
+def alike(array: np.ndarray, count: int) -> np.ndarray:
+    """The first row of an array, so many times: a view of it, which cannot be written."""
+    return np.broadcast_to(array[:1], (count, *array.shape[1:]))
+
+
+def is_alike(array: np.ndarray) -> bool:
+    """Whether an array is such a view."""
+    return len(array) > 0 and array.strides[0] == 0
 
 
 def taken(column: TypedColumn, rows: np.ndarray) -> TypedColumn:
@@ -172,6 +187,8 @@ def as_kind(column: TypedColumn, kind: str) -> TypedColumn:
         count = length_of(kind)
         values = np.zeros(column.rows if count is None else (column.rows, count), dtype=dtype_of(kind))
         return TypedColumn(kind, values, ("",) if kind in (TEXT, JSON) else (), column.valid)
+    if is_alike(column.values) and column.rows > 1:
+        return repeated(as_kind(chosen(column, slice(0, 1)), kind), column.rows)
     if kind != JSON:
         return column._replace(kind=kind, values=column.values.astype(dtype_of(kind)))
     match column.kind:
@@ -209,8 +226,15 @@ def put_together(columns: Sequence[TypedColumn], arrange: Callable[[Sequence[np.
     kind = reduce(joint, (c.kind for c in columns))
     same = [as_kind(c, kind) for c in columns]
     values, texts = same_texts(same)
-    valid = None if all(c.valid is None for c in same) else arrange([valid_in(c) for c in same])
-    return TypedColumn(kind, arrange(values), texts, valid)
+    valid = None if all(c.valid is None for c in same) else arranged([valid_in(c) for c in same], arrange)
+    return TypedColumn(kind, arranged(values, arrange), texts, valid)
+
+
+def arranged(arrays: Sequence[np.ndarray], arrange: Callable[[Sequence[np.ndarray]], np.ndarray]) -> np.ndarray:
+    """The rows of some arrays, `arrange` saying in which order; if all are alike, bit for bit, a view of the first."""
+    if all(map(is_alike, arrays)) and len({a[:1].tobytes() for a in arrays}) == 1:
+        return alike(arrays[0], sum(map(len, arrays)))
+    return arrange(arrays)
 
 
 def same_texts(columns: Sequence[TypedColumn]) -> tuple[list[np.ndarray], Sequence[str]]:
@@ -218,13 +242,15 @@ def same_texts(columns: Sequence[TypedColumn]) -> tuple[list[np.ndarray], Sequen
     if columns[0].kind not in (TEXT, JSON):
         return [c.values for c in columns], ()
     texts: list[str] = []
-    begun: dict[int, int] = {}
+    begun: dict[int | tuple[str, ...], int] = {}
     values = []
     for column in columns:
-        if id(column.texts) not in begun:
-            begun[id(column.texts)] = len(texts)
+        known = tuple(column.texts) if len(column.texts) == 1 else id(column.texts)
+        if known not in begun:
+            begun[known] = len(texts)
             texts += column.texts
-        values.append(column.values + begun[id(column.texts)])
+        place = begun[known]
+        values.append(alike(column.values[:1] + place, column.rows) if is_alike(column.values) else column.values + place if place else column.values)
     return values, texts
 
 

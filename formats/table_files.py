@@ -20,7 +20,7 @@ import numpy as np
 
 from ..semantics.kernel.errors import UsageError
 from .arrow import Arrow, Kinds, arrow_for
-from .columns import BOOL, JSON, NOTHING, TEXT, TypedColumn, as_kind, dtype_of, in_first_order, joint, length_of, nothing, shown_kind, valid_in
+from .columns import BOOL, JSON, NOTHING, TEXT, TypedColumn, alike, as_kind, dtype_of, in_first_order, is_alike, joint, length_of, nothing, shown_kind, valid_in
 from .scenes import in_json
 from .tables import OWN, SCHEMA, Columns, Groups, ordered, rows_in
 
@@ -78,7 +78,7 @@ class Spool:
         self.file.seek(stored.place)
         found = np.empty((1, *stored.shape[1:]) if stored.alike else stored.shape, stored.dtype)
         self.file.readinto(found.data)  # type: ignore[attr-defined]
-        return np.repeat(found, stored.shape[0], axis=0) if stored.alike else found
+        return alike(found, stored.shape[0]) if stored.alike else found
 
     @property
     def kinds(self) -> Kinds:
@@ -121,6 +121,8 @@ class Spool:
 
 def all_alike(array: np.ndarray) -> bool:
     """Whether all rows of an array are the first, bit for bit."""
+    if is_alike(array):
+        return True
     bits = np.ascontiguousarray(array).reshape(len(array), -1).view(np.uint8)
     return bool((bits[-1] == bits[0]).all() and (bits[1:] == bits[:-1]).all())
 

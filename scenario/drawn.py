@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from ..formats.arrow import arrow_for, arrow_table
-from ..formats.columns import JSON, NOTHING, TEXT, TypedColumn, length_of
+from ..formats.columns import JSON, NOTHING, TEXT, TypedColumn, is_alike, length_of
 from ..formats.notebooks import counted
 from ..formats.scenes import Scene
 from ..formats.tables import Columns, columns_of, pieces_of, together
@@ -143,11 +143,12 @@ def array_of(column: TypedColumn) -> np.ndarray:
         if column.valid is not None:
             found[~column.valid] = None
         return found
+    values = np.array(column.values) if is_alike(column.values) else column.values  # a user may want to write into it
     if column.valid is None:
-        return column.values
-    if column.values.dtype == float:
-        return np.where(column.valid if column.values.ndim == 1 else column.valid[:, None], column.values, np.nan)
-    return np.ma.masked_array(column.values, ~column.valid)
+        return values
+    if values.dtype == float:
+        return np.where(column.valid if values.ndim == 1 else column.valid[:, None], values, np.nan)
+    return np.ma.masked_array(values, ~column.valid)
 
 
 def series_of(column: TypedColumn) -> Any:

@@ -25,6 +25,7 @@ from scenic_ref.formats.columns import (
     TypedColumn,
     as_kind,
     column_of,
+    constant,
     interleaved,
     joined,
     json_text,
@@ -32,6 +33,7 @@ from scenic_ref.formats.columns import (
 )
 from scenic_ref.formats.table_files import open_table
 from scenic_ref.formats.tables import columns_of
+from scenic_ref.inference.batch.jobs.tables import table_of
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted, UsageError
 
 data = pytest.mark.extra("data")
@@ -102,6 +104,40 @@ def test_columns_of_objects_become_rows(pairs):
     mixed = interleaved([column_of([a for a, _ in pairs]), column_of([b for _, b in pairs])])
     whole = column_of([value for pair in pairs for value in pair])
     assert (mixed.kind, told(mixed)) == (whole.kind, told(whole))
+
+
+@settings(deadline=None, derandomize=True, max_examples=200)
+@given(st.lists(VALUES, min_size=1, max_size=4), st.lists(st.integers(1, 3), min_size=4, max_size=4))
+def test_a_column_of_one_value_is_a_column_like_others(values, counts):
+    once = [constant(value, n) for value, n in zip(values, counts, strict=False)]
+    each = [column_of([value] * n) for value, n in zip(values, counts, strict=False)]
+    assert (joined(once).kind, told(joined(once))) == (joined(each).kind, told(joined(each)))
+    once, each = [constant(value, 2) for value in values], [column_of([value] * 2) for value in values]
+    assert (interleaved(once).kind, told(interleaved(once))) == (interleaved(each).kind, told(interleaved(each)))
+    assert told(joined([joined(once), column_of([0.5])])) == told(joined([joined(each), column_of([0.5])]))
+
+
+@pytest.mark.parametrize("suffix", [*(pytest.param(s, marks=data if s in (".parquet", ".arrow") else ()) for s in table_files.SUFFIXES)])
+def test_a_file_is_the_same_whether_its_scenes_come_one_by_one_or_in_columns(suffix, small_groups, tmp_path):
+    scenario = scenic_ref.loads(PROGRAM)
+    for seed in range(4):
+        one_by_one, in_columns = open_table(tmp_path / f"a{suffix}"), open_table(tmp_path / f"b{suffix}")
+        for one in scenario.sample_many(30, seed):
+            one_by_one.add(one.to_json())
+        for start, stop in ((0, 1), (1, 8), (8, 30)):
+            in_columns.add_columns(table_of(scenario.batch.template, scenario.batch.block(seed, start, stop), seed))
+        for table in (one_by_one, in_columns):
+            table.finish()
+            table.close()
+        assert one_by_one.path.read_bytes() == in_columns.path.read_bytes()
+
+
+def test_arrays_can_be_written():
+    found = scenic_ref.loads(PROGRAM).sample_columns(30)
+    for array in found.values():
+        array[0] = array[1]
+    found["width"][0] = 7
+    assert found["width"].tolist()[:2] == [7, 1]
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ....formats.columns import EXACT, TypedColumn, column_of, constant, interleaved, nothing, numbers, taken, vector
+from ....formats.columns import EXACT, TypedColumn, column_of, constant, interleaved, nothing, numbers, repeated, taken, vector
 from ....formats.scenes import json_value
 from ....formats.tables import Columns as TableColumns
 from ....formats.tables import column_name, columns_of, ordered, some, together
@@ -20,7 +20,7 @@ from ..evaluate.sampling import Block
 from ..trace.structures import symbols_in
 from ..trace.symbols import Choice, Opaque, Traced
 from ..trace.templates import Template, listed
-from .lines import attempts_of, others, own_fields
+from .lines import OWN_FIELDS, Numbers, attempts_of, others, own_fields
 
 
 def table_of(template: Template, block: Block, seed: int) -> TableColumns:
@@ -41,13 +41,20 @@ def _table(template: Template, block: Block, seed: int) -> TableColumns:
     params = {column_name("params", name): typed(value, columns, count) for name, value in template.params.items()}
     for number, o in enumerate(objects):
         own = zip(("x", "y", "heading", "width", "length"), own_fields(o, columns, count), strict=True)
+        fixed = {name for name in OWN_FIELDS if name != "position" and not symbols_in(o.properties[name])}
         by_object.append({
             **shared, "object": constant(number, count), "ego": constant(number == template.ego_id, count), "name": constant(o.name, count),
-            "class": constant(o.class_name, count), **{name: numbers(np.array(values, dtype=float)) for name, values in own},
+            "class": constant(o.class_name, count), **{name: own_column(values, name in fixed) for name, values in own},
             **{column_name("properties", name): typed(value, columns, count) for name, value in others(o).items()}, **params,
         })  # fmt: skip
     names = ordered({name for made in by_object for name in made})
     return {name: interleaved([made[name] if name in made else nothing(count) for made in by_object] or [nothing(0)]) for name in names}
+
+
+def own_column(values: Numbers, is_fixed: bool) -> TypedColumn:
+    """The column of a field of its own, which is the same in all scenes if it is fixed."""
+    column = numbers(np.asarray(values, dtype=float))
+    return repeated(column, column.rows) if is_fixed else column
 
 
 def typed(value: object, columns: Columns, count: int) -> TypedColumn:
