@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import sys
 import warnings
+from itertools import pairwise
 
 INTERRUPTED = 130
 
@@ -15,10 +16,23 @@ INTERRUPTED = 130
 def interruption(arguments: list[str], finished: str = "") -> str:
     """The message after Ctrl-C: what was `finished`, and which files there are."""
     if arguments[:1] == ["run"] and not {"enumerate", "importance", "smc", "mcmc"} & {a.removeprefix("--backend=") for a in arguments}:
-        return "interrupted; a file of JSON Lines holds whole lines, and `run --resume` continues it; nothing else was written"
+        output = output_in(arguments)
+        if output != "-" and os.path.splitext(output)[1].lower() in ("", ".jsonl", ".ndjson"):
+            return f"interrupted; {output} holds whole lines, and `run --resume` continues it; nothing else was written"
+        return "interrupted; no file was written"
     if arguments[:1] == ["simulate"]:
         return f"interrupted; {finished or 'no simulation was finished'}"
     return "interrupted" if arguments[:1] == ["bench"] else "interrupted; nothing was written"
+
+
+def output_in(arguments: list[str]) -> str:
+    """The file of the option -o, "-" for none."""
+    for one, following in pairwise([*arguments, "-"]):
+        if one in ("-o", "--output"):
+            return following
+        if one.startswith(("-o", "--output=")):
+            return one.removeprefix("--output=").removeprefix("-o")
+    return "-"
 
 
 def main() -> None:

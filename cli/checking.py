@@ -50,5 +50,7 @@ def tell_text(warnings: list[ProgramWarning], error: ScenicError | None, session
         print(render_warning(warning, session.texts, colours=colours), file=sys.stderr)
     if error is not None:
         print(render(error, session.texts, colours=colours), file=sys.stderr, flush=True)
-    elif not (strict and warnings):
+    elif strict and warnings:
+        print("not ok: with --strict a warning is an error", file=sys.stderr)
+    else:
         print("ok")

@@ -12,10 +12,10 @@ from ..formats.table_files import SUFFIXES
 from ..inference.batch.evaluate.columns import leavers
 from ..inference.batch.jobs.blocks import Workers, cluster, processes
 from ..inference.batch.jobs.failures import FailedDraw
-from ..inference.rejection import InterruptedDraw
+from ..inference.rejection import SELDOM, InterruptedDraw
 from ..inference.smc import guess
 from ..scenario import FEW
-from ..semantics.kernel.errors import ScenicError, UsageError
+from ..semantics.kernel.errors import AttemptsExhausted, ScenicError, UsageError
 from .drawing import Drawing, DrawnScene, drawing_of, tell_notes, tell_warnings
 from .errors import WORST
 from .files import LINES, PICTURES, check_ending, check_file, check_place
@@ -71,6 +71,8 @@ def produce(source: Source, request: SceneRequest, session: Session) -> None:
             known = list(earlier.first)
             if interpreted is None:
                 produce_by_batch(job, request, output, tally, progress, known, unread, stack)
+            elif request.backend == "auto" and not drawing.prints:
+                interpreted = produce_few(drawing, job, request, output, tally, progress, known, unread, stack, interpreted)
             else:
                 produce_one_by_one(drawing, job, request, output, tally, progress, known, unread, stack)
             output.finish()
@@ -247,6 +249,28 @@ def produce_one_by_one(
         progress.drawn(drawn.attempts)
         if len(known) <= MOST_PLOTTED:
             known.append((drawn.index, drawn.attempts))
+
+
+def produce_few(
+    drawing: Drawing, job: Job, request: SceneRequest, output: Output, tally: Tally, progress: Progress, known: list[tuple[int, int]],
+    unread: list[object], stack: ExitStack, interpreted: str,
+) -> str | None:
+    """The same by the interpreter, as long as each scene needs few attempts; the others by the batch backend, if it can. Gives why it did not."""
+    try:
+        first = job._replace(max_attempts=min(job.max_attempts, SELDOM))
+        produce_one_by_one(drawing, first, request, output, tally, progress, known, unread, stack)
+        return interpreted
+    except AttemptsExhausted as error:
+        if error.attempts < SELDOM or job.max_attempts == SELDOM:
+            raise
+    if drawing.scenario.impossible is not None:
+        raise drawing.scenario.impossible
+    rest = job._replace(start=job.start + tally.scenes)
+    if drawing.scenario.not_lifted is not None:
+        produce_one_by_one(drawing, rest, request, output, tally, progress, known, unread, stack)
+        return interpreted
+    produce_by_batch(rest, request, output, tally, progress, known, unread, stack)
+    return None
 
 
 def rehearse(drawing: Drawing) -> None:

@@ -10,6 +10,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
+from scipy.special import bdtr
+
 from ..formats.scenes import in_json
 from ..inference.inferred import LEVEL, Probability, report
 from ..inference.rejection import acceptance
@@ -24,6 +26,8 @@ if TYPE_CHECKING:
     from .portions import Portion
 
 LONGEST = 60
+BY_CHANCE = 1e-3
+"""That a soft requirement held as seldom as it did is told if this is the probability, or less."""
 
 
 @dataclass
@@ -128,10 +132,10 @@ def requirement_lines(stuck: Iterable[tuple[Requirement, int]], texts: Mapping[s
 
 
 def soft_lines(softnesses: Iterable[Softness], texts: Mapping[str, str]) -> list[str]:
-    """A note for every soft requirement that held in a smaller share of the scenes than its probability."""
+    """A note for every soft requirement that held in so few scenes as its probability alone would seldom give."""
     lines: list[str] = []
     for soft in sorted(softnesses, key=lambda s: s.span):
-        if not soft.known or soft.held >= float(soft.probability) * soft.known:
+        if not soft.known or bdtr(soft.held, soft.known, float(soft.probability)) > BY_CHANCE:
             continue
         source = shortened(source_line(soft.span, texts) or "require")
         lines += [

@@ -105,7 +105,7 @@ class ScenicServer(LanguageServer):
         else:
             start, end = 0, lines.stops[0]
         message = "\n".join(str(part) for part in (record["message"], expected(record), record["hint"]) if part)
-        severity = "information" if record["rule"] == NO_EGO and "line" not in record else str(record["severity"])
+        severity = "information" if record["rule"] == NO_EGO and ("line" not in record or is_bare(text.text)) else str(record["severity"])
         return types.Diagnostic(
             between(lines, start, max(end, start)), f"{place_of(record)}: {message}" if elsewhere else message, SEVERITIES[severity],
             code=str(record["rule"] or record["kind"]), source=SOURCE,
@@ -201,6 +201,11 @@ def symbols(definition: Definition, lines: TextLines) -> Iterator[types.Document
             seen.add(one.name)
             name, whole = between(lines, one.start, one.end), between(lines, min(one.first, one.start), max(one.last, one.end))
             yield types.DocumentSymbol(one.name, SYMBOLS[one.kind], whole, name, detail=one.kind, children=list(symbols(one, lines)))
+
+
+def is_bare(text: str) -> bool:
+    """Whether a text has nothing but comments."""
+    return all(not line or line.startswith("#") for line in map(str.strip, text.splitlines()))
 
 
 def make_server(seconds: float) -> ScenicServer:

@@ -20,7 +20,23 @@ import numpy as np
 
 from ..semantics.kernel.errors import UsageError
 from .arrow import Arrow, Kinds, arrow_for
-from .columns import BOOL, JSON, NOTHING, TEXT, TypedColumn, alike, as_kind, dtype_of, in_first_order, is_alike, joint, length_of, nothing, shown_kind, valid_in
+from .columns import (
+    BOOL,
+    JSON,
+    NOTHING,
+    TEXT,
+    TypedColumn,
+    alike,
+    as_kind,
+    dtype_of,
+    in_first_order,
+    is_alike,
+    joint,
+    length_of,
+    nothing,
+    shown_kind,
+    valid_in,
+)
 from .scenes import in_json
 from .tables import OWN, SCHEMA, Columns, Groups, ordered, rows_in
 

@@ -35,6 +35,8 @@ def read_map(path: Path | str, tolerance: float = TOLERANCE) -> Network:
     """The network of an OpenDRIVE file, `tolerance` in metres. Raises `MapError` for what is none or is broken."""
     try:
         data = Path(path).read_bytes()
+    except FileNotFoundError:
+        raise MapError(f"there is no map {path}") from None
     except OSError as error:
         raise MapError(f"the map {path} cannot be read: {error.strerror or error}") from None
     try:

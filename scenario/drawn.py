@@ -15,8 +15,9 @@ from ..formats.tables import Columns, columns_of, pieces_of, together
 from ..inference.batch import Batch, Block
 from ..inference.batch.jobs.blocks import jobs
 from ..inference.batch.jobs.tables import table_of
+from ..inference.rejection import SELDOM
 from ..interpreter.extras import needed
-from ..semantics.kernel.errors import UsageError
+from ..semantics.kernel.errors import AttemptsExhausted, UsageError
 from .checking import no_backend
 
 if TYPE_CHECKING:
@@ -126,7 +127,32 @@ def drawn(scenario: Scenario, n: int, seed: int, start: int, max_attempts: int, 
     if many and scenario.impossible is not None:
         raise scenario.impossible
     blocks = (scenario.batch, seed, jobs(scenario.batch, n, seed, start, max_attempts)) if many and scenario.batch is not None else None
-    return Drawn(n, (scenario.sample(seed, index, max_attempts=max_attempts) for index in range(start, start + n)), blocks, tell)
+    few = few_scenes if backend == "auto" and not many else one_by_one
+    return Drawn(n, few(scenario, seed, start, start + n, max_attempts), blocks, tell)
+
+
+def one_by_one(scenario: Scenario, seed: int, start: int, stop: int, max_attempts: int) -> Iterator[Scene]:
+    """Scenes `start` to `stop - 1` by the interpreter."""
+    return (scenario.sample(seed, index, max_attempts=max_attempts) for index in range(start, stop))
+
+
+def few_scenes(scenario: Scenario, seed: int, start: int, stop: int, max_attempts: int) -> Iterator[Scene]:
+    """The same as long as each needs few attempts; the others by the batch backend, if it can."""
+    for index in range(start, stop):
+        try:
+            yield scenario.sample(seed, index, max_attempts=min(max_attempts, SELDOM))
+        except AttemptsExhausted as error:
+            if error.attempts < SELDOM or max_attempts == SELDOM:
+                raise
+        else:
+            continue
+        if scenario.impossible is not None:
+            raise scenario.impossible
+        if scenario.batch is None:
+            yield from one_by_one(scenario, seed, index, stop, max_attempts)
+        else:
+            yield from _scenes_in(scenario.batch, seed, jobs(scenario.batch, stop - index, seed, index, max_attempts))
+        return
 
 
 def _scenes_in(batch: Batch, seed: int, blocks: Iterator[Block]) -> Iterator[Scene]:

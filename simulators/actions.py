@@ -61,13 +61,18 @@ class Action(TakesPoints, TakesObjects):
         return self.reason_against(agent) is None
 
 
+def only(who: str, property: str, body: Body | Described) -> str:
+    """Why an object that is none of `who` cannot take an action of theirs."""
+    return f"only {who} can ({property} would have to be True, as in `{body.class_name} with {property} True`)"
+
+
 @dataclass(frozen=True, slots=True)
 class DrivingAction(Action):
     """An action of a vehicle."""
 
     def reason_against(self, body: Body | Described) -> str | None:
         """Only vehicles drive."""
-        return None if drives(body) else f"only vehicles can (a {body.class_name} with property {VEHICLES} True is one)"
+        return None if drives(body) else only("vehicles", VEHICLES, body)
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,7 +210,7 @@ class WalkingAction(Action):
 
     def reason_against(self, body: Body | Described) -> str | None:
         """Only pedestrians walk."""
-        return None if walks(body) else f"only pedestrians can (a {body.class_name} with property {PEDESTRIANS} True is one)"
+        return None if walks(body) else only("pedestrians", PEDESTRIANS, body)
 
 
 @dataclass(frozen=True, slots=True)

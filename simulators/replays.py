@@ -109,7 +109,7 @@ def actions_of(
 
 def action_for(body: Body, recorded: object, number: int, simulator: Simulator, classes: ActionClasses) -> object:
     """A recorded action for an object. Where any value is an action, those of unknown classes are taken as they are written."""
-    where = f"object {body.id} (a {body.class_name}) cannot take the action of time step {number}"
+    where = f"object {body.id} (class {body.class_name}) cannot take the action of time step {number}"
     if not isinstance(recorded, RecordedAction):
         action, unknown = recorded, ""
     elif recorded.name in classes:

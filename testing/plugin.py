@@ -195,10 +195,13 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
     """Tell of a test whose marker is wrong."""
     if "scene" in getattr(item, "fixturenames", ()):
         if scene_number(item) is None:
+            wrong = ""
             try:
                 checked(item, item.config, item.path)
             except pytest.UsageError as problem:
-                pytest.fail(f"the marker scenic of {item.name}: {problem}", pytrace=False)
+                wrong = str(problem)
+            if wrong:  # outside of the handler, so that it is not told twice
+                pytest.fail(f"the marker scenic of {item.name}: {wrong}", pytrace=False)
     elif any(marker.name == "scenic" for marker in item.own_markers):
         pytest.fail(f"{item.name} has the marker scenic, and must take the fixture `scene`: def {item.name}(scene)", pytrace=False)
 
@@ -321,7 +324,7 @@ def remember(item: pytest.Item, number: SceneNumber, report: pytest.TestReport) 
     setattr(report, ATTRIBUTE, json.dumps([test, *number, record]))
     if report.failed:
         where = kept_scenes(item.config).path(test, number)
-        report.sections.append(("scene", "\n".join(described(found.program, number, drawn, where, item.config))))
+        report.sections.append(("scene", "\n".join(described(found, number, drawn, where, item.config))))
 
 
 def record_of(program: NamedProgram, drawn: Scene | None) -> dict[str, object]:
@@ -333,15 +336,16 @@ def record_of(program: NamedProgram, drawn: Scene | None) -> dict[str, object]:
     }  # fmt: skip
 
 
-def described(program: NamedProgram, number: SceneNumber, drawn: Scene | None, where: Path | None, config: pytest.Config) -> list[str]:
+def described(found: Marked, number: SceneNumber, drawn: Scene | None, where: Path | None, config: pytest.Config) -> list[str]:
     """A scene in a few lines, how to draw it again, and where it is kept."""
+    program = found.program
     name = "the program of the test" if program.file is None else shown_path(program.file, config)
     lines = [f"{number} of {name}"]
     if drawn is not None:
-        lines += [repr(drawn), *(f"  {found!r}" for found in drawn.objects[:MOST_OBJECTS])]
+        lines += [repr(drawn), *(f"  {one!r}" for one in drawn.objects[:MOST_OBJECTS])]
         lines += [f"  and {len(drawn.objects) - MOST_OBJECTS} more"] if len(drawn.objects) > MOST_OBJECTS else []
         lines += [f"  parameters {dict(drawn.params)!r:.500}"] if drawn.params else []
-    lines.append(f"again: {again(program, number, config)}")
+    lines.append(f"again: {again(program, number, found.attempts, config)}")
     return lines if where is None else [*lines, f"kept in {shown_path(where, config)}, and run first the next time"]
 
 
@@ -354,15 +358,17 @@ def plain(value: object) -> object:
     return value if value is None or type(value) in (bool, int, float, str) else repr(value)
 
 
-def again(program: NamedProgram, number: SceneNumber, config: pytest.Config) -> str:
+def again(program: NamedProgram, number: SceneNumber, attempts: int | None, config: pytest.Config) -> str:
     """The command that draws a scene again; of a text, the call."""
     options = program.options
     if program.file is None:
         more = "".join(f", {name}={value!r}" for name, value in options.items())
-        return f"scenic_ref.loads(...{more}).sample({number.seed}, {number.number})"
+        most = "" if attempts is None else f", max_attempts={attempts}"
+        return f"scenic_ref.loads(...{more}).sample({number.seed}, {number.number}{most})"
     words = ["scenic-ref", "run", shown_path(program.file, config), "--seed", str(number.seed), "--scene", str(number.number)]
     for name in ("dialect", "profile", "model", "fuel", "scenario"):
         words += [f"--{name}", str(options[name])] if options.get(name) is not None else []
+    words += [] if attempts is None else ["--max-attempts", str(attempts)]
     words += ["--trust"] if options.get("trust") else []
     for name, option in (("readings", "--reading"), ("params", "--param")):
         found = options.get(name)

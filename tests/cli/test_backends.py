@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scenic_ref.semantics.syntax.nodes import Span
 
 KILLS = int(os.environ.get("SCENIC_REF_KILLS", "2"))
 """How often a run is killed; SCENIC_REF_KILLS=20 for all of them."""
@@ -115,16 +116,39 @@ def test_the_report_says_why_a_program_cannot_be_drawn_from_many_at_a_time(ask):
         assert "drawn by the interpreter, since the batch backend cannot draw from this program: says.scenic:1:1: the program prints" in found.err
 
 
-@pytest.mark.parametrize("workers", [1, 2])
-def test_that_no_scene_is_possible_is_said_at_once(ask, workers):
+@pytest.mark.parametrize(("n", "workers"), [(60, 1), (60, 2), (1, 1)])
+def test_that_no_scene_is_possible_is_said_at_once(ask, n, workers):
     """Where bounds of the values show it; the interpreter alone makes all attempts."""
     Path("never.scenic").write_text("x = Range(0, 1)\nego = Object at (0, 0)\nrequire x > 2\n")
-    found = ask("run", "never.scenic", "-n", 60, "--workers", workers)
+    found = ask("run", "never.scenic", "-n", n, "--workers", workers)
     assert (found.code, found.out) == (3, "")
     assert "no scene is possible: whatever is drawn, this fails: the requirement on line 3" in found.err
     alone = ask("run", "never.scenic", "-n", 60, "--backend", "interpreter", "--max-attempts", 9)
     assert alone.code == 3
     assert "no scene in 9 attempts" in alone.err
+
+
+@pytest.mark.parametrize("workers", [1, pytest.param(2, marks=pytest.mark.slow)])
+def test_the_batch_backend_goes_on_with_a_few_scenes_that_need_many_attempts(ask, workers):
+    Path("seldom.scenic").write_text("x = Range(0, 1)\nego = Object at (x, 0)\nrequire x > 0.998\n")
+    found = ask("run", "seldom.scenic", "-n", 5, "--workers", workers, "--seed", 5)
+    assert found.code == 0
+    assert "drawn by the batch backend" in found.err
+    attempts = [json.loads(line)["attempts"] for line in found.out.splitlines()]
+    assert attempts[0] <= 1000 < max(attempts), "the first one was found by the interpreter"
+    assert f"5 scenes of seed 5 in {sum(attempts):,} attempts" in found.err
+    assert found.out == ask("run", "seldom.scenic", "-n", 5, "--seed", 5, "--backend", "batch").out
+
+
+def test_attempts_are_as_many_as_are_allowed_whoever_makes_them(ask):
+    contradiction = "x = Range(0, 1)\nego = Object at (0, 0)\nrequire x > 0.7\nrequire x < 0.6\n"
+    for program, tried in ((contradiction, (999, 1000, 1001, 3000)), (f"print(1)\n{contradiction}", (1200,))):
+        Path("contradiction.scenic").write_text(program)
+        for attempts in tried:
+            found = ask("run", "contradiction.scenic", "--max-attempts", attempts)
+            assert (found.code, found.out) == (3, "")
+            assert f"no scene in {attempts:,} attempts" in found.err
+            assert found.err.count("no scene in") == 1 and found.err.splitlines().count("1") <= 1
 
 
 @pytest.mark.slow
@@ -170,6 +194,33 @@ def test_soft_requirements_are_looked_at_in_the_first_scenes_of_many(ask, monkey
     scenes = [json.loads(line) for line in found.out.splitlines()]
     held = sum(s["objects"][0]["properties"]["v"] < 0.1 for s in scenes[:25])
     assert f"held in {held} of 25 scenes" in found.err
+
+
+@pytest.mark.parametrize(
+    ("held", "known", "noted"), [(0, 1, False), (0, 9, False), (0, 10, True), (240, 500, False), (210, 500, True), (300, 500, False)]
+)
+def test_a_soft_requirement_is_noted_if_chance_would_seldom_make_it_so_rare(held, known, noted):
+    """False alarm: at most 1e-3. All of ten coins fall on one side in 1 of 1,024; 240 or fewer of 500 in 1 of 5, 210 or fewer in 1 of 5,000."""
+    from scenic_ref.cli.drawing import Softness
+    from scenic_ref.cli.reports import soft_lines
+
+    assert bool(soft_lines([Softness(Span("a.scenic", 1, 1, 1, 9), 0.5, held, known)], {})) is noted
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("run a.scenic -o b.jsonl", "b.jsonl holds whole lines, and `run --resume` continues it; nothing else was written"),
+        ("run a.scenic --output=b", "b holds whole lines, and `run --resume` continues it; nothing else was written"),
+        ("run a.scenic -ob.ndjson -n 3", "b.ndjson holds whole lines, and `run --resume` continues it; nothing else was written"),
+        ("run a.scenic -o b.npz", "no file was written"), ("run a.scenic -o -", "no file was written"), ("run a.scenic", "no file was written"),
+        ("run a.scenic --backend smc -o b.jsonl", "nothing was written"), ("simulate a.scenic", "no simulation was finished"),
+    ],
+)
+def test_an_interrupt_says_which_file_there_is(words, said):
+    from scenic_ref.cli import interruption
+
+    assert interruption(words.split()) == f"interrupted; {said}"
 
 
 @pytest.mark.slow

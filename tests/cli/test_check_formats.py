@@ -29,7 +29,8 @@ def test_warnings_are_told_on_standard_error_and_the_answer_is_ok(ask) -> None:
     found = ask("check", written(WARNED))
     assert found.out == "ok\n" and found.err.count("warning: ") == 2
     assert "2 | ego = Object with widht 5\n  |                   ^^^^^\n  = hint: did you mean width?" in found.err
-    assert ask("check", "p.scenic", "--strict").out == ""
+    found = ask("check", "p.scenic", "--strict")
+    assert (found.out, found.err.splitlines()[-1]) == ("", "not ok: with --strict a warning is an error")
 
 
 def test_run_tells_a_warning_in_a_line(ask) -> None:

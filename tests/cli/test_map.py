@@ -78,7 +78,7 @@ def test_faults_are_found(ask, tmp_path: Path) -> None:
     [
         (["map"], "which map? Name a file, or make one with --make"),
         (["map", "ok.scenic"], "ok.scenic is no usable OpenDRIVE map: line 1: it is no XML"),
-        (["map", "none.xodr"], "the map none.xodr cannot be read: No such file or directory"),
+        (["map", "none.xodr"], "there is no map none.xodr"),
         (["map", "--make", "blob"], "there is no kind of map 'blob': there are grid, crossing, t, roundabout, highway, suburb"),
         (["map", "--make", "t", "-p", "lanes=many", "x.xodr"], "lanes must be a whole number from 1 to 4, not 'many'"),
         (["map", "--make", "t", "-p", "lane=1", "x.xodr"], "maps of the kind t have no parameter 'lane'"),

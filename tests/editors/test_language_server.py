@@ -89,8 +89,9 @@ def test_half_a_character_is_told(editor: Editor):
     assert found.range[0] == 1
 
 
-def test_a_module_without_an_ego_is_no_error(editor: Editor):
-    (found,) = editor.checked("lib.scenic", "class Car:\n    width: 2\n")
+@pytest.mark.parametrize("text", ["class Car:\n    width: 2\n", "", "\n  # soon\n"])
+def test_a_file_without_objects_is_no_error(editor: Editor, text):
+    (found,) = editor.checked("lib.scenic", text)
     assert found.severity == INFORMATION
     assert "ego" in found.message
 

@@ -15,6 +15,8 @@ MISTAKES: dict[str, tuple[int, int, str, str]] = {
     "if x = 3: pass": (1, 6, "`=` assigns", "write `==` to compare"),
     "Car offset (1, 2)": (1, 5, "`offset` needs `by` or `along`", "write `offset by ...`"),
     "Car wiht x 3": (1, 5, "`wiht` is not a specifier or operator", "did you mean `with`?"),
+    "Car ahead off ego by 2": (1, 5, "`ahead` is no specifier without `of`", "write `ahead of ...`"),
+    "Car left ego": (1, 5, "`left` is no specifier without `of`", "write `left of ...`"),
     "Car at X, facign 3": (1, 11, "`facign` is not a specifier", "did you mean `facing`?"),
     "Car facing towards ego": (1, 12, "`facing towards` is spelt `facing toward`", "write `facing toward`"),
     "ego = new Car": (1, 7, "`new` belongs to dialect scenic-3", "leave out `new`, or choose that dialect by --dialect scenic-3"),

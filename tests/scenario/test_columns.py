@@ -340,3 +340,19 @@ def test_a_table_of_commas_and_quotes(tmp_path):
     assert {row["params.note"] for row in rows} == {'a "b", c'}
     assert json.loads(rows[0]["properties.parts"])[1] == 2
     assert math.isclose(float(rows[1]["y"]), 9)
+
+
+def test_a_few_scenes_that_need_many_attempts_are_those_of_both_backends():
+    scenario = scenic_ref.loads("x = Range(0, 1)\nego = Object at (x, 0)\nrequire x > 0.998\n")
+    found = [s.to_line() for s in scenario.sample_many(5, 5)]
+    assert found == [s.to_line() for s in scenario.sample_many(5, 5, backend="batch")]
+    assert scenario.sample(5, 2).to_line() == found[2]
+    assert [json.loads(line)["attempts"] for line in found][1:3] == [67, 1381], "the interpreter finds the second one, the batch backend the third"
+
+
+def test_that_none_of_a_few_scenes_is_possible_is_said_soon():
+    drawn = scenic_ref.loads("x = Range(0, 1)\nego = Object at (x, 0)\nrequire x > 2\n").sample_many(3)
+    with pytest.raises(AttemptsExhausted, match="no scene is possible: whatever is drawn, this fails: the requirement on line 3"):
+        list(drawn)
+    with pytest.raises(AttemptsExhausted, match="no scene in 20 attempts"):
+        list(scenic_ref.loads("x = Range(0, 1)\nego = Object at (x, 0)\nrequire x > 2\n").sample_many(3, max_attempts=20))

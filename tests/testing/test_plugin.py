@@ -211,6 +211,13 @@ def test_of_a_text_the_call_is_told(run: Run):
     assert "again: scenic_ref.loads(..., params={'a': 1}).sample(2, 0)" in run(test_a=text).stdout.str()
 
 
+def test_after_too_many_attempts_what_is_told_gives_up_as_soon(run: Run):
+    text = "import pytest\n@pytest.mark.scenic('ego = Object\\nrequire Range(0, 1) > 2', scenes=1, max_attempts=7)\ndef test_x(scene): pass\n"
+    said = run(test_a=text).stdout.str()
+    assert "no scene in 7 attempts" in said
+    assert "again: scenic_ref.loads(...).sample(0, 0, max_attempts=7)" in said
+
+
 def test_an_error_of_a_program_has_its_place_there_and_not_the_lines_of_the_package(run: Run, pytester: pytest.Pytester):
     (pytester.path / "bad.scenic").write_text("x = 1\nego = Object at nosuch\n")
     text = (
@@ -318,6 +325,7 @@ def test_other(): pass
 """
     result = run(test_a=text)
     result.assert_outcomes(passed=3, errors=3)
+    assert "During handling" not in result.stdout.str()
     result.stdout.fnmatch_lines_random([
         "the marker scenic of test_no_file: there is no file cra.scenic; did you mean car.scenic?",
         "the marker scenic of test_no_option: there is no option scens of a program; *",
