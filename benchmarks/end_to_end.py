@@ -1,44 +1,50 @@
 """`scenic-ref run` as a user starts it, with a file at its end: the seconds of the processor that it uses for each further scene.
 
-Each measurement runs the command twice, for n and for 2 n scenes. What the second takes more is n scenes, drawn and written; the rest of the first is
-the start, with what it compiles: n is so large that both runs do. The process answers as `own_sampler` does.
+One process answers the command again and again, which keeps the program between them: the first run loads it, and has so many scenes that it compiles
+what draws them; what the later ones take is scenes, drawn and written. The process that measures answers as `own_sampler` does.
 """
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
-import os
 import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from types import TracebackType
 from typing import Any
 
 from ..interpreter.extras import is_installed
 from ..scenario import load
 from .contenders import MeasuredProgram, on_one_thread, python_that_runs
 from .own_sampler import Skipped, serve
-
-try:
-    import resource
-except ImportError:  # pragma: no cover (Windows)
-    resource = None
+from .processes import end
 
 FORMATS = ("jsonl", "npz", "parquet", "arrow", "csv")
 NEED_ARROW = ("parquet", "arrow")
 FIRST, LARGEST, GROWTH = 1_000, 1_024_000, 4
-LEAST = 1e-9
-"""Seconds that scenes take at least."""
 COUNTED = 100
 """Scenes of which the numbers are counted."""
 KNOWN, TWICE = 0.5, 2
-"""Seconds of drawing on columns after which its pace is known; so many times as long as compiling may take, the smaller run would draw on columns."""
+"""Seconds of drawing on columns after which its pace is known; so many times as long as compiling may take, the first run would draw on columns."""
+AGAIN = """
+import json, sys, time
+sys.path[:] = {path!r}
+from {package}.benchmarks.released_sampler import peak
+from {package}.cli import answer
+for line in sys.stdin:
+    begun = time.process_time()
+    code = answer(json.loads(line))
+    print(json.dumps([code, time.process_time() - begun, peak()]), flush=True)
+"""
+"""Answers command lines, each a list on a line of its own."""
 
-Cost = Callable[[int], float]
-"""The seconds of the processor that a run of so many scenes takes."""
+Cost = Callable[[int], tuple[float, int]]
+"""The seconds of the processor that a run of so many scenes takes, and the most memory of its process so far, in bytes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,48 +78,57 @@ class WritingTask:
     seed: int = 0
 
 
-def run(task: WritingTask, count: int, folder: str) -> float:
-    """The seconds of the processor that the command takes, with the processes that it starts. Raises `Skipped`."""
-    path = Path(folder) / f"scenes.{task.format}"
-    words = ["run", task.program, "-n", str(count), "--seed", str(task.seed), "-o", str(path), *(["--trust"] if task.trust else [])]
-    before = os.times()
-    command = python_that_runs(f"{__name__.rpartition('.benchmarks')[0]}.cli", *words)
-    done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
-    after = os.times()
-    path.unlink(missing_ok=True)
-    if done.returncode:
-        said = [line.strip() for line in done.stderr.splitlines() if line.strip()]
-        raise Skipped(said[0][:300] if said else f"the command ended with {done.returncode}")
-    return after.children_user + after.children_system - before.children_user - before.children_system
+class Commands:
+    """A process that answers the command for a task, with a file in `folder`; used in a `with`."""
+
+    def __init__(self, task: WritingTask, folder: str) -> None:
+        self.task = task
+        self.path = Path(folder) / f"scenes.{task.format}"
+        self.errors = tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace")  # noqa: SIM115 (closed with the process)
+        script = AGAIN.format(path=sys.path, package=__name__.rpartition(".benchmarks")[0])
+        command = [sys.executable, "-c", script]
+        self.running = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self.errors, text=True)
+
+    def __enter__(self) -> Commands:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        end(self.running, self.errors)
+
+    def cost(self, count: int) -> tuple[float, int]:
+        """What a run of so many scenes takes. Raises `Skipped`."""
+        task = self.task
+        words = ["run", task.program, "-n", str(count), "--seed", str(task.seed), "-o", str(self.path), *(["--trust"] if task.trust else [])]
+        assert self.running.stdin is not None and self.running.stdout is not None
+        with contextlib.suppress(BrokenPipeError):  # it ended, and says why
+            print(json.dumps(words), file=self.running.stdin, flush=True)
+        line = self.running.stdout.readline()
+        self.path.unlink(missing_ok=True)
+        code, seconds, memory = json.loads(line) if line else (self.running.wait(), 0.0, 0)
+        if code or not line:
+            self.errors.seek(0)
+            said = [text.strip() for text in self.errors if text.strip()]
+            raise Skipped(said[0][:300] if said else f"the command ended with {code}")
+        return seconds, memory
 
 
 class TimedCommand:
-    """Runs for n and 2 n scenes; n grows until n scenes take long enough, later only where the noise took more than they did."""
+    """Runs for n scenes, after one that compiles; n grows until they take long enough."""
 
     def __init__(self, cost: Cost, compiled: Callable[[], int] = lambda: FIRST) -> None:
         self.cost = cost
-        self.compiled = compiled
         self.count = FIRST
         self.growing = True
+        self.start, _ = cost(compiled())
 
     def sample(self, seconds: float) -> dict[str, Any]:
-        """What the further scenes took, at least `seconds` seconds if there is an end to it; from a second on, so many that both runs compile."""
-        if self.growing and seconds >= 1:
-            self.count = max(self.count, self.compiled())
+        """What n scenes took, at least `seconds` seconds if there is an end to it."""
         while True:
-            once, twice = self.cost(self.count), self.cost(2 * self.count)
-            took = twice - once
-            if took >= (seconds if self.growing else LEAST) or self.count >= LARGEST:
+            took, memory = self.cost(self.count)
+            if took >= seconds or self.count >= LARGEST or not self.growing:
                 self.growing = False
-                return {"scenes": self.count, "seconds": max(took, LEAST), "start": once - took, "peak": peak_of_children()}
+                return {"scenes": self.count, "seconds": took, "start": self.start, "peak": memory}
             self.count *= GROWTH
-
-
-def peak_of_children() -> int:
-    """The most memory of any of the commands, in bytes; 0 where the system does not tell."""
-    if resource is None:
-        return 0
-    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
 
 
 def numbers_of(task: WritingTask) -> float:
@@ -139,5 +154,5 @@ def compiled_from(task: WritingTask) -> int:
 def main() -> None:
     """The process; the task is its argument."""
     task = WritingTask(**json.loads(sys.argv[1]))
-    with tempfile.TemporaryDirectory() as folder:
-        serve(lambda: ({"numbers": numbers_of(task)}, TimedCommand(lambda count: run(task, count, folder), lambda: compiled_from(task)).sample))
+    with tempfile.TemporaryDirectory() as folder, Commands(task, folder) as commands:
+        serve(lambda: ({"numbers": numbers_of(task)}, TimedCommand(commands.cost, lambda: compiled_from(task)).sample))

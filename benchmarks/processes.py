@@ -7,9 +7,19 @@ import json
 import subprocess
 import tempfile
 from types import TracebackType
-from typing import Any
+from typing import IO, Any
 
 from .contenders import Contender, MeasuredProgram
+
+
+def end(running: subprocess.Popen[str], errors: IO[str]) -> None:
+    """End a process, with its streams."""
+    running.kill()
+    for stream in (running.stdin, running.stdout, errors):
+        if stream is not None:
+            with contextlib.suppress(OSError):  # what it did not read before it ended is still to be written
+                stream.close()
+    running.wait()
 
 
 class Process:
@@ -35,12 +45,7 @@ class Process:
 
     def close(self) -> None:
         """End the process."""
-        self.running.kill()
-        for stream in (self.running.stdin, self.running.stdout, self.errors):
-            if stream is not None:
-                with contextlib.suppress(OSError):  # what it did not read before it ended is still to be written
-                    stream.close()
-        self.running.wait()
+        end(self.running, self.errors)
 
     def sample(self, seconds: float) -> dict[str, Any]:
         """What it draws in about `seconds` seconds of the processor."""

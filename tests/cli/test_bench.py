@@ -10,10 +10,10 @@ import pytest
 from scenic_ref.benchmarks import course
 from scenic_ref.benchmarks.bars import bars
 from scenic_ref.benchmarks.contenders import Ours
-from scenic_ref.benchmarks.end_to_end import FIRST, LARGEST, TimedCommand, WritingTask, compiled_from, numbers_of
+from scenic_ref.benchmarks.end_to_end import FIRST, LARGEST, Commands, TimedCommand, WritingTask, compiled_from, numbers_of
 from scenic_ref.benchmarks.figures import Cell, Figures, fitted
 from scenic_ref.benchmarks.growth import many_objects, many_polygons
-from scenic_ref.benchmarks.own_sampler import SamplingTask, TimedSampler, prepare
+from scenic_ref.benchmarks.own_sampler import SamplingTask, Skipped, TimedSampler, prepare
 from scenic_ref.benchmarks.processes import Process
 from scenic_ref.interpreter.extras import is_installed
 
@@ -224,33 +224,39 @@ def test_what_the_whole_command_takes_is_measured_in_each_format(ask: Ask, tmp_p
 def test_further_scenes_are_told_from_the_start():
     asked: list[int] = []
 
-    def cost(count: int) -> float:
+    def cost(count: int) -> tuple[float, int]:
         asked.append(count)
-        return 3 + count / 100_000
+        return (3.0 if len(asked) == 1 else 0.0) + count / 100_000, 7
 
-    sampler = TimedCommand(cost)
+    sampler = TimedCommand(cost, lambda: 5 * FIRST)
     found = sampler.sample(0.1)
-    assert found["scenes"] == 16_000 and found["seconds"] == pytest.approx(0.16) and found["start"] == pytest.approx(3)
-    assert asked == [FIRST, 2 * FIRST, 4 * FIRST, 8 * FIRST, 16 * FIRST, 32 * FIRST]
+    assert found == {"scenes": 16_000, "seconds": pytest.approx(0.16), "start": pytest.approx(3.05), "peak": 7}
+    assert asked == [5 * FIRST, FIRST, 4 * FIRST, 16 * FIRST]
     assert sampler.sample(9)["scenes"] == 16_000, "later measurements are of the same number"
-    assert TimedCommand(lambda count: 3.0).sample(1)["scenes"] <= LARGEST, "an end where a scene costs nothing"
+    assert TimedCommand(lambda count: (0.0, 0)).sample(1)["scenes"] <= LARGEST, "an end where a scene costs nothing"
 
 
-def test_both_runs_compile():
-    """Where a measurement may take a second: the smaller one would take longer on columns than compiling does."""
-    path = Path(__file__).parents[2] / "examples" / "gallery" / "simplest.scenic"
-    count = compiled_from(WritingTask(str(path), "npz"))
+def test_the_first_run_compiles(tmp_path: Path):
+    task = WritingTask(str(Path(__file__).parents[2] / "examples" / "gallery" / "simplest.scenic"), "npz")
+    count = compiled_from(task)
     assert FIRST < count < LARGEST if is_installed("numba") else count == FIRST
-    assert TimedCommand(lambda count: count / 1000, lambda: 5 * FIRST).sample(1)["scenes"] == 5 * FIRST
-    assert TimedCommand(lambda count: count / 1000, lambda: 5 * FIRST).sample(0.5)["scenes"] == FIRST
 
 
-def test_a_measurement_that_was_all_noise_is_taken_again_of_more_scenes():
-    costs = iter([3.0, 3.2, 3.0, 2.9, 3.0, 3.8])
-    sampler = TimedCommand(lambda count: next(costs))
-    assert sampler.sample(0.1)["scenes"] == FIRST
-    again = sampler.sample(0.1)
-    assert again["scenes"] == 4 * FIRST and again["seconds"] == pytest.approx(0.8)
+def test_one_process_answers_the_command_again_and_again(tmp_path: Path):
+    (tmp_path / "p.scenic").write_text("print('hello')\nego = Object at Range(0, 1) @ 0\n")
+    (tmp_path / "wrong.scenic").write_text("ego = Object at nosuch\n")
+    with Commands(WritingTask(str(tmp_path / "p.scenic"), "npz"), str(tmp_path)) as commands:
+        first, later = commands.cost(20), commands.cost(20)
+        assert later[0] < first[0], "the start, which takes a second or so"
+        assert later[1] > 2**24
+        assert not (tmp_path / "scenes.npz").exists()
+    with Commands(WritingTask(str(tmp_path / "wrong.scenic"), "npz"), str(tmp_path)) as commands, pytest.raises(Skipped, match="nosuch"):
+        commands.cost(20)
+    with Commands(WritingTask(str(tmp_path / "p.scenic"), "npz"), str(tmp_path)) as commands:
+        commands.running.kill()
+        commands.running.wait()
+        with pytest.raises(Skipped, match="the command ended with -9"):
+            commands.cost(20)
 
 
 def test_numbers_are_counted(tmp_path: Path):
