@@ -27,5 +27,5 @@ def paragraph(title: str, text: str, width: int = 100) -> list[str]:
     """A titled paragraph; nothing if there is no text."""
     if not text:
         return []
-    lead = f"{title:<14}"
+    lead = f"{title:<13} "
     return textwrap.wrap(text, width, initial_indent=lead, subsequent_indent=" " * 14, break_long_words=False, break_on_hyphens=False)

@@ -20,6 +20,9 @@ from .implementation import NeverAccepted, Refused, SimulationRecord
 from .looking import AT_ONCE, FIRST_LOOK, AskedProgram, DiffSettings, ProgramVerdict, looked, of_errors, of_verdict
 from .recorded_world import RecordedWorld, World, wandering
 
+ENOUGH_MISSED = 10
+"""Simulations that are tried in vain, none having been found, after which no more are tried."""
+
 
 def in_simulations(program: AskedProgram, scenario: Scenario, other: External, settings: DiffSettings) -> ProgramVerdict:
     """How simulations in one recorded world go: what agents do in each time step, and how it ends."""
@@ -27,24 +30,29 @@ def in_simulations(program: AskedProgram, scenario: Scenario, other: External, s
     deadline = time.monotonic() + settings.seconds
     here = Replayed(scenario, world, settings)
     theirs: list[SimulationRecord] = []
-    fault: list[Refused | NeverAccepted] = []
+    refused: list[Refused] = []
+    missed: list[NeverAccepted] = []
 
     def grow(wanted: int) -> bool:
         before = len(theirs)
-        while len(theirs) < wanted and not fault and (not theirs or time.monotonic() < deadline):
-            count, seed = min(wanted - len(theirs), AT_ONCE), settings.seed + len(theirs) + 1
+        while len(theirs) < wanted and not refused and not (theirs and missed) and len(missed) < ENOUGH_MISSED:
+            if (theirs or missed) and time.monotonic() >= deadline:
+                break
+            count, seed = min(wanted - len(theirs), AT_ONCE), settings.seed + len(theirs) + len(missed) + 1
             try:
                 theirs.extend(other.simulations(program.task, settings.steps, count, seed=seed, attempts=settings.attempts, world=world))
-            except (Refused, NeverAccepted) as failed:
-                fault.append(failed)
+            except Refused as failed:
+                refused.append(failed)
+            except NeverAccepted as none:
+                missed.append(none)
         return len(theirs) > before
 
     def beside(asked: Scenario | ProgramError, alpha: float) -> ProgramVerdict:
-        failed = fault[0] if fault else None
+        failed = refused[0] if refused else None
         if isinstance(asked, ProgramError):
-            return of_errors(program.name, asked, failed if isinstance(failed, Refused) else None)
+            return of_errors(program.name, asked, failed)
         replayed = here if asked is scenario else Replayed(asked, world, settings)
-        return of_simulations(program.name, replayed, theirs, failed, alpha)
+        return of_simulations(program.name, replayed, theirs, len(missed), failed, alpha)
 
     return looked(program, scenario, other, settings, grow, beside)
 
@@ -55,15 +63,31 @@ class Replayed:
     def __init__(self, scenario: Scenario, world: World, settings: DiffSettings) -> None:
         self.scenario, self.world, self.settings = scenario, world, settings
         self.runs: list[SimulationRecord] = []
+        self.missed: list[AttemptsExhausted] = []
 
     def first(self, count: int) -> list[SimulationRecord]:
-        """So many of them, or fewer: those that the time of this part is enough for, but a first look's at least."""
-        deadline = time.monotonic() + self.settings.seconds
-        while len(self.runs) < count and (len(self.runs) < FIRST_LOOK or time.monotonic() < deadline):
-            seed, steps = self.settings.seed, self.settings.steps
-            run = self.scenario.simulate(RecordedWorld(self.world), steps, seed, len(self.runs), max_attempts=self.settings.attempts)
-            self.runs.append(to_json(run.simulation, run.attempts))
+        """So many of them, or fewer: those that the time of this part is enough for, but a first look's at least; and `missed` has the errors of
+        those that were tried in vain. Raises `AttemptsExhausted` if all were, or one shows that none is possible.
+        """
+        deadline, attempts = time.monotonic() + self.settings.seconds, self.settings.attempts
+        while len(self.runs) < count and (len(self.runs) + len(self.missed) < FIRST_LOOK or time.monotonic() < deadline):
+            seed, steps, index = self.settings.seed, self.settings.steps, len(self.runs) + len(self.missed)
+            try:
+                run = self.scenario.simulate(RecordedWorld(self.world), steps, seed, index, max_attempts=attempts)
+            except AttemptsExhausted as none:
+                self.missed.append(none)
+                if none.attempts < attempts or (not self.runs and len(self.missed) >= ENOUGH_MISSED):
+                    raise
+            else:
+                self.runs.append(to_json(run.simulation, run.attempts))
+        if not self.runs:
+            raise self.missed[0]
         return self.runs[:count]
+
+    @property
+    def is_impossible(self) -> bool:
+        """Whether one that was tried in vain shows that none is possible."""
+        return bool(self.missed) and self.missed[-1].attempts < self.settings.attempts
 
     @cached_property
     def all(self) -> list[SimulationRecord]:
@@ -78,30 +102,41 @@ class Replayed:
 
 
 def of_simulations(
-    name: str, replayed: Replayed, theirs: Sequence[SimulationRecord], failed: Refused | NeverAccepted | None, alpha: float
+    name: str, replayed: Replayed, theirs: Sequence[SimulationRecord], missed: int, refused: Refused | None, alpha: float
 ) -> ProgramVerdict:
-    """What the other implementation's simulations are beside those of the program here."""
+    """What the other implementation's simulations, of which so many were `missed`, are beside those of the program here."""
     steps, detect_tv = replayed.settings.steps, replayed.settings.detect_tv
-    refused = failed if isinstance(failed, Refused) else None
     try:
         ours = replayed.first(max(len(theirs), FIRST_LOOK))
     except ProgramError as error:
         return of_errors(name, error, refused)
     except AttemptsExhausted as none:
-        if isinstance(failed, NeverAccepted) and not theirs:
+        if missed and not theirs:
             return ProgramVerdict(name, "agree", "acceptance", "no simulation is accepted")
         if theirs:
-            return ProgramVerdict(name, "differ", "acceptance", f"{none.message} here, and there are simulations there", math.inf)
+            chance = 0.0 if replayed.is_impossible else all_on_one_side(len(replayed.missed), len(theirs))
+            return of_acceptance(name, f"{none.message} here, and there are simulations there", chance, alpha)
         return of_refusal(name, refused)
     if refused is not None:
         return of_refusal(name, refused)
     if not theirs:
-        return ProgramVerdict(name, "differ", "acceptance", "no simulation is accepted there, and there are simulations here", math.inf)
+        chance = all_on_one_side(missed, len(ours))
+        return of_acceptance(name, "no simulation is accepted there, and there are simulations here", chance, alpha)
     agents = sorted({agent for run in (*theirs, *ours) for step in run["steps"] for agent in step["actions"]})  # type: ignore[attr-defined]
     rows = [[{"params": courses(run, agents, steps)} for run in runs] for runs in (theirs, ours)]
     always = constants_of(features_table({"params": courses(run, agents, steps)} for run in replayed.all))
     verdict = compare(rows[0], rows[1], alpha=alpha, detect_tv=detect_tv, facts=Facts(constants=always))
     return of_verdict(name, verdict, "actions")
+
+
+def all_on_one_side(missed: int, found: int) -> float:
+    """The probability that all that were missed are on one side and all that were found on the other, if either side misses equally often."""
+    return 1 / math.comb(missed + found, found)
+
+
+def of_acceptance(name: str, text: str, chance: float, alpha: float) -> ProgramVerdict:
+    """One side has simulations and the other none: a difference if the chance of that is small enough where there is none."""
+    return ProgramVerdict(name, "differ" if chance <= alpha else "inconclusive", "acceptance", text, -math.log10(chance) if chance else math.inf)
 
 
 def of_refusal(name: str, refused: Refused | None) -> ProgramVerdict:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import pytest
 from scenic_ref.semantics.readings import READINGS
@@ -50,7 +51,7 @@ def test_readings_mark_the_alternative_that_is_followed(ask):
 def test_a_reading_is_explained(ask):
     for name, reading in READINGS.items():
         out = ask("readings", name).out
-        assert all(alternative in out for alternative in reading.alternatives)
+        assert all(re.search(rf"^[* ] {alternative}\s", out, re.MULTILINE) for alternative in reading.alternatives)
 
 
 def test_readings_in_json_hold_the_same(ask):

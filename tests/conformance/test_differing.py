@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,6 +12,7 @@ import pytest
 from scenic_ref.cli import answer
 from scenic_ref.conformance import looking
 from scenic_ref.conformance.recorded_world import RecordedWorld, wandering
+from scenic_ref.conformance.replaying import Replayed, of_simulations
 from scenic_ref.interpreter.dialects import DIALECTS
 from scenic_ref.scenario import loads
 
@@ -258,3 +260,44 @@ def test_the_recorded_world_is_the_same_for_every_run() -> None:
         steps = scenario.simulate(simulator, 4, 0, index).simulation.moments
         where = [world[k].get("0", {"position": [1.0, 2.0]})["position"][0] for k in range(4)]  # type: ignore[index]
         assert [moment.actions[0][0] for moment in steps[:4]] == pytest.approx(where)
+
+
+SELDOM = "x = Uniform(0, 1, 2, 3)\nbehavior B():\n    take x\nego = Object at 0 @ 0, with behavior B\nrequire eventually x == 0\n"
+NEVER = "behavior B():\n    take Range(0, 1)\nego = Object at 0 @ 0, with behavior B\nrequire eventually Range(0, 1) > 2\n"
+
+
+def replayed(text: str, **changes: object) -> Replayed:
+    """The simulations of a program whose scenes are kept after a rejection, two of them for each simulation."""
+    scenario = loads(text, readings={"rejected-simulation": "retry"})
+    settings = looking.DiffSettings(1e-9, 0.3, 0, 0.0, 2, attempts=200)._replace(**changes)
+    return Replayed(scenario, wandering(scenario.sample(0), 2, 7), settings)
+
+
+def test_simulations_that_are_tried_in_vain_are_no_difference() -> None:
+    """Of two scenes neither has x = 0 in 9 of 16 simulations: none of the others is another one because of that."""
+    here, there = replayed(SELDOM), replayed(SELDOM, seed=1)
+    theirs = there.first(40)
+    assert here.first(40) and 20 < len(here.missed) < 80 and not here.is_impossible
+    found = of_simulations("p", here, theirs, 3, None, 1e-9)
+    assert found.verdict != "differ"
+
+
+@pytest.mark.parametrize(("found", "verdict"), [(1, "inconclusive"), (35, "differ")])
+def test_that_one_side_has_no_simulation_is_a_difference_if_chance_would_not_make_it_so(found: int, verdict: str) -> None:
+    others = replayed(SELDOM).first(found)
+    ours = of_simulations("p", replayed(NEVER), others, 0, None, 1e-9)
+    assert (ours.verdict, ours.kind) == (verdict, "acceptance") and "and there are simulations there" in ours.detail
+    assert ours.evidence == pytest.approx(math.log10(math.comb(10 + len(others), 10)))
+    assert of_simulations("p", replayed(NEVER), [], 1, None, 1e-9).verdict == "agree"
+
+
+@pytest.mark.parametrize(("missed", "verdict"), [(1, "inconclusive"), (10, "differ")])
+def test_so_is_that_the_other_side_has_none(missed: int, verdict: str) -> None:
+    found = of_simulations("p", replayed(SELDOM), [], missed, None, 1e-9)
+    assert (found.verdict, found.kind, found.detail) == (verdict, "acceptance", "no simulation is accepted there, and there are simulations here")
+
+
+def test_where_none_is_possible_one_try_shows_it() -> None:
+    sure = replayed("ego = Object at 0 @ 0\nrequire eventually 1 == 2\n")
+    found = of_simulations("p", sure, replayed(SELDOM).first(1), 0, None, 1e-9)
+    assert found.verdict == "differ" and math.isinf(found.evidence) and len(sure.missed) == 1
