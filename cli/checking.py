@@ -11,6 +11,7 @@ from ..semantics.kernel.suggestions import did_you_mean
 from .diagnostics import FORMATS
 from .drawing import tell_notes
 from .errors import render, render_warning
+from .progress import running_once
 from .session import coloured
 
 if TYPE_CHECKING:
@@ -27,7 +28,8 @@ def check_program(source: Source, form: str, session: Session, *, strict: bool) 
     if form != "text" and form not in FORMATS:
         known = ["text", *FORMATS]
         raise UsageError(f"there is no format {form}", hint=did_you_mean(form, known, f"the formats are {', '.join(known)}"))
-    scenario, warnings, error = checked(source.load)
+    with running_once(source.fuel):
+        scenario, warnings, error = checked(source.load)
     if form == "text":
         if scenario is not None and error is None:
             tell_notes(scenario)

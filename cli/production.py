@@ -22,7 +22,7 @@ from .files import LINES, PICTURES, check_ending, check_file, check_place
 from .options import Source
 from .outputs import Output, Resumed, open_output
 from .portions import Portion, batch_of, portions
-from .progress import Progress
+from .progress import Progress, running_once
 from .reports import Tally, processor_seconds, requirement_lines, summary, write_report
 from .session import Session, tell
 from .workers import Job, draw_here, drawn_by
@@ -277,7 +277,8 @@ def rehearse(drawing: Drawing) -> None:
     """Raise the program's error, if it has one, before anything is written; what it printed comes first. Then tell notes and warnings."""
     printed: list[str] = []
     try:
-        drawing.rehearse(printed)
+        with running_once(drawing.scenario.fuel):
+            drawing.rehearse(printed)
     except ScenicError:
         for text in printed:
             tell(text)

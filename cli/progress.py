@@ -5,6 +5,8 @@ from __future__ import annotations
 import sys
 import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import TracebackType
 from typing import TYPE_CHECKING, Protocol
 
@@ -17,11 +19,27 @@ if TYPE_CHECKING:
 INTERVAL = 0.1
 A_WHILE = 2.0
 """After so many seconds a single scene has a bar."""
+LONG_FOR_ONE_RUN = 3.0
+"""Seconds after which a word is said of the run before the first scene."""
 LOOK_AFTER, LONG = 30.0, 1800.0
 """After so many seconds it is looked at how many are left, and said if they are as many as this."""
 FEW_ACCEPTED = 1e-3
 FEW_SCENES = 10
 """With fewer scenes than these, how likely one is is guessed otherwise."""
+
+
+@contextmanager
+def running_once(fuel: int) -> Iterator[None]:
+    """While a program runs once before anything else: on a terminal, a word if that takes long."""
+    text = f"the program is run once before anything else, which takes a while; after {fuel:,} steps it is given up (--fuel)"
+    timer = threading.Timer(LONG_FOR_ONE_RUN, tell, [text])
+    timer.daemon = True
+    if sys.stderr.isatty():
+        timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
 
 
 class Foresight(Protocol):

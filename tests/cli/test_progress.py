@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 from scenic_ref.cli import progress
 from scenic_ref.cli.drawing import Drawing
@@ -124,3 +126,14 @@ def test_nothing_is_known_of_a_program_that_has_no_graph():
     assert drawing.scenario.not_lifted is not None
     seen = BatchForesight(drawing, SceneRequest(0, 10, 0, 100_000, None, None, 1, False))
     assert (seen.runs(), seen.probability()) == (0, None)
+
+
+@pytest.mark.parametrize(("command", "on_terminal", "delay"), [("run", True, 0), ("check", True, 0), ("run", False, 0), ("run", True, 1000)])
+def test_a_word_is_said_on_a_terminal_of_a_first_run_that_takes_long(ask, monkeypatch, command, on_terminal, delay):
+    monkeypatch.setattr(progress, "LONG_FOR_ONE_RUN", delay)
+    Path("endless.scenic").write_text("ego = Object\nwhile True:\n    pass\n")
+    monkeypatch.setattr("sys.stderr.isatty", lambda: on_terminal, raising=False)
+    found = ask(command, "endless.scenic", "--fuel", 200_000)
+    assert found.code == 1 and "is this an endless loop?" in found.err
+    said = "the program is run once before anything else, which takes a while; after 200,000 steps it is given up (--fuel)"
+    assert found.err.count(said) == (on_terminal and delay == 0)
