@@ -255,3 +255,12 @@ def test_objects_are_made_in_setup_blocks_only():
         with pytest.raises(RunError, match="in a setup block only"):
             steps_and_objects(main(f"wait\n{statement}"))
     assert steps_and_objects(main("p = Point at (9, 0)\nrequire (distance to p) == 9\nwait"))[-1] == "terminated"
+
+
+def test_what_is_made_before_there_is_an_ego_must_be_seen_by_it_though_another_scenario_could_not_begin():
+    bad = "scenario Bad():\n    precondition: simulation.currentTime > 5\n    setup:\n        Object at 9 @ 9\n"
+    good = "scenario Good():\n    setup:\n        ego = Object at 0 @ 0, with viewDistance 5\n    compose:\n        wait\n"
+    compose = "try:\n    do Bad()\ninterrupt when False:\n    pass\nexcept GuardViolation:\n    pass\ndo Good()"
+    assert steps_and_objects(main(compose, bad + good, "Object at 3 @ 0")) == [2, 2, "terminated"]
+    assert steps_and_objects(main(compose, bad + good, "Object at 100 @ 0")) == ["rejected"]
+    assert steps_and_objects(main("do Good()", bad + good, "Object at 100 @ 0")) == ["rejected"]

@@ -15,7 +15,9 @@ from scenic_ref.semantics.kernel.generators import EXHAUSTED
 from scenic_ref.semantics.kernel.suggestions import nearest
 from scenic_ref.semantics.readings.loading import probe_of
 from scenic_ref.semantics.space.distributions import Normal, TruncatedNormal
-from scenic_ref.semantics.space.regions import PolylineRegion, intervals
+from scenic_ref.semantics.space.regions import CircularRegion, PolylineRegion, everywhere, intervals
+from scenic_ref.semantics.space.regions.combined import UnionRegion
+from scenic_ref.semantics.space.vectors import Vector
 
 EGO = "ego = Object at (0, 0)\n"
 
@@ -29,6 +31,7 @@ EGO = "ego = Object at (0, 0)\n"
         ("x = {str(i): i for i in range(20)}['tree']", "there are 0, 1, 2, 3, 4, 5, 6, 7, ..."),
         ("x = 'a'.uper()", "did you mean upper?"),
         ("x = Object at (9, 9), with positionStdDev (1, 1)", "write one number, the standard deviation of each coordinate"),
+        ("class Car:\n    width: 2\nx = distance to Car", "that is the class; name an object of it: x = Car ..."),
         ("x = Object at (9, 9), with width (1, 1)", "for a random number write `Range(1, 1)`"),
     ],
 )
@@ -51,6 +54,7 @@ def test_the_class_of_the_closest_object_is_named_wrongly(argument: str, got: st
     [
         ("'{:>1500000}{:>1500000}'.format(1, 2)", "3,000,000 elements or characters are too many for one value: at most 2,000,000"),
         ("('a' * 1000000).replace('a', 'b' * 1000000)", "1,000,000,000,000 elements or characters are too many for one value: at most 2,000,000"),
+        ("follow VectorField('f', lambda p: 0, 4, 0.001) from 0 @ 0 for 1e9", "1000000000000 steps along a vector field are too many"),
         ("pow(2, 2 ** 9000, 7)", "a whole number of 144,016 binary digits is too large: at most 100,000"),
         ("sorted([range(20000)] * 1000, key=sum)", "the program goes through more, or makes more, than one run may"),
     ],
@@ -129,3 +133,20 @@ def test_a_circle_of_no_size_is_not_named_for_the_intersection_with_it() -> None
     program = "ego = Object in CircularRegion(0 @ 0, 0).intersect(RectangularRegion(0 @ 0, 0, 4, 4))\n"
     with pytest.raises(AttemptsExhausted, match="in this IntersectionRegion: it has no area"):
         scenic_ref.loads(program).sample()
+
+
+def test_fields_of_a_named_tuple_may_be_an_iterator() -> None:
+    program = "from collections import namedtuple\nP = namedtuple('P', (n for n in ('a', 'b')))\n"
+    found = scenic_ref.loads(f"{program}{EGO}param b = P(1, 2).b, first = P(3, 4)[0], names = P._fields\n").sample().params
+    assert (found["b"], found["first"], found["names"]) == (2, 3, ("a", "b"))
+
+
+def test_beyond_the_end_of_a_line_the_distance_from_it_is_positive() -> None:
+    line = PolylineRegion([(0, 0), (1, 0)])
+    assert [line.signedDistanceTo(Vector(*p)) for p in ((2, 0), (-1, 0), (0.5, 1), (0.5, -1))] == [1, 1, 1, -1]
+
+
+def test_a_union_with_what_has_no_bounds_has_none() -> None:
+    disc = CircularRegion(Vector(0, 0), 1)
+    assert [UnionRegion(*parts).bounds() for parts in ((disc, everywhere), (everywhere, disc))] == [None, None]
+    assert UnionRegion(disc, CircularRegion(Vector(4, 0), 1)).bounds() == (-1, -1, 5, 1)
