@@ -150,3 +150,9 @@ def test_a_union_with_what_has_no_bounds_has_none() -> None:
     disc = CircularRegion(Vector(0, 0), 1)
     assert [UnionRegion(*parts).bounds() for parts in ((disc, everywhere), (everywhere, disc))] == [None, None]
     assert UnionRegion(disc, CircularRegion(Vector(4, 0), 1)).bounds() == (-1, -1, 5, 1)
+
+
+@pytest.mark.parametrize("use", ["starmap(list, [(range(3000000),)])", "takewhile(list, [range(3000000)])", "map(list, [range(3000000)])"])
+def test_what_library_code_calls_is_refused_as_a_call_by_the_program_is(use: str) -> None:
+    with pytest.raises(RunError, match="a range with so many elements cannot be turned into a collection"):
+        scenic_ref.loads(f"from itertools import starmap, takewhile\n{EGO}x = list({use})\n").sample()
