@@ -100,6 +100,8 @@ class Commands:
         task = self.task
         words = ["run", task.program, "-n", str(count), "--seed", str(task.seed), "-o", str(self.path), *(["--trust"] if task.trust else [])]
         assert self.running.stdin is not None and self.running.stdout is not None
+        self.errors.seek(0)
+        self.errors.truncate()
         with contextlib.suppress(BrokenPipeError):  # it ended, and says why
             print(json.dumps(words), file=self.running.stdin, flush=True)
         line = self.running.stdout.readline()

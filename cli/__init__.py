@@ -17,22 +17,26 @@ def interruption(arguments: list[str], finished: str = "") -> str:
     """The message after Ctrl-C: what was `finished`, and which files there are."""
     if arguments[:1] == ["run"] and not {"enumerate", "importance", "smc", "mcmc"} & {a.removeprefix("--backend=") for a in arguments}:
         output = output_in(arguments)
-        if output != "-" and os.path.splitext(output)[1].lower() in ("", ".jsonl", ".ndjson"):
-            return f"interrupted; {output} holds whole lines, and `run --resume` continues it; nothing else was written"
-        return "interrupted; no file was written"
+        if output == "-":
+            return "interrupted"
+        if os.path.splitext(output)[1].lower() not in ("", ".jsonl", ".ndjson") or not os.path.exists(output):
+            return f"interrupted; {output} was not written"
+        more = "" if any(a.partition("=")[0] == "--scene" for a in arguments) else ", and `run --resume` continues it"
+        return f"interrupted; {output} holds whole lines{more}; nothing else was written"
     if arguments[:1] == ["simulate"]:
         return f"interrupted; {finished or 'no simulation was finished'}"
     return "interrupted" if arguments[:1] == ["bench"] else "interrupted; nothing was written"
 
 
 def output_in(arguments: list[str]) -> str:
-    """The file of the option -o, "-" for none."""
+    """The file of the option -o, the last one if it is given more often; "-" for none."""
+    output = "-"
     for one, following in pairwise([*arguments, "-"]):
         if one in ("-o", "--output"):
-            return following
-        if one.startswith(("-o", "--output=")):
-            return one.removeprefix("--output=").removeprefix("-o")
-    return "-"
+            output = following
+        elif one.startswith(("-o", "--output=")):
+            output = one.removeprefix("--output=").removeprefix("-o")
+    return output
 
 
 def main() -> None:

@@ -66,11 +66,11 @@ class Replayed:
         self.missed: list[AttemptsExhausted] = []
 
     def first(self, count: int) -> list[SimulationRecord]:
-        """So many of them, or fewer: those that the time of this part is enough for, but a first look's at least; and `missed` has the errors of
-        those that were tried in vain. Raises `AttemptsExhausted` if all were, or one shows that none is possible.
+        """So many of them, or fewer: those that the time of this part is enough for, but a first look's at least where none is missed; `missed` has
+        the errors of those that were tried in vain. Raises `AttemptsExhausted` if all were, or one shows that none is possible.
         """
         deadline, attempts = time.monotonic() + self.settings.seconds, self.settings.attempts
-        while len(self.runs) < count and (len(self.runs) + len(self.missed) < FIRST_LOOK or time.monotonic() < deadline):
+        while len(self.runs) < count and ((not self.missed and len(self.runs) < FIRST_LOOK) or time.monotonic() < deadline):
             seed, steps, index = self.settings.seed, self.settings.steps, len(self.runs) + len(self.missed)
             try:
                 run = self.scenario.simulate(RecordedWorld(self.world), steps, seed, index, max_attempts=attempts)
@@ -114,13 +114,13 @@ def of_simulations(
         if missed and not theirs:
             return ProgramVerdict(name, "agree", "acceptance", "no simulation is accepted")
         if theirs:
-            chance = 0.0 if replayed.is_impossible else all_on_one_side(len(replayed.missed), len(theirs))
+            chance = 0.0 if replayed.is_impossible else all_on_one_side(len(replayed.missed), len(theirs), missed)
             return of_acceptance(name, f"{none.message} here, and there are simulations there", chance, alpha)
         return of_refusal(name, refused)
     if refused is not None:
         return of_refusal(name, refused)
     if not theirs:
-        chance = all_on_one_side(missed, len(ours))
+        chance = all_on_one_side(missed, len(ours), len(replayed.missed))
         return of_acceptance(name, "no simulation is accepted there, and there are simulations here", chance, alpha)
     agents = sorted({agent for run in (*theirs, *ours) for step in run["steps"] for agent in step["actions"]})  # type: ignore[attr-defined]
     rows = [[{"params": courses(run, agents, steps)} for run in runs] for runs in (theirs, ours)]
@@ -129,9 +129,13 @@ def of_simulations(
     return of_verdict(name, verdict, "actions")
 
 
-def all_on_one_side(missed: int, found: int) -> float:
-    """The probability that all that were missed are on one side and all that were found on the other, if either side misses equally often."""
-    return 1 / math.comb(missed + found, found)
+def all_on_one_side(missed: int, found: int, missed_there: int) -> float:
+    """The probability that one side misses all of `missed` tries, given what both sides find and miss together, if they miss equally often.
+
+    The other side has looked until it had found enough, so that its last find says nothing.
+    """
+    free = max(found - 1, 0)
+    return math.comb(free + missed_there, free) / math.comb(free + missed_there + missed, free)
 
 
 def of_acceptance(name: str, text: str, chance: float, alpha: float) -> ProgramVerdict:

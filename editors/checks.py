@@ -91,18 +91,24 @@ class CheckingProcess:
         await self.process.stdout.readline()
         return self.process
 
+    def kill(self) -> None:
+        """Let the process end, and the one that is starting."""
+        if self.starting is not None:
+            self.starting.cancel()
+        if self.process is not None:
+            with suppress(ProcessLookupError):
+                self.process.kill()
+
     async def end(self) -> None:
-        """End the process, if there is one; one that is ending by itself has a moment for that, since asyncio would miss how it ended."""
+        """End the process, and wait for it; one that is ending by itself has a moment for that, since asyncio would miss how it ended."""
         if self.process is not None and self.process.stdout is not None and self.process.stdout.at_eof():
             with suppress(TimeoutError):
                 await asyncio.wait_for(self.process.wait(), PATIENCE)
-        if self.starting is not None and not self.starting.done():
-            self.starting.cancel()
+        self.kill()
+        if self.starting is not None:
             await asyncio.wait([self.starting])
         process, self.process, self.starting, self.busy = self.process, None, None, False
         if process is not None:
-            with suppress(ProcessLookupError):
-                process.kill()
             with suppress(OSError):
                 await process.communicate()  # closes its pipes, too: asyncio would complain of them when the loop is closed
 
@@ -142,12 +148,17 @@ class CheckingQueue:
                 found = await self.process.check(text)
         self.publish(text, found)
 
-    async def end(self) -> None:
-        """Drop all texts, and end the process: nothing of it is left when this is over."""
+    def stop(self) -> list[asyncio.Task[None]]:
+        """Drop all texts, and let the process end; the tasks that end, too."""
         tasks = list(self.tasks.values())
         for uri in list(self.tasks):
             self.dropped(uri)
-        if tasks:
+        self.process.kill()
+        return tasks
+
+    async def end(self) -> None:
+        """The same, and wait: nothing of it is left when this is over."""
+        if tasks := self.stop():
             await asyncio.wait(tasks)
         await self.process.end()
 

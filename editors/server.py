@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from lsprotocol import types
-from pygls.io_ import run_async
+from pygls.io_ import StdinAsyncReader, StdoutWriter, run_async
 from pygls.lsp.server import LanguageServer
 from pygls.uris import from_fs_path, to_fs_path
 from pygls.workspace import TextDocument
@@ -235,8 +235,8 @@ def make_server(seconds: float) -> ScenicServer:
         server.checks.begin()
 
     @server.feature(types.SHUTDOWN)
-    async def shut_down(*_: object) -> None:
-        await server.checks.end()
+    def shut_down(*_: object) -> None:
+        server.checks.stop()
 
     server.feature(types.TEXT_DOCUMENT_HOVER)(lambda params: server.hover_at(params))
     server.feature(types.TEXT_DOCUMENT_COMPLETION, types.CompletionOptions([".", " "]))(lambda params: server.completions_at(params))
@@ -247,7 +247,22 @@ def make_server(seconds: float) -> ScenicServer:
 
 def serve(stdin: BinaryIO, stdout: BinaryIO, seconds: float) -> None:
     """Speak to an editor by two streams, until it says good-bye or closes them."""
-    make_server(seconds).start_io(stdin, stdout)
+    server = make_server(seconds)
+    server.protocol.set_writer(StdoutWriter(stdout))
+    try:
+        asyncio.run(converse(server, StdinAsyncReader(stdin, server.thread_pool)))
+    except (BrokenPipeError, KeyboardInterrupt, SystemExit):
+        pass
+    finally:
+        server.shutdown()
+
+
+async def converse(server: ScenicServer, reader: StdinAsyncReader | ProtocolReader) -> None:
+    """Answer what is heard, until nothing is heard any more or the editor says good-bye; then end what checks programs."""
+    try:
+        await run_async(stop_event=threading.Event(), reader=reader, protocol=server.protocol, error_handler=server.report_server_error)
+    finally:
+        await server.checks.end()
 
 
 class ProtocolReader:
@@ -288,9 +303,5 @@ async def serve_tcp(port: int, seconds: float) -> None:
         raise UsageError(f"port {port} cannot be used: {problem.strerror or problem}") from None
     async with listening:
         reader, writer = await connected
-    protocol, heard = server.protocol, ProtocolReader(reader)
-    protocol.set_writer(writer)
-    try:
-        await run_async(stop_event=threading.Event(), reader=heard, protocol=protocol, error_handler=server.report_server_error)
-    finally:
-        await server.checks.end()
+    server.protocol.set_writer(writer)
+    await converse(server, ProtocolReader(reader))

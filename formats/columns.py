@@ -187,7 +187,7 @@ def as_kind(column: TypedColumn, kind: str) -> TypedColumn:
         count = length_of(kind)
         values = np.zeros(column.rows if count is None else (column.rows, count), dtype=dtype_of(kind))
         return TypedColumn(kind, values, ("",) if kind in (TEXT, JSON) else (), column.valid)
-    if is_alike(column.values) and column.rows > 1:
+    if column.rows > 1 and is_alike(column.values) and (column.valid is None or is_alike(column.valid)):
         return repeated(as_kind(chosen(column, slice(0, 1)), kind), column.rows)
     if kind != JSON:
         return column._replace(kind=kind, values=column.values.astype(dtype_of(kind)))

@@ -192,7 +192,7 @@ def _unknown_specifier(place: Situation) -> Repair | None:
     """A word where a specifier or an operator could stand."""
     if re.match(SPECIFIER_START, place.after) and re.search(r"\S\s*$", place.before):
         return Repair(f"a comma is missing before `{place.word}`", "separate specifiers with commas")
-    if (half := re.match(r"(left|right|ahead)\s+(?!of\b)[^\W\d]", place.after)) is not None:
+    if (half := re.match(r"(left|right|ahead)\s+(?!(?:of|and|or|if|else|in|is|not|for)\b)[^\W\d]", place.after)) is not None:
         return Repair(f"`{half[1]}` is no specifier without `of`", f"write `{half[1]} of ...`")
     earlier = re.search(r",\s*([^\W\d]\w*)\s+$", place.before)
     if earlier and (near := _nearest(earlier[1])) and not re.match(SPECIFIER_START, earlier[1]):

@@ -210,17 +210,22 @@ def test_a_soft_requirement_is_noted_if_chance_would_seldom_make_it_so_rare(held
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("run a.scenic -o b.jsonl", "b.jsonl holds whole lines, and `run --resume` continues it; nothing else was written"),
-        ("run a.scenic --output=b", "b holds whole lines, and `run --resume` continues it; nothing else was written"),
-        ("run a.scenic -ob.ndjson -n 3", "b.ndjson holds whole lines, and `run --resume` continues it; nothing else was written"),
-        ("run a.scenic -o b.npz", "no file was written"), ("run a.scenic -o -", "no file was written"), ("run a.scenic", "no file was written"),
-        ("run a.scenic --backend smc -o b.jsonl", "nothing was written"), ("simulate a.scenic", "no simulation was finished"),
+        ("run a.scenic -o b.jsonl", "; b.jsonl holds whole lines, and `run --resume` continues it; nothing else was written"),
+        ("run a.scenic -o a.npz --output=b", "; b holds whole lines, and `run --resume` continues it; nothing else was written"),
+        ("run a.scenic -ob.ndjson -n 3", "; b.ndjson holds whole lines, and `run --resume` continues it; nothing else was written"),
+        ("run a.scenic -o b.jsonl --scene 3", "; b.jsonl holds whole lines; nothing else was written"),
+        ("run a.scenic -o missing.jsonl", "; missing.jsonl was not written"), ("run a.scenic -o b.jsonl -o b.npz", "; b.npz was not written"),
+        ("run a.scenic -o -", ""), ("run a.scenic", ""),
+        ("run a.scenic --backend smc -o b.jsonl", "; nothing was written"), ("simulate a.scenic", "; no simulation was finished"),
     ],
 )
-def test_an_interrupt_says_which_file_there_is(words, said):
+def test_an_interrupt_says_which_file_there_is(words, said, tmp_path, monkeypatch):
     from scenic_ref.cli import interruption
 
-    assert interruption(words.split()) == f"interrupted; {said}"
+    monkeypatch.chdir(tmp_path)
+    for name in ("b", "b.jsonl", "b.ndjson"):
+        Path(name).touch()
+    assert interruption(words.split()) == f"interrupted{said}"
 
 
 @pytest.mark.slow

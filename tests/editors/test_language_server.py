@@ -386,6 +386,19 @@ def test_the_process_has_ended_when_the_checks_have(moment):
     assert children(os.getpid()) == before
 
 
+@pytest.mark.parametrize("text", ["", ENDLESS])
+def test_an_editor_need_not_wait_for_an_answer_to_its_good_bye(tmp_path, text):
+    def message(method, number=None, **params):
+        body = json.dumps({"jsonrpc": "2.0", "method": method, "params": params, **({} if number is None else {"id": number})}).encode()
+        return b"Content-Length: %d\r\n\r\n" % len(body) + body
+
+    document = {"uri": "file:///a.scenic", "languageId": "scenic", "version": 1, "text": text}
+    said = message("initialize", 1, capabilities={}, processId=None) + message("initialized") + message("textDocument/didOpen", textDocument=document)
+    command = [sys.executable, "-P", "-m", "scenic_ref", "lsp"]
+    done = subprocess.run(command, input=said + message("shutdown", 2) + message("exit"), cwd=tmp_path, capture_output=True, check=False)
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
 def test_tcp_serves_one_client_of_this_machine_and_no_web_page(tmp_path):
     for request, answered in ((b"POST / HTTP/1.1\r\n", False), (b"", True)):
         with socket.socket() as probe:

@@ -29,6 +29,7 @@ from scenic_ref.formats.columns import (
     interleaved,
     joined,
     json_text,
+    nothing,
     vector,
 )
 from scenic_ref.formats.table_files import open_table
@@ -132,7 +133,19 @@ def test_a_file_is_the_same_whether_its_scenes_come_one_by_one_or_in_columns(suf
         assert one_by_one.path.read_bytes() == in_columns.path.read_bytes()
 
 
-def test_arrays_can_be_written():
+def test_values_that_are_alike_beside_missing_ones_stay_where_they_are(tmp_path):
+    spool = table_files.Spool(tmp_path)
+    first, second = interleaved([nothing(2), constant(0, 2)]), column_of([None, 1.5, None, 0])
+    for number, column in enumerate((first, second)):
+        spool.write({**columns_of([scene(number)] * 4), "properties.p": column})
+    assert [told(group["properties.p"]) for group in spool.read()] == [[None, "0", None, "0"], [None, "1.5", None, "0"]]
+    spool.close()
+
+
+def test_arrays_can_be_written_and_are_not_those_of_other_columns():
+    found = scenic_ref.loads("x = Range(1, 2)\nego = Object at (x, 0), with foo x\nparam start = x\n").sample_columns(30)
+    found["x"][0] = 7
+    assert found["properties.foo"][0] == found["params.start"][0] != 7
     found = scenic_ref.loads(PROGRAM).sample_columns(30)
     for array in found.values():
         array[0] = array[1]

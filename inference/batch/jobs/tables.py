@@ -53,7 +53,7 @@ def _table(template: Template, block: Block, seed: int) -> TableColumns:
 
 def own_column(values: Numbers, is_fixed: bool) -> TypedColumn:
     """The column of a field of its own, which is the same in all scenes if it is fixed."""
-    column = numbers(np.asarray(values, dtype=float))
+    column = numbers(np.array(values, dtype=float))
     return repeated(column, column.rows) if is_fixed else column
 
 
