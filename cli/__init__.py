@@ -16,10 +16,12 @@ INTERRUPTED = 130
 def interruption(arguments: list[str], finished: str = "") -> str:
     """The message after Ctrl-C: what was `finished`, and which files there are."""
     if arguments[:1] == ["run"] and not {"enumerate", "importance", "smc", "mcmc"} & {a.removeprefix("--backend=") for a in arguments}:
+        from .files import LINES
+
         output = output_in(arguments)
         if output == "-":
             return "interrupted"
-        if os.path.splitext(output)[1].lower() not in ("", ".jsonl", ".ndjson") or not os.path.exists(output):
+        if os.path.splitext(output)[1].lower() not in LINES or not os.path.exists(output):
             return f"interrupted; {output} was not written"
         more = "" if any(a.partition("=")[0] == "--scene" for a in arguments) else ", and `run --resume` continues it"
         return f"interrupted; {output} holds whole lines{more}; nothing else was written"
