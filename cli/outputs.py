@@ -18,6 +18,8 @@ try:
 except ImportError:  # not on this system
     fcntl = None
 
+import numpy as np
+
 from ..formats.recordings import SCHEMA as SIMULATION_SCHEMA
 from ..formats.scenes import SCHEMA
 from ..formats.table_files import SUFFIXES
@@ -29,8 +31,9 @@ if TYPE_CHECKING:
     from .portions import Form, Portion
 
 BINARY = getattr(os, "O_BINARY", 0)
-AT_ONCE = 1 << 16
-"""Bytes of whole lines that are written at a time: as much as a pipe holds."""
+AT_ONCE, PIPED_AT_ONCE = 1 << 20, 1 << 16
+"""Bytes of whole lines that are written at a time, which Ctrl-C waits for: into a file, and as much as a pipe holds."""
+NEWLINE = ord("\n")
 KNOWN = 32
 """For how many scenes of a resumed file the attempts are kept, for a picture of them."""
 
@@ -104,19 +107,21 @@ class Output(ABC):
 class LineByLine(Output):
     """JSON Lines, each written whole as soon as its scene is drawn; Ctrl-C comes before or after it."""
 
+    at_once = AT_ONCE
+
     def write(self, drawn: DrawnScene) -> None:
         """One line."""
         self._write(f"{drawn.line}\n".encode())
 
     def write_many(self, portion: Portion) -> None:
         """Whole lines."""
-        for data in in_pieces(portion.lines):
+        for data in in_pieces(portion.lines, self.at_once):
             self._write(data)
 
     def _write(self, data: bytes | memoryview) -> None:
         with uninterrupted():
             self.put(data)
-            self.written += bytes(data).count(b"\n")
+            self.written += int(np.count_nonzero(np.frombuffer(data, np.uint8) == NEWLINE))
 
     @abstractmethod
     def put(self, data: bytes | memoryview) -> None:
@@ -199,6 +204,8 @@ class LinesFile(LineByLine):
 
 class Pipe(LineByLine):
     """Standard output, as JSON Lines."""
+
+    at_once = PIPED_AT_ONCE
 
     def put(self, data: bytes | memoryview) -> None:
         """At once."""
@@ -297,19 +304,19 @@ def locked(file: int) -> bool:
     return True
 
 
-def in_pieces(lines: Iterable[bytes | memoryview]) -> Iterator[memoryview]:
-    """Lines with their ends, few at a time."""
+def in_pieces(lines: Iterable[bytes | memoryview], at_once: int) -> Iterator[memoryview]:
+    """Lines with their ends, as many at a time as so many bytes hold, or one that is longer."""
     for several in lines:
         rest = memoryview(several)
         while rest:
-            size = whole_lines(rest)
+            size = whole_lines(rest, at_once)
             yield rest[:size]
             rest = rest[size:]
 
 
-def whole_lines(text: memoryview) -> int:
+def whole_lines(text: memoryview, at_once: int) -> int:
     """How many bytes are written at a time: of whole lines, as many as there is room for, or of the first one."""
-    most = AT_ONCE
+    most = at_once
     while not (end := bytes(text[:most]).rfind(b"\n") + 1) and most < len(text):
         most *= 2
     return end or len(text)

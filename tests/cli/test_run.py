@@ -262,6 +262,7 @@ def test_an_interrupt_while_scenes_are_written_tells_how_many_were(ask, monkeypa
         write_all(file, data)
 
     monkeypatch.setattr(outputs, "write_all", first_only)
+    monkeypatch.setattr(outputs.LinesFile, "at_once", outputs.PIPED_AT_ONCE)  # several pieces
     found = ask("run", "random.scenic", "-n", "512", "-o", to)
     lines = Path(to).read_text().splitlines() if to != "-" else found.out.splitlines()
     assert found.code == 130 and 0 < sizes[0] == len(lines) < 512
