@@ -246,12 +246,12 @@ def make_server(seconds: float) -> ScenicServer:
 
 
 def serve(stdin: BinaryIO, stdout: BinaryIO, seconds: float) -> None:
-    """Speak to an editor by two streams, until it says good-bye or closes them."""
+    """Speak to an editor by two streams, until it says good-bye or closes them; `SystemExit` 1, as the protocol wants it, for `exit` alone."""
     server = make_server(seconds)
     server.protocol.set_writer(StdoutWriter(stdout))
     try:
         asyncio.run(converse(server, StdinAsyncReader(stdin, server.thread_pool)))
-    except (BrokenPipeError, KeyboardInterrupt, SystemExit):
+    except (BrokenPipeError, KeyboardInterrupt):
         pass
     finally:
         server.shutdown()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
@@ -12,6 +13,9 @@ from ..interpreter.running import DEFAULT_FUEL
 from ..semantics.kernel.errors import ScenicError, UsageError
 from .noticing import given_in_vain
 from .scenario import Scenario
+
+PATH = re.compile(r"[^\s=()'\"#]+\.scenic")
+"""A text that is no program that means anything, and was meant for `load`."""
 
 
 def loads(
@@ -39,6 +43,8 @@ def scenario_of(
     """As `loads`, without a warning."""
     if not isinstance(text, str):
         raise UsageError(f"a program is a text, not {text!r:.60}", hint="`load` takes the path of a file")
+    if PATH.fullmatch(text):
+        raise UsageError(f"{text} is a path, not the text of a program", hint="`load` takes the path of a file")
     program = parse(text, file, dialect)
     return Scenario(
         program, profile=profile, readings=readings, params=params, model=model, trust=trust, directory=directory, fuel=fuel, scenario=scenario

@@ -395,8 +395,9 @@ def test_an_editor_need_not_wait_for_an_answer_to_its_good_bye(tmp_path, text):
     document = {"uri": "file:///a.scenic", "languageId": "scenic", "version": 1, "text": text}
     said = message("initialize", 1, capabilities={}, processId=None) + message("initialized") + message("textDocument/didOpen", textDocument=document)
     command = [sys.executable, "-P", "-m", "scenic_ref", "lsp"]
-    done = subprocess.run(command, input=said + message("shutdown", 2) + message("exit"), cwd=tmp_path, capture_output=True, check=False)
-    assert (done.returncode, done.stderr) == (0, b"")
+    for ended, code in ((message("shutdown", 2) + message("exit"), 0), (message("exit"), 1)):
+        done = subprocess.run(command, input=said + ended, cwd=tmp_path, capture_output=True, check=False)
+        assert (done.returncode, done.stderr) == (code, b"")
 
 
 def test_tcp_serves_one_client_of_this_machine_and_no_web_page(tmp_path):

@@ -87,6 +87,7 @@ def test_a_scene_without_objects_has_a_picture() -> None:
 
 @pytest.mark.parametrize("call, said", [
     (lambda: scenic_ref.loads(3), "a program is a text, not 3"),  # type: ignore[arg-type]
+    (lambda: scenic_ref.loads("examples/scene.scenic"), "examples/scene.scenic is a path, not the text of a program"),
     (lambda: scenic_ref.load(3), "a path is a text or a `pathlib.Path`, not 3"),  # type: ignore[arg-type]
     (lambda: scenario(params=3), 'params maps names to values, as in {"time": 12}, and is not 3'),
     (lambda: scenario(params={3: 4}), "params maps names to values"),
