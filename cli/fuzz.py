@@ -29,7 +29,10 @@ def fuzz(
     impl: Annotated[str, typer.Option("--impl", metavar="IMPLEMENTATION", help="scenic==3.1.1, scenic==2.1.0, or a command of the protocol.")],
     output: Annotated[str, typer.Option("-o", "--output", metavar="DIR", help="The folder of the campaign: its journal and its reports.")],
     time: Annotated[
-        str, typer.Option("--time", metavar="TIME", help="How long: in seconds, or as 90m or 2h. 0, with --resume, only writes the reports anew.")
+        str,
+        typer.Option(
+            "--time", metavar="TIME", help="How long programs are begun: in seconds, or as 90m or 2h. 0, with --resume, only writes the reports anew."
+        ),
     ] = "10m",
     seed: Annotated[int, typer.Option("--seed", metavar="SEED", help="The seed of the programs and of all that is drawn.")] = 0,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with the campaign of that folder.")] = False,
@@ -85,6 +88,7 @@ def fuzz(
     readings = {id: alternative for id, alternative in readings.items() if alternative != paper[id]}
     settings = CampaignSettings(impl, seed, alpha, detect_tv, steps, budget, answer, shrinking, readings)
     journal = Journal(folder / JOURNAL, settings, name, resume=resume)
+    context.obj.finished = f"{output} holds what was found; --resume goes on"
     try:
         with watched(journal.examined, seconds) as tell:
             campaign(settings, journal, seconds, workers, tell)
@@ -92,7 +96,6 @@ def fuzz(
         causes = causes_of(journal.examined)
         findings = findings_of(causes, kept)
         write_reports(folder, name, settings, journal.examined, causes, findings)
-        context.obj.finished = f"{output} holds what was found; --resume goes on"
     show(findings, journal.examined, folder)
     raise typer.Exit(1 if any(found.verdict == "differ" for found in journal.examined) else 0)
 
@@ -119,7 +122,7 @@ def watched(examined: Sequence[FuzzedProgram], seconds: float) -> Iterator[Calla
     from .session import tell as told
 
     def line(found: FuzzedProgram) -> None:
-        if found.minimal and found.confirmed:
+        if found.confirmed:
             told(f"program {found.number}: {found.kind}, {found.words}")
 
     if not sys.stderr.isatty():
@@ -134,7 +137,7 @@ def watched(examined: Sequence[FuzzedProgram], seconds: float) -> Iterator[Calla
 
         def moved(found: FuzzedProgram) -> None:
             bar.update(task, completed=min(bar.get_time() - began, seconds), said=counted(examined))
-            if found.minimal and found.confirmed:
+            if found.confirmed:
                 bar.console.print(f"program {found.number}: {found.kind}, {found.words}", markup=False, highlight=False)
 
         yield moved
@@ -156,4 +159,6 @@ def show(findings: Sequence[JudgedFinding], examined: Sequence[FuzzedProgram], f
         reading = f", agrees under {found.reading}" if found.reading else ""
         print(f"\n{number}. {escaped(found.kind)}: {escaped(found.words)} ({programs}, {found.class_}{reading})")
         print("\n".join(f"    {escaped(line)}" for line in found.program.splitlines()))
-    print(f"\n{counted(examined)}; {len(findings)} causes. {folder / PAGE} shows them.")
+    alike = sum(found.verdict == "differ" for found in examined) - sum(found.programs for found in findings)
+    rest = f", and {alike:,} more that differ are alike or were not shown again by fresh scenes" if alike and findings else ""
+    print(f"\n{counted(examined)}; {len(findings)} cause{'' if len(findings) == 1 else 's'}{rest}. {folder / PAGE} shows them.")

@@ -106,6 +106,7 @@ def looked(
     if found.verdict != "differ" or not settings.explained:
         return found
     deadline = time.monotonic() + settings.seconds
+    grow(FIRST_LOOK)  # one answer shows a difference, and says little of where there is none
     return replace(found, reading=agreed(program, other, lambda here: beside(here, alpha), deadline))
 
 

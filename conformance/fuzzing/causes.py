@@ -35,7 +35,7 @@ def causes_of(findings: Iterable[FuzzedProgram]) -> list[Cause]:
 
     Two findings have one cause if they differ in the same words, and the rules and properties of one are among those of the other.
     """
-    made_small = sorted((f for f in findings if f.minimal and f.confirmed), key=lambda f: (len(f.rules), measure(f.minimal)))
+    made_small = sorted((f for f in findings if f.confirmed), key=lambda f: (len(f.rules), measure(f.minimal)))
     causes: list[Cause] = []
     for finding in made_small:
         same = next((cause for cause in causes if is_among(cause.smallest, finding)), None)
@@ -54,5 +54,5 @@ def is_among(small: FuzzedProgram, large: FuzzedProgram) -> bool:
 
 def seen_often(examined: Iterable[FuzzedProgram]) -> frozenset[tuple[str, str]]:
     """The ways to differ of which enough programs were made small."""
-    counts = Counter((e.kind, e.words) for e in examined if e.minimal)
+    counts = Counter((e.kind, e.words) for e in examined if e.minimal or e.confirmed)
     return frozenset(way for way, count in counts.items() if count >= OFTEN)

@@ -13,7 +13,7 @@ from ...semantics.kernel.errors import AttemptsExhausted, ProgramError
 from ...semantics.rules import RULES, SILENT
 from ...testing.judging import enumerated
 from ..looking import loaded
-from .causes import Cause
+from .causes import ENDED, Cause
 from .examining import ATTEMPTS, FUEL, OUR_FAULT, CampaignSettings
 
 PLACE = re.compile(r"objects\[(\d+)\]\.(?:properties\.)?(.+)")
@@ -24,7 +24,7 @@ TOLERANCE = 1e-9
 def draft_of(cause: Cause, name: str, settings: CampaignSettings) -> str | None:
     """A file of one vector, in which what is expected is ours and no derivation stands yet; None where no matcher says what differs."""
     text = cause.smallest.minimal
-    if cause.smallest.kind in ("acceptance", OUR_FAULT):
+    if cause.smallest.kind in ("acceptance", OUR_FAULT, *ENDED):
         return None
     matcher = error_in(text, settings.readings) or what_is_constant(text, settings.readings)
     if matcher is None or "'''" in text:
@@ -47,6 +47,8 @@ program = '''
 
 def passage_of(cause: Cause) -> str:
     """Where the paper says what the finding is about: the places of its rules."""
+    if cause.smallest.kind in ENDED:
+        return "none: no program may end the process"
     places = dict.fromkeys(RULES[id].place for id in cause.smallest.rules)
     return "; ".join(place for place in places if place != SILENT) or SILENT
 

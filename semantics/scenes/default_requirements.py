@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..kernel.config import State
 from ..kernel.errors import RunError
@@ -12,10 +12,11 @@ from ..kernel.outcome import Requirement
 from ..kernel.values import Instance, plain
 from ..space import geometry
 from ..space.crowds import crowd_meets
-from ..space.numeric import cosine, met, negation, sine
+from ..space.numeric import cosine, every, met, negation, number, sine
 from ..space.regions import Region, everywhere
+from ..space.symbols import Symbol
 from ..syntax.nodes import NOWHERE
-from .neighbours import crowd_of, pairs_that_may_meet
+from .neighbours import MANY, crowd_of, pairs_that_may_meet
 from .operators import can_see_object, object_is_in
 
 
@@ -45,8 +46,8 @@ def check_default_requirements(premises: tuple[Premise, ...], index: int, state:
 def default_requirements(state: State, since: int = 0) -> Iterator[Premise]:
     """The premises of the rule, in its order: containment of all, collisions of all pairs, visibility of all.
 
-    Which ones there are depends on properties that are constants of the program in all but odd cases. Those about objects before number
-    `since` alone are left out; those about visibility wait until there is an ego, and are then about all objects (reading `compose-only`).
+    One that a property of its objects turns off is left out; on symbols, the property is a part of it. Those about objects before number `since`
+    alone are left out; those about visibility wait until there is an ego, and are then about all objects (reading `compose-only`).
     """
     reader = Reader(state)
     ego = reader.plain(state.ego)
@@ -59,13 +60,22 @@ def default_requirements(state: State, since: int = 0) -> Iterator[Premise]:
         if reader.property(o, "regionContainedIn") is not None:
             text = f"{names[o.number]} is contained in its regionContainedIn"
             yield Premise(in_region_of_its_own, (o,), Requirement("containment", o.span, text))
-    solid = [o for o in state.scene if not reader.property(o, "allowCollisions")]
+    solid = [o for o in state.scene if may_be(False, reader.property(o, "allowCollisions"))]
+    if len(solid) > MANY:
+        solid = [o for o in solid if not reader.property(o, "allowCollisions")]
     yield from collisions(solid, {o.number for o in new}, names, state)
     if isinstance(ego, Instance):
         seen = state.scene if state.simulation is not None and state.simulation.egoless else new
         for o in seen:
-            if reader.property(o, "requireVisible"):
-                yield Premise(visible, (o, ego), Requirement("visibility", o.span, f"{names[o.number]} is visible from ego"))
+            required = reader.property(o, "requireVisible")
+            if may_be(True, required):
+                holds = visible_if_required if isinstance(required, Symbol) else visible
+                yield Premise(holds, (o, ego), Requirement("visibility", o.span, f"{names[o.number]} is visible from ego"))
+
+
+def may_be(expected: bool, truth: object) -> bool:
+    """Whether a truth value may be the expected one, as a symbol may."""
+    return isinstance(truth, Symbol) or bool(truth) is expected
 
 
 def collisions(solid: Sequence[Instance], made: set[int], names: Mapping[int, str], state: State) -> Iterator[Premise]:
@@ -79,7 +89,8 @@ def collisions(solid: Sequence[Instance], made: set[int], names: Mapping[int, st
         first, second = solid[i], solid[j]
         if second.number in made:
             text = f"{names[first.number]} and {names[second.number]} do not intersect"
-            yield Premise(apart, (first, second), Requirement("collision", second.span, text))
+            holds = apart_unless_allowed if any(isinstance(allowed(state, o), Symbol) for o in (first, second)) else apart
+            yield Premise(holds, (first, second), Requirement("collision", second.span, text))
     if near is not None:
         yield Premise(all_apart, tuple(solid), Requirement("collision", solid[-1].span, f"no two of the {len(solid)} objects intersect"))
 
@@ -105,6 +116,16 @@ def apart(state: State, first: Instance, second: Instance) -> bool:
     ))  # fmt: skip
 
 
+def allowed(state: State, o: Instance) -> Any:
+    """O(o.allowCollisions)."""
+    return Reader(state).property(o, "allowCollisions")
+
+
+def apart_unless_allowed(state: State, first: Instance, second: Instance) -> bool:
+    """o_i.allowCollisions ∨ o_j.allowCollisions ∨ boundingBox(o_i) ∩ boundingBox(o_j) = ∅, where the properties are symbols."""
+    return negation(every([number(allowed(state, first)) == 0, number(allowed(state, second)) == 0, negation(apart(state, first, second))]))
+
+
 def all_apart(state: State, *objects: Instance) -> bool:
     """boundingBox(o_i) ∩ boundingBox(o_j) = ∅ for all pairs."""
     crowd = crowd_of(objects, state)
@@ -116,6 +137,11 @@ def visible(state: State, o: Instance, ego: Instance) -> bool:
     """⟨ego can see o⟩ → True."""
     reader = Reader(state)
     return can_see_object(View(ego, reader), View(o, reader))
+
+
+def visible_if_required(state: State, o: Instance, ego: Instance) -> bool:
+    """¬o_i.requireVisible ∨ ⟨ego can see o_i⟩ → True, where the property is a symbol."""
+    return negation(every([number(Reader(state).property(o, "requireVisible")) != 0, negation(visible(state, o, ego))]))
 
 
 def workspace_of(state: State) -> Region:

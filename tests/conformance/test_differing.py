@@ -144,6 +144,14 @@ def test_the_reading_under_which_they_agree_is_named(ask: Asking, id: str, alter
 
 
 @pytest.mark.slow
+def test_a_reading_that_explains_the_first_scene_alone_is_not_named(ask: Asking) -> None:
+    changed = 'scene["objects"][0]["width"] = 1 + (scene["scene"] > 3)'
+    other = ask.other(task="replace(task, readings={'object-order': 'ego-first'})", scene=changed)
+    code, verdict = ask("Object at 5 @ 5\nego = Object at 1 @ 1\n", other)
+    assert code == 1 and verdict["reading"] is None, verdict
+
+
+@pytest.mark.slow
 def test_errors_here_and_there(ask: Asking) -> None:
     wrong = "ego = Object at 1 @ 1, at 2 @ 2\n"
     code, verdict = ask(wrong, ask.other())

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import InitVar, dataclass, field
-from functools import lru_cache
+from functools import lru_cache, reduce
 
 import numpy as np
 from shapely.geometry import LineString, Point, Polygon
@@ -16,7 +16,7 @@ from shapely.geometry.base import BaseGeometry
 from .. import geometry
 from ..boundaries import METRES, RADIANS
 from ..geometry import TAU
-from ..numeric import every, larger, smaller, square_root
+from ..numeric import either, every, larger, negation, smaller, square_root
 from ..vectors import Vector
 from . import intervals
 from .approximation import Approximation, Bounds, box_shape
@@ -82,6 +82,15 @@ class CircularRegion(Region):
         return _point_of_sector(self, self.center, self.radius, 0.0, TAU, uniform)
 
 
+def past_right_side(a: float, b: float, c: float, d: float) -> float:
+    """How far past the right side of a gap an edge gets where it is not right of the left one, 0 if it does not.
+
+    Its ends are a and b past the left side, c and d past the right one; metres.
+    """
+    first = either(a >= 0, lambda: c, lambda: 0.0)
+    return larger(first, either(a * b < 0, lambda: c + (d - c) * a / (a - b), lambda: 0.0))
+
+
 @dataclass(frozen=True)
 class SectorRegion(Region):
     """Sector(center, radius, heading, angle): the part of a disc within angle/2 of `heading`; an angle ≥ 2π is the disc.
@@ -112,7 +121,7 @@ class SectorRegion(Region):
         inside = every(map(self.contains_point, corners))
         if inside is False or self.angle <= math.pi or self.angle >= TAU - RADIANS:
             return inside
-        return inside & (not self._gap_meets(corners))
+        return inside & negation(self._gap_meets(corners))
 
     def _gap_meets(self, corners: tuple[Vector, ...]) -> bool:
         """Whether the convex polygon meets the open wedge that the sector leaves out (narrower than π) by more than its boundary.
@@ -124,12 +133,10 @@ class SectorRegion(Region):
         offsets = [corner - self.center for corner in corners]
         past_left = [left.x * v.y - left.y * v.x for v in offsets]
         past_right = [v.x * right.y - v.y * right.x for v in offsets]
-        furthest = max((b for a, b in zip(past_left, past_right, strict=True) if a >= 0), default=0.0)
+        furthest = 0.0
         for i in range(len(offsets)):
-            a, b, c, d = past_left[i - 1], past_left[i], past_right[i - 1], past_right[i]
-            if a * b < 0:
-                furthest = max(furthest, c + (d - c) * a / (a - b))
-        return max(past_left) > METRES and furthest > METRES
+            furthest = larger(furthest, past_right_side(past_left[i - 1], past_left[i], past_right[i - 1], past_right[i]))
+        return every([reduce(larger, past_left) > METRES, furthest > METRES])
 
     def meets_box(self, position: Vector, heading: float, width: float, length: float) -> bool:
         return geometry.sector_meets_box(self.center, self.radius, self.heading, self.angle, position, heading, width, length)
