@@ -61,7 +61,7 @@ def default_containers(state: State) -> Iterator[Contained]:
 def default_distances(state: State) -> Iterator[Near]:
     """An object that ego must see is no farther than ego sees, and half the diagonal of its own box."""
     for premise in default_requirements(state):
-        if premise.holds is not visible:
+        if premise.holds is not visible or property_of(state, premise.objects[0], "requireVisible") is not True:
             continue
         o, ego = premise.objects
         viewer, seen = position_of(state, ego), position_of(state, o)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ..kernel.config import State
 from ..kernel.errors import RunError
@@ -12,9 +12,8 @@ from ..kernel.outcome import Requirement
 from ..kernel.values import Instance, plain
 from ..space import geometry
 from ..space.crowds import crowd_meets
-from ..space.numeric import cosine, every, met, negation, number, sine
+from ..space.numeric import cosine, every, may_be, met, negation, number, sine
 from ..space.regions import Region, everywhere
-from ..space.symbols import Symbol
 from ..syntax.nodes import NOWHERE
 from .neighbours import MANY, crowd_of, pairs_that_may_meet
 from .operators import can_see_object, object_is_in
@@ -67,15 +66,8 @@ def default_requirements(state: State, since: int = 0) -> Iterator[Premise]:
     if isinstance(ego, Instance):
         seen = state.scene if state.simulation is not None and state.simulation.egoless else new
         for o in seen:
-            required = reader.property(o, "requireVisible")
-            if may_be(True, required):
-                holds = visible_if_required if isinstance(required, Symbol) else visible
-                yield Premise(holds, (o, ego), Requirement("visibility", o.span, f"{names[o.number]} is visible from ego"))
-
-
-def may_be(expected: bool, truth: object) -> bool:
-    """Whether a truth value may be the expected one, as a symbol may."""
-    return isinstance(truth, Symbol) or bool(truth) is expected
+            if may_be(True, reader.property(o, "requireVisible")):
+                yield Premise(visible, (o, ego), Requirement("visibility", o.span, f"{names[o.number]} is visible from ego"))
 
 
 def collisions(solid: Sequence[Instance], made: set[int], names: Mapping[int, str], state: State) -> Iterator[Premise]:
@@ -89,8 +81,7 @@ def collisions(solid: Sequence[Instance], made: set[int], names: Mapping[int, st
         first, second = solid[i], solid[j]
         if second.number in made:
             text = f"{names[first.number]} and {names[second.number]} do not intersect"
-            holds = apart_unless_allowed if any(isinstance(allowed(state, o), Symbol) for o in (first, second)) else apart
-            yield Premise(holds, (first, second), Requirement("collision", second.span, text))
+            yield Premise(apart, (first, second), Requirement("collision", second.span, text))
     if near is not None:
         yield Premise(all_apart, tuple(solid), Requirement("collision", solid[-1].span, f"no two of the {len(solid)} objects intersect"))
 
@@ -107,23 +98,14 @@ def in_region_of_its_own(state: State, o: Instance) -> bool:
 
 
 def apart(state: State, first: Instance, second: Instance) -> bool:
-    """boundingBox(o_i) ∩ boundingBox(o_j) = ∅ (reading `touching`)."""
+    """o_i.allowCollisions ∨ o_j.allowCollisions ∨ boundingBox(o_i) ∩ boundingBox(o_j) = ∅ (reading `touching`)."""
     reader = Reader(state)
     one, other = View(first, reader), View(second, reader)
-    return negation(geometry.boxes_intersect(
+    intersect = geometry.boxes_intersect(
         one.position, one.heading, one.width, one.length, other.position, other.heading, other.width, other.length,
         closed=state.reading("touching") == "collide",
-    ))  # fmt: skip
-
-
-def allowed(state: State, o: Instance) -> Any:
-    """O(o.allowCollisions)."""
-    return Reader(state).property(o, "allowCollisions")
-
-
-def apart_unless_allowed(state: State, first: Instance, second: Instance) -> bool:
-    """o_i.allowCollisions ∨ o_j.allowCollisions ∨ boundingBox(o_i) ∩ boundingBox(o_j) = ∅, where the properties are symbols."""
-    return negation(every([number(allowed(state, first)) == 0, number(allowed(state, second)) == 0, negation(apart(state, first, second))]))
+    )  # fmt: skip
+    return negation(every([*(number(reader.property(o, "allowCollisions")) == 0 for o in (first, second)), intersect]))
 
 
 def all_apart(state: State, *objects: Instance) -> bool:
@@ -134,14 +116,10 @@ def all_apart(state: State, *objects: Instance) -> bool:
 
 
 def visible(state: State, o: Instance, ego: Instance) -> bool:
-    """⟨ego can see o⟩ → True."""
+    """¬o_i.requireVisible ∨ ⟨ego can see o_i⟩ → True."""
     reader = Reader(state)
-    return can_see_object(View(ego, reader), View(o, reader))
-
-
-def visible_if_required(state: State, o: Instance, ego: Instance) -> bool:
-    """¬o_i.requireVisible ∨ ⟨ego can see o_i⟩ → True, where the property is a symbol."""
-    return negation(every([number(Reader(state).property(o, "requireVisible")) != 0, negation(visible(state, o, ego))]))
+    required, seen = reader.property(o, "requireVisible"), can_see_object(View(ego, reader), View(o, reader))
+    return seen if required is True else negation(every([number(required) != 0, negation(seen)]))
 
 
 def workspace_of(state: State) -> Region:

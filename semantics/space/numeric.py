@@ -108,6 +108,11 @@ def is_truth(value: object) -> bool:
         return False
 
 
+def may_be(expected: bool, truth: object) -> bool:
+    """Whether a truth value is the expected one; a symbol may be, in some scenes."""
+    return isinstance(truth, Symbol) or bool(truth) is expected
+
+
 def met(condition: Any, requirement: object) -> bool:
     """Whether the condition of a requirement holds; on symbols, this very truth value decides about the requirement."""
     return condition.met(requirement) if isinstance(condition, Symbol) else bool(condition)
