@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
@@ -15,6 +16,7 @@ from ..semantics.readings import READINGS, select
 from .explaining import fewest
 from .external import External
 from .implementation import Refused, Task
+from .process import ImplementationFault
 
 Kind = Literal["agree", "differ", "inconclusive", "skipped"]
 FIRST_LOOK, GROWTH = 100, 3
@@ -106,7 +108,8 @@ def looked(
     if found.verdict != "differ" or not settings.explained:
         return found
     deadline = time.monotonic() + settings.seconds
-    grow(FIRST_LOOK)  # one answer shows a difference, and says little of where there is none
+    with suppress(ImplementationFault):  # what was found stays found
+        grow(FIRST_LOOK)  # one answer shows a difference, and says little of where there is none
     return replace(found, reading=agreed(program, other, lambda here: beside(here, alpha), deadline))
 
 

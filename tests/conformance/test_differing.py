@@ -152,6 +152,13 @@ def test_a_reading_that_explains_the_first_scene_alone_is_not_named(ask: Asking)
 
 
 @pytest.mark.slow
+def test_a_difference_stays_one_though_the_other_ends_while_a_reading_is_sought(ask: Asking) -> None:
+    changed = 'scene["objects"][0]["position"][1] = 1 if scene["scene"] < 3 else __import__("os")._exit(3)'
+    code, verdict = ask(COIN, ask.other(scene=changed))
+    assert code == 1 and verdict["kind"] == "support" and "but 1 in sample 1" in str(verdict["detail"]), verdict
+
+
+@pytest.mark.slow
 def test_errors_here_and_there(ask: Asking) -> None:
     wrong = "ego = Object at 1 @ 1, at 2 @ 2\n"
     code, verdict = ask(wrong, ask.other())
