@@ -106,6 +106,8 @@ def test_orientation_is_found_from_a_hard_requirement_a_distance_and_two_aligned
 def test_the_distance_may_come_from_visibility():
     near = EGO.replace("viewDistance 200", "viewDistance 20")
     assert finding(pruning(near + ALIGNED + OPPOSITE), "ego", "orientation").reason.startswith("nothing to remove: M 22.2 m")
+    drawn = ALIGNED.strip() + ", with requireVisible Uniform(True, False)\n"
+    assert reason(near + drawn + OPPOSITE, "orientation").startswith("nothing to remove: M 196 m"), "the map alone bounds it"
 
 
 def test_a_soft_requirement_orients_nothing():
