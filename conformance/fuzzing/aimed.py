@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -10,6 +11,8 @@ from ...interpreter.streams import fold, mix
 
 RELEASED = ("not visible", "terminate after", "distance past (")
 """What the paper's syntax does not have."""
+FREE = "with requireVisible False, with allowCollisions True"
+"""For objects about which nothing is required: few runs are rejected, and much is seen of where they are."""
 
 
 class AimedWriter:
@@ -58,9 +61,17 @@ class AimedWriter:
             f"CircularRegion({c}, {self.constant(3, 8)})",
             f"RectangularRegion({c}, {self.constant(-90, 90)} deg, {self.constant(3, 9)}, {self.constant(3, 9)})",
             f"SectorRegion({c}, {self.constant(3, 9)}, {self.constant(-180, 180)} deg, {self.constant(20, 340)} deg)",
-            "PolygonalRegion([(-6, -6), (6, -6), (6, 0), (0, 0), (0, 6), (-6, 6)])", "PolylineRegion([(-6, 0), (0, 3), (6, 0)])",
+            "PolygonalRegion([(-6, -6), (6, -6), (6, 0), (0, 0), (0, 6), (-6, 6)])", f"PolygonalRegion({self.star()})",
+            "PolylineRegion([(-6, 0), (0, 3), (6, 0)])",
             "PointSetRegion('p', [(0, 0), (3, 4), (-2, 5)])",
         )  # fmt: skip
+
+    def star(self) -> str:
+        """The corners of a polygon that is seen whole from a point within: three to seven of them, at random distances."""
+        turns = np.arange(count := int(self.random.integers(3, 8))) * math.tau / count
+        reach = self.random.uniform(2, 8, count)
+        corners = np.round(self.random.uniform(-2, 2, 2) + reach[:, None] * np.stack([np.cos(turns), np.sin(turns)], axis=1), 1)
+        return "[" + ", ".join(f"({x}, {y})" for x, y in corners.tolist()) + "]"
 
     def field(self) -> str:
         """A vector field, as a name that is defined before."""
@@ -136,20 +147,21 @@ class AimedWriter:
     def defaults(self) -> list[str]:
         """Default values of classes, with every specifier."""
         lines = [*self.fields(), "class A:"]
+        foo = [f"foo: {self.number(0, 5)}", "bar: self.width * 2"]
         values = [
-            f"foo: {self.number(0, 5)}", f"width: {self.number(0.5, 2)}", "bar: self.width * 2", f"position: {self.place()}",
-            f"heading: {self.angle()}",
-            "heading: F at self.position", "length: self.foo + 1", "requireVisible: Uniform(True, False)", f"viewAngle: {self.number(90, 360)} deg",
-            "mutationScale: 1", "baz: (self.foo, self.bar)", "allowCollisions: True",
+            f"width: {self.number(0.5, 2)}", f"position: {self.place()}", f"heading: {self.pick(self.angle(), 'F at self.position')}",
+            "length: self.foo + 1", "requireVisible: Uniform(True, False)", f"viewAngle: {self.number(90, 360)} deg", "mutationScale: 1",
+            "baz: (self.foo, self.bar)", "allowCollisions: True",
         ]  # fmt: skip
-        chosen = sorted(self.random.choice(len(values), size=3, replace=False).tolist())
-        lines += [f"    {values[k]}" for k in chosen]
-        lines += [f"    {self.pick('foo: 1', 'bar: 3', 'foo: 2')}"] if self.chance(0.3) else []
+        chosen = sorted(self.random.choice(len(values), size=2, replace=False).tolist())
+        lines += [f"    {line}" for line in (foo if self.chance(0.9) else [])] + [f"    {values[k]}" for k in chosen]
+        lines += [f"    {self.pick('foo: 1', 'bar: 3', 'foo: 2')}"] if self.chance(0.1) else []
         if self.chance(0.5):
-            lines += ["class B(A):", f"    {self.pick(*values)}"]
+            lines += ["class B(A):", f"    {self.pick(*foo, *values)}"]
         head = "B" if "class B(A):" in lines else "A"
         lines.append(f"ego = {head} {self.specifier(ego=False)}")
-        lines.append(f"o = {self.pick(head, 'Object')} {self.specifier()}, with allowCollisions True")
+        lines.append(f"o = {self.pick(head, 'Object')} {self.specifier()}, {self.pick(FREE, 'with allowCollisions True')}")
+        lines += [f"p = A at {self.place()}, {FREE}"] if self.chance(0.7) else []
         return lines
 
     def specifier(self, *, ego: bool = True) -> str:
@@ -163,9 +175,12 @@ class AimedWriter:
             f"offset by {v}", f"offset along {self.angle()} by {v}", f"beyond {v} by {self.place(3)}",
             f"beyond {v} by {self.place(3)} from {self.place()}",
             "visible", f"visible from ({self.pick('Point', 'OrientedPoint')} at {v})", f"left of ego by {s}", f"ahead of ego by {s}", "right of ego",
-            f"behind ego by {s}", f"following F for {s}", f"following G from {v} for {s}", f"left of (front of ego) by {s}", f"beyond ego by {s}",
+            f"behind ego by {s}", f"following F for {s}", f"following G from {v} for {s}", f"left of (front of ego) by {s}",
+            f"beyond ego by {self.place(3)}",
         ]  # fmt: skip
         where = self.pick(*(free if not ego else [*free, *with_ego]))
+        if where.startswith(("left", "right", "ahead", "behind")) and "ego" not in where and self.chance(0.8):
+            return where + self.pick("", f", facing {self.angle()}")  # what needs the position would make a circle
         turned = [
             "", "", f", facing {self.angle()}", ", facing F", f", facing toward {v}", f", facing away from {v}",
             f", facing {self.angle()} relative to F",
@@ -192,6 +207,40 @@ class AimedWriter:
         ]  # fmt: skip
         chosen = self.random.choice(len(options), size=2, replace=False)
         lines += [f"param q{n} = {options[int(k)]}" for n, k in enumerate(chosen)]
+        return lines
+
+    def specifiers(self) -> list[str]:
+        """Some objects, each placed by a specifier, perhaps beside the one before."""
+        lines = [*self.fields(), f"ego = Object at {self.place(3)}, facing {self.angle()}"]
+        lines += [f"o = Object {self.specifier()}, {FREE}" for _ in range(int(self.random.integers(2, 5)))]
+        side = self.pick("left of", "right of", "ahead of", "behind")
+        lines += [f"p = Object {side} o by {self.number(0.5, 4)}, {FREE}"] if self.chance(0.3) else []
+        return lines
+
+    def regions(self) -> list[str]:
+        """Points in regions of every kind, with an orientation or without, and what is in them."""
+        polygon = f"PolygonalRegion({self.star()}{self.pick('', ', orientation=F', ', orientation=G')})"
+        lines = [*self.fields(), f"R = {polygon}", f"ego = Object {self.pick('in', 'on')} {self.pick('R', self.region())}, {FREE}"]
+        where = self.pick("R", "R", self.region())
+        lines += [f"o = Object {self.pick('in', 'on')} {where}{self.pick('', ', facing F', f', facing {self.angle()}')}, {FREE}"]
+        point = f"p = Point in {self.region()}\nparam p = p.position"
+        lines.append(self.pick("pass", f"param inside = {self.place()} in R", f"require o in {self.region()}", point))
+        return lines
+
+    def functions(self) -> list[str]:
+        """Functions: a default is drawn once, a body at every call; arguments of every kind."""
+        drawn = self.number(0, 5)
+        lines = [self.pick(
+            f"def f(a={drawn}):\n    return a", f"def f(a={drawn}, b={self.number(0, 2)}):\n    return a + b", f"f = lambda a={drawn}: a * 2",
+            f"def f(a={drawn}):\n    return a + {self.number(0, 1)}", f"def f(*rest, a={drawn}):\n    return a + len(rest)",
+            f"def outer(n={drawn}):\n    def inner(a=n):\n        return a\n    return inner\nf = outer()",
+            f"def f(a={drawn}, **rest):\n    return a",
+        )]  # fmt: skip
+        calls = [self.pick("f()", "f()", f"f(a={self.number(0, 5)})", "f() + f()") for _ in range(3)]
+        if self.chance(0.3):
+            lines += ["class A:", f"    foo: {calls[0]}", f"ego = A at (f(), 0), {FREE}", f"o = A at (9, {calls[1]}), {FREE}"]
+        else:
+            lines += [f"ego = Object at ({calls[0]}, {calls[1]})", f"param x = {calls[2]}, y = f()"]
         return lines
 
     def soft(self) -> list[str]:
@@ -247,19 +296,28 @@ class AimedWriter:
     def themes(self) -> Sequence[Callable[[], list[str]]]:
         """What a program can be about."""
         return (
-            self.visibility, self.pruning, self.tails, self.mutation, self.defaults, self.operators, self.operators, self.soft, self.drawn,
-            self.dynamics,
+            self.visibility, self.pruning, self.tails, self.mutation, self.defaults, self.specifiers, self.specifiers, self.regions,
+            self.functions, self.operators, self.operators, self.soft, self.drawn, self.dynamics,
         )  # fmt: skip
 
-    def program(self) -> str:
-        """A whole program."""
-        themes = self.themes
-        text = "\n".join(themes[int(self.random.integers(len(themes)))]()) + "\n"
+    def program(self, theme: int) -> str:
+        """A whole program, about that one of the themes."""
+        text = "\n".join(self.themes[theme]()) + "\n"
         if not any(words in text for words in RELEASED):
             return text
         return "# dialect: scenic-2.1\n" + text.replace("simulation.", "simulation().")  # where the clock is called
 
 
 def aimed_program(seed: int, number: int) -> str:
-    """Program `number` of `seed`: its text, in the paper's syntax or in that of Scenic 2.1."""
-    return AimedWriter(np.random.default_rng([fold(seed), mix(number)])).program()
+    """Aimed program `number` of `seed`: its text, in the paper's syntax or in that of Scenic 2.1.
+
+    As many of them, one after the other, as there are themes are about each once.
+    """
+    writer = AimedWriter(np.random.default_rng([fold(seed), mix(number)]))
+    return writer.program(in_turn(seed, number, len(writer.themes)))
+
+
+def in_turn(seed: int, number: int, count: int) -> int:
+    """What comes at a place when `count` things take turns, in another order each time."""
+    turn, place = divmod(number, count)
+    return int(np.random.default_rng([fold(seed), mix(turn), count]).permutation(count)[place])

@@ -11,10 +11,11 @@ from ...interpreter.streams import fold, mix
 from ..programs import ProgramSettings, SeededChoices, random_program
 from ..programs.dynamic import dynamic_program
 from ..programs.ill_formed import ill_formed
-from .aimed import aimed_program
+from .aimed import aimed_program, in_turn
 
 THEMES = {"aimed": 6, "static": 5, "dynamic": 2, "mistaken": 1}
-"""How often each kind of program is invented."""
+"""How often each kind of program is invented, in each turn of so many together: what is rare does not stay away by chance."""
+KINDS = [theme for theme, often in THEMES.items() for _ in range(often)]
 FEATURE = 0.35
 """The probability that a program may use a feature of the general generator: with few at a time, one fault does not hide another."""
 
@@ -29,10 +30,10 @@ class Invented(NamedTuple):
 def invented(seed: int, number: int) -> Invented:
     """Program `number` of a campaign's seed."""
     random = np.random.default_rng([fold(seed), mix(number), 16])
-    theme = random.choice(list(THEMES), p=np.array(list(THEMES.values())) / sum(THEMES.values()))
-    match str(theme):
+    kind = in_turn(seed, number, len(KINDS))
+    match KINDS[kind]:
         case "aimed":
-            return Invented("aimed", aimed_program(seed, number))
+            return Invented("aimed", aimed_program(seed, number // len(KINDS) * THEMES["aimed"] + kind))
         case "static":
             return Invented("static", random_program(seed, number, knobs(random)).text)
         case "dynamic":

@@ -17,14 +17,14 @@ from pathlib import Path
 from .faults import FAULTS, Fault, wrong_machine
 
 
-def first_finding(fault: Fault, limit: str, seed: int) -> tuple[float, str]:
+def first_finding(fault: Fault, limit: str, seed: int, workers: int) -> tuple[float, str]:
     """The seconds until the first finding, and what was said of it; "" if there was none."""
     with tempfile.TemporaryDirectory() as folder:
         machine = wrong_machine(fault, Path(folder))
         served = f"env PYTHONPATH={machine} {sys.executable} -P -m scenic_ref.conformance.serving"
-        command = [sys.executable, "-m", "scenic_ref", "fuzz", "--impl", served, "--time", limit, "--seed", str(seed), "--workers", "1"]
+        command = [sys.executable, "-m", "scenic_ref", "fuzz", "--impl", served, "--time", limit, "--seed", str(seed), "-o", f"{folder}/campaign"]
         began = time.monotonic()
-        with subprocess.Popen([*command, "-o", f"{folder}/campaign"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as campaign:
+        with subprocess.Popen([*command, "--workers", str(workers)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as campaign:
             told: list[str] = []
             found = next((line for line in lines(campaign, told) if line.startswith("program ")), "")
             took = time.monotonic() - began
@@ -48,13 +48,18 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.faults", description=__doc__)
     parser.add_argument("--time", default="10m", help="how long a campaign may take (default: 10m)")
     parser.add_argument("--seed", type=int, default=0, help="the seed of the campaigns (default: 0)")
-    parser.add_argument("--jobs", type=int, default=2, help="campaigns at a time, of one process each (default: 2)")
+    parser.add_argument("--workers", type=int, default=2, help="the processes of a campaign (default: 2, as of fuzz)")
+    parser.add_argument("--jobs", type=int, default=1, help="campaigns at a time (default: 1)")
     parser.add_argument("names", nargs="*", help="only these machines")
     given = parser.parse_args()
     chosen = [fault for fault in FAULTS if not given.names or fault.name in given.names]
     missed = 0
+
+    def tried(fault: Fault) -> tuple[float, str]:
+        return first_finding(fault, given.time, given.seed, given.workers)
+
     with ThreadPoolExecutor(given.jobs) as pool:
-        for fault, (took, found) in zip(chosen, pool.map(lambda fault: first_finding(fault, given.time, given.seed), chosen), strict=True):
+        for fault, (took, found) in zip(chosen, pool.map(tried, chosen), strict=True):
             missed += not found
             print(f"{fault.name}: {f'{took:.0f} s, {found}' if found else f'not found in {given.time}'}", flush=True)
     return 1 if missed else 0
