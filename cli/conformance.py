@@ -104,8 +104,8 @@ def selected(vectors: Sequence[ConformanceVector], chapter: str | None, names: l
             raise UsageError(f"there is no vector {name}", hint=nearest(name, [v.name for v in vectors]))
     found = [v for v in vectors if (not names or v.name in names) and (chapter is None or chapter.lower() in v.chapter.lower())]
     if not found:
-        titles = ", ".join(dict.fromkeys(v.chapter for v in vectors))
-        raise UsageError(f"there is no such vector in a chapter whose title contains {chapter!r}", hint=f"the chapters are {titles}")
+        titles = "".join(f"\n    {title}" for title in dict.fromkeys(v.chapter for v in vectors))
+        raise UsageError(f"there is no such vector in a chapter whose title contains {chapter!r}", hint=f"the chapters are{titles}")
     return found
 
 

@@ -110,6 +110,14 @@ def test_wrong_usage_has_exit_code_2(capfd: pytest.CaptureFixture[str], argument
     assert message in err
 
 
+def test_the_chapters_are_told_a_line_each(capfd: pytest.CaptureFixture[str]) -> None:
+    _, _, err = ask(capfd, "--chapter", "cooking")
+    titles = [line.strip() for line in err.splitlines() if line.startswith("    ")]
+    assert titles == list(dict.fromkeys(v.chapter for v in VECTORS))
+    named = [part.strip() for title in titles for part in title.split(",") if part.strip().startswith(("Table", "Figure"))]
+    assert len(named) == len(set(named)), "of the paper's tables and figures each stands in one chapter"
+
+
 def test_only_what_passed_shows_its_rules() -> None:
     vectors = [v for v in VECTORS if v.fires]
     verdicts = (PASSED, failed("x"), skipped("y"), errored("z"))
