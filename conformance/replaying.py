@@ -18,6 +18,7 @@ from ..testing.judging import MOST_RUNS
 from .external import External
 from .implementation import NeverAccepted, Refused, SimulationRecord
 from .looking import AT_ONCE, FIRST_LOOK, AskedProgram, DiffSettings, ProgramVerdict, looked, of_errors, of_verdict
+from .process import ImplementationFault
 from .recorded_world import RecordedWorld, World, wandering
 
 ENOUGH_MISSED = 10
@@ -54,7 +55,12 @@ def in_simulations(program: AskedProgram, scenario: Scenario, other: External, s
         replayed = here if asked is scenario else Replayed(asked, world, settings)
         return of_simulations(program.name, replayed, theirs, len(missed), failed, alpha)
 
-    return looked(program, scenario, other, settings, grow, beside)
+    try:
+        return looked(program, scenario, other, settings, grow, beside)
+    except ImplementationFault as fault:
+        if fault.kind != "timed out" or theirs or not here.is_none_found:
+            raise
+        return ProgramVerdict(program.name, "inconclusive", "acceptance", f"no simulation is found here; there {fault}")
 
 
 class Replayed:
@@ -83,6 +89,16 @@ class Replayed:
         if not self.runs:
             raise self.missed[0]
         return self.runs[:count]
+
+    @property
+    def is_none_found(self) -> bool:
+        """Whether none is found in the time of this part: whoever looks for them can take long."""
+        try:
+            return not self.first(1)
+        except AttemptsExhausted:
+            return True
+        except ProgramError:
+            return False
 
     @property
     def is_impossible(self) -> bool:

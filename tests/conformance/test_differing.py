@@ -6,15 +6,17 @@ import json
 import math
 import random
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 
 import pytest
 from scenic_ref.cli import answer
 from scenic_ref.conformance import looking
+from scenic_ref.conformance.implementation import Task
+from scenic_ref.conformance.process import ImplementationFault
 from scenic_ref.conformance.recorded_world import RecordedWorld, wandering
-from scenic_ref.conformance.replaying import Replayed, all_on_one_side, of_simulations
+from scenic_ref.conformance.replaying import Replayed, all_on_one_side, in_simulations, of_simulations
 from scenic_ref.interpreter.dialects import DIALECTS
 from scenic_ref.scenario import loads
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted
@@ -314,6 +316,37 @@ def test_so_is_that_the_other_side_has_none(missed: int, verdict: str) -> None:
     """We miss more than half ourselves: that the others miss ten is no wonder, that they miss a hundred is one."""
     found = of_simulations("p", replayed(SELDOM), [], missed, None, 1e-9)
     assert (found.verdict, found.kind, found.detail) == (verdict, "acceptance", "no simulation is accepted there, and there are simulations here")
+
+
+class Silent:
+    """An implementation that does not answer when it is to simulate; its answers before are given."""
+
+    profile: Mapping[str, str] = {}
+
+    def __init__(self, before: Sequence[object], kind: str) -> None:
+        self.before, self.kind = list(before), kind
+
+    def simulations(self, *_: object, **__: object) -> list[object]:
+        before, self.before = self.before, []
+        if not before:
+            raise ImplementationFault(self.kind, "no answer within 10 s")  # type: ignore[arg-type]
+        return before
+
+
+@pytest.mark.parametrize(("text", "before", "kind", "verdict"), [
+    (NEVER, 0, "timed out", "inconclusive"), (SELDOM, 0, "timed out", None), (NEVER, 0, "crashed", None), (NEVER, 1, "timed out", None),
+])
+def test_no_answer_says_something_only_where_there_is_a_simulation(text: str, before: int, kind: str, verdict: str | None) -> None:
+    scenario = replayed(text).scenario
+    program = looking.AskedProgram("p", Task(text, "paper"), lambda _: scenario)
+    other = Silent(replayed(SELDOM).first(before) if before else [], kind)
+    settings = looking.DiffSettings(1e-9, 0.3, 0, 60.0, 2, attempts=200, explained=False)
+    if verdict is None:
+        with pytest.raises(ImplementationFault, match=kind):
+            in_simulations(program, scenario, other, settings)  # type: ignore[arg-type]
+    else:
+        found = in_simulations(program, scenario, other, settings)  # type: ignore[arg-type]
+        assert (found.verdict, found.kind) == (verdict, "acceptance") and "no answer within 10 s" in found.detail
 
 
 def test_what_is_tried_in_vain_ends_with_the_time() -> None:
