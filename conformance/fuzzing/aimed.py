@@ -136,12 +136,12 @@ class AimedWriter:
 
     def mutation(self) -> list[str]:
         """Noise, and what is required of noisy objects."""
-        lines = [f"workspace = Workspace({self.region()})"] if self.chance(0.6) else []
+        lines = [f"workspace = Workspace({self.region()})"] if self.chance(0.4) else []
         noisy = f"with positionStdDev {self.number(0.1, 1)}, with headingStdDev {self.number(1, 20)} deg"
         lines.append(f"ego = Object at {self.place(1)}, facing {self.angle()}" + (f", {noisy}" if self.chance(0.5) else ""))
         lines.append(f"o = Object at {self.place(4)}, {', '.join(self.properties(2))}")
         lines.append(self.pick("mutate", "mutate ego", "mutate o", f"mutate ego, o by {self.constant(0.2, 3)}", f"mutate by {self.constant(0.2, 3)}"))
-        lines.append(self.pick("pass", "require (distance to o) > 1", "param d = distance to o", "mutate o by 2"))
+        lines.append(self.pick("param h = o.heading, x = ego.position.x", "require (distance to o) > 1", "param d = distance to o", "mutate o by 2"))
         return lines
 
     def defaults(self) -> list[str]:

@@ -133,7 +133,7 @@ FAULTS = (
     ),
     Fault(
         "a requirement dropped",
-        (Edit("semantics/scenes/default_requirements.py", "    return negation(geometry.boxes_intersect(", "    return True or negation(geometry.boxes_intersect("),),
+        (Edit("semantics/scenes/default_requirements.py", "    return negation(every([*(number(", "    return True or negation(every([*(number("),),
         f"ego = Object at (0, 0)\nObject at (Range(-3, 3), 0){FAR}\n",
         ("collision", "collision-conditions-the-distribution"),
     ),

@@ -47,6 +47,12 @@ def test_vectors_and_check_catch_the_fault(fault, tmp_path):
 
 
 @pytest.mark.parametrize("fault", faults.FAULTS, ids=lambda fault: fault.name)
+def test_what_a_fault_replaces_stands_once(fault):
+    for file, old, _ in fault.edits:
+        assert (faults.ROOT / file).read_text().count(old) == 1, (file, old)
+
+
+@pytest.mark.parametrize("fault", faults.FAULTS, ids=lambda fault: fault.name)
 def test_the_machine_without_the_fault_is_not_accused(fault):
     scenario = scenic_ref.loads(fault.program)
     assert same_distribution(list(scenario.sample_many(SCENES, seed=77)), scenario).kind == "inconclusive"
