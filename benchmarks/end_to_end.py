@@ -16,7 +16,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..interpreter.extras import is_installed
 from ..scenario import load
@@ -36,15 +36,30 @@ import json, sys, time
 sys.path[:] = {path!r}
 from {package}.benchmarks.released_sampler import peak
 from {package}.cli import answer
-for line in sys.stdin:
+from {package}.inference.batch.evaluate.sampling import Batch
+draw, drawing = Batch.block, 0.0
+def timed(*given, **named):
+    global drawing
     begun = time.process_time()
+    try:
+        return draw(*given, **named)
+    finally:
+        drawing += time.process_time() - begun
+Batch.block = timed
+for line in sys.stdin:
+    begun, drawing = time.process_time(), 0.0
     code = answer(json.loads(line))
-    print(json.dumps([code, time.process_time() - begun, peak()]), flush=True)
+    print(json.dumps([code, time.process_time() - begun, drawing, peak()]), flush=True)
 """
 """Answers command lines, each a list on a line of its own."""
 
-Cost = Callable[[int], tuple[float, int]]
-"""The seconds of the processor that a run of so many scenes takes, and the most memory of its process so far, in bytes."""
+
+class Cost(NamedTuple):
+    """The seconds of the processor that a run takes, those of them in which blocks are drawn, and the most memory of its process so far, in bytes."""
+
+    seconds: float
+    drawing: float
+    memory: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +110,7 @@ class Commands:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         end(self.running, self.errors)
 
-    def cost(self, count: int) -> tuple[float, int]:
+    def cost(self, count: int) -> Cost:
         """What a run of so many scenes takes. Raises `Skipped`."""
         task = self.task
         words = ["run", task.program, "-n", str(count), "--seed", str(task.seed), "-o", str(self.path), *(["--trust"] if task.trust else [])]
@@ -106,30 +121,30 @@ class Commands:
             print(json.dumps(words), file=self.running.stdin, flush=True)
         line = self.running.stdout.readline()
         self.path.unlink(missing_ok=True)
-        code, seconds, memory = json.loads(line) if line else (self.running.wait(), 0.0, 0)
+        code, seconds, drawing, memory = json.loads(line) if line else (self.running.wait(), 0.0, 0.0, 0)
         if code or not line:
             self.errors.seek(0)
             said = [text.strip() for text in self.errors if text.strip()]
             raise Skipped(said[0][:300] if said else f"the command ended with {code}")
-        return seconds, memory
+        return Cost(seconds, drawing, memory)
 
 
 class TimedCommand:
     """Runs for n scenes, after one that compiles; n grows until they take long enough."""
 
-    def __init__(self, cost: Cost, compiled: Callable[[], int] = lambda: FIRST) -> None:
+    def __init__(self, cost: Callable[[int], Cost], compiled: Callable[[], int] = lambda: FIRST) -> None:
         self.cost = cost
         self.count = FIRST
         self.growing = True
-        self.start, _ = cost(compiled())
+        self.start = cost(compiled()).seconds
 
     def sample(self, seconds: float) -> dict[str, Any]:
         """What n scenes took, at least `seconds` seconds if there is an end to it."""
         while True:
-            took, memory = self.cost(self.count)
-            if took >= seconds or self.count >= LARGEST or not self.growing:
+            took = self.cost(self.count)
+            if took.seconds >= seconds or self.count >= LARGEST or not self.growing:
                 self.growing = False
-                return {"scenes": self.count, "seconds": took, "start": self.start, "peak": memory}
+                return {"scenes": self.count, "seconds": took.seconds, "drawing": took.drawing, "start": self.start, "peak": took.memory}
             self.count *= GROWTH
 
 

@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import Any
 
 SCHEMA = "scenic-ref/bench/1"
-KEPT = ("scenes", "attempts", "seconds")
+KEPT = ("scenes", "attempts", "seconds", "drawing")
+TIMES = ("seconds", "drawing")
 """What is written of each sample."""
 PACKAGES = ("numpy", "scipy", "shapely", "numba", "llvmlite", "torch")
 
@@ -72,7 +73,7 @@ class Cell:
                 "attempts per scene": rounded(self.attempts), "prepare seconds": rounded(self.prepare),
                 "prepare parts": {name: rounded(value) for name, value in self.ready.get("parts", {}).items()},
                 "peak MiB": rounded(self.peak), "scenes per block": self.samples[-1].get("block", 1),
-                "samples": [{**s, "seconds": rounded(s["seconds"])} for s in ({k: s[k] for k in KEPT if k in s} for s in self.samples)],
+                "samples": [{k: rounded(s[k]) if k in TIMES else s[k] for k in KEPT if k in s} for s in self.samples],
             }
             if "numbers" in self.ready:
                 found["numbers per scene"] = self.ready["numbers"]
@@ -81,7 +82,7 @@ class Cell:
 
 @dataclass(frozen=True, slots=True)
 class WritingCost:
-    """The seconds of the processor for drawing a scene and for writing it, and the numbers that it has in a table."""
+    """The seconds of the processor for drawing a scene and for all else of the same runs, and the numbers that it has in a table."""
 
     drawing: float
     writing: float
@@ -89,7 +90,7 @@ class WritingCost:
 
     @property
     def share(self) -> float:
-        """WritingCost by drawing."""
+        """Writing by drawing."""
         return self.writing / self.drawing
 
     @property
@@ -132,12 +133,12 @@ class Figures:
         return cell.rate / other.rate
 
     def writing(self, cell: Cell) -> WritingCost | None:
-        """What writing costs, of a command that writes a file; None for what only draws."""
-        other = self.cell(cell.program, self.standard)
-        if "numbers" not in cell.ready or cell.rate is None or other is None or other.rate is None:
+        """What a command that writes a file takes beside drawing; None for what only draws, and where the interpreter draws."""
+        if not any(sample.get("drawing") for sample in cell.samples):
             return None
-        drawing = 1 / other.rate
-        return WritingCost(drawing, 1 / cell.rate - drawing, cell.ready["numbers"])
+        drawing = statistics.median(sample["drawing"] / sample["scenes"] for sample in cell.samples)
+        writing = statistics.median((sample["seconds"] - sample["drawing"]) / sample["scenes"] for sample in cell.samples)
+        return WritingCost(drawing, writing, cell.ready["numbers"])
 
     def means(self) -> dict[str, tuple[float, int]]:
         """The geometric mean of an implementation's ratios, and over how many programs it goes."""

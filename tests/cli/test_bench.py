@@ -10,7 +10,7 @@ import pytest
 from scenic_ref.benchmarks import course
 from scenic_ref.benchmarks.bars import bars
 from scenic_ref.benchmarks.contenders import Ours
-from scenic_ref.benchmarks.end_to_end import FIRST, LARGEST, Commands, TimedCommand, WritingTask, compiled_from, numbers_of
+from scenic_ref.benchmarks.end_to_end import FIRST, LARGEST, Commands, Cost, TimedCommand, WritingTask, compiled_from, numbers_of
 from scenic_ref.benchmarks.figures import Cell, Figures, fitted
 from scenic_ref.benchmarks.growth import many_objects, many_polygons
 from scenic_ref.benchmarks.own_sampler import SamplingTask, Skipped, TimedSampler, prepare
@@ -217,23 +217,26 @@ def test_what_the_whole_command_takes_is_measured_in_each_format(ask: Ask, tmp_p
         cell = cells["trusting", name]
         assert "skipped" not in cell and cell["numbers per scene"] > 4 and cell["peak MiB"] > 20
         assert cell["prepare seconds"] > 0.1, "the start of the command is no part of a scene"
-        assert cell["writing us/scene"] + cell["drawing us/scene"] == pytest.approx(1e6 / cell["scenes per second"]["median"], rel=1e-3)
+        (sample,) = cell["samples"]
+        assert 0 < sample["drawing"] < sample["seconds"]
+        assert cell["drawing us/scene"] == pytest.approx(1e6 * sample["drawing"] / sample["scenes"], rel=1e-4)
+        assert cell["writing us/scene"] == pytest.approx(1e6 * (sample["seconds"] - sample["drawing"]) / sample["scenes"], rel=1e-3)
     assert not list(tmp_path.glob("scenes.*")), "the files are gone"
 
 
 def test_further_scenes_are_told_from_the_start():
     asked: list[int] = []
 
-    def cost(count: int) -> tuple[float, int]:
+    def cost(count: int) -> Cost:
         asked.append(count)
-        return (3.0 if len(asked) == 1 else 0.0) + count / 100_000, 7
+        return Cost((3.0 if len(asked) == 1 else 0.0) + count / 100_000, count / 400_000, 7)
 
     sampler = TimedCommand(cost, lambda: 5 * FIRST)
     found = sampler.sample(0.1)
-    assert found == {"scenes": 16_000, "seconds": pytest.approx(0.16), "start": pytest.approx(3.05), "peak": 7}
+    assert found == {"scenes": 16_000, "seconds": pytest.approx(0.16), "drawing": 0.04, "start": pytest.approx(3.05), "peak": 7}
     assert asked == [5 * FIRST, FIRST, 4 * FIRST, 16 * FIRST]
     assert sampler.sample(9)["scenes"] == 16_000, "later measurements are of the same number"
-    assert TimedCommand(lambda count: (0.0, 0)).sample(1)["scenes"] <= LARGEST, "an end where a scene costs nothing"
+    assert TimedCommand(lambda count: Cost(0.0, 0.0, 0)).sample(1)["scenes"] <= LARGEST, "an end where a scene costs nothing"
 
 
 def test_the_first_run_compiles(tmp_path: Path):
@@ -244,12 +247,17 @@ def test_the_first_run_compiles(tmp_path: Path):
 
 def test_one_process_answers_the_command_again_and_again(tmp_path: Path):
     (tmp_path / "p.scenic").write_text("print('hello')\nego = Object at Range(0, 1) @ 0\n")
+    (tmp_path / "quiet.scenic").write_text("ego = Object at Range(0, 1) @ 0\n")
     (tmp_path / "wrong.scenic").write_text("ego = Object at nosuch\n")
     with Commands(WritingTask(str(tmp_path / "p.scenic"), "npz"), str(tmp_path)) as commands:
         first, later = commands.cost(20), commands.cost(20)
-        assert later[0] < first[0], "the start, which takes a second or so"
-        assert later[1] > 2**24
+        assert later.seconds < first.seconds, "the start, which takes a second or so"
+        assert later.drawing == 0, "a program that prints is drawn by the interpreter"
+        assert later.memory > 2**24
         assert not (tmp_path / "scenes.npz").exists()
+    with Commands(WritingTask(str(tmp_path / "quiet.scenic"), "npz"), str(tmp_path)) as commands:
+        many = commands.cost(2 * FIRST)
+        assert 0 < many.drawing < many.seconds
     with Commands(WritingTask(str(tmp_path / "wrong.scenic"), "npz"), str(tmp_path)) as commands, pytest.raises(Skipped, match="nosuch"):
         commands.cost(20)
     with Commands(WritingTask(str(tmp_path / "p.scenic"), "npz"), str(tmp_path)) as commands:
@@ -266,12 +274,16 @@ def test_numbers_are_counted(tmp_path: Path):
     assert numbers_of(WritingTask(str(tmp_path / "p.scenic"), "npz")) == one + 4
 
 
-def test_what_writing_costs_is_what_the_command_takes_beside_drawing():
+def test_what_writing_costs_is_what_a_run_takes_beside_drawing():
     figures = Figures(("numba", "run to npz"), "numba")
     draws, writes = Cell("p", "numba"), Cell("p", "run to npz", {"numbers": 50})
-    draws.take({"scenes": 1000, "attempts": 1000, "seconds": 0.002})
-    writes.take({"scenes": 1000, "seconds": 0.005, "start": 2.0})
+    draws.take({"scenes": 1000, "attempts": 1000, "seconds": 0.009})
+    for seconds, drawing in ((0.009, 0.006), (0.005, 0.002), (0.004, 0.001)):
+        writes.take({"scenes": 1000, "seconds": seconds, "drawing": drawing, "start": 2.0})
     figures.cells = [draws, writes]
-    found = figures.writing(writes)
+    found = figures.writing(writes)  # of the medians, whatever drawing alone took
     assert found is not None and (found.share, found.per_number) == (pytest.approx(1.5), pytest.approx(60))
+    slow = Cell("q", "run to npz", {"numbers": 50})
+    slow.take({"scenes": 1000, "seconds": 9.0, "drawing": 0.0, "start": 2.0})
+    assert figures.writing(slow) is None, "the interpreter drew"
     assert figures.writing(draws) is None and writes.attempts is None and writes.prepare == 2.0
