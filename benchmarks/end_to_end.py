@@ -26,7 +26,7 @@ from .processes import end
 
 FORMATS = ("jsonl", "npz", "parquet", "arrow", "csv")
 NEED_ARROW = ("parquet", "arrow")
-FIRST, LARGEST, GROWTH = 1_000, 1_024_000, 4
+FEWEST, FIRST, LARGEST, GROWTH = 10, 1_000, 1_024_000, 4
 COUNTED = 100
 """Scenes of which the numbers are counted."""
 KNOWN, TWICE = 0.5, 2
@@ -130,21 +130,23 @@ class Commands:
 
 
 class TimedCommand:
-    """Runs for n scenes, after one that compiles; n grows until they take long enough."""
+    """Runs for n scenes, after one that compiles; n grows until they take long enough. What a run of `FEWEST` scenes takes does not count."""
 
     def __init__(self, cost: Callable[[int], Cost], compiled: Callable[[], int] = lambda: FIRST) -> None:
         self.cost = cost
         self.count = FIRST
         self.growing = True
         self.start = cost(compiled()).seconds
+        self.least = cost(FEWEST)
 
     def sample(self, seconds: float) -> dict[str, Any]:
         """What n scenes took, at least `seconds` seconds if there is an end to it."""
         while True:
             took = self.cost(self.count)
-            if took.seconds >= seconds or self.count >= LARGEST or not self.growing:
+            further, drawing = took.seconds - self.least.seconds, took.drawing - self.least.drawing
+            if further >= seconds or self.count >= LARGEST or not self.growing:
                 self.growing = False
-                return {"scenes": self.count, "seconds": took.seconds, "drawing": took.drawing, "start": self.start, "peak": took.memory}
+                return {"scenes": self.count - FEWEST, "seconds": further, "drawing": drawing, "start": self.start, "peak": took.memory}
             self.count *= GROWTH
 
 
