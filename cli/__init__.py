@@ -27,7 +27,7 @@ def interruption(arguments: list[str], finished: str = "") -> str:
         return f"interrupted; {output} holds whole lines{more}; nothing else was written"
     if arguments[:1] == ["simulate"]:
         return f"interrupted; {finished or 'no simulation was finished'}"
-    return "interrupted" if arguments[:1] == ["bench"] else "interrupted; nothing was written"
+    return "interrupted" if arguments[:1] == ["bench"] else f"interrupted; {finished or 'nothing was written'}"
 
 
 def output_in(arguments: list[str]) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -24,6 +25,8 @@ from .replaying import in_simulations
 
 PRUNED = ("attempts",)
 """What is compared by itself, without pruning: one that prunes needs fewer."""
+PRINTED = re.compile(r"<(distribution|function|module|built-in|built-in function) [^<>]+>")
+"""What is in the text of a value that no two implementations print alike."""
 
 
 def differences(program: AskedProgram, other: External, settings: DiffSettings) -> ProgramVerdict:
@@ -108,12 +111,12 @@ class ScenesThere:
 
 
 def in_words(scenario: Scenario, settings: DiffSettings) -> list[str]:
-    """The features that have no JSON form here, if there is a scene: how an implementation prints them is its own matter."""
+    """The features that have no JSON form here, or print such values, if there is a scene: how an implementation prints them is its own matter."""
     try:
         scene = scenario.sample(settings.seed, max_attempts=settings.attempts).to_json()
     except AttemptsExhausted:
         return []
-    return [name for name, value in leaves(scene) if isinstance(value, dict) and value.keys() == {"repr"}]
+    return [name for name, value in leaves(scene) if isinstance(value, dict) and value.keys() == {"repr"} or isinstance(value, str) and PRINTED.search(value)]
 
 
 def named(scenes: Sequence[SceneRecord], scenario: Scenario) -> Sequence[SceneRecord]:

@@ -226,6 +226,7 @@ def test_an_interrupt_says_which_file_there_is(words, said, tmp_path, monkeypatc
     for name in ("b", "b.jsonl", "b.ndjson"):
         Path(name).touch()
     assert interruption(words.split()) == f"interrupted{said}"
+    assert interruption(["fuzz", *words.split()[1:]], "what was found is kept") == "interrupted; what was found is kept"
 
 
 @pytest.mark.slow

@@ -118,6 +118,8 @@ def test_another_distribution(ask: Asking) -> None:
     ("param d = {{'a': 3, 'b': [1, abs]}}\n", 'scene["params"]["d"]["b"][1] = {"repr": "<abs>"}', True),
     ("param d = {{'a': 3, 'b': abs}}\n", 'scene["params"]["d"]["a"] = {"repr": "<3>"}', False),
     ("param x = 3\n", 'scene["params"]["x"] = {"repr": "nan"}', False),
+    ("param t = f'{{Range}}'\n", 'scene["params"]["t"] = "<class Range>"', True),
+    ("param t = '<b>'\n", 'scene["params"]["t"] = "<class Range>"', False),
 ])
 def test_how_a_value_without_a_json_form_is_printed_is_no_difference(ask: Asking, program: str, changed: str, agree: bool) -> None:
     code, verdict = ask(COIN + program, ask.other(scene=changed))

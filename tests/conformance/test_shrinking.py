@@ -48,3 +48,10 @@ def test_shrinking_ends_when_its_time_is_over() -> None:
     text = "ego = Object at 1 @ 2\nx = 3\n"
     assert shrunk(text, lambda candidate: not asked.append(candidate), lambda: len(asked) > 0) in (text, asked[0])
     assert len(asked) <= 1
+
+
+def test_what_cannot_be_printed_is_no_smaller_program() -> None:
+    text = "ego = Object\nrequire (Uniform(0, 1) <= 2) and (Uniform(0, 1) <= 3)\n"
+    tried: list[str] = []
+    assert shrunk(text, lambda candidate: bool(tried.append(candidate)), lambda: False) == text
+    assert "ego = Object\n" in tried and len(tried) > 20

@@ -14,6 +14,8 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+from scenic_ref.conformance.fuzzing.examining import OUR_FAULT
+
 from .faults import FAULTS, Fault, wrong_machine
 
 
@@ -26,12 +28,12 @@ def first_finding(fault: Fault, limit: str, seed: int, workers: int) -> tuple[fl
         began = time.monotonic()
         with subprocess.Popen([*command, "--workers", str(workers)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as campaign:
             told: list[str] = []
-            found = next((line for line in lines(campaign, told) if line.startswith("program ")), "")
+            found = next((line for line in lines(campaign, told) if line.startswith("program ") and OUR_FAULT not in line), "")
             took = time.monotonic() - began
             campaign.terminate()
             campaign.communicate()
-        if not found and campaign.returncode not in (0, 1):
-            raise SystemExit("\n".join(told))  # it never began
+        if any(OUR_FAULT in line for line in told) or not found and campaign.returncode not in (0, 1):
+            raise SystemExit("\n".join(told))  # a fault of the judge, or it never began
     return took, found
 
 
@@ -50,8 +52,10 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0, help="the seed of the campaigns (default: 0)")
     parser.add_argument("--workers", type=int, default=2, help="the processes of a campaign (default: 2, as of fuzz)")
     parser.add_argument("--jobs", type=int, default=1, help="campaigns at a time (default: 1)")
-    parser.add_argument("names", nargs="*", help="only these machines")
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"only these machines: {'; '.join(fault.name for fault in FAULTS)}")
     given = parser.parse_args()
+    if unknown := set(given.names) - {fault.name for fault in FAULTS}:
+        parser.error(f"there is no {', '.join(map(repr, sorted(unknown)))}")
     chosen = [fault for fault in FAULTS if not given.names or fault.name in given.names]
     missed = 0
 
