@@ -37,6 +37,7 @@ THEOREM = re.compile(r"(?:\(\*\* (?!\*)(?P<comment>(?:(?!\*\)).)*)\*\)\s*)?^\s*T
 WITHOUT_CONTENTS = "---\nhide: [toc]\n---\n"
 """Of pages whose tables need the place."""
 MOST_NAMED, LONGEST_EXAMPLE = 3, 40
+DEVIATIONS, FEW_LINES = ("bug", "missing", "unchecked"), 12
 VALUES = "| parameter | default | values | meaning |\n| --- | --- | --- | --- |"
 
 
@@ -206,8 +207,8 @@ def differences_page() -> str:
         "Every [vector](../vectors.md) was put to the released implementations, each in its own environment and dialect, by "
         "`scenic-ref conformance --impl scenic==VERSION` ([how](../harness.md)). A cell says how many passed, and how many failed; the others were "
         "skipped, since the program cannot be said in that dialect or needs a reading that the release does not follow. scenic-ref passes all. "
-        "Differences are grouped by their cause, and each one was read beside the paper, but for those of the class `undecided`: does what the "
-        "release answered follow from that cause, and is the passage about it?"
+        "Differences are grouped by their cause, and each one was read beside the paper: does what the release answered follow from that cause, and "
+        "is the passage about it? Below each program are the answers of the releases; what one *is not*, or is *instead of*, is the answer here."
     )
     heads, rule = " | ".join(names), " --- |" * len(names)
     lines = ["# Differences", "", paragraph(about), "", f"| chapter of the paper | vectors | {heads} |", f"| --- | --- |{rule}"]
@@ -219,7 +220,8 @@ def differences_page() -> str:
     lines += ["", "## By class", "", f"| class | means | {heads} |", f"| --- | --- |{rule}"]
     for class_, means in CLASSES.items():
         numbers = [sum(len(d.vectors) for d in known if d.class_ == class_ and name in d.implementations) for name in names]
-        lines.append(f"| {class_} | {cell(means)} | {' | '.join(map(str, numbers))} |")
+        if any(numbers):
+            lines.append(f"| {class_} | {cell(means)} | {' | '.join(map(str, numbers))} |")
     lines += ["", "## By cause", ""]
     texts = {vector.name: vector for vector in vectors}
     found = causes(known)
@@ -258,17 +260,21 @@ def campaigns_page() -> str:
     """What campaigns of invented programs found in the releases: for each, the program, both answers, the passage, and who is right."""
     about = (
         "Programs were invented, compared with each release, and made small, by `scenic-ref fuzz --impl scenic==VERSION` "
-        "([how](../harness.md)): both sides followed the readings that the release is known to follow, so that what is listed is something else. "
-        "Each finding was confirmed with fresh scenes of the smallest program, then given its class by hand; those of the class `undecided` were "
-        "not. Most of what is `missing` or `unchecked` is documented by the releases. Where places differ, a picture shows thirty scenes of each "
-        "side over each other, ego in orange. Each campaign took an hour or two of one process on a busy machine, and the findings of the class "
-        "`our bug` are mended."
+        "([how](../harness.md)): both sides followed the readings that the release was known to follow then, so that most of what is listed is "
+        "something else. Each finding was confirmed with fresh scenes of the smallest program, then given its class by hand; one cause may have "
+        "several findings, which have the same reason. Most of what is `missing` or `unchecked` is documented by the releases. Figures in per cent "
+        "are shares of the scenes that were drawn here and there. Where places differ, a picture shows thirty scenes of each side over each other, "
+        "ego in orange. Where nothing else is said a campaign took an hour or two of one process on a busy machine. The findings of the class "
+        "`our bug` are no differences, but faults of this reference or of its judge that the campaign brought to light; they are mended."
     )
     lines = ["# Campaigns", "", paragraph(about), ""]
     for campaign in shipped_findings():
         counts = Counter(found.class_ for found in campaign.findings)
         told = ", ".join(f"{counts[class_]} {class_}" for class_ in CLASSES_OF_FINDINGS if counts[class_])
-        lines += [f"## {campaign.name}", "", paragraph(f"{campaign.about} {len(campaign.findings)} causes: {told}."), ""]
+        short = {found.why for found in campaign.findings if found.class_ in DEVIATIONS and len(found.program.strip().splitlines()) <= FEW_LINES}
+        reasons = f"{len({found.why for found in campaign.findings})} reasons, {len(short)} of them"
+        kinds = f"`bug`, `missing` or `unchecked` with a program of at most {FEW_LINES} lines"
+        lines += [f"## {campaign.name}", "", paragraph(f"{campaign.about} {len(campaign.findings)} findings, {told}, for {reasons} {kinds}."), ""]
         for number, found in enumerate(campaign.findings, 1):
             lines += finding_lines(campaign.name, number, found)
     return "\n".join(lines).rstrip() + "\n"
