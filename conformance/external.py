@@ -165,10 +165,13 @@ class External:
     def records(
         self, asked: Mapping[str, object], key: str, count: int, fault: Callable[[object], str | None]
     ) -> Iterator[Mapping[str, object]]:
-        """The scenes or simulations that a request gives. Raises `ImplementationFault` for what is none, and for more than were asked for."""
+        """The scenes or simulations that a request gives. Raises `ImplementationFault` for what is none, and for more or less than were asked for."""
         answers = self.ask(asked, self.seconds)
         for number, answer in enumerate(answers):
             if told(answer)["answer"] == "done":
+                if number < count:
+                    self.close()
+                    raise ImplementationFault("garbled", f"done after {number} of {count} {key}s")
                 continue
             wrong = "too many" if number >= count else fault(answer.get(key))
             if wrong or answer["answer"] != key:
@@ -180,7 +183,7 @@ class External:
 def read(line: bytes, number: int) -> Answer:
     """An answer to the request of that number. Raises `ImplementationFault` for anything else."""
     try:
-        answer = json.loads(line, parse_constant=not_json)
+        answer = json.loads(line.decode(), parse_constant=not_json)
     except (ValueError, RecursionError) as error:
         raise ImplementationFault("garbled", f"{shown(line)} is not JSON: {error}") from None
     if not isinstance(answer, dict) or not isinstance(answer.get("answer"), str):

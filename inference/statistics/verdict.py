@@ -89,6 +89,8 @@ class Verdict:
                 return ["different: the samples hold values that the program cannot give"]
             case "different":
                 return [f"different: {sides}{burned}; the risk of a false alarm is at most {risk}"]
+            case "equivalent" if not self.stated:
+                return [f"equivalent: {sides}{burned}, in which nothing that is compared varies on either side"]
             case "equivalent":
                 return [
                     f"equivalent within the stated power: {sides}{burned}; a difference of {self.detect_tv:.2%} in total variation in the cells of "
