@@ -230,9 +230,9 @@ def test_a_line_without_end_and_a_folder_that_grows(monkeypatch: pytest.MonkeyPa
 
 def test_its_folder_is_its_own_and_is_deleted(tmp_path: Path) -> None:
     place = tmp_path / "folder"
-    write = f"open({str(place)!r}, 'w').write(os.getcwd()); open('left', 'w').write('x'); say(id, answer='done')"
+    write = f"open({str(place)!r}, 'w').write(os.getcwd()); open('left', 'w').write('x'); {ONE}"
     with fake(sample=write) as implementation:
-        drawn(implementation)
+        drawn(implementation, 1)
     assert place.read_text() and not Path(place.read_text()).exists()
 
 
