@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import stat
@@ -24,6 +25,7 @@ from ..formats.recordings import SCHEMA as SIMULATION_SCHEMA
 from ..formats.scenes import SCHEMA
 from ..formats.table_files import SUFFIXES
 from ..inference.batch.jobs.blocks import uninterrupted
+from ..inference.batch.jobs.shelves import Laid
 from ..semantics.kernel.errors import UsageError
 from .drawing import DrawnScene
 
@@ -34,6 +36,8 @@ BINARY = getattr(os, "O_BINARY", 0)
 AT_ONCE, PIPED_AT_ONCE = 1 << 20, 1 << 16
 """Bytes of whole lines that are written at a time, which Ctrl-C waits for: into a file, and as much as a pipe holds."""
 NEWLINE = ord("\n")
+CANNOT_SEND = (errno.EINVAL, errno.ENOSYS)
+"""What the system answers if it does not copy from file to file there."""
 KNOWN = 32
 """For how many scenes of a resumed file the attempts are kept, for a picture of them."""
 
@@ -180,6 +184,24 @@ class LinesFile(LineByLine):
             raise UsageError(f"{self.path} cannot be resumed: its line {number + 1} is {word} {index}, not {number}")
         return Earlier(index, attempts, line)
 
+    def write_many(self, portion: Portion) -> None:
+        """Whole lines; where they lie in a file, the system copies them."""
+        if not (isinstance(portion.lines, Laid) and self.is_regular and self._sent(portion.lines, len(portion.attempts))):
+            super().write_many(portion)
+
+    def _sent(self, laid: Laid, lines: int) -> bool:
+        with uninterrupted():
+            try:
+                laid.send(self.file)
+            except OSError as error:
+                self.cut()
+                if error.errno in CANNOT_SEND:
+                    return False
+                raise self.unwritable(error) from None
+            self.size += laid.size
+            self.written += lines
+        return True
+
     def put(self, data: bytes | memoryview) -> None:
         """In full or not at all."""
         try:
@@ -188,8 +210,12 @@ class LinesFile(LineByLine):
             raise
         except OSError as error:
             self.cut()
-            raise UsageError(f"{self.path} cannot be written: {error.strerror or error}", hint=f"{self.path} holds whole lines only") from None
+            raise self.unwritable(error) from None
         self.size += len(data)
+
+    def unwritable(self, error: OSError) -> UsageError:
+        """The error that says why the file cannot be written."""
+        return UsageError(f"{self.path} cannot be written: {error.strerror or error}", hint=f"{self.path} holds whole lines only")
 
     def cut(self) -> None:
         """Cut off whatever follows the last whole line."""

@@ -120,7 +120,7 @@ def portions(
         if several.here and form == "lines":
             asked = (part._replace(place=shelf.lend()) for part in asked)
         for portion in paced(several.draw(work_on_portion, asked), pace):
-            yield portion._replace(lines=[shelf.read(portion.laid)]) if portion.laid else portion
+            yield portion._replace(lines=shelf.read(portion.laid)) if portion.laid else portion
             shelf.put_back()
 
 

@@ -5,11 +5,30 @@ from __future__ import annotations
 import mmap
 import os
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from types import TracebackType
 
 OPEN_FILES = "/proc/{}/fd"
 """Where the system (Linux) shows the open files of a process to others of the same user."""
+
+
+@dataclass(frozen=True, slots=True)
+class Laid:
+    """A text of `size` bytes at the beginning of a file in memory, in one piece."""
+
+    file: int
+    size: int
+
+    def __iter__(self) -> Iterator[memoryview]:
+        if self.size:
+            yield memoryview(mmap.mmap(self.file, self.size, access=mmap.ACCESS_READ))
+
+    def send(self, target: int) -> None:
+        """Write it to another file, without reading it into this process. Raises `OSError`."""
+        sent = 0
+        while sent < self.size:
+            sent += os.sendfile(target, self.file, sent, self.size - sent)
 
 
 class Shelf:
@@ -36,9 +55,9 @@ class Shelf:
         self.lent.append(self.free.pop() if self.free else os.memfd_create("scenes"))
         return f"{OPEN_FILES.format(os.getpid())}/{self.lent[-1]}"
 
-    def read(self, size: int) -> memoryview:
+    def read(self, size: int) -> Laid:
         """What stands in the first of the files that are lent, until that is put back."""
-        return memoryview(mmap.mmap(self.lent[0], size, access=mmap.ACCESS_READ)) if size else memoryview(b"")
+        return Laid(self.lent[0], size)
 
     def put_back(self) -> None:
         """The first of the files that are lent may be lent again."""
@@ -66,4 +85,4 @@ def written(file: int, text: bytes | memoryview) -> int:
     return len(text)
 
 
-__all__ = ["Shelf", "lay"]
+__all__ = ["Laid", "Shelf", "lay"]
