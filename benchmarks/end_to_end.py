@@ -1,14 +1,13 @@
 """`scenic-ref run` as a user starts it, with a file at its end: the seconds of the processor that it uses for each further scene.
 
-One process answers the command again and again, which keeps the program between them: the first run loads it, and has so many scenes that it compiles
-what draws them; what the later ones take is scenes, drawn and written. The process that measures answers as `own_sampler` does.
+One process answers the command again and again, which keeps the program between them: the first run loads it, and compiles what draws its scenes;
+what the later ones take is scenes, drawn and written. The process that measures answers as `own_sampler` does.
 """
 
 from __future__ import annotations
 
 import contextlib
 import json
-import math
 import subprocess
 import sys
 import tempfile
@@ -18,7 +17,6 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, NamedTuple
 
-from ..interpreter.extras import is_installed
 from ..scenario import load
 from .contenders import MeasuredProgram, on_one_thread, python_that_runs
 from .own_sampler import Skipped, serve
@@ -29,14 +27,14 @@ NEED_ARROW = ("parquet", "arrow")
 FEWEST, FIRST, LARGEST, GROWTH = 10, 1_000, 1_024_000, 4
 COUNTED = 100
 """Scenes of which the numbers are counted."""
-KNOWN, TWICE = 0.5, 2
-"""Seconds of drawing on columns after which its pace is known; so many times as long as compiling may take, the first run would draw on columns."""
 AGAIN = """
 import json, sys, time
 sys.path[:] = {path!r}
 from {package}.benchmarks.released_sampler import peak
 from {package}.cli import answer
 from {package}.inference.batch.evaluate.sampling import Batch
+from {package}.inference.batch.jobs import lines
+Batch.compiling = lines.COMPILE = lines.PACE_KNOWN = 0.0
 draw, drawing = Batch.block, 0.0
 def timed(*given, **named):
     global drawing
@@ -51,7 +49,7 @@ for line in sys.stdin:
     code = answer(json.loads(line))
     print(json.dumps([code, time.process_time() - begun, drawing, peak()]), flush=True)
 """
-"""Answers command lines, each a list on a line of its own."""
+"""Answers command lines, each a list on a line of its own; what can be compiled is compiled at once."""
 
 
 class Cost(NamedTuple):
@@ -132,12 +130,12 @@ class Commands:
 class TimedCommand:
     """Runs for n scenes, after one that compiles; n grows until they take long enough. What a run of `FEWEST` scenes takes does not count."""
 
-    def __init__(self, cost: Callable[[int], Cost], compiled: Callable[[], int] = lambda: FIRST) -> None:
+    def __init__(self, cost: Callable[[int], Cost]) -> None:
         self.cost = cost
         self.count = FIRST
         self.growing = True
-        self.start = cost(compiled()).seconds
-        self.least = cost(FEWEST)
+        self.start = cost(FIRST).seconds
+        self.least = min(cost(FEWEST), cost(FEWEST))
 
     def sample(self, seconds: float) -> dict[str, Any]:
         """What n scenes took, at least `seconds` seconds if there is an end to it."""
@@ -156,22 +154,8 @@ def numbers_of(task: WritingTask) -> float:
     return sum(column.size for column in columns.values() if column.dtype.kind in "bif") / COUNTED
 
 
-def compiled_from(task: WritingTask) -> int:
-    """The scenes from which on a run of the program compiles what draws them; `FIRST` if it never does."""
-    scenario = load(task.program, trust=task.trust)
-    batch = None if scenario.not_lifted is not None or not is_installed("numba") else scenario.batch
-    if batch is None:
-        return FIRST
-    batch.may_compile = False
-    count = FIRST
-    while batch.spent < KNOWN and count < LARGEST:
-        batch.block(task.seed, 0, count)
-        count *= 2
-    return min(LARGEST, max(FIRST, math.ceil(TWICE * batch.compiling / batch.pace)))
-
-
 def main() -> None:
     """The process; the task is its argument."""
     task = WritingTask(**json.loads(sys.argv[1]))
     with tempfile.TemporaryDirectory() as folder, Commands(task, folder) as commands:
-        serve(lambda: ({"numbers": numbers_of(task)}, TimedCommand(commands.cost, lambda: compiled_from(task)).sample))
+        serve(lambda: ({"numbers": numbers_of(task)}, TimedCommand(commands.cost).sample))
