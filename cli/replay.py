@@ -111,7 +111,7 @@ class Replays:
             )
         if self.equal == count:
             return [*found, "all states are equal to the recorded ones"]
-        found.append(f"the states of {self.equal:,} are equal to the recorded ones")
+        found.append(f"with the recorded states in all time steps: {self.equal:,} of {count:,}")
         if not self.different:
             return found
         number, worst = max(self.different, key=lambda one: one[1].distance)

@@ -116,7 +116,7 @@ def in_words(scenario: Scenario, settings: DiffSettings) -> list[str]:
         scene = scenario.sample(settings.seed, max_attempts=settings.attempts).to_json()
     except AttemptsExhausted:
         return []
-    return [name for name, value in leaves(scene) if isinstance(value, dict) and value.keys() == {"repr"} or isinstance(value, str) and PRINTED.search(value)]
+    return [name for name, value in leaves(scene) if (isinstance(value, dict) and value.keys() == {"repr"}) or PRINTED.search(str(value))]
 
 
 def named(scenes: Sequence[SceneRecord], scenario: Scenario) -> Sequence[SceneRecord]:

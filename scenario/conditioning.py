@@ -80,6 +80,8 @@ def check_law(scenario: Scenario) -> None:
 
 def draws_of(scenario: Scenario, scene: Scene) -> dict[Address, KnownDraw]:
     """What every draw of a scene gave, by address. Raises `UsageError` for what is a scene neither of this scenario nor of one it is made from."""
+    if not isinstance(scene, Scene):  # users call this
+        raise UsageError(f"`scene` is a scene that this scenario gave, not {scene!r:.60}")
     found: dict[Address, KnownDraw] = {}
 
     def keep(outcome: Outcome, drawn: object) -> None:

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from ..formats.arrow import arrow_for, arrow_table
-from ..formats.columns import JSON, NOTHING, TEXT, TypedColumn, is_alike, length_of
+from ..formats.columns import JSON, NOTHING, TEXT, TypedColumn, as_kind, is_alike, length_of
 from ..formats.notebooks import counted
 from ..formats.scenes import Scene
-from ..formats.tables import Columns, columns_of, pieces_of, together
+from ..formats.tables import OWN, Columns, columns_of, pieces_of, together
 from ..inference.batch import Batch, Block
 from ..inference.batch.jobs.blocks import jobs
 from ..inference.batch.jobs.tables import table_of
@@ -109,7 +109,7 @@ class Drawn(Iterator[Scene]):
             pieces = list(pieces_of(s.to_json() for s in self) if self._done or self._blocks is None else self._by_block(*self._blocks))
         finally:
             self.close()
-        return together(pieces) if pieces else columns_of([])
+        return together(pieces) if pieces else {name: as_kind(column, OWN[name]) for name, column in columns_of([]).items()}
 
     def _by_block(self, batch: Batch, seed: int, blocks: Iterator[Block]) -> Iterator[Columns]:
         for block in blocks:

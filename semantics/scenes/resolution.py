@@ -178,7 +178,8 @@ def cyclic(
     names = tuple(dependency for dependency, _ in cycle)
     steps = ", ".join(f"`{specifier.name}` needs {dependency}" for dependency, specifier in cycle)
     place = next((s.node.span for _, s in cycle if not s.is_default), span)
+    example = "position with `at`" if "position" in names else f"`with {names[0]} 2`"
     return CyclicDependencies(
         f"the specifiers depend on each other in a circle: {steps}", place, cycle=(*names, names[0]), rule="R-Cyclic",
-        hint="specify one of these properties without the others, for example position with `at`",
+        hint=f"specify one of these properties without the others, for example {example}",
     )

@@ -125,7 +125,7 @@ def test_a_replay_tells_what_was_rejected_and_what_was_ended_early(ask, rails, t
     reason = "the replay fails in time step 0: the simulator rejected the run: no place to spawn"
     assert f"rejected, and left out: {len(out)}, first that of line {out[0]}: {reason}" in done.err
     assert f"ended by the simulator before the recording: {len(early)}, first that of line {early[0]}, after 3 time steps: episode done" in done.err
-    assert "the states of 0 are equal to the recorded ones" in done.err
+    assert "with the recorded states in all time steps: 0 of 12" in done.err
     again = lines(tmp_path / "again.jsonl")
     assert [run["run"] for run in again] == [number - 1 for number in early]
     assert {(run["result"], len(run["steps"])) for run in again} == {("ended by the simulator", 4)}

@@ -32,7 +32,7 @@ def first_finding(fault: Fault, limit: str, seed: int, workers: int) -> tuple[fl
             took = time.monotonic() - began
             campaign.terminate()
             campaign.communicate()
-        if any(OUR_FAULT in line for line in told) or not found and campaign.returncode not in (0, 1):
+        if any(OUR_FAULT in line for line in told) or (not found and campaign.returncode not in (0, 1)):
             raise SystemExit("\n".join(told))  # a fault of the judge, or it never began
     return took, found
 

@@ -196,7 +196,9 @@ def test_columns_are_those_of_the_scenes_that_are_left():
     assert sorted(set(drawn.columns()["scene"].tolist())) == list(range(1, 30))
     assert list(drawn) == []
     assert repr(drawn) == "<30 scenes, 30 of them drawn>"
-    assert scenic_ref.loads(PROGRAM).sample_columns(0)["x"].shape == (0,)
+    none = scenic_ref.loads(PROGRAM).sample_columns(0)
+    assert none["x"].shape == (0,)
+    assert [none[name].dtype.kind for name in ("x", "ego", "scene", "class")] == ["f", "b", "i", "O"]
 
 
 def test_progress_is_told():

@@ -76,6 +76,7 @@ def test_parameters_that_are_draws_are_given_without_rejection() -> None:
         ({"scene": SCENE, "objects": (7,)}, "there is no object 7"),
         ({"scene": SCENE, "objects": 0}, "by their numbers"),
         ({"scene": FINITE.sample(1)}, "not a scene"),
+        ({"scene": 3}, "`scene` is a scene that this scenario gave, not 3"),
     ],
 )
 def test_what_cannot_be_given_is_an_error(arguments: dict, said: str) -> None:

@@ -95,6 +95,10 @@ def test_cycle_is_printed():
         )
     assert set(caught.value.cycle) == {"position", "heading"}
     assert caught.value.cycle[0] == caught.value.cycle[-1]
+    assert str(caught.value.hint).endswith("position with `at`")
+    with pytest.raises(CyclicDependencies) as caught:
+        resolve([specifier("width", ["width"], dependencies=["length"]), specifier("length", ["length"], dependencies=["width"])], {})
+    assert str(caught.value.hint).endswith(("`with width 2`", "`with length 2`")), "position is not in this circle"
 
 
 @given(st.dictionaries(st.sampled_from("abcdef"), st.sets(st.sampled_from("abcdef"), max_size=3), min_size=1))
