@@ -52,7 +52,7 @@ for line in sys.stdin:
 """Answers command lines, each a list on a line of its own; what can be compiled is compiled at once."""
 
 
-class Cost(NamedTuple):
+class RunCost(NamedTuple):
     """The seconds of the processor that a run takes, those of them in which blocks are drawn, and the most memory of its process so far, in bytes."""
 
     seconds: float
@@ -108,7 +108,7 @@ class Commands:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         end(self.running, self.errors)
 
-    def cost(self, count: int) -> Cost:
+    def cost(self, count: int) -> RunCost:
         """What a run of so many scenes takes. Raises `Skipped`."""
         task = self.task
         words = ["run", task.program, "-n", str(count), "--seed", str(task.seed), "-o", str(self.path), *(["--trust"] if task.trust else [])]
@@ -124,13 +124,13 @@ class Commands:
             self.errors.seek(0)
             said = [text.strip() for text in self.errors if text.strip()]
             raise Skipped(said[0][:300] if said else f"the command ended with {code}")
-        return Cost(seconds, drawing, memory)
+        return RunCost(seconds, drawing, memory)
 
 
 class TimedCommand:
     """Runs for n scenes, after one that compiles; n grows until they take long enough. What a run of `FEWEST` scenes takes does not count."""
 
-    def __init__(self, cost: Callable[[int], Cost]) -> None:
+    def __init__(self, cost: Callable[[int], RunCost]) -> None:
         self.cost = cost
         self.count = FIRST
         self.growing = True

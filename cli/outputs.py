@@ -25,7 +25,7 @@ from ..formats.recordings import SCHEMA as SIMULATION_SCHEMA
 from ..formats.scenes import SCHEMA
 from ..formats.table_files import SUFFIXES
 from ..inference.batch.jobs.blocks import uninterrupted
-from ..inference.batch.jobs.shelves import Laid
+from ..inference.batch.jobs.shelves import LaidText
 from ..semantics.kernel.errors import UsageError
 from .drawing import DrawnScene
 
@@ -186,10 +186,10 @@ class LinesFile(LineByLine):
 
     def write_many(self, portion: Portion) -> None:
         """Whole lines; where they lie in a file, the system copies them."""
-        if not (isinstance(portion.lines, Laid) and self.is_regular and self._sent(portion.lines, len(portion.attempts))):
+        if not (isinstance(portion.lines, LaidText) and self.is_regular and self._sent(portion.lines, len(portion.attempts))):
             super().write_many(portion)
 
-    def _sent(self, laid: Laid, lines: int) -> bool:
+    def _sent(self, laid: LaidText, lines: int) -> bool:
         with uninterrupted():
             try:
                 laid.send(self.file)

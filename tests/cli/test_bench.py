@@ -10,7 +10,7 @@ import pytest
 from scenic_ref.benchmarks import course
 from scenic_ref.benchmarks.bars import bars
 from scenic_ref.benchmarks.contenders import Ours
-from scenic_ref.benchmarks.end_to_end import FEWEST, FIRST, LARGEST, Commands, Cost, TimedCommand, WritingTask, numbers_of
+from scenic_ref.benchmarks.end_to_end import FEWEST, FIRST, LARGEST, Commands, RunCost, TimedCommand, WritingTask, numbers_of
 from scenic_ref.benchmarks.figures import Cell, Figures, fitted
 from scenic_ref.benchmarks.growth import many_objects, many_polygons
 from scenic_ref.benchmarks.own_sampler import SamplingTask, Skipped, TimedSampler, prepare
@@ -226,9 +226,9 @@ def test_what_the_whole_command_takes_is_measured_in_each_format(ask: Ask, tmp_p
 def test_further_scenes_are_told_from_the_start():
     asked: list[int] = []
 
-    def cost(count: int) -> Cost:
+    def cost(count: int) -> RunCost:
         asked.append(count)
-        return Cost((3.0 if len(asked) == 1 else 0.5) + count / 100_000, count / 400_000, 7)
+        return RunCost((3.0 if len(asked) == 1 else 0.5) + count / 100_000, count / 400_000, 7)
 
     sampler = TimedCommand(cost)
     found = sampler.sample(0.1)
@@ -237,7 +237,7 @@ def test_further_scenes_are_told_from_the_start():
     assert found == {"scenes": scenes, **further, "start": pytest.approx(3.01), "peak": 7}, "the half second that each run takes is no part of it"
     assert asked == [FIRST, FEWEST, FEWEST, FIRST, 4 * FIRST, 16 * FIRST]
     assert sampler.sample(9)["scenes"] == scenes, "later measurements are of the same number"
-    assert TimedCommand(lambda count: Cost(0.0, 0.0, 0)).sample(1)["scenes"] <= LARGEST, "an end where a scene costs nothing"
+    assert TimedCommand(lambda count: RunCost(0.0, 0.0, 0)).sample(1)["scenes"] <= LARGEST, "an end where a scene costs nothing"
 
 
 def test_one_process_answers_the_command_again_and_again(tmp_path: Path):

@@ -14,7 +14,7 @@ OPEN_FILES = "/proc/{}/fd"
 
 
 @dataclass(frozen=True, slots=True)
-class Laid:
+class LaidText:
     """A text of `size` bytes at the beginning of a file in memory, in one piece."""
 
     file: int
@@ -55,9 +55,9 @@ class Shelf:
         self.lent.append(self.free.pop() if self.free else os.memfd_create("scenes"))
         return f"{OPEN_FILES.format(os.getpid())}/{self.lent[-1]}"
 
-    def read(self, size: int) -> Laid:
+    def read(self, size: int) -> LaidText:
         """What stands in the first of the files that are lent, until that is put back."""
-        return Laid(self.lent[0], size)
+        return LaidText(self.lent[0], size)
 
     def put_back(self) -> None:
         """The first of the files that are lent may be lent again."""
@@ -85,4 +85,4 @@ def written(file: int, text: bytes | memoryview) -> int:
     return len(text)
 
 
-__all__ = ["Laid", "Shelf", "lay"]
+__all__ = ["LaidText", "Shelf", "lay"]
