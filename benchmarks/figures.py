@@ -14,8 +14,9 @@ from typing import Any
 
 SCHEMA = "scenic-ref/bench/1"
 KEPT = ("scenes", "attempts", "seconds", "drawing")
-TIMES = ("seconds", "drawing")
 """What is written of each sample."""
+TIMES = ("seconds", "drawing")
+"""What of it is rounded."""
 PACKAGES = ("numpy", "scipy", "shapely", "numba", "llvmlite", "torch")
 
 
