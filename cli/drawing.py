@@ -33,8 +33,9 @@ from .options import Source
 from .session import escaped, tell
 
 if TYPE_CHECKING:
-    from ..inference.batch import Block
+    from ..inference.batch import Batch, Block
     from ..inference.batch.jobs.lines import Lines
+    from ..inference.batch.jobs.tables import Tables
     from ..scenario import Scenario
 
 MOST_PRINTED = 10_000
@@ -78,9 +79,21 @@ class Drawing:
         """What makes the lines of scenes that are drawn many at a time, of a program that is known to have a graph."""
         from ..inference.batch.jobs.lines import Lines
 
+        return Lines(self.batch.template)
+
+    @cached_property
+    def tables(self) -> Tables:
+        """What makes the tables of these scenes, in the same way."""
+        from ..inference.batch.jobs.tables import Tables
+
+        return Tables(self.batch.template)
+
+    @property
+    def batch(self) -> Batch:
+        """The graph of a program that is known to have one."""
         batch = self.scenario.batch
         assert batch is not None, self.scenario.not_lifted
-        return Lines(batch.template)
+        return batch
 
     @cached_property
     def prints(self) -> bool:

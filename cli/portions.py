@@ -11,12 +11,11 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from ..formats.tables import Columns
-from ..inference.batch import Batch, Block
+from ..inference.batch import Block
 from ..inference.batch.evaluate.features import features_in
 from ..inference.batch.jobs.blocks import FIRST, Pace, Workers, block_of
 from ..inference.batch.jobs.failures import FailedDraw, failed
 from ..inference.batch.jobs.shelves import Shelf, lay
-from ..inference.batch.jobs.tables import table_of
 from ..inference.statistics.columns import FeatureTable
 from ..semantics.kernel.outcome import Requirement
 from .drawing import Drawing, Softness, drawing_of
@@ -66,20 +65,13 @@ class PortionJob(NamedTuple):
     place: str | None = None
 
 
-def batch_of(drawing: Drawing) -> Batch:
-    """The graph of a program that is known to have one."""
-    batch = drawing.scenario.batch
-    assert batch is not None, drawing.scenario.not_lifted
-    return batch
-
-
 def draw_portion(drawing: Drawing, asked: PortionJob) -> Portion:
     """The scenes of a job, in this process."""
     begun = time.thread_time()
-    job, batch = asked.job, batch_of(drawing)
+    job, batch = asked.job, drawing.batch
     block = block_of(batch, job.seed, job.start, job.stop, job.max_attempts, asked.ahead)
     lines = drawing.lines.of(block, job.seed, asked.ahead) if asked.form == "lines" else ()
-    columns = table_of(batch.template, block, job.seed) if asked.form == "table" and len(block.attempts) else None
+    columns = drawing.tables.of(block, job.seed) if asked.form == "table" and len(block.attempts) else None
     features = features_in(batch.template, block) if asked.form == "features" else None
     soft = softness_of(drawing, block, job.seed, asked.looked) if asked.form != "features" and drawing.has_soft_requirements else ()
     ended = failed(block.error, []) if block.error is not None else None
@@ -109,7 +101,7 @@ def portions(
     drawing = drawing_of(source)
     total = job.stop - job.start
     size = FIRST if workers is None else max(1, min(FIRST, total // (SMALL_PARTS * count)))
-    pace = Pace(size, len(batch_of(drawing).template.objects))
+    pace = Pace(size, len(drawing.batch.template.objects))
     looked = job.start + MOST_LOOKED_AT
     parts = pace.parts(job.start, job.stop)
     asked = (PortionJob(job._replace(start=first, stop=stop), form, looked, (job.stop - stop) // count) for first, stop in parts)

@@ -21,7 +21,7 @@ from .errors import WORST
 from .files import LINES, PICTURES, check_ending, check_file, check_place
 from .options import Source
 from .outputs import Output, Resumed, open_output
-from .portions import Portion, batch_of, portions
+from .portions import Portion, portions
 from .progress import Progress, running_once
 from .reports import Tally, processor_seconds, requirement_lines, summary, write_report
 from .session import Session, tell
@@ -174,7 +174,7 @@ def backend_lines(interpreted: str | None, tally: Tally, drawing: Drawing) -> li
         return [f"drawn by the interpreter, {interpreted}"]
     runs = "1 run was" if tally.left == 1 else f"{tally.left:,} runs were"
     left = f"{runs} left to the interpreter"
-    batch, device = batch_of(drawing), drawing.scenario.device
+    batch, device = drawing.batch, drawing.scenario.device
     if device is None:
         why = leavers(batch.graph, LOOKED).most_common(MOST_LEAVERS) if tally.left else []
         return [f"drawn by the batch backend; {left}", *(f"left at {one} (so are {often:,} of {LOOKED} other runs)" for one, often in why)]

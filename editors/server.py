@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import BinaryIO
+from urllib.parse import unquote
 
 from lsprotocol import types
 from pygls.io_ import StdinAsyncReader, StdoutWriter, run_async
@@ -58,9 +59,13 @@ class ScenicServer(LanguageServer):
 
     # -- Texts
 
+    def opened(self, uri: str) -> TextDocument | None:
+        """An open document. pygls knows it by its address with the percent signs taken out."""
+        return self.workspace.text_documents.get(unquote(uri))
+
     def text_of(self, uri: str) -> TextDocument | None:
         """An open document, unless it is too long to look into."""
-        found = self.workspace.text_documents.get(uri)
+        found = self.opened(uri)
         return found if found is not None and len(found.source) <= LONGEST else None
 
     def lines(self, text: str) -> TextLines:
@@ -83,8 +88,9 @@ class ScenicServer(LanguageServer):
 
     def check(self, uri: str, delay: float = DELAY) -> None:
         """Check an open document soon."""
-        document = self.workspace.text_documents.get(uri)
+        document = self.opened(uri)
         if document is not None:
+            uri = document.uri
             path = to_fs_path(uri)
             folder = None if path is None else str(Path(path).parent)
             self.checks.changed(Revision(uri, document.version, document.source, path or uri, folder), delay)
@@ -222,8 +228,8 @@ def make_server(seconds: float) -> ScenicServer:
 
     @server.feature(types.TEXT_DOCUMENT_DID_SAVE)
     def did_save(params: types.DidSaveTextDocumentParams) -> None:
-        for uri in list(server.workspace.text_documents):  # others may import it
-            server.check(uri)
+        for document in list(server.workspace.text_documents.values()):  # others may import it
+            server.check(document.uri)
 
     @server.feature(types.TEXT_DOCUMENT_DID_CLOSE)
     def did_close(params: types.DidCloseTextDocumentParams) -> None:

@@ -161,6 +161,24 @@ def is_alike(array: np.ndarray) -> bool:
     return len(array) > 0 and array.strides[0] == 0
 
 
+def all_alike(array: np.ndarray) -> bool:
+    """Whether all rows of an array are the first, bit for bit."""
+    if is_alike(array):
+        return True
+    bits = np.ascontiguousarray(array).reshape(len(array), -1).view(np.uint8)
+    return bool((bits[-1] == bits[0]).all() and (bits[1:] == bits[:-1]).all())
+
+
+def again(column: TypedColumn, count: int) -> TypedColumn:
+    """All rows of a column, so many times one after the other."""
+    return column._replace(values=tiled(column.values, count), valid=None if column.valid is None else tiled(column.valid, count))
+
+
+def tiled(array: np.ndarray, count: int) -> np.ndarray:
+    """All rows of an array, so many times one after the other; a view of the first, which cannot be written, if all are alike."""
+    return alike(array, len(array) * count) if all_alike(array) else np.tile(array, (count, *[1] * (array.ndim - 1)))
+
+
 def taken(column: TypedColumn, rows: np.ndarray) -> TypedColumn:
     """Some rows, any number of times."""
     return column._replace(values=column.values[rows], valid=None if column.valid is None else column.valid[rows])

@@ -22,15 +22,16 @@ from ..semantics.kernel.errors import UsageError
 from .arrow import Arrow, Kinds, arrow_for
 from .columns import (
     BOOL,
+    FLOAT,
     JSON,
     NOTHING,
     TEXT,
     TypedColumn,
     alike,
+    all_alike,
     as_kind,
     dtype_of,
     in_first_order,
-    is_alike,
     joint,
     length_of,
     nothing,
@@ -40,8 +41,10 @@ from .columns import (
 from .scenes import in_json
 from .tables import OWN, SCHEMA, Columns, Groups, ordered, rows_in
 
+SOME = 1024
+"""So many rows of the first group say how a column of numbers is written: ..."""
 FEW = 256
-"""A number of which the first group has so few values is written as a place among them."""
+"""... where they have so few values, as a place among them."""
 
 
 class StoredArray(NamedTuple):
@@ -135,14 +138,6 @@ class Spool:
         self.file.close()
 
 
-def all_alike(array: np.ndarray) -> bool:
-    """Whether all rows of an array are the first, bit for bit."""
-    if is_alike(array):
-        return True
-    bits = np.ascontiguousarray(array).reshape(len(array), -1).view(np.uint8)
-    return bool((bits[-1] == bits[0]).all() and (bits[1:] == bits[:-1]).all())
-
-
 class TableFile(ABC):
     """A file of a table being written: under another name until it is complete, so that `path` is only ever a complete table.
 
@@ -220,14 +215,25 @@ class ParquetTable(TableFile):
 
 
 def encoding(first: Columns) -> dict[str, Any]:
-    """How the columns of a Parquet file are encoded, by the first group: few values as places among them, other numbers as they are."""
-    few = [name for name, column in first.items() if column.kind in (TEXT, JSON) or (column.values.ndim == 1 and has_few(column.values))]
-    return {"use_dictionary": few, "compression": "zstd", "compression_level": 1, "write_statistics": ["scene"]}
+    """How the columns of a Parquet file are encoded, by the first group.
+
+    Few values are written as places among them, the numbers of scenes as differences. Reals that are nearly all distinct are not compressed:
+    that would take longer than to write them, and save a twentieth.
+    """
+    texts = [name for name, column in first.items() if column.kind in (TEXT, JSON)]
+    distinct = {name: distinct_in(c.values) for name, c in first.items() if name not in texts and c.values.ndim == 1}
+    few = [name for name, count in distinct.items() if count <= FEW and name != "scene"]
+    many = {name for name, count in distinct.items() if count > 0.95 * SOME and first[name].kind == FLOAT}
+    compressed = [name if length_of(column.kind) is None else f"{name}.list.element" for name, column in first.items() if name not in many]
+    return {
+        "use_dictionary": texts + few, "column_encoding": {"scene": "DELTA_BINARY_PACKED"}, "write_statistics": ["scene"],
+        "compression": dict.fromkeys(compressed, "zstd"), "compression_level": dict.fromkeys(compressed, 1),
+    }
 
 
-def has_few(values: np.ndarray) -> bool:
-    """Whether a column has few values."""
-    return len(np.unique(values[: 4 * FEW])) <= FEW
+def distinct_in(values: np.ndarray) -> int:
+    """How many values there are in the first rows."""
+    return len(np.unique(values[:SOME]))
 
 
 class ArrowTable(TableFile):

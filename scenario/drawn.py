@@ -14,7 +14,7 @@ from ..formats.scenes import Scene
 from ..formats.tables import OWN, Columns, columns_of, pieces_of, together
 from ..inference.batch import Batch, Block
 from ..inference.batch.jobs.blocks import jobs
-from ..inference.batch.jobs.tables import table_of
+from ..inference.batch.jobs.tables import Tables
 from ..inference.rejection import SELDOM
 from ..interpreter.extras import needed
 from ..semantics.kernel.errors import AttemptsExhausted, UsageError
@@ -112,11 +112,12 @@ class Drawn(Iterator[Scene]):
         return together(pieces) if pieces else {name: as_kind(column, OWN[name]) for name, column in columns_of([]).items()}
 
     def _by_block(self, batch: Batch, seed: int, blocks: Iterator[Block]) -> Iterator[Columns]:
+        tables = Tables(batch.template)
         for block in blocks:
             self._done += len(block.attempts)
             self._tell(self._done)
             if len(block.attempts):
-                yield table_of(batch.template, block, seed)
+                yield tables.of(block, seed)
 
 
 def drawn(scenario: Scenario, n: int, seed: int, start: int, max_attempts: int, backend: Backend, tell: ToldScenes | Bar) -> Drawn:

@@ -21,7 +21,7 @@ from scenic_ref.formats.tables import Columns, Groups, columns_of, rows_in, some
 from scenic_ref.inference.batch import Block
 from scenic_ref.inference.batch.jobs.blocks import Pace, block_of, in_order, uninterrupted
 from scenic_ref.inference.batch.jobs.lines import PACE_KNOWN, Lines, lines_of
-from scenic_ref.inference.batch.jobs.tables import table_of
+from scenic_ref.inference.batch.jobs.tables import Tables
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted
 
 SUFFIXES = [pytest.param(s, marks=pytest.mark.extra("parquet") if s in (".parquet", ".arrow") else ()) for s in ALL]
@@ -71,7 +71,7 @@ def test_lines_and_tables_are_those_of_the_interpreter_s_scenes(name):
     block = block_of(batch, 5, 3, 43)
     scenes = [scenario.sample(5, index) for index in range(3, 43)]
     assert lines_of(batch.template, block, 5) == whole_lines(scene.to_line() for scene in scenes)
-    assert same(table_of(batch.template, block, 5), columns_of(json.loads(scene.to_line()) for scene in scenes))
+    assert same(Tables(batch.template).of(block, 5), columns_of(json.loads(scene.to_line()) for scene in scenes))
 
 
 @pytest.mark.extra("fast")
@@ -111,7 +111,7 @@ def test_runs_that_were_left_to_the_interpreter_stand_in_their_places():
     whole = block_of(batch, 0, 10, 50)
     part = without(whole, whole.rows % 3 == 0, batch.scenes_of(whole, 0))
     assert lines_of(batch.template, part, 0) == lines_of(batch.template, whole, 0)
-    assert same(table_of(batch.template, part, 0), table_of(batch.template, whole, 0))
+    assert same(Tables(batch.template).of(part, 0), Tables(batch.template).of(whole, 0))
 
 
 def test_the_sizes_of_jobs_change_neither_scenes_nor_attempts():

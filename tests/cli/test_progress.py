@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 from scenic_ref.cli import progress
 from scenic_ref.cli.drawing import Drawing
-from scenic_ref.cli.portions import batch_of
 from scenic_ref.cli.production import BatchForesight, SceneRequest
 from scenic_ref.cli.progress import Progress
 from scenic_ref.scenario import loads
@@ -116,7 +115,7 @@ def test_what_is_known_before_the_first_scene_comes_from_the_graph():
     seen = BatchForesight(drawing, SceneRequest(0, 10, 0, 100_000, None, None, 1, False))
     assert seen.runs() == 0
     assert "_lifted" not in vars(drawing.scenario)
-    block = batch_of(drawing).block(0, 0, 10)
+    block = drawing.batch.block(0, 0, 10)
     assert seen.runs() == block.runs > 1_000
     assert 0.5 < (seen.probability() or 0) / (0.4**4 / 24) < 2
 

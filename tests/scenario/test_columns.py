@@ -34,7 +34,7 @@ from scenic_ref.formats.columns import (
 )
 from scenic_ref.formats.table_files import open_table
 from scenic_ref.formats.tables import columns_of
-from scenic_ref.inference.batch.jobs.tables import table_of
+from scenic_ref.inference.batch.jobs.tables import Tables
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted, UsageError
 
 data = pytest.mark.extra("data")
@@ -125,8 +125,9 @@ def test_a_file_is_the_same_whether_its_scenes_come_one_by_one_or_in_columns(suf
         one_by_one, in_columns = open_table(tmp_path / f"a{suffix}"), open_table(tmp_path / f"b{suffix}")
         for one in scenario.sample_many(30, seed):
             one_by_one.add(one.to_json())
+        tables = Tables(scenario.batch.template)
         for start, stop in ((0, 1), (1, 8), (8, 30)):
-            in_columns.add_columns(table_of(scenario.batch.template, scenario.batch.block(seed, start, stop), seed))
+            in_columns.add_columns(tables.of(scenario.batch.block(seed, start, stop), seed))
         for table in (one_by_one, in_columns):
             table.finish()
             table.close()

@@ -5,12 +5,12 @@ What comes out is what `formats.tables.columns_of` gives for these scenes, in th
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ....formats.columns import EXACT, TypedColumn, column_of, constant, interleaved, nothing, numbers, repeated, taken, vector
-from ....formats.scenes import json_value
+from ....formats.columns import EXACT, TypedColumn, again, column_of, constant, interleaved, nothing, numbers, repeated, taken, vector
+from ....formats.scenes import OWN_FIELDS, json_value
 from ....formats.tables import Columns as TableColumns
 from ....formats.tables import column_name, columns_of, ordered, some, together
 from ....semantics.kernel.values import Random
@@ -19,64 +19,95 @@ from ..evaluate.rows import Columns
 from ..evaluate.sampling import Block
 from ..trace.structures import symbols_in
 from ..trace.symbols import Choice, Opaque, Traced
-from ..trace.templates import Template, listed
-from .lines import OWN_FIELDS, Numbers, attempts_of, others, own_fields
+from ..trace.templates import ObjectTemplate, Template, listed
+from .lines import Numbers, attempts_of, coordinates, floats, others, turned
 
 
-def table_of(template: Template, block: Block, seed: int) -> TableColumns:
-    """The columns of a table with the objects of the scenes of a block, one row for each, in order."""
-    made = [_table(template, block, seed)] if len(block.rows) else []
-    if not block.others:
-        return made[0]
-    whole = together([*made, *(columns_of([scene.to_json()]) for scene in block.others.values())])
-    return some(whole, np.argsort(whole["scene"].values, kind="stable"))
+class Tables:
+    """What makes the tables of a program's scenes, block by block; what is the same in all scenes is looked at once."""
+
+    def __init__(self, template: Template) -> None:
+        self.template = template
+        self.params = varying("params", template.params)
+        self.properties = [varying("properties", others(o)) for o in template.objects]
+        self.own = [[field for field in OWN_FIELDS if symbols_in(o.properties[field])] for o in template.objects]
+        self.fixed = [fixed_of(template, number) for number in range(len(template.objects))]
+        """For each object what is the same in all scenes: columns of one row."""
+        self.patterns = {n: interleaved([f[n] for f in self.fixed]) for n in self.fixed[0] if all(n in f for f in self.fixed)} if self.fixed else {}
+        """Columns that are the same in all scenes: the rows of one scene."""
+
+    def of(self, block: Block, seed: int) -> TableColumns:
+        """The columns of a table with the objects of the scenes of a block, one row for each, in order."""
+        made = [self.drawn(block, seed)] if len(block.rows) else []
+        if not block.others:
+            return made[0]
+        whole = together([*made, *(columns_of([scene.to_json()]) for scene in block.others.values())])
+        return some(whole, np.argsort(whole["scene"].values, kind="stable"))
+
+    def drawn(self, block: Block, seed: int) -> TableColumns:
+        """The rows of the scenes in the columns of a block."""
+        count, columns, objects = len(block.rows), block.columns, self.template.objects
+        rows = count * len(objects)
+        found = {"seed": constant(str(seed), rows), "weight": constant(1.0, rows)}
+        found |= {name: again(pattern, count) for name, pattern in self.patterns.items()}
+        shared = {"scene": numbers(block.rows), "attempts": numbers(attempts_of(block))}
+        shared |= {name: typed(value, columns, count) for name, value in self.params.items()}
+        by_object: list[TableColumns] = []
+        for o, own, properties, fixed in zip(objects, self.own, self.properties, self.fixed, strict=True):
+            made = shared | own_columns(o, own, columns, count) | {name: typed(value, columns, count) for name, value in properties.items()}
+            by_object.append(made | {name: repeated(column, count) for name, column in fixed.items() if name not in found})
+        for name in {name for made in by_object for name in made}:
+            found[name] = interleaved([made[name] if name in made else nothing(count) for made in by_object])
+        return {name: found[name] if name in found else nothing(rows) for name in ordered(found)}
 
 
-def _table(template: Template, block: Block, seed: int) -> TableColumns:
-    """The rows of the scenes in the columns of a block."""
-    count, columns, objects = len(block.rows), block.columns, template.objects
-    by_object: list[TableColumns] = []
-    shared = {"seed": constant(str(seed), count), "scene": numbers(block.rows), "attempts": numbers(attempts_of(block))}
-    shared["weight"] = constant(1.0, count)
-    params = {column_name("params", name): typed(value, columns, count) for name, value in template.params.items()}
-    for number, o in enumerate(objects):
-        own = zip(("x", "y", "heading", "width", "length"), own_fields(o, columns, count), strict=True)
-        fixed = {name for name in OWN_FIELDS if name != "position" and not symbols_in(o.properties[name])}
-        by_object.append({
-            **shared, "object": constant(number, count), "ego": constant(number == template.ego_id, count), "name": constant(o.name, count),
-            "class": constant(o.class_name, count), **{name: own_column(values, name in fixed) for name, values in own},
-            **{column_name("properties", name): typed(value, columns, count) for name, value in others(o).items()}, **params,
-        })  # fmt: skip
-    names = ordered({name for made in by_object for name in made})
-    return {name: interleaved([made[name] if name in made else nothing(count) for made in by_object] or [nothing(0)]) for name in names}
+def varying(part: str, values: Mapping[str, object]) -> dict[str, object]:
+    """Those properties or parameters that are not the same in all scenes, by their columns."""
+    return {column_name(part, name): value for name, value in values.items() if symbols_in(value)}
 
 
-def own_column(values: Numbers, is_fixed: bool) -> TypedColumn:
-    """The column of a field of its own, which is the same in all scenes if it is fixed."""
-    column = numbers(np.array(values, dtype=float))
-    return repeated(column, column.rows) if is_fixed else column
+def fixed_of(template: Template, number: int) -> TableColumns:
+    """What is the same in all scenes of an object and the parameters: columns of one row."""
+    o = template.objects[number]
+    found = {"object": number, "ego": number == template.ego_id, "name": o.name, "class": o.class_name}
+    for part, values in (("properties", others(o)), ("params", template.params)):
+        found |= {column_name(part, name): json_value(value) for name, value in values.items() if not symbols_in(value)}
+    own = [field for field in OWN_FIELDS if not symbols_in(o.properties[field])]
+    return {name: column_of([value]) for name, value in found.items()} | own_columns(o, own, {}, 1)
+
+
+def own_columns(o: ObjectTemplate, fields: Sequence[str], columns: Columns, count: int) -> TableColumns:
+    """The columns of some of the fields that all objects have: x and y for the position, the heading in (-π, π]."""
+    found: dict[str, Numbers] = {}
+    for field in fields:
+        value = o.properties[field]
+        if field == "position":
+            found["x"], found["y"] = coordinates(value, columns, count)
+        else:
+            found[field] = turned(floats(value, columns, count)) if field == "heading" else floats(value, columns, count)
+    return {name: numbers(np.array(values, dtype=float)) for name, values in found.items()}
 
 
 def typed(value: object, columns: Columns, count: int) -> TypedColumn:
     """The column of a property or parameter, of its values in the scene format."""
     match value:
-        case _ if not symbols_in(value):
-            return constant(json_value(value), count)
         case Choice() if not symbols_in(value.values):
-            used, rows = np.unique(columns[value.node.number], return_inverse=True)  # the type is that of what was drawn
-            return taken(column_of([json_value(value.values[k]) for k in used.tolist()]), rows)
+            drawn = columns[value.node.number].astype(np.int64, copy=False)
+            is_drawn = np.bincount(drawn, minlength=len(value.values)) > 0  # the type is that of what was drawn
+            few = column_of([json_value(value.values[k]) for k in np.flatnonzero(is_drawn).tolist()])
+            return taken(few, (np.cumsum(is_drawn) - 1)[drawn])
         case Traced() if not isinstance(value, (Choice, Opaque)):
             return numbers(columns[value.node.number])
         case Random():
             return typed(value.value, columns, count)
-        case Vector() if (parts := floats([value.x, value.y], columns, count)) is not None:
+        case Vector() if (parts := lists_of([value.x, value.y], columns, count)) is not None:
             return parts
-        case list() | tuple() if type(value) in (list, tuple) and (parts := floats(value, columns, count)) is not None:
+        case list() | tuple() if type(value) in (list, tuple) and (parts := lists_of(value, columns, count)) is not None:
             return parts
     return column_of([json_value(v) for v in listed(value, columns, count)])
 
 
-def floats(values: Sequence[object], columns: Columns, count: int) -> TypedColumn | None:
+def lists_of(values: Sequence[object], columns: Columns, count: int) -> TypedColumn | None:
     """Lists of numbers, where all are floats or constant numbers, and finite; else None."""
     found = []
     for value in values:
@@ -90,4 +121,4 @@ def floats(values: Sequence[object], columns: Columns, count: int) -> TypedColum
     return TypedColumn(vector(len(found)), stacked) if np.isfinite(stacked).all() else None
 
 
-__all__ = ["table_of"]
+__all__ = ["Tables"]
