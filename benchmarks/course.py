@@ -45,8 +45,8 @@ class CourseRequest:
         return {"seconds": self.seconds, "repeat": self.repeat, "prune": self.prune, "seed": self.seed, "end to end": self.end_to_end}
 
 
-def measure(request: CourseRequest, tell: Tell, finish: Callable[[Figures], None]) -> None:
-    """Measure all that is requested; `finish` gets the figures, after Ctrl-C those that there are.
+def measure(request: CourseRequest, tell: Tell, finish: Callable[[Figures], None]) -> Figures:
+    """Measure all that is requested, and return the figures; `finish` gets them, after Ctrl-C those that there are.
 
     Raises `UsageError` before anything is measured, and `KeyboardInterrupt` after `finish`.
     """
@@ -73,6 +73,7 @@ def measure(request: CourseRequest, tell: Tell, finish: Callable[[Figures], None
         finish(figures)
         if figures.interrupted:
             raise KeyboardInterrupt
+    return figures
 
 
 def ours(numba: bool, torch: bool, prune: bool) -> Iterator[Ours]:

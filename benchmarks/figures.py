@@ -119,8 +119,12 @@ class Figures:
     interrupted: bool = False
 
     def programs(self) -> list[str]:
-        """The programs of which something was measured."""
+        """The programs with which the benchmark has begun."""
         return list(dict.fromkeys(cell.program for cell in self.cells))
+
+    def unmeasured(self) -> list[str]:
+        """The programs that no implementation could draw."""
+        return [name for name in self.programs() if all(cell.rate is None for cell in self.cells if cell.program == name)]
 
     def cell(self, program: str, contender: str) -> Cell | None:
         """The cell of a program and an implementation."""

@@ -83,7 +83,10 @@ def bench(
     request = CourseRequest(
         tuple(programs or ()), seconds, repeat, tuple(against or ()), released, prune, growth, seed, end_to_end, trust, tuple(formats or FORMATS)
     )
-    measure(request, tell, lambda figures: finish(figures, request, output, plot))
+    figures = measure(request, tell, lambda figures: finish(figures, request, output, plot))
+    if unmeasured := figures.unmeasured():
+        tell(f"nothing could be measured of {', '.join(unmeasured)}")
+        raise typer.Exit(1)
 
 
 def check_outputs(programs: Sequence[str], output: str | None, plot: str | None) -> None:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping
+from pathlib import PurePath
+from urllib.parse import quote
 
 from .. import __version__
 from ..formats.scenes import in_json, in_utf8
@@ -56,9 +59,15 @@ def result(one: Diagnostic, rule: int) -> dict[str, object]:
     """A diagnostic as SARIF has it."""
     span = one.span
     region = {"startLine": span.line, "startColumn": span.column, "endLine": span.end_line, "endColumn": span.end_column}
-    place: dict[str, object] = {"artifactLocation": {"uri": span.file.replace("\\", "/")}, **({"region": region} if span.line else {})}
+    place: dict[str, object] = {"artifactLocation": {"uri": address_of(span.file)}, **({"region": region} if span.line else {})}
     where = [{"physicalLocation": place}]
     return {"ruleId": identifier(one.kind), "ruleIndex": rule, "level": one.severity, "message": {"text": one.text}, "locations": where}
+
+
+def address_of(file: str) -> str:
+    """The address of a file, as SARIF and the web have it: relative as it was given, else with `file://`."""
+    path = PurePath(file)
+    return path.as_uri() if path.is_absolute() else quote(os.fsencode(path.as_posix()))
 
 
 def identifier(kind: str) -> str:

@@ -65,6 +65,7 @@ def written(figure: Figure, format: str) -> bytes:
     out = io.BytesIO()
     metadata = {"png": {"Software": None}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}[format]
     with rc_context({"svg.hashsalt": "scenic-ref"}):  # names in a picture are drawn at random otherwise
+        figure.draw_without_rendering()  # the layout, which is not settled in one pass: titles could be cut off at the edge
         figure.savefig(out, format=format, dpi=150, metadata=metadata)
     return out.getvalue()
 
@@ -281,10 +282,29 @@ def draw_names(axes: Axes, scene: Scene, size: int, window: Window) -> list[Wind
         text = shortened(o.name or o.class_name)
         spot = room_for(len(text) * LETTER * size * point, LINE * size * point, bounds_of(o), [*boxes, *taken], window)
         taken.append(spot)
+        if may_be_mistaken(spot, bounds_of(o), [bounds_of(other) for other in scene.objects if other is not o]):
+            draw_leader(axes, spot, o)
         x, y = (spot[0] + spot[2]) / 2, (spot[1] + spot[3]) / 2
         label = axes.text(x, y, text, ha="center", va="center", fontsize=size - 1, color=INK if o.name else "#666666", zorder=6, clip_on=True)
         label.set_path_effects([withStroke(linewidth=2, foreground="white", alpha=0.85)])
     return [*boxes, *taken]
+
+
+def may_be_mistaken(spot: Window, box: Window, others: Sequence[Window]) -> bool:
+    """Whether a name could be that of another object: one that is as near, or nearly."""
+    height = spot[3] - spot[1]
+    return any(apart(spot, other) < apart(spot, box) + height / 2 for other in others)
+
+
+def apart(one: Window, other: Window) -> float:
+    """The distance of two rectangles."""
+    return math.hypot(max(0.0, one[0] - other[2], other[0] - one[2]), max(0.0, one[1] - other[3], other[1] - one[3]))
+
+
+def draw_leader(axes: Axes, spot: Window, o: SceneObject) -> None:
+    """A line from a name to the middle of its object."""
+    (x, y), (west, south, east, north) = o.position, spot
+    axes.plot([min(max(x, west), east), x], [min(max(y, south), north), y], color=QUIET, linewidth=0.7, solid_capstyle="butt", zorder=5.5)
 
 
 def point_of(window: Window, size: int) -> float:

@@ -139,6 +139,7 @@ def _unused_imports(program: Program, nodes: list[Node], library: Library) -> It
     used = {node.name for node in nodes if isinstance(node, Name)}
     if "__all__" in used:
         return
+    words = set(re.findall(r"\w+", _without_imports(program.text, nodes)))  # in an annotation, say, of which the tree knows nothing
     for statement in program.statements:
         if isinstance(statement, s.Import):
             named = [(one, one.alias or one.name.partition(".")[0], one.name) for one in statement.names]
@@ -147,13 +148,21 @@ def _unused_imports(program: Program, nodes: list[Node], library: Library) -> It
         else:
             continue
         for one, name, module in named:
-            if name not in used and not name.startswith("_") and not _said_again(name, program.text) and _only_defines(module, library):
+            if name not in used and not name.startswith("_") and name not in words and _only_defines(module, library):
                 yield ProgramWarning(UNUSED, f"nothing uses the import {name}", one.span, "remove it")
 
 
-def _said_again(name: str, text: str) -> bool:
-    """Whether the text has a name more than once: in an annotation, say, of which the tree knows nothing."""
-    return len(re.findall(rf"\b{re.escape(name)}\b", text)) > 1
+def _without_imports(text: str, nodes: list[Node]) -> str:
+    """The text with the imports taken out."""
+    lines = text.splitlines()
+    for node in nodes:
+        if isinstance(node, s.Import | s.ImportFrom):
+            first, last = node.span.line, node.span.end_line
+            for number in range(first, min(last, len(lines)) + 1):
+                line = lines[number - 1]
+                before = line[: node.span.column - 1] if number == first else ""
+                lines[number - 1] = before + (line[node.span.end_column - 1 :] if number == last else "")
+    return "\n".join(lines)
 
 
 def _only_defines(name: str, library: Library) -> bool:

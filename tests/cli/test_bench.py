@@ -94,6 +94,13 @@ def test_without_a_released_implementation_ratios_are_to_the_interpreter(ask: As
     assert cells["prints", "interpreter"]["scenes per second"]["median"] > 0
 
 
+def test_a_program_of_which_nothing_can_be_measured_is_a_failure(ask: Ask, tmp_path: Path):
+    (tmp_path / "brök en.scenic").write_text("ego = (\n")
+    answer = ask("bench", "brök en.scenic", *QUICK, "--end-to-end", "--format", "csv")
+    assert answer.code == 1 and "nothing could be measured of brök en" in answer.err
+    assert "this `(` is never closed" in answer.out
+
+
 @pytest.mark.slow
 @pytest.mark.usefixtures("two_backends")
 def test_a_program_that_a_released_implementation_does_not_run_is_told(ask: Ask, fake: Path, tmp_path: Path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 
 import pytest
@@ -61,6 +62,18 @@ def test_sarif_has_a_rule_for_each_kind(ask) -> None:
     assert {r["level"] for r in run["results"]} == {"error"}
     place = run["results"][1]["locations"][0]["physicalLocation"]
     assert place == {"artifactLocation": {"uri": "p.scenic"}, "region": {"startLine": 2, "startColumn": 19, "endLine": 2, "endColumn": 24}}
+
+
+@pytest.mark.parametrize(
+    ("name", "address"),
+    [("brök en.scenic", "br%C3%B6k%20en.scenic"), ("a:b.scenic", "a%3Ab.scenic"), ("50%#?.scenic", "50%25%23%3F.scenic"), (b"\xff.scenic", "%FF.scenic")],
+)
+def test_sarif_has_the_addresses_of_files(ask, name, address) -> None:
+    path = Path(os.fsdecode(name))
+    path.write_text(WARNED)
+    for given, expected in ((path, address), (path.resolve(), f"{Path.cwd().as_uri()}/{address}")):
+        found = json.loads(ask("check", str(given), "--format", "sarif").out)["runs"][0]["results"]
+        assert {r["locations"][0]["physicalLocation"]["artifactLocation"]["uri"] for r in found} == {expected}
 
 
 def test_a_format_that_there_is_not_and_samples_with_a_format_are_wrong_usage(ask) -> None:

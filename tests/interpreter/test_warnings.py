@@ -32,6 +32,8 @@ def warned(text: str, directory: Path | None = None) -> list[tuple[int, int, str
         ("class A:\n    taste: 5\nego = A with tatse 3\n", (3, 14, "nothing reads the property tatse", "did you mean taste?")),
         ("behavior B():\n    take 1\nego = Object with behaviour B()\n", (3, 19, "nothing reads the property behaviour", "did you mean behavior?")),
         ("import math\nego = Object\n", (1, 8, "nothing uses the import math", "remove it")),
+        ("import math\nfrom math import sin\nego = Object at sin(0) @ 0\n", (1, 8, "nothing uses the import math", "remove it")),
+        ("import math\nimport math as m\nego = Object at m.sin(0) @ 0\n", (1, 8, "nothing uses the import math", "remove it")),
         ("from math import sin, cos\nego = Object with width cos(0)\n", (1, 18, "nothing uses the import sin", "remove it")),
         ("ego = Object facing 90\n", (1, 21, "headings are in radians, and 90 is more than a full turn", "for degrees write 90 deg")),
         (
@@ -137,7 +139,7 @@ def test_vectors_are_warned_about_imports_that_they_do_not_use_and_what_they_are
                     others.add((vector.name, warning.kind))
                     continue
                 name = warning.message.removeprefix("nothing uses the import ")
-                if len(re.findall(rf"\b{name}\b", text)) != 1:
+                if re.search(rf"\b{name}\b", re.sub(r"^\s*(import|from)\b.*", "", text, flags=re.MULTILINE)):
                     wrong.append((vector.name, dialect, warning.message))
     assert wrong == []
     assert others == {
