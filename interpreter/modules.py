@@ -106,7 +106,10 @@ def located(
         return key, {}
     key = key if asked.level else asked.name
     found = find_python(key, trust=trust, directory=directory) if asked.needed or trust else None
-    return key, absent("." * asked.level + asked.name, worlds) if found is None and asked.needed else found
+    if found is not None or not asked.needed:
+        return key, found
+    name = "." * asked.level + asked.name
+    return key, not_itself(name) if is_program(key, directory, program.file) else absent(name, worlds)
 
 
 def imported_names(program: Program, package: str) -> Iterator[Asked]:
@@ -139,6 +142,19 @@ def absent(name: str, worlds: Mapping[str, World]) -> ModuleNotFoundError:
     elif name.isidentifier():
         models = [key for key in worlds if "." not in key or (key.startswith("scenic.domains.") and key.endswith(".model"))]
         error.add_note(f"there is no file {name}.scenic beside the program; world models are {', '.join(models)}")
+    return error
+
+
+def is_program(key: str, directory: Path | None, file: str) -> bool:
+    """Whether the file of a module beside the program is that of the program itself."""
+    path = None if directory is None or not key.strip(".") else path_of(key, directory)
+    return path is not None and path.with_name(f"{path.name}.scenic").resolve() == Path(file).resolve()
+
+
+def not_itself(name: str) -> ModuleNotFoundError:
+    """The error that the program cannot be imported."""
+    error = ModuleNotFoundError(f"there is no module {name}: its file is that of the program itself, which cannot be imported")
+    error.add_note("move what both need into a file of its own, and import that")
     return error
 
 
@@ -177,7 +193,7 @@ def find_beside(key: str, *, directory: Path | None, dialect: str | None, import
         return None
     if leads_away(file, folder_of(key, directory)):
         return linked_program(key.lstrip("."), file, dialect)
-    return None if importer and file.resolve() == Path(importer).resolve() else read_program(file, dialect)
+    return None if is_program(key, directory, importer) else read_program(file, dialect)
 
 
 def is_package(key: str, directory: Path | None) -> bool:

@@ -66,7 +66,10 @@ def test_sarif_has_a_rule_for_each_kind(ask) -> None:
 
 @pytest.mark.parametrize(
     ("name", "address"),
-    [("brök en.scenic", "br%C3%B6k%20en.scenic"), ("a:b.scenic", "a%3Ab.scenic"), ("50%#?.scenic", "50%25%23%3F.scenic"), (b"\xff.scenic", "%FF.scenic")],
+    [
+        ("brök en.scenic", "br%C3%B6k%20en.scenic"), ("a:b.scenic", "a%3Ab.scenic"), ("50%#?.scenic", "50%25%23%3F.scenic"),
+        (b"\xff.scenic", "%FF.scenic"),
+    ],
 )
 def test_sarif_has_the_addresses_of_files(ask, name, address) -> None:
     path = Path(os.fsdecode(name))

@@ -210,3 +210,15 @@ def test_draws_of_python_say_what_to_write(program: str) -> None:
     with pytest.raises(ScenicError, match="has no uniform") as found:
         loads(program).sample(seed=0)
     assert "Range" in found.value.hint
+
+
+@pytest.mark.parametrize("statement", ["import town", "from .town import x", "from town import *"])
+def test_the_program_is_no_module(tmp_path, statement):
+    (tmp_path / "town.scenic").write_text("import lib\nego = Object\n")
+    (tmp_path / "lib.scenic").write_text(f"x = 1\n{statement}\n")
+    with pytest.raises(UncaughtException, match=r"its file is that of the program itself, which cannot be imported") as caught:
+        scenic_ref.load(tmp_path / "town.scenic").sample()
+    assert (caught.value.span.file.endswith("lib.scenic"), caught.value.span.line) == (True, 2)
+    (tmp_path / "town.scenic").write_text("import math\nego = Object with width math.cos(0)\n")
+    (tmp_path / "town.scenic").rename(tmp_path / "math.scenic")
+    assert scenic_ref.load(tmp_path / "math.scenic").sample().ego.width == 1
