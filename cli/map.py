@@ -36,7 +36,9 @@ def show_map(
             help="Make a grid, crossing, t, roundabout, highway or suburb; without FILE, list the parameters and their values.",
         ),
     ] = None,
-    param: Annotated[list[str] | None, typer.Option("-p", "--param", metavar="NAME=VALUE", help="A parameter of --make.")] = None,
+    param: Annotated[
+        list[str] | None, typer.Option("-p", "--param", metavar="NAME=VALUE", help="A parameter of --make, or map_crs of one's own map.")
+    ] = None,
     debug: DebugOption = False,
 ) -> None:
     """Say what is in a map, draw it, or make one.
@@ -56,7 +58,10 @@ def show_map(
     if file is None:
         print("\n".join(explained(make)))
         return
+    is_site = Path(file).suffix.lower() in SITES
     if make is not None:
+        if is_site:
+            raise UsageError(f"--make writes road maps, .xodr files, and {Path(file).name} is no name of one")
         if file != "-":
             check_place(file, {})
         text = text_of(make, param or [])
@@ -64,13 +69,13 @@ def show_map(
             print(text, end="")
             return
         write(file, text)
-    elif param:
-        raise UsageError("-p gives parameters of --make")
-    if Path(file).suffix.lower() in SITES:
+    if is_site:
         if check:
             raise UsageError("--check is about road maps")
-        show_site(file, as_json=as_json, plot=plot)
+        show_site(file, crs_in(param or []), as_json=as_json, plot=plot)
         return
+    if param and make is None:
+        raise UsageError("-p gives parameters of --make, or map_crs of a map of one's own")
     from ..maps import read_map
     from ..maps.summary import faults, summary
 
@@ -89,14 +94,26 @@ def show_map(
         raise typer.Exit(1)
 
 
-def show_site(file: str, *, as_json: bool, plot: str | None) -> None:
+def crs_in(given: list[str]) -> str | None:
+    """The parameter map_crs, None if it is not given. Raises `UsageError` for others."""
+    from ..semantics.kernel.errors import UsageError
+    from ..simulators.worlds.site_maps import CRS
+    from .options import pairs
+
+    values = dict(pairs(given, "--param", "NAME=VALUE"))
+    if others := values.keys() - {CRS}:
+        raise UsageError(f"there is no parameter {min(others)}: of a map of one's own there is {CRS}")
+    return values.get(CRS)
+
+
+def show_site(file: str, crs: str | None, *, as_json: bool, plot: str | None) -> None:
     """Say what is on a map of one's own, and draw it."""
     from ..formats.geodata import read_site
     from ..formats.site_pictures import site_picture
     from .columns import columns
     from .files import write
 
-    site = read_site(Path(file))
+    site = read_site(Path(file), crs)
     told = site.summary()
     if as_json:
         print(json.dumps(told, ensure_ascii=False, indent=2))

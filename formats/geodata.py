@@ -9,7 +9,7 @@ import json
 import math
 import re
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 import shapely
-from shapely.geometry import shape as geometry_of
+from shapely.geometry import shape as shape_of
 from shapely.geometry.base import BaseGeometry
 
 from ..interpreter.extras import needed
@@ -33,6 +33,7 @@ LARGEST_EXTENT, LEAST_EXTENT = 100_000.0, 1.0
 METRES, DEGREES = "metres", "EPSG:4326"
 """Coordinates that need no projection, and those of GeoJSON if it says nothing else."""
 SUFFIXES = (".geojson", ".json", ".wkt", ".shp")
+GEOMETRIES = ("Point", "LineString", "Polygon", "MultiPoint", "MultiLineString", "MultiPolygon", "GeometryCollection")
 NAMES = ("name", "Name", "NAME", "id")
 """Properties that may name a feature, the first that there is."""
 NAMED = re.compile(r"\s*(?P<name>[^:;()]+?)\s*:\s*(?P<wkt>.+)")
@@ -109,7 +110,7 @@ def of_geojson(found: object) -> Read:
         case "Feature":
             return [feature_of(found, "the feature")], crs
         case _:
-            return [feature_of({"type": "Feature", "geometry": found}, "the geometry")], crs
+            return [feature_of({"type": "Feature", "geometry": found}, "the file")], crs
 
 
 def feature_of(member: object, place: str) -> MapFeature:
@@ -125,13 +126,23 @@ def feature_of(member: object, place: str) -> MapFeature:
     return MapFeature(name, made(lambda: geometry_of(member["geometry"]), where), dict(properties), where)
 
 
+def geometry_of(found: object) -> BaseGeometry:
+    """A geometry of GeoJSON. Raises `ValueError`, and whatever the library raises."""
+    if not isinstance(found, Mapping) or found.get("type") not in GEOMETRIES:
+        raise ValueError(f"its type is to be {', '.join(GEOMETRIES[:-1])} or {GEOMETRIES[-1]}")
+    member = "geometries" if found["type"] == "GeometryCollection" else "coordinates"
+    if not isinstance(found.get(member), Sequence):
+        raise ValueError(f"a {found['type']} has {member}")
+    return shape_of(dict(found))
+
+
 def made(make: Callable[[], BaseGeometry], place: str) -> BaseGeometry:
     """The shape that a call makes. Raises `MapError` for whatever the library says that is wrong, and for too many points, or none that is finite."""
     try:
         found = make()
         coordinates = shapely.get_coordinates(found)
     except (shapely.errors.ShapelyError, KeyError, AttributeError, TypeError, ValueError, IndexError, RecursionError, NotImplementedError) as problem:
-        detail = str(problem).partition("\n")[0] or type(problem).__name__
+        detail = f"it has no {problem.args[0]}" if isinstance(problem, KeyError) else str(problem).partition("\n")[0] or type(problem).__name__
         raise MapError(f"{place} has no geometry that can be read: {detail:.200}") from None
     if len(coordinates) > MOST_POINTS:
         raise MapError(f"{place} has {len(coordinates):,} points: at most {MOST_POINTS:,}")
@@ -147,10 +158,13 @@ def of_wkt(text: str) -> Read:
         if not line.strip() or line.lstrip().startswith("#"):
             continue
         place = f"line {number}"
-        named = NAMED.fullmatch(line)
-        name, rest = (named["name"], named["wkt"]) if named is not None else (None, line)
-        coded = SRID.fullmatch(rest)
-        code, rest = (coded["code"], coded["wkt"]) if coded is not None else (None, rest)
+        name = code = None
+        rest = line
+        for _ in range(2):  # in either order
+            if code is None and (coded := SRID.fullmatch(rest)) is not None:
+                code, rest = coded["code"], coded["wkt"]
+            elif name is None and (named := NAMED.fullmatch(rest)) is not None:
+                name, rest = named["name"], named["wkt"]
         codes.append(code)
         where = place if name is None else f"{place} ({name!r:.60})"
         features.append(MapFeature(name, made(lambda text=rest: shapely.from_wkt(text.strip()), where), {}, where))

@@ -8,6 +8,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
+from warnings import catch_warnings, filterwarnings
 
 import numpy as np
 import shapely
@@ -64,7 +65,8 @@ def written(figure: Figure, format: str) -> bytes:
 
     out = io.BytesIO()
     metadata = {"png": {"Software": None}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}[format]
-    with rc_context({"svg.hashsalt": "scenic-ref"}):  # names in a picture are drawn at random otherwise
+    with rc_context({"svg.hashsalt": "scenic-ref"}), catch_warnings():  # names in a picture are drawn at random otherwise
+        filterwarnings("ignore", "Glyph .* missing from font")  # a box stands for it
         figure.draw_without_rendering()  # the layout, which is not settled in one pass: titles could be cut off at the edge
         figure.savefig(out, format=format, dpi=150, metadata=metadata)
     return out.getvalue()

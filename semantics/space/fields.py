@@ -100,7 +100,7 @@ class PolygonalVectorField(VectorField):
         defaultHeading: float | None = None,
     ) -> None:
         super().__init__(name, self._value_at)
-        self.cells: tuple[Cell, ...] = tuple(map(cell_of, cells))
+        self.cells: tuple[Cell, ...] = tuple(map(cell_of, cells_in(cells)))
         self.headingFunction = headingFunction
         self.defaultHeading = defaultHeading
         self._squares: dict[tuple[int, int], tuple[int, ...]] = {}  # grid square -> cells near it, filled on demand
@@ -167,6 +167,14 @@ class PolygonalVectorField(VectorField):
         if near:
             self._squares[square] = near
         return near
+
+
+def cells_in(cells: object) -> tuple[Sequence[object], ...]:
+    """The cells, not yet looked at. Raises `BadField`."""
+    try:
+        return tuple(cells)  # type: ignore[arg-type]
+    except TypeError:
+        raise BadField(f"the cells of a vector field must be a list of pairs, not {cells!r:.80}") from None
 
 
 def cell_of(pair: Sequence[object]) -> Cell:

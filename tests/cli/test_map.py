@@ -83,6 +83,8 @@ def test_faults_are_found(ask, tmp_path: Path) -> None:
         (["map", "--make", "t", "-p", "lanes=many", "x.xodr"], "lanes must be a whole number from 1 to 4, not 'many'"),
         (["map", "--make", "t", "-p", "lane=1", "x.xodr"], "maps of the kind t have no parameter 'lane'"),
         (["map", "ok.scenic", "-p", "lanes=1"], "-p gives parameters of --make"),
+        (["map", "ok.geojson", "-p", "crs=metres"], "there is no parameter crs: of a map of one's own there is map_crs"),
+        (["map", "--make", "t", "x.geojson"], "--make writes road maps, .xodr files, and x.geojson is no name of one"),
         (["map", "--make", "t", "x.xodr", "--plot", "x.gif"], "--plot x.gif: pictures are written as .png, .pdf or .svg"),
         (["map", "--make", "t", "no/x.xodr"], "no/x.xodr cannot be written: there is no directory no"),
     ],

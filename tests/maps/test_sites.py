@@ -99,6 +99,14 @@ def test_wkt_has_a_shape_in_each_line(site) -> None:
 
 
 @GEO
+def test_a_name_and_a_reference_system_stand_before_a_shape_in_either_order(site) -> None:
+    shape = "POLYGON ((0 0, 0 0.001, 0.001 0.001, 0 0))"
+    one, other = site(f"SRID=4326;lane: {shape}\nlane: SRID=4326;{shape}", "site.wkt").features
+    assert (one.name, one.shape) == (other.name, other.shape) == ("lane", one.shape)
+    assert one.shape.area > 1000
+
+
+@GEO
 def test_degrees_are_projected_to_metres_about_the_middle(site) -> None:
     """Areas and lengths against those on the ellipsoid: in 1 km, to a millionth."""
     from pyproj import Geod
@@ -168,6 +176,11 @@ WRONG = {
     "features that are none": (collection(features=3), "a FeatureCollection has a list of features"),
     "no geometry": (collection({"type": "Feature", "properties": {}, "geometry": None}), "feature 0 has no geometry that can be read"),
     "no numbers": (collection(feature("Point", ["a", "b"])), "feature 0 has no geometry that can be read"),
+    "no type": ({}, "the file has no geometry that can be read: its type is to be Point, "),
+    "no coordinates": ({"type": "Point"}, "the file has no geometry that can be read: a Point has coordinates"),
+    "a part without coordinates": (
+        {"type": "GeometryCollection", "geometries": [{"type": "Point"}]}, "the file has no geometry that can be read: it has no coordinates"
+    ),
     "not finite": (collection(feature("Point", [math.inf, 0])), "not finite"),
     "crossing": (collection(feature("Polygon", [[[0, 0], [9, 9], [9, 0], [0, 9], [0, 0]]], name="b")), r"feature 0 \('b'\) has a wrong shape.*Self"),
     "mixed": (collection(feature("Point", [0, 0], name="a"), feature("LineString", [[0, 0], [1, 1]], name="a")), "'a' is made of points and lines"),

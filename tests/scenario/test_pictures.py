@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import itertools
 import json
 import math
@@ -14,7 +15,7 @@ import pytest
 import scenic_ref
 import shapely
 from scenic_ref.formats.maps import Window
-from scenic_ref.formats.pictures import CLASSES, EGO, bounds_of, common_area, figure_of, picture, room_for, views_of
+from scenic_ref.formats.pictures import CLASSES, EGO, QUIET, bounds_of, common_area, figure_of, may_be_mistaken, picture, room_for, views_of
 from scenic_ref.formats.site_land import DIM, FAINT, MOST_POINTS, Laid, laid
 from scenic_ref.formats.site_names import MOST_MARKS, marks
 
@@ -87,6 +88,39 @@ def test_names_lie_on_nothing_else_if_there_is_room() -> None:
 def covered(rooms: list[Window], boxes: list[Window]) -> float:
     """The largest area that a name shares with a box, or with another name."""
     return max(common_area(a, b) for a, b in itertools.chain(itertools.product(rooms, boxes), itertools.combinations(rooms, 2)))
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 5, 7])
+@pytest.mark.parametrize("program", ["ego = Object at 0 @ 0\ncar = Object at 3 @ 4, with requireVisible False\n", "ego = Object at 1e5 @ 1e5\n"])
+def test_titles_stand_inside_of_the_picture(program: str, count: int) -> None:
+    from matplotlib.image import imread
+
+    pixels = imread(io.BytesIO(picture(list(scenic_ref.loads(program).sample_many(count)), format="png", roads=None)))
+    for edge in (pixels[:2], pixels[-2:], pixels[:, :2], pixels[:, -2:]):
+        assert (edge == 1).all()
+
+
+def test_a_line_leads_from_a_name_that_could_be_that_of_another_object() -> None:
+    around = "".join(f"Object at {1.1 * x:g} @ {1.1 * y:g}\n" for x in (-1, 0, 1) for y in (-1, 0, 1) if (x, y) != (0, 0))
+    for text, leaders in ((f"ego = Object at 0 @ 40\nmiddle = Object at 0 @ 0\n{around}", 1), ("ego = Object\nmiddle = Object at 9 @ 9\n", 0)):
+        scene = scenic_ref.loads(text).sample()
+        lines = [line for axes in figure_of([scene], None).axes for line in axes.lines if line.get_color() == QUIET]
+        ends = [(float(line.get_xdata()[-1]), float(line.get_ydata()[-1])) for line in lines]  # type: ignore[index]
+        assert ends.count((0, 0)) == leaders
+
+
+def test_a_name_could_be_that_of_an_object_that_is_nearly_as_near() -> None:
+    spot, box = (1.1, 0.0, 3.0, 0.5), (0.0, 0.0, 1.0, 1.0)
+    assert not may_be_mistaken(spot, box, [(0.0, 1.1, 1.0, 2.1), (9.0, 0.0, 10.0, 1.0)])
+    assert may_be_mistaken(spot, box, [(3.2, 0.0, 4.0, 1.0)])
+    assert may_be_mistaken(spot, box, [(1.1, 0.7, 3.0, 1.7)])
+
+
+def test_letters_that_no_font_has_are_no_reason_to_warn(recwarn: pytest.WarningsRecorder) -> None:
+    scene = scenic_ref.loads("ego = Object\n").sample()
+    (named,) = scene.objects
+    picture([replace(scene, objects=(replace(named, name="ünï \N{AUTOMOBILE}"),))], format="png", roads=None)
+    assert not recwarn.list
 
 
 def test_what_ego_sees_is_shown_in_all_scenes_of_a_picture_or_in_none() -> None:

@@ -127,3 +127,9 @@ def test_areas_are_given_by_points_or_by_regions_with_straight_edges(area: str) 
 def test_a_cell_that_is_no_area_is_an_error(area: str, message: str) -> None:
     with pytest.raises(RunError, match=message):
         scenic_ref.loads(f"F = PolygonalVectorField('F', [({area}, 1)])\nego = Object\n").sample()
+
+
+@pytest.mark.parametrize("cells", ["3", "None"])
+def test_the_cells_must_be_a_list(cells):
+    with pytest.raises(RunError, match="the cells of a vector field must be a list of pairs, not"):
+        scenic_ref.loads(f"f = PolygonalVectorField('f', {cells})\nego = Object\n").sample()
