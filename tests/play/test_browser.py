@@ -309,7 +309,7 @@ def test_a_program_is_kept_in_a_link_with_its_seed_and_readings(page: Page):
     page.tab("readings")
     page.choose("reading-soft", "scene")
     page.settled()
-    page.driver.find_element("css selector", "#export summary").click()
+    page.element("export").click()
     page.element("copy-link").click()
     page.until(lambda: page.element("link").get_attribute("value"))
     link = page.element("link").get_attribute("value")
@@ -328,7 +328,7 @@ def test_a_program_is_kept_in_a_link_with_its_seed_and_readings(page: Page):
 
 def test_a_link_is_pasted_and_the_command_line_takes_it(page: Page, serve: Any):
     link = link_of(Linked("ego = Object at (5, 6)\n", 3, {"soft": "scene", "nosuch": "x"}))
-    page.driver.find_element("css selector", "#export summary").click()
+    page.element("export").click()
     page.element("open-link").send_keys(f"http://127.0.0.1:1/#{link}\n")
     page.until(lambda: "at (5, 6)" in "".join(page.scenes()))
     assert page.text("switched") == "1"
@@ -341,7 +341,7 @@ def test_a_link_is_pasted_and_the_command_line_takes_it(page: Page, serve: Any):
 def test_a_broken_link_is_told_so(page: Page, fragment: str):
     page.open(fragment)
     assert len(page.scenes()) == 12 or "holds no program" in page.text("message")
-    page.driver.find_element("css selector", "#export summary").click()
+    page.element("export").click()
     page.element("open-link").send_keys(f"{fragment}\n")
     page.until(lambda: "holds no program" in page.text("exported"))
 
@@ -353,7 +353,7 @@ def test_program_and_pictures_are_exported(page: Page):
     for button, name, begins in (
         ("save-program", "program.scenic", b"ego = Object"), ("save-png", "program.png", b"\x89PNG"), ("save-svg", "program.svg", b"<?xml"),
     ):  # fmt: skip
-        page.element("export").find_element("tag name", "summary").click() if not page.element("export").get_attribute("open") else None
+        page.element("export").click() if not page.element("exports").is_displayed() else None
         page.element(button).click()
         saved: Path = page.driver.downloads / name
         page.until(lambda saved=saved: saved.exists() and saved.stat().st_size)
@@ -528,3 +528,27 @@ def test_the_page_colours_programs_as_the_lexer_does(page: Page, path: Path):
     expected = [(value, STANDARD_TYPES[kind]) for _, kind, value in ScenicLexer().get_tokens_unprocessed(text)]
     found = page.driver.execute_script("return [...pieces(arguments[0])]", text)
     assert [tuple(piece) for piece in found if piece[0]] == [piece for piece in expected if piece[0]]
+
+
+def test_of_a_program_of_thousands_of_lines_those_in_view_are_drawn(page: Page):
+    """With all of its 20,000 lines in the layers, one key took more than a minute; so did Control-A with a closed `details` on the page."""
+    from selenium.webdriver import Keys
+
+    give = "const p = document.getElementById('program'); p.focus(); p.value = arguments[0]; p.dispatchEvent(new Event('input'));"
+    page.driver.execute_script(give, "ego = Object at (0, 0)\n" + "x = 1\n" * 20_000 + "y = nosuch\n")
+    assert page.driver.find_elements("tag name", "details") == []
+    page.element("program").send_keys("z = 2  # typed")
+    page.settled()
+    assert page.marked("error") == ["nosuch"]
+    drawn = "return ['colours', 'marks', 'gutter'].map(name => document.querySelectorAll('#' + name + ' *').length)"
+    assert max(page.driver.execute_script(drawn)) < 1000
+    rows = "return [...document.querySelectorAll('#gutter div div')].filter(e => e.textContent === arguments[0]).map(e => e.getBoundingClientRect().top)"
+    box = "return document.querySelector('#marks .error').getBoundingClientRect().top"
+    [row] = page.driver.execute_script(rows, "20002")
+    assert page.driver.execute_script(box) == pytest.approx(row, abs=4)
+    assert page.driver.execute_script(rows, "1") == []
+    page.element("program").send_keys(Keys.CONTROL + Keys.HOME)
+    page.until(lambda: len(page.driver.execute_script(rows, "1")) == 1)
+    over = page.driver.execute_script("const p = document.getElementById('program'); return p.getBoundingClientRect().top - p.scrollTop")
+    assert page.driver.execute_script(rows, "1")[0] == pytest.approx(over + 8, abs=4)
+    assert page.marked("error") == []

@@ -24,6 +24,12 @@ function make(tag, properties = {}, ...children) {
   return made;
 }
 
+// Show what a button controls, or hide it. (A `details` element would do as well, but while one is closed Chromium takes seconds to select long programs.)
+function unfold(button, shown) {
+  button.setAttribute("aria-expanded", String(shown));
+  at(button.getAttribute("aria-controls")).hidden = !shown;
+}
+
 function svg(tag, attributes = {}, ...children) {
   const made = document.createElementNS("http://www.w3.org/2000/svg", tag);
   for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);

@@ -148,7 +148,7 @@ async function openLink(text) {
 }
 
 addEventListener("hashchange", () => { if (location.hash.includes(MARK)) openLink(location.hash); });
-at("open-link").onchange = async event => { if (event.target.value && await openLink(event.target.value)) { event.target.value = ""; at("export").open = false; } };
+at("open-link").onchange = async event => { if (event.target.value && await openLink(event.target.value)) { event.target.value = ""; unfold(at("export"), false); } };
 
 // Export
 
@@ -176,8 +176,9 @@ at("copy-link").onclick = async () => {
   at("link").select();
   try { await navigator.clipboard.writeText(at("link").value); at("exported").textContent = "the link was copied"; } catch { at("exported").textContent = "copy the link below"; }
 };
-document.addEventListener("click", event => { if (!at("export").contains(event.target)) at("export").open = false; });
-at("export").addEventListener("keydown", event => { if (event.key === "Escape") { at("export").open = false; at("export").querySelector("summary").focus(); } });
+at("export").onclick = () => unfold(at("export"), at("exports").hidden);
+document.addEventListener("click", event => { if (!at("export").parentElement.contains(event.target)) unfold(at("export"), false); });
+at("export").parentElement.addEventListener("keydown", event => { if (event.key === "Escape") { unfold(at("export"), false); at("export").focus(); } });
 
 // The beginning
 

@@ -34,38 +34,76 @@ function* pieces(text) {
   }
 }
 
+// What was last seen of the text, and which of its rows are drawn: those in view and some around them, since thousands would take seconds.
+const seen = {text: null, rows: [""], starts: [0, 1], cells: [], first: 0, last: 0};
+const ROW = 20, AROUND = 60;
+
+function look() {
+  if (program.value === seen.text) return;
+  seen.text = program.value;
+  seen.rows = seen.text.split("\n");
+  seen.starts = [0];
+  for (const row of seen.rows) seen.starts.push(seen.starts[seen.starts.length - 1] + row.length + 1);
+  seen.last = Math.min(seen.last, seen.rows.length);
+  seen.first = Math.min(seen.first, seen.last);
+  seen.cells = seen.text.length > LARGEST_COLOURED ? [[seen.text, ""]] : [...pieces(seen.text)];
+}
+
+function inView() {
+  const top = Math.floor(program.scrollTop / ROW), bottom = Math.ceil((program.scrollTop + program.clientHeight) / ROW);
+  return [Math.min(Math.max(0, top), seen.rows.length - 1), Math.min(bottom, seen.rows.length)];
+}
+
 function colour() {
-  const text = program.value, shown = document.createDocumentFragment();
-  const strange = piece => piece.split(/([\u0000-\u0008\u000b-\u001f\u007f-\u009f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069])/).filter(part => part).map(part => STRANGE.test(part) ? make("span", {class: "odd"}, part) : part);
-  if (text.length > LARGEST_COLOURED) shown.append(text);
-  else for (const [piece, kind] of pieces(text)) {
-    const parts = STRANGE.test(piece) ? strange(piece) : [piece];
-    if (kind && kind !== "w" && kind !== "p") shown.append(make("span", {class: kind}, ...parts)); else shown.append(...parts);
-  }
-  shown.append("\n ");
-  at("colours").replaceChildren(shown);
-  margin();
+  look();
+  const [top, bottom] = inView();
+  seen.first = Math.max(0, top - AROUND);
+  seen.last = Math.min(seen.rows.length, bottom + AROUND);
+  drawColours();
+  drawMarks();
+  drawMargin();
   follow();
 }
 
-function margin() {
-  const lines = program.value.split("\n").length, worst = new Map();
+function mark() { look(); drawMarks(); follow(); }
+function margin() { look(); drawMargin(); follow(); }
+
+// The rows that are drawn, from one place in the text to another.
+function stretch() { return [seen.starts[seen.first], Math.min(seen.starts[seen.last], seen.text.length)]; }
+
+function drawColours() {
+  const [from, to] = stretch(), shown = make("div", {});
+  const strange = piece => piece.split(/([\u0000-\u0008\u000b-\u001f\u007f-\u009f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069])/).filter(part => part).map(part => STRANGE.test(part) ? make("span", {class: "odd"}, part) : part);
+  let place = 0;
+  for (const [whole, kind] of seen.cells) {
+    if (!whole) continue;
+    const piece = whole.slice(Math.max(0, from - place), Math.max(0, to - place));
+    place += whole.length;
+    if (!piece) { if (place > to) break; continue; }
+    const parts = kind !== "" && STRANGE.test(piece) ? strange(piece) : [piece];
+    if (kind && kind !== "w" && kind !== "p") shown.append(make("span", {class: kind}, ...parts)); else shown.append(...parts);
+  }
+  at("colours").replaceChildren(shown);
+}
+
+function drawMargin() {
+  const worst = new Map(), shown = make("div", {});
   for (const p of problems) if (p.line && p.file === given.file && worst.get(p.line) !== "error") worst.set(p.line, p.severity);
-  at("gutter").replaceChildren(...Array.from({length: Math.min(lines, 20000)}, (_, i) => {
+  for (let i = seen.first; i < seen.last; i++) {
     const share = rejected.get(i + 1), row = make("div", {class: worst.get(i + 1) || ""});
     if (share) { const badge = make("b", {title: `${percent(share)} of the rejected attempts failed here`}, share < .005 ? "<1%" : `${Math.round(100 * share)}%`); row.append(badge); }
     row.append(String(i + 1));
-    return row;
-  }));
+    shown.append(row);
+  }
+  at("gutter").replaceChildren(shown);
 }
 
 // The place of a line and a column, both counted from 1, columns in characters, in the text.
 function offset(line, column) {
-  const lines = program.value.split("\n");
-  if (line > lines.length) return program.value.length;
-  const before = lines.slice(0, line - 1).reduce((sum, l) => sum + l.length + 1, 0);
-  const from = line === 1 && lines[0].startsWith("\uFEFF") ? 1 : 0;
-  return before + Array.from(lines[line - 1].slice(from)).slice(0, column - 1).join("").length + from;
+  look();
+  if (line > seen.rows.length) return seen.text.length;
+  const row = seen.rows[line - 1], from = line === 1 && row.startsWith("\uFEFF") ? 1 : 0;
+  return seen.starts[line - 1] + Array.from(row.slice(from)).slice(0, column - 1).join("").length + from;
 }
 
 function rangeOf(place) {
@@ -74,25 +112,27 @@ function rangeOf(place) {
   return [from, Math.max(from + 1, offset(end, last))];
 }
 
-function mark() {
-  const text = program.value, ranges = problems.filter(p => p.line && p.file === given.file).map(p => [...rangeOf(p), p.severity]);
+function drawMarks() {
+  const [from, to] = stretch(), text = seen.text, shown = make("div", {});
+  const ranges = problems.filter(p => p.line && p.file === given.file).map(p => [...rangeOf(p), p.severity]);
   if (nowAt && nowAt.line && nowAt.file === given.file) ranges.push([...rangeOf(nowAt), "now"]);
-  if (!ranges.length) { at("marks").replaceChildren(); return; }
-  const cuts = [...new Set([0, text.length, ...ranges.flatMap(([a, b]) => [a, b])])].filter(x => x <= text.length).sort((a, b) => a - b);
-  const shown = document.createDocumentFragment();
+  const inside = ranges.filter(([a, b]) => a <= to && from <= b), cuts = [...new Set([from, to, ...inside.flatMap(([a, b]) => [a, b])])].filter(x => from <= x && x <= to).sort((a, b) => a - b);
   for (let i = 0; i + 1 < cuts.length; i++) {
-    const kindsHere = ranges.filter(([a, b]) => a <= cuts[i] && cuts[i] < b).map(r => r[2]), piece = text.slice(cuts[i], cuts[i + 1]);
-    shown.append(kindsHere.length ? make("span", {class: kindsHere.join(" ")}, piece.replace(/\n/g, kindsHere.length ? " \n" : "\n")) : piece);
+    const kindsHere = inside.filter(([a, b]) => a <= cuts[i] && cuts[i] < b).map(r => r[2]), piece = text.slice(cuts[i], cuts[i + 1]);
+    shown.append(kindsHere.length ? make("span", {class: kindsHere.join(" ")}, piece.replace(/\n/g, " \n")) : piece);
   }
-  if (ranges.some(([, b]) => b > text.length)) shown.append(make("span", {class: ranges.find(([, b]) => b > text.length)[2]}, "  "));
-  shown.append("\n ");
+  const beyond = inside.find(([, b]) => b > text.length);
+  if (beyond) shown.append(make("span", {class: beyond[2]}, "  "));
   at("marks").replaceChildren(shown);
-  follow();
 }
 
+// The layers go with the text, and are drawn anew where it was scrolled beyond what is drawn.
 function follow() {
-  for (const layer of [at("colours"), at("marks")]) { layer.scrollTop = program.scrollTop; layer.scrollLeft = program.scrollLeft; }
-  at("gutter").scrollTop = program.scrollTop;
+  const [top, bottom] = inView();
+  if (top < seen.first || bottom > seen.last) { colour(); return; }
+  const down = seen.first * ROW - program.scrollTop;
+  for (const layer of [at("colours"), at("marks")]) if (layer.firstChild) layer.firstChild.style.transform = `translate(${-program.scrollLeft}px, ${down}px)`;
+  if (at("gutter").firstChild) at("gutter").firstChild.style.transform = `translateY(${down}px)`;
 }
 
 function reveal(line) {
@@ -146,4 +186,5 @@ program.addEventListener("keydown", event => {
   leaving = false;
 });
 program.addEventListener("scroll", follow);
+new ResizeObserver(follow).observe(program);
 program.addEventListener("input", () => { edited(); });

@@ -102,8 +102,11 @@ function showHistogram() {
   if (numbers.length === n) { const mean = numbers.reduce((a, b) => a + b, 0) / n; legend.append(make("span", {}, `mean ${number(mean)}, standard deviation ${number(Math.sqrt(numbers.reduce((a, b) => a + (b - mean) ** 2, 0) / Math.max(1, n - 1)))}`)); }
   const rows = bars.map(b => make("tr", {}, make("td", {class: "code"}, b.label), make("td", {class: "number"}, b.count.toLocaleString("en")), make("td", {class: "number"}, percent(b.count / n)), ...(law && law.law ? [make("td", {class: "number"}, b.fraction || ""), make("td", {class: "number"}, b.exact === undefined ? "" : percent(b.exact, 3))] : [])));
   const heads = ["value", "scenes", "share", ...(law && law.law ? ["exactly", ""] : [])];
-  const before = at("chart").querySelector("details"), table = make("details", {open: before ? before.open : !binned}, make("summary", {}, "The figures"), make("table", {}, make("thead", {}, make("tr", {}, ...heads.map((h, i) => make("th", {class: i ? "number" : ""}, h)))), make("tbody", {}, ...rows)));
-  at("chart").replaceChildren(make("h2", {class: "code"}, what), chart, legend, table);
+  const shown = at("figures") ? !at("figures").hidden : !binned;
+  const table = make("table", {id: "figures"}, make("thead", {}, make("tr", {}, ...heads.map((h, i) => make("th", {class: i ? "number" : ""}, h)))), make("tbody", {}, ...rows));
+  const more = make("button", {class: "more", "aria-controls": "figures", onclick: () => unfold(more, at("figures").hidden)}, "The figures");
+  at("chart").replaceChildren(make("h2", {class: "code"}, what), chart, legend, more, table);
+  unfold(more, shown);
   at("chart").hidden = false;
 }
 
