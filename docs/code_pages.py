@@ -15,6 +15,7 @@ from scenic_ref.semantics.space.regions import Region
 from typer.core import TyperCommand, TyperGroup
 
 WIDTH = 100  # the longest line, but for tables and code
+COLUMN = 80  # what fits beside the table of contents on a laptop
 MARK, JOIN = re.compile(r"\s+(?=([-+*>#]+|\d+[.)])(\s|$))"), "\0"
 """The space before what would be a mark of Markdown at the beginning of a line, and what stands for it while lines are broken."""
 
@@ -63,7 +64,7 @@ def helps_of(application: typer.Typer) -> list[tuple[str, str]]:
 
 def helps(command: TyperCommand | TyperGroup, name: str) -> Iterator[tuple[str, str]]:
     """The name and the `--help` text of a command, then those of its commands."""
-    context = command.make_context(name, [], resilient_parsing=True, terminal_width=WIDTH, max_content_width=WIDTH)
+    context = command.make_context(name, [], resilient_parsing=True, terminal_width=COLUMN, max_content_width=COLUMN)
     yield name, command.get_help(context)
     for inner, found in getattr(command, "commands", {}).items():
         yield from helps(found, f"{name} {inner}")

@@ -542,7 +542,10 @@ def test_of_a_program_of_thousands_of_lines_those_in_view_are_drawn(page: Page):
     assert page.marked("error") == ["nosuch"]
     drawn = "return ['colours', 'marks', 'gutter'].map(name => document.querySelectorAll('#' + name + ' *').length)"
     assert max(page.driver.execute_script(drawn)) < 1000
-    rows = "return [...document.querySelectorAll('#gutter div div')].filter(e => e.textContent === arguments[0]).map(e => e.getBoundingClientRect().top)"
+    rows = (
+        "return [...document.querySelectorAll('#gutter div div')].filter(e => e.textContent === arguments[0])"
+        ".map(e => e.getBoundingClientRect().top)"
+    )
     box = "return document.querySelector('#marks .error').getBoundingClientRect().top"
     [row] = page.driver.execute_script(rows, "20002")
     assert page.driver.execute_script(box) == pytest.approx(row, abs=4)
