@@ -372,3 +372,23 @@ def test_that_none_of_a_few_scenes_is_possible_is_said_soon():
         list(drawn)
     with pytest.raises(AttemptsExhausted, match="no scene in 20 attempts"):
         list(scenic_ref.loads("x = Range(0, 1)\nego = Object at (x, 0)\nrequire x > 2\n").sample_many(3, max_attempts=20))
+
+
+@pytest.mark.extra("parquet")
+def test_parquet_compresses_what_can_be_smaller(tmp_path):
+    from pyarrow import parquet
+
+    program = "x = Range(0, 1)\nego = Object at (x, 0), with few Uniform(1.5, 2.5), with whole DiscreteRange(0, 99999), with pair (x, x)\n"
+    table = open_table(tmp_path / "x.parquet")
+    scenes = list(scenic_ref.loads(program).sample_many(1100))
+    for one in scenes:
+        table.add(one.to_json())
+    table.finish()
+    group = parquet.ParquetFile(tmp_path / "x.parquet").metadata.row_group(0)
+    found = {group.column(i).path_in_schema: group.column(i) for i in range(group.num_columns)}
+    assert {name for name, column in found.items() if column.compression != "ZSTD"} == {"x"}
+    assert "DELTA_BINARY_PACKED" in found["scene"].encodings
+    few = {name for name, column in found.items() if "RLE_DICTIONARY" in column.encodings}
+    assert {"seed", "class", "y", "properties.few"} <= few
+    assert not {"scene", "x", "properties.whole", "properties.pair.list.element"} & few
+    assert parquet.read_table(tmp_path / "x.parquet")["x"].to_pylist() == [one.ego.position.x for one in scenes]
