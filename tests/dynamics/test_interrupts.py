@@ -43,6 +43,8 @@ def test_do_for_enforces_a_time_limit_in_steps_or_seconds():
     assert actions(behavior("do Lane() for 2 steps\ntake 'end'", LANE), 4) == [1, 2, "end", None, LIMIT]
     assert actions(behavior("do Lane() for 2 seconds\ntake 'end'", LANE), 6, timestep=0.5) == [1, 2, 3, 4, "end", None, LIMIT]
     assert actions(behavior("do Lane() for 0.3 seconds\ntake 'end'", LANE), 5, timestep=0.1) == [1, 2, 3, "end", None, LIMIT]
+    assert 3 * 0.7 < 2.1
+    assert actions(behavior("do Lane() for 2.1 seconds\ntake 'end'", LANE), 5, timestep=0.7) == [1, 2, 3, "end", None, LIMIT]
 
 
 def test_do_until_adds_a_termination_criterion():
@@ -277,3 +279,12 @@ def test_except_and_else_blocks_may_abort_the_entire_statement():
     assert actions(behavior(otherwise), 1) == ["end", LIMIT]
     inner = "try:\n" + "".join(f"    {line}\n" for line in caught.splitlines()) + "interrupt when False:\n    wait\ntake 'outer'"
     assert actions(behavior(inner), 3) == ["caught", "end", "outer", LIMIT]
+
+
+@pytest.mark.parametrize("wrong", [1, 2, 3])
+@pytest.mark.parametrize("word", ["precondition", "invariant"])
+def test_each_of_three_guards_is_checked(word: str, wrong: int):
+    guards = "".join(f"{word}: {n != wrong}\n" for n in (1, 2, 3))
+    run = simulated(behavior(f"{guards}take 1"))
+    assert isinstance(run, Failed)
+    assert run.requirement.text == f"the {word} of B on line {wrong + 2}"
