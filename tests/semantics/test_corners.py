@@ -10,6 +10,7 @@ from scenic_ref.semantics.kernel.errors import RunError, ScenicError
 from scenic_ref.semantics.kernel.kinds import kind_name
 from scenic_ref.semantics.space.regions.intervals import complement
 
+
 def test_comprehensions_have_any_number_of_clauses():
     text = "xs = [(a, b, c) for a in [1, 2] for b in [a, 3] if a < b for c in [a + b] if c < 5]\nego = Object\nparam xs = str(xs)\n"
     assert scenic_ref.loads(text).sample().params["xs"] == str([(a, b, c) for a in [1, 2] for b in [a, 3] if a < b for c in [a + b] if c < 5])
