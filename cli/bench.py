@@ -60,6 +60,8 @@ def bench(
     The interpreter, the batch backend (on columns, compiled, by torch) and released implementations draw each program in a process of their own.
     They take turns on one core, and scenes are counted per second of the processor. Ratios are to the first --against, else to the
     interpreter. Ctrl-C shows what is measured so far.
+
+    Exit codes: 0, 1 if nothing could be measured of a program, 2 wrong usage.
     """
     from ..benchmarks.course import CourseRequest, measure
     from ..benchmarks.end_to_end import FORMATS

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from pathlib import PurePath
+from pathlib import Path
 from urllib.parse import quote
 
 from .. import __version__
@@ -66,7 +66,7 @@ def result(one: Diagnostic, rule: int) -> dict[str, object]:
 
 def address_of(file: str) -> str:
     """The address of a file, as SARIF and the web have it: relative as it was given, else with `file://`."""
-    path = PurePath(file)
+    path = Path(file)
     return path.as_uri() if path.is_absolute() else quote(os.fsencode(path.as_posix()))
 
 

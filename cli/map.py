@@ -98,9 +98,9 @@ def crs_in(given: list[str]) -> str | None:
     """The parameter map_crs, None if it is not given. Raises `UsageError` for others."""
     from ..semantics.kernel.errors import UsageError
     from ..simulators.worlds.site_maps import CRS
-    from .options import pairs
+    from .options import literal, pairs
 
-    values = dict(pairs(given, "--param", "NAME=VALUE"))
+    values = {name: str(literal(value)) for name, value in pairs(given, "--param", "NAME=VALUE")}
     if others := values.keys() - {CRS}:
         raise UsageError(f"there is no parameter {min(others)}: of a map of one's own there is {CRS}")
     return values.get(CRS)

@@ -60,8 +60,9 @@ class ScenicServer(LanguageServer):
     # -- Texts
 
     def opened(self, uri: str) -> TextDocument | None:
-        """An open document. pygls knows it by its address with the percent signs taken out."""
-        return self.workspace.text_documents.get(unquote(uri))
+        """An open document. From 2.1 on pygls knows it by its address with the percent signs taken out, before by that which the editor gave."""
+        documents = self.workspace.text_documents
+        return documents.get(unquote(uri)) or documents.get(uri)
 
     def text_of(self, uri: str) -> TextDocument | None:
         """An open document, unless it is too long to look into."""

@@ -9,7 +9,7 @@ import json
 import math
 import re
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -33,7 +33,8 @@ LARGEST_EXTENT, LEAST_EXTENT = 100_000.0, 1.0
 METRES, DEGREES = "metres", "EPSG:4326"
 """Coordinates that need no projection, and those of GeoJSON if it says nothing else."""
 SUFFIXES = (".geojson", ".json", ".wkt", ".shp")
-GEOMETRIES = ("Point", "LineString", "Polygon", "MultiPoint", "MultiLineString", "MultiPolygon", "GeometryCollection")
+GEOMETRIES = ("Point", "LineString", "LinearRing", "Polygon", "MultiPoint", "MultiLineString", "MultiPolygon", "GeometryCollection")
+"""The types of geometries: those of GeoJSON, and one that a shapely geometry may have beside them."""
 NAMES = ("name", "Name", "NAME", "id")
 """Properties that may name a feature, the first that there is."""
 NAMED = re.compile(r"\s*(?P<name>[^:;()]+?)\s*:\s*(?P<wkt>.+)")
@@ -110,7 +111,7 @@ def of_geojson(found: object) -> Read:
         case "Feature":
             return [feature_of(found, "the feature")], crs
         case _:
-            return [feature_of({"type": "Feature", "geometry": found}, "the file")], crs
+            return [feature_of({"type": "Feature", "geometry": found}, "the map")], crs
 
 
 def feature_of(member: object, place: str) -> MapFeature:
@@ -128,12 +129,14 @@ def feature_of(member: object, place: str) -> MapFeature:
 
 def geometry_of(found: object) -> BaseGeometry:
     """A geometry of GeoJSON. Raises `ValueError`, and whatever the library raises."""
-    if not isinstance(found, Mapping) or found.get("type") not in GEOMETRIES:
+    kinds = {kind.lower(): kind for kind in GEOMETRIES}
+    if not isinstance(found, Mapping) or str(found.get("type")).lower() not in kinds:
         raise ValueError(f"its type is to be {', '.join(GEOMETRIES[:-1])} or {GEOMETRIES[-1]}")
-    member = "geometries" if found["type"] == "GeometryCollection" else "coordinates"
-    if not isinstance(found.get(member), Sequence):
-        raise ValueError(f"a {found['type']} has {member}")
-    return shape_of(dict(found))
+    kind = kinds[str(found["type"]).lower()]
+    parts = found.get(member := "geometries" if kind == "GeometryCollection" else "coordinates")
+    if not isinstance(parts, (list, tuple)):
+        raise ValueError(f"a {kind} has a list of {member}")
+    return shapely.GeometryCollection([geometry_of(part) for part in parts]) if member == "geometries" else shape_of(dict(found))
 
 
 def made(make: Callable[[], BaseGeometry], place: str) -> BaseGeometry:
@@ -141,7 +144,7 @@ def made(make: Callable[[], BaseGeometry], place: str) -> BaseGeometry:
     try:
         found = make()
         coordinates = shapely.get_coordinates(found)
-    except (shapely.errors.ShapelyError, KeyError, AttributeError, TypeError, ValueError, IndexError, RecursionError, NotImplementedError) as problem:
+    except (shapely.errors.ShapelyError, LookupError, AttributeError, TypeError, ValueError, ArithmeticError, RuntimeError) as problem:
         detail = f"it has no {problem.args[0]}" if isinstance(problem, KeyError) else str(problem).partition("\n")[0] or type(problem).__name__
         raise MapError(f"{place} has no geometry that can be read: {detail:.200}") from None
     if len(coordinates) > MOST_POINTS:

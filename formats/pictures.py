@@ -154,7 +154,7 @@ def draw(axes: Axes, scene: Scene, roads: Region | None, colours: Mapping[str, s
     axes.set_xlim(west, east)
     axes.set_ylim(south, north)
     size = 7 if small else 9
-    axes.set_title(f"seed {scene.seed}, scene {scene.index}", fontsize=size + 1, color=INK)
+    axes.set_title(f"seed {shortened(str(scene.seed))}, scene {shortened(str(scene.index))}", fontsize=size + 1, color=INK)
     axes.tick_params(labelsize=size - 1, colors="#777777", length=2)
     axes.locator_params(nbins=4)
     axes.ticklabel_format(useOffset=False, style="plain")

@@ -217,8 +217,8 @@ class ParquetTable(TableFile):
 def encoding(first: Columns) -> dict[str, Any]:
     """How the columns of a Parquet file are encoded, by the first group.
 
-    Few values are written as places among them, the numbers of scenes as differences. Reals that are nearly all distinct are not compressed:
-    that would take longer than to write them, and save a twentieth.
+    Few values are written as places among them, the numbers of scenes as differences. Columns of reals that are nearly all distinct are not
+    compressed: that would take longer than to write them, and save a twentieth.
     """
     texts = [name for name, column in first.items() if column.kind in (TEXT, JSON)]
     distinct = {name: distinct_in(c.values) for name, c in first.items() if name not in texts and c.values.ndim == 1}

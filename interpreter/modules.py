@@ -106,10 +106,10 @@ def located(
         return key, {}
     key = key if asked.level else asked.name
     found = find_python(key, trust=trust, directory=directory) if asked.needed or trust else None
-    if found is not None or not asked.needed:
-        return key, found
     name = "." * asked.level + asked.name
-    return key, not_itself(name) if is_program(key, directory, program.file) else absent(name, worlds)
+    if found is None and is_program(key, directory, program.file):
+        return key, not_itself(name)
+    return key, absent(name, worlds) if found is None and asked.needed else found
 
 
 def imported_names(program: Program, package: str) -> Iterator[Asked]:
@@ -154,7 +154,7 @@ def is_program(key: str, directory: Path | None, file: str) -> bool:
 def not_itself(name: str) -> ModuleNotFoundError:
     """The error that the program cannot be imported."""
     error = ModuleNotFoundError(f"there is no module {name}: its file is that of the program itself, which cannot be imported")
-    error.add_note("move what both need into a file of its own, and import that")
+    error.add_note("move what is needed of it into a file of its own, and import that")
     return error
 
 

@@ -154,8 +154,8 @@ def _unused_imports(program: Program, nodes: list[Node], library: Library) -> It
 
 def _without_imports(text: str, nodes: list[Node]) -> str:
     """The text with the imports taken out."""
-    lines = text.splitlines()
-    for node in nodes:
+    lines = re.split(r"\r\n|\r|\n", text.removeprefix("\ufeff"))
+    for node in sorted(nodes, key=lambda node: (node.span.line, node.span.column), reverse=True):  # from right to left, so that columns stay
         if isinstance(node, s.Import | s.ImportFrom):
             first, last = node.span.line, node.span.end_line
             for number in range(first, min(last, len(lines)) + 1):

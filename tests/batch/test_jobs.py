@@ -284,3 +284,9 @@ def test_an_interrupt_waits_whichever_thread_the_system_tells_of_it():
         assert done and signal.getsignal(signal.SIGINT) is signal.default_int_handler
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+def test_scenes_without_objects_have_the_same_columns_whoever_draws_them():
+    scenario = scenic_ref.loads("x = Range(0, 1)\nparam p = x\n", readings={"no-ego": "allowed"})
+    one_by_one, many = (scenario.sample_many(20, backend=backend).columns() for backend in ("interpreter", "batch"))
+    assert {name: (a.dtype, a.shape) for name, a in one_by_one.items()} == {name: (a.dtype, a.shape) for name, a in many.items()}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import pytest
 
 from .conftest import Editor
@@ -34,3 +36,12 @@ def test_a_definition_stands_in_the_file_as_the_editor_calls_it(editor: Editor):
     place = editor.at(name, "x = 1\nego = Object at |x @ 0\n")
     (found,) = editor.do(editor.client.text_document_definition_async(editor.types.DefinitionParams(**place)))
     assert found.uri == editor.uri(name)
+
+
+@pytest.mark.parametrize("key", ["file:///a b.scenic", "file:///a%20b.scenic"])
+def test_a_document_is_found_whatever_pygls_calls_it(key: str, monkeypatch: pytest.MonkeyPatch):
+    """It is the first from pygls 2.1 on, and was the second before."""
+    from scenic_ref.editors.server import ScenicServer
+
+    monkeypatch.setattr(ScenicServer, "workspace", SimpleNamespace(text_documents={key: "the document"}))
+    assert ScenicServer(1).opened("file:///a%20b.scenic") == "the document"

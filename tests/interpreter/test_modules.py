@@ -212,7 +212,7 @@ def test_draws_of_python_say_what_to_write(program: str) -> None:
     assert "Range" in found.value.hint
 
 
-@pytest.mark.parametrize("statement", ["import town", "from .town import x", "from town import *"])
+@pytest.mark.parametrize("statement", ["import town", "from .town import x", "from town import *", "from . import town"])
 def test_the_program_is_no_module(tmp_path, statement):
     (tmp_path / "town.scenic").write_text("import lib\nego = Object\n")
     (tmp_path / "lib.scenic").write_text(f"x = 1\n{statement}\n")

@@ -34,6 +34,10 @@ def warned(text: str, directory: Path | None = None) -> list[tuple[int, int, str
         ("import math\nego = Object\n", (1, 8, "nothing uses the import math", "remove it")),
         ("import math\nfrom math import sin\nego = Object at sin(0) @ 0\n", (1, 8, "nothing uses the import math", "remove it")),
         ("import math\nimport math as m\nego = Object at m.sin(0) @ 0\n", (1, 8, "nothing uses the import math", "remove it")),
+        ("import math; import math as m\nego = Object at m.sin(0) @ 0\n", (1, 8, "nothing uses the import math", "remove it")),
+        ("x = 'a\x0cb'\nimport math\nego = Object\n", (2, 8, "nothing uses the import math", "remove it")),
+        ("# a\u2028b\nimport math\nego = Object\n", (2, 8, "nothing uses the import math", "remove it")),
+        ("\ufeffimport math as h\nego = Object\n", (1, 8, "nothing uses the import h", "remove it")),
         ("from math import sin, cos\nego = Object with width cos(0)\n", (1, 18, "nothing uses the import sin", "remove it")),
         ("ego = Object facing 90\n", (1, 21, "headings are in radians, and 90 is more than a full turn", "for degrees write 90 deg")),
         (
@@ -99,6 +103,7 @@ def test_a_slip_is_warned_about(text: str, expected: tuple[int, int, str, str]) 
         "xs = [1, 2]\nxs = Range(0, 1)\nego = Object with width Uniform(xs)\n",
         "xs = [1, 2]\ndef f(xs):\n    return Uniform(xs)\nego = Object\n",
         "xs = (1, 2)\nego = Object with width Uniform(*xs)\n",
+        "import math; import cmath; y: math = 2; z: cmath = 3\nego = Object\n",
     ],
 )
 def test_what_may_be_meant_is_not_warned_about(text: str) -> None:

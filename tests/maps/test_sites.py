@@ -176,10 +176,13 @@ WRONG = {
     "features that are none": (collection(features=3), "a FeatureCollection has a list of features"),
     "no geometry": (collection({"type": "Feature", "properties": {}, "geometry": None}), "feature 0 has no geometry that can be read"),
     "no numbers": (collection(feature("Point", ["a", "b"])), "feature 0 has no geometry that can be read"),
-    "no type": ({}, "the file has no geometry that can be read: its type is to be Point, "),
-    "no coordinates": ({"type": "Point"}, "the file has no geometry that can be read: a Point has coordinates"),
+    "no type": ({}, "the map has no geometry that can be read: its type is to be Point, "),
+    "no coordinates": ({"type": "Point"}, "the map has no geometry that can be read: a Point has a list of coordinates"),
+    "coordinates in a text": ({"type": "Point", "coordinates": "ab"}, "a Point has a list of coordinates"),
+    "a huge number": ({"type": "Point", "crs": None, "coordinates": [10**400, 1]}, "the map has no geometry that can be read"),
+    "a part that is none": ({"type": "GeometryCollection", "geometries": [None]}, "the map has no geometry that can be read: its type is to be"),
     "a part without coordinates": (
-        {"type": "GeometryCollection", "geometries": [{"type": "Point"}]}, "the file has no geometry that can be read: it has no coordinates"
+        {"type": "GeometryCollection", "geometries": [{"type": "Point"}]}, "the map has no geometry that can be read: a Point has a list of"
     ),
     "not finite": (collection(feature("Point", [math.inf, 0])), "not finite"),
     "crossing": (collection(feature("Polygon", [[[0, 0], [9, 9], [9, 0], [0, 9], [0, 0]]], name="b")), r"feature 0 \('b'\) has a wrong shape.*Self"),
@@ -279,6 +282,11 @@ def test_huge_files_are_refused_before_they_are_read(tmp_path: Path) -> None:
         file.truncate(65 << 20)
     with pytest.raises(UsageError, match="too large"):
         read_site(tmp_path / "site.geojson")
+
+
+def test_a_closed_line_of_shapely_is_saved_and_read(tmp_path: Path) -> None:
+    scenic_ref.save_map(shapely.LinearRing([(0, 0), (9, 0), (9, 9)]), tmp_path / "site.geojson")
+    assert read_site(tmp_path / "site.geojson").features[0].shape.length == pytest.approx(18 + math.hypot(9, 9))
 
 
 def test_reading_knows_whatever_geojson_may_be() -> None:

@@ -555,3 +555,19 @@ def test_of_a_program_of_thousands_of_lines_those_in_view_are_drawn(page: Page):
     over = page.driver.execute_script("const p = document.getElementById('program'); return p.getBoundingClientRect().top - p.scrollTop")
     assert page.driver.execute_script(rows, "1")[0] == pytest.approx(over + 8, abs=4)
     assert page.marked("error") == []
+
+
+def test_letters_that_are_not_seen_are_marked_wherever_they_stand(page: Page):
+    page.typed("ego = Object at (0, 0)\n\u202ey = 1\nz\u200e = 2  # \u202e\n")
+    found = page.driver.execute_script("return [...document.querySelectorAll('#colours .odd')].map(e => e.textContent)")
+    assert found == ["\u202e", "\u200e", "\u202e"]
+
+
+def test_the_margin_is_as_wide_wherever_the_text_is_scrolled_to(page: Page):
+    page.typed("ego = Object at (0, 0)\n" + "x = 1\n" * 1200 + "require Range(0, 1) > 0.5\n")
+    widths = set()
+    for top in (0, 5000, 30000):
+        page.driver.execute_script("program.scrollTop = arguments[0]", top)
+        page.until(lambda top=top: page.driver.execute_script("return seen.first <= arguments[0] / 20 && arguments[0] / 20 <= seen.last + 1000", top))
+        widths.add(page.driver.execute_script("return document.getElementById('gutter').getBoundingClientRect().width"))
+    assert len(widths) == 1

@@ -95,7 +95,7 @@ def covered(rooms: list[Window], boxes: list[Window]) -> float:
 def test_titles_stand_inside_of_the_picture(program: str, count: int) -> None:
     from matplotlib.image import imread
 
-    pixels = imread(io.BytesIO(picture(list(scenic_ref.loads(program).sample_many(count)), format="png", roads=None)))
+    pixels = imread(io.BytesIO(picture(list(scenic_ref.loads(program).sample_many(count, seed=10**80)), format="png", roads=None)))
     for edge in (pixels[:2], pixels[-2:], pixels[:, :2], pixels[:, -2:]):
         assert (edge == 1).all()
 

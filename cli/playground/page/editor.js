@@ -80,7 +80,7 @@ function drawColours() {
     const piece = whole.slice(Math.max(0, from - place), Math.max(0, to - place));
     place += whole.length;
     if (!piece) { if (place > to) break; continue; }
-    const parts = kind !== "" && STRANGE.test(piece) ? strange(piece) : [piece];
+    const parts = seen.text.length <= LARGEST_COLOURED && STRANGE.test(piece) ? strange(piece) : [piece];
     if (kind && kind !== "w" && kind !== "p") shown.append(make("span", {class: kind}, ...parts)); else shown.append(...parts);
   }
   at("colours").replaceChildren(shown);
@@ -95,6 +95,7 @@ function drawMargin() {
     row.append(String(i + 1));
     shown.append(row);
   }
+  at("gutter").style.minWidth = `calc(${String(seen.rows.length).length}ch + ${rejected.size ? 62 : 14}px)`;  // whatever is in view
   at("gutter").replaceChildren(shown);
 }
 

@@ -47,6 +47,8 @@ class Tables:
     def drawn(self, block: Block, seed: int) -> TableColumns:
         """The rows of the scenes in the columns of a block."""
         count, columns, objects = len(block.rows), block.columns, self.template.objects
+        if not objects:
+            return {name: nothing(0) for name in ordered(())}
         rows = count * len(objects)
         found = {"seed": constant(str(seed), rows), "weight": constant(1.0, rows)}
         found |= {name: again(pattern, count) for name, pattern in self.patterns.items()}
@@ -58,7 +60,7 @@ class Tables:
             by_object.append(made | {name: repeated(column, count) for name, column in fixed.items() if name not in found})
         for name in {name for made in by_object for name in made}:
             found[name] = interleaved([made[name] if name in made else nothing(count) for made in by_object])
-        return {name: found[name] if name in found else nothing(rows) for name in ordered(found)}
+        return {name: found[name] for name in ordered(found)}
 
 
 def varying(part: str, values: Mapping[str, object]) -> dict[str, object]:
