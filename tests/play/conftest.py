@@ -88,7 +88,7 @@ def serve(tmp_path: Path) -> Serve:
 @pytest.fixture(scope="module")
 def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     """A server that the tests of a module share."""
-    with Served("--limit-seconds", "10", cwd=tmp_path_factory.mktemp("served")) as found:
+    with Served("--limit-seconds", "60", cwd=tmp_path_factory.mktemp("served")) as found:
         yield found
 
 
