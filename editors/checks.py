@@ -44,6 +44,7 @@ class CheckingProcess:
         self.seconds = seconds
         self.wait = max(LEAST_WAIT, seconds * SLOWNESS)
         self.process: Process | None = None
+        self.killed: Process | None = None
         self.busy = False
         self.starting: asyncio.Future[Process] | None = None
 
@@ -92,10 +93,14 @@ class CheckingProcess:
         return self.process
 
     def kill(self) -> None:
-        """Let the process end, and the one that is starting."""
+        """Let the process end, and the one that is starting.
+
+        It gets one signal: a second could take from asyncio how it ended, and asyncio would complain of that.
+        """
         if self.starting is not None:
             self.starting.cancel()
-        if self.process is not None:
+        if self.process is not None and self.process is not self.killed:
+            self.killed = self.process
             with suppress(ProcessLookupError):
                 self.process.kill()
 
