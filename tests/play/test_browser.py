@@ -568,6 +568,6 @@ def test_the_margin_is_as_wide_wherever_the_text_is_scrolled_to(page: Page):
     widths = set()
     for top in (0, 5000, 30000):
         page.driver.execute_script("program.scrollTop = arguments[0]", top)
-        page.until(lambda top=top: page.driver.execute_script("return seen.first <= arguments[0] / 20 && arguments[0] / 20 <= seen.last + 1000", top))
+        page.until(lambda: page.driver.execute_script("const row = program.scrollTop / 20; return seen.first <= row && row <= seen.last"))
         widths.add(page.driver.execute_script("return document.getElementById('gutter').getBoundingClientRect().width"))
     assert len(widths) == 1
