@@ -9,6 +9,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -111,3 +112,102 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
         yield driver
     finally:
         driver.quit()
+
+
+PATIENCE = 120
+"""Seconds after which a page that waits for something is taken to be broken."""
+
+
+class Page:
+    """The page as a person uses it."""
+
+    def __init__(self, driver: Any, served: Any) -> None:
+        self.driver, self.served = driver, served
+
+    def open(self, fragment: str = "") -> None:
+        """Open it anew."""
+        self.driver.get("about:blank")
+        self.driver.get(self.served.address + fragment)
+        self.settled()
+
+    def element(self, name: str) -> Any:
+        """An element by its id."""
+        return self.driver.find_element("id", name)
+
+    def text(self, name: str) -> str:
+        """The text of an element, shown or not."""
+        return self.driver.execute_script("return document.getElementById(arguments[0]).textContent", name)
+
+    def type(self, text: str) -> None:
+        """Replace the program by typing, key by key."""
+        from selenium.webdriver import Keys
+
+        area = self.element("program")
+        area.click()
+        area.send_keys(Keys.CONTROL + "a")
+        area.send_keys(Keys.DELETE)
+        area.send_keys(text)
+
+    def put(self, text: str) -> None:
+        """Replace the program as pasting does."""
+        self.driver.execute_script(
+            "const p = document.getElementById('program'); p.focus(); p.select(); document.execCommand('insertText', false, arguments[0]);", text
+        )
+
+    def program(self) -> str:
+        """What the program is."""
+        return self.driver.execute_script("return document.getElementById('program').value")
+
+    def choose(self, name: str, value: str) -> None:
+        """Choose from a list."""
+        from selenium.webdriver.support.ui import Select
+
+        options = [option.get_attribute("value") for option in self.element(name).find_elements("tag name", "option")]
+        Select(self.element(name)).select_by_index(options.index(value))
+
+    def tab(self, name: str) -> None:
+        """Open a view by a click, and wait for what it shows."""
+        self.element(f"tab-{name}").click()
+        self.settled()
+
+    def until(self, condition: Callable[[], object], what: str = "") -> None:
+        """Wait until something is so."""
+        end = time.monotonic() + PATIENCE
+        while not condition():
+            assert time.monotonic() < end, f"{what}: {self.text('status')}"
+            time.sleep(0.03)
+
+    def settled(self) -> None:
+        """Wait until nothing is being typed, drawn or asked for."""
+        idle = "return document.readyState === 'complete' && !state.typing && !document.body.dataset.busy && !document.querySelector('.stale')"
+        self.until(lambda: self.driver.execute_script(idle), "settled")
+
+    def typed(self, text: str) -> None:
+        """Put a program there and wait for its scenes."""
+        before = self.driver.execute_script("return state.version")
+        self.put(text)
+        self.until(lambda: self.driver.execute_script("return state.version") > before)
+        self.settled()
+
+    def scenes(self) -> list[str]:
+        """What the pictures of the scenes say."""
+        return self.driver.execute_script("return [...document.querySelectorAll('#grid svg.scene')].map(e => e.getAttribute('aria-label'))")
+
+    def marked(self, kind: str) -> list[str]:
+        """The parts of the program that are marked."""
+        return self.driver.execute_script("return [...document.querySelectorAll(arguments[0])].map(e => e.textContent)", f"#marks .{kind}")
+
+    def problems(self) -> list[str]:
+        """What the console of the browser tells."""
+        return [entry["message"] for entry in self.driver.get_log("browser") if entry["level"] == "SEVERE"]
+
+
+@pytest.fixture
+def page(browser: Any, served: Any) -> Iterator[Page]:
+    """The page, opened anew; the console must be silent at the end."""
+    found = Page(browser, served)
+    browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+    found.open()
+    found.problems()
+    yield found
+    assert found.problems() == []

@@ -4,114 +4,17 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 import scenic_ref
 from scenic_ref.cli.playground.links import Linked, link_of, linked_of
-from scenic_ref.formats.highlighting import ScenicLexer
+
+from .conftest import Page
 
 pytestmark = [pytest.mark.extra("play"), pytest.mark.slow]
 EXAMPLES = Path(scenic_ref.__file__).parent / "examples"
-PATIENCE = 120
-"""Seconds after which a page that waits for something is taken to be broken."""
-
-
-class Page:
-    """The page as a person uses it."""
-
-    def __init__(self, driver: Any, served: Any) -> None:
-        self.driver, self.served = driver, served
-
-    def open(self, fragment: str = "") -> None:
-        """Open it anew."""
-        self.driver.get("about:blank")
-        self.driver.get(self.served.address + fragment)
-        self.settled()
-
-    def element(self, name: str) -> Any:
-        """An element by its id."""
-        return self.driver.find_element("id", name)
-
-    def text(self, name: str) -> str:
-        """The text of an element, shown or not."""
-        return self.driver.execute_script("return document.getElementById(arguments[0]).textContent", name)
-
-    def type(self, text: str) -> None:
-        """Replace the program by typing, key by key."""
-        from selenium.webdriver import Keys
-
-        area = self.element("program")
-        area.click()
-        area.send_keys(Keys.CONTROL + "a")
-        area.send_keys(Keys.DELETE)
-        area.send_keys(text)
-
-    def put(self, text: str) -> None:
-        """Replace the program as pasting does."""
-        self.driver.execute_script(
-            "const p = document.getElementById('program'); p.focus(); p.select(); document.execCommand('insertText', false, arguments[0]);", text
-        )
-
-    def program(self) -> str:
-        """What the program is."""
-        return self.driver.execute_script("return document.getElementById('program').value")
-
-    def choose(self, name: str, value: str) -> None:
-        """Choose from a list."""
-        from selenium.webdriver.support.ui import Select
-
-        options = [option.get_attribute("value") for option in self.element(name).find_elements("tag name", "option")]
-        Select(self.element(name)).select_by_index(options.index(value))
-
-    def tab(self, name: str) -> None:
-        """Open a view by a click, and wait for what it shows."""
-        self.element(f"tab-{name}").click()
-        self.settled()
-
-    def until(self, condition: Callable[[], object], what: str = "") -> None:
-        """Wait until something is so."""
-        end = time.monotonic() + PATIENCE
-        while not condition():
-            assert time.monotonic() < end, f"{what}: {self.text('status')}"
-            time.sleep(0.03)
-
-    def settled(self) -> None:
-        """Wait until nothing is being typed, drawn or asked for."""
-        idle = "return document.readyState === 'complete' && !state.typing && !document.body.dataset.busy && !document.querySelector('.stale')"
-        self.until(lambda: self.driver.execute_script(idle), "settled")
-
-    def typed(self, text: str) -> None:
-        """Put a program there and wait for its scenes."""
-        before = self.driver.execute_script("return state.version")
-        self.put(text)
-        self.until(lambda: self.driver.execute_script("return state.version") > before)
-        self.settled()
-
-    def scenes(self) -> list[str]:
-        """What the pictures of the scenes say."""
-        return self.driver.execute_script("return [...document.querySelectorAll('#grid svg.scene')].map(e => e.getAttribute('aria-label'))")
-
-    def marked(self, kind: str) -> list[str]:
-        """The parts of the program that are marked."""
-        return self.driver.execute_script("return [...document.querySelectorAll(arguments[0])].map(e => e.textContent)", f"#marks .{kind}")
-
-    def problems(self) -> list[str]:
-        """What the console of the browser tells."""
-        return [entry["message"] for entry in self.driver.get_log("browser") if entry["level"] == "SEVERE"]
-
-
-@pytest.fixture
-def page(browser: Any, served: Any) -> Iterator[Page]:
-    """The page, opened anew; the console must be silent at the end."""
-    found = Page(browser, served)
-    browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
-    found.open()
-    found.problems()
-    yield found
-    assert found.problems() == []
 
 
 def test_scenes_are_drawn_as_one_types(page: Page):
@@ -137,21 +40,6 @@ def test_no_scene_of_an_older_program_is_shown_with_a_newer_one(page: Page):
     page.settled()
     assert page.scenes() == []
     assert "nosuch" in page.text("message")
-
-
-def test_an_error_is_underlined_where_it_stands(page: Page):
-    page.typed("ego = Object at (0, 0)\n# 𝔘 ist ein Buchstabe\nother = Object at ('𝔘', nosuch)\n")
-    assert page.marked("error") == ["nosuch"]
-    assert "error, line 3: nosuch is not defined" in page.text("problems")
-    page.driver.find_element("css selector", "#problems button").click()
-    assert page.driver.execute_script("return program.value.slice(program.selectionStart, program.selectionEnd)") == "nosuch"
-    box = "return document.querySelector(arguments[0]).getBoundingClientRect().toJSON()"
-    under, over = (page.driver.execute_script(box, name) for name in ("#marks .error", "#program"))
-    assert under["top"] - over["top"] == pytest.approx(8 + 2 * 20, abs=4)
-    page.typed("ego = Object at (0, 0)\nimport math\n")
-    assert page.marked("error") == []
-    assert page.marked("warning") == ["math"]
-    assert len(page.scenes()) == 12
 
 
 def test_the_slider_changes_the_seed(page: Page):
@@ -419,18 +307,6 @@ def test_a_program_cannot_break_out_of_the_page_that_it_is_shipped_in(browser: A
         assert page.problems() == []
 
 
-@pytest.mark.parametrize(
-    "program",
-    [
-        "ego = Object at (0, 0), with note '" + "x" * 200_000 + "'\n", "# " + "x" * 300_000 + "\nego = Object at (0, 0)\n",
-        "x = 1\n" * 300 + "ego = Object\n",
-    ],
-)  # fmt: skip
-def test_long_programs_are_typed_in(page: Page, program: str):
-    page.typed(program)
-    assert len(page.scenes()) == 12
-
-
 def test_an_endless_loop_is_told_and_the_next_program_is_drawn(page: Page):
     page.typed("while True:\n    pass\nego = Object at (0, 0)\n")
     assert "without ending" in page.text("message")
@@ -518,56 +394,3 @@ def test_a_narrow_window_has_everything_below_each_other(page: Page):
         page.tab(name)
         wide = page.driver.execute_script("return [document.documentElement.scrollWidth, innerWidth]")
         assert wide[0] <= wide[1], name
-
-
-@pytest.mark.parametrize("path", sorted(EXAMPLES.rglob("*.scenic"))[::6], ids=lambda path: path.stem)
-def test_the_page_colours_programs_as_the_lexer_does(page: Page, path: Path):
-    from pygments.token import STANDARD_TYPES
-
-    text = path.read_text()
-    expected = [(value, STANDARD_TYPES[kind]) for _, kind, value in ScenicLexer().get_tokens_unprocessed(text)]
-    found = page.driver.execute_script("return [...pieces(arguments[0])]", text)
-    assert [tuple(piece) for piece in found if piece[0]] == [piece for piece in expected if piece[0]]
-
-
-def test_of_a_program_of_thousands_of_lines_those_in_view_are_drawn(page: Page):
-    """With all of its 20,000 lines in the layers, one key took more than a minute; so did Control-A with a closed `details` on the page."""
-    from selenium.webdriver import Keys
-
-    give = "const p = document.getElementById('program'); p.focus(); p.value = arguments[0]; p.dispatchEvent(new Event('input'));"
-    page.driver.execute_script(give, "ego = Object at (0, 0)\n" + "x = 1\n" * 20_000 + "y = nosuch\n")
-    assert page.driver.find_elements("tag name", "details") == []
-    page.element("program").send_keys("z = 2  # typed")
-    page.settled()
-    assert page.marked("error") == ["nosuch"]
-    drawn = "return ['colours', 'marks', 'gutter'].map(name => document.querySelectorAll('#' + name + ' *').length)"
-    assert max(page.driver.execute_script(drawn)) < 1000
-    rows = (
-        "return [...document.querySelectorAll('#gutter div div')].filter(e => e.textContent === arguments[0])"
-        ".map(e => e.getBoundingClientRect().top)"
-    )
-    box = "return document.querySelector('#marks .error').getBoundingClientRect().top"
-    [row] = page.driver.execute_script(rows, "20002")
-    assert page.driver.execute_script(box) == pytest.approx(row, abs=4)
-    assert page.driver.execute_script(rows, "1") == []
-    page.element("program").send_keys(Keys.CONTROL + Keys.HOME)
-    page.until(lambda: len(page.driver.execute_script(rows, "1")) == 1)
-    over = page.driver.execute_script("const p = document.getElementById('program'); return p.getBoundingClientRect().top - p.scrollTop")
-    assert page.driver.execute_script(rows, "1")[0] == pytest.approx(over + 8, abs=4)
-    assert page.marked("error") == []
-
-
-def test_letters_that_are_not_seen_are_marked_wherever_they_stand(page: Page):
-    page.typed("ego = Object at (0, 0)\n\u202ey = 1\nz\u200e = 2  # \u202e\n")
-    found = page.driver.execute_script("return [...document.querySelectorAll('#colours .odd')].map(e => e.textContent)")
-    assert found == ["\u202e", "\u200e", "\u202e"]
-
-
-def test_the_margin_is_as_wide_wherever_the_text_is_scrolled_to(page: Page):
-    page.typed("ego = Object at (0, 0)\n" + "x = 1\n" * 1200 + "require Range(0, 1) > 0.5\n")
-    widths = set()
-    for top in (0, 5000, 30000):
-        page.driver.execute_script("program.scrollTop = arguments[0]", top)
-        page.until(lambda: page.driver.execute_script("const row = program.scrollTop / 20; return seen.first <= row && row <= seen.last"))
-        widths.add(page.driver.execute_script("return document.getElementById('gutter').getBoundingClientRect().width"))
-    assert len(widths) == 1
