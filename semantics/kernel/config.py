@@ -33,7 +33,6 @@ class Settings(NamedTuple):
     door: Door
     params: Mapping[str, object] = {}
     model: str | None = None
-    euler_steps: int = 4
     scenario: str | None = None
     trusted: bool = False
     given: GivenValues = GivenValues()

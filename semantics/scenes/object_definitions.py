@@ -280,8 +280,6 @@ def specify(form: sp.Form | None, arguments: tuple[object, ...], stack: Stack, s
     operands = [reader.read(reader.plain(a), kind) for a, kind in zip(arguments, form.kinds, strict=True)]
     if form.needs_self:
         operands.append(reader.read(frame.instance, "Point"))
-    if form.needs_euler_steps:
-        operands.append(state.settings.euler_steps)
     if form.passes_on:  # ⟦at V⟧ = ⟦V⟧: the value itself, which `resample` may draw again
         return assign(form.rule, {form.specifies[0]: form.function(arguments[0])}, stack, state)
     try:

@@ -60,8 +60,6 @@ def apply_equation(node: Node, equations: Sequence[o.Equation], values: list[obj
         if instance is None:
             return value("", wait(node, values, apply_operator, state), stack, state, node)
         arguments.append(reader.property(instance, "position"))
-    if equation.needs_euler_steps:
-        arguments.append(state.settings.euler_steps)
     try:
         result = compute(equation.function, arguments, reader)
     except OutsideField as outside:

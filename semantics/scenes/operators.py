@@ -26,14 +26,13 @@ from ..syntax.python_expressions import Attribute, Name
 class Equation(NamedTuple):
     """An equation of the appendix: its id, the kinds of its operands, and its right-hand side.
 
-    The function gets self.position as a further argument if `needs_self`, N of forwardEuler if `needs_euler_steps`.
+    The function gets self.position as a further argument if `needs_self`.
     """
 
     rule: str
     kinds: tuple[str, ...]
     function: Callable[..., object]
     needs_self: bool = False
-    needs_euler_steps: bool = False
 
 
 class Rewriting(NamedTuple):
@@ -233,9 +232,9 @@ def follow_from_ego(node: e.Follow) -> Node:
     return replace(node, origin=EGO_POSITION)
 
 
-def follow(f: VectorField, v: Vector, s: float, euler_steps: int = 4) -> OrientedPointAt:
+def follow(f: VectorField, v: Vector, s: float) -> OrientedPointAt:
     """⟦follow F from V for S⟧ = OrientedPoint(y, ⟦F⟧(y)) where y = forwardEuler(⟦V⟧, ⟦S⟧, ⟦F⟧)."""
-    y = geometry.forward_euler(f.at, v, s, f.steps(s, euler_steps))
+    y = geometry.forward_euler(f.at, v, s, f.steps(s))
     return OrientedPointAt(y, f.at(y))
 
 
@@ -349,7 +348,7 @@ EQUATIONS: Mapping[type[Node], tuple[tuple[str, ...], tuple[Equation, ...]]] = {
         ),
     ),
     e.VisibleFrom: (("region", "viewer"), (Equation("O-VisibleFrom", (REGION, POINT), region_visible_from),)),
-    e.Follow: (("field", "origin", "distance"), (Equation("O-Follow", (FIELD, VECTOR, SCALAR), follow, needs_euler_steps=True),)),
+    e.Follow: (("field", "origin", "distance"), (Equation("O-Follow", (FIELD, VECTOR, SCALAR), follow),)),
 }
 
 IN_EQUATIONS = (

@@ -26,7 +26,7 @@ class Form(NamedTuple):
     """One row of Table "Specifiers for position" or "Specifiers for heading", and its equation.
 
     `kinds` are those of the arguments, in the order of the node's `premises`; `function(*arguments)` gets `self` as a
-    last argument if `needs_self` (ego if `needs_ego`, N of forwardEuler if `needs_euler_steps`), and gives a vector, a heading,
+    last argument if `needs_self` (ego if `needs_ego`), and gives a vector, a heading,
     an OrientedPoint or the region to draw a point x from, after which `function(*arguments, x)` is the value. With `passes_on` it gives
     its argument back, random or not; with `heading_of_region`, a heading as well if the region has an orientation.
     """
@@ -39,7 +39,6 @@ class Form(NamedTuple):
     dependencies: tuple[str, ...] = ()
     needs_self: bool = False
     needs_ego: bool = False
-    needs_euler_steps: bool = False
     passes_on: bool = False
     heading_of_region: bool = False
 
@@ -210,9 +209,9 @@ def following_from_ego(node: q.FollowingSpecifier) -> Node:
     return replace(node, origin=EGO_POSITION)
 
 
-def following(f: VectorField, v: Vector, s: float, euler_steps: int = 4) -> OrientedPointAt:
+def following(f: VectorField, v: Vector, s: float) -> OrientedPointAt:
     """⟦following F from V for S⟧ = ⟦follow F from V for S⟧."""
-    return follow(f, v, s, euler_steps)
+    return follow(f, v, s)
 
 
 # Figure "Semantics of heading specifiers"
@@ -298,7 +297,7 @@ FORMS: Mapping[type[Node], tuple[tuple[str, ...], tuple[Form, ...]]] = {
     q.InSpecifier: (("region",), (Form("P-In", (REGION,), in_region, heading_of_region=True),)),
     q.FollowingSpecifier: (
         ("field", "origin", "distance"),
-        (Form("P-Following", (FIELD, VECTOR, SCALAR), following, optional=HEADING_ONLY, needs_euler_steps=True),),
+        (Form("P-Following", (FIELD, VECTOR, SCALAR), following, optional=HEADING_ONLY),),
     ),
     q.FacingSpecifier: (
         ("direction",),

@@ -19,6 +19,8 @@ from .vectors import Vector
 
 Cell: TypeAlias = "tuple[Polygon | MultiPolygon, float | Callable[[Vector], float] | None]"
 
+STEPS = 4
+"""N of forwardEuler (Figure "Notation"), "an implementation-defined parameter (...) (we used N = 4)"."""
 MOST_STEPS = 100_000
 _CANDIDATE_MARGIN = 1e-6  # metres by which a square of the lookup grid is widened, so that rounding loses no cell
 
@@ -60,9 +62,9 @@ class VectorField:
         self.minSteps = minSteps
         self.defaultStepSize = defaultStepSize
 
-    def steps(self, distance: float, steps: int) -> int:
-        """How many steps forwardEuler takes for a distance in metres, where N is `steps`. Raises `BadField` for more than `MOST_STEPS`."""
-        least = self.minSteps or steps
+    def steps(self, distance: float) -> int:
+        """N, how many steps forwardEuler takes for a distance in metres. Raises `BadField` for more than `MOST_STEPS`."""
+        least = self.minSteps or STEPS
         number = least if self.defaultStepSize is None else max(least, math.ceil(distance / self.defaultStepSize))
         if number > MOST_STEPS:
             raise BadField(f"{number} steps along a vector field are too many")

@@ -65,7 +65,7 @@ def normalise_heading(heading: float) -> float:
     return rest - TAU * (rest > math.pi) + TAU * (rest <= -math.pi)
 
 
-def forward_euler(field: Callable[[Vector], float], start: Vector, distance: float, steps: int = 4) -> Vector:
+def forward_euler(field: Callable[[Vector], float], start: Vector, distance: float, steps: int) -> Vector:
     """forwardEuler(x, d, F): the map x ↦ x + rotate(⟨0, d/N⟩, F(x)) iterated N = `steps` times on `start`."""
     stride = Vector(0.0, distance / steps)
     here = start

@@ -96,7 +96,7 @@ def test_forward_euler_takes_n_steps_each_along_the_field_at_its_start() -> None
         visited.append(v)
         return math.pi / 2 * (len(visited) - 1)
 
-    end = g.forward_euler(field, Vector(1.0, 2.0), 8.0)
+    end = g.forward_euler(field, Vector(1.0, 2.0), 8.0, 4)
     assert len(visited) == 4
     assert tuple(visited[1]) == pytest.approx((1, 4))
     assert tuple(end) == pytest.approx((1, 2), abs=1e-12)  # a square
