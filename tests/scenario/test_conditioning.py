@@ -235,3 +235,24 @@ def test_what_is_known_of_a_draw_is_its_value_where_there_are_no_places() -> Non
     assert KnownDraw(3, (0,)).of(Range(0, 5)).support() == KnownDraw(3).of(Uniform((3, 4))).support() == ((3, Fraction(1)),)
     assert KnownDraw(3, (1,)).of(Uniform((3, 4))).support() == ((4, Fraction(1)),)
     assert KnownDraw(3, (0, 2)).of(Uniform((3, 4, 5))).support() == ((3, Fraction(1, 2)), (5, Fraction(1, 2)))
+
+
+CHANGED = """
+scenario Sub():
+    setup:
+        Object at (3, 3)
+        param t = 5
+    compose:
+        wait
+scenario Main():
+    setup:
+        ego = Object
+        param t = Uniform(1, 2)
+    compose:
+        do Sub()
+"""
+
+
+def test_a_parameter_is_given_of_the_scene_and_may_change_while_time_passes() -> None:
+    runs = scenic_ref.loads(CHANGED).condition_on(params={"t": 2}).simulate(steps=3)
+    assert (runs.attempts, runs.simulation.scene.params["t"]) == (1, 2)
