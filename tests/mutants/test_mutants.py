@@ -210,6 +210,7 @@ for _, told, status in processes.each([trial], suite.by_tests(), 1):
 
 
 def test_the_tests_are_run_on_the_change():
-    names = [f"tests/semantics/test_corners.py::test_{name}" for name in ("weights_are_a_list", "the_rest_of_an_interval_from_its_beginning_has_no_empty_part")]
+    tests = "weights_are_a_list", "the_rest_of_an_interval_from_its_beginning_has_no_empty_part"
+    names = [f"tests/semantics/test_corners.py::test_{name}" for name in tests]
     found = subprocess.run([sys.executable, "-c", SUITE.format(names=names)], cwd=changes.ROOT, capture_output=True, text=True, check=True)
     assert found.stdout == f"{names[1]}\n"
