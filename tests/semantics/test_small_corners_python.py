@@ -23,6 +23,7 @@ BIG = 2**90_000
         ("def f():\n    return f()\nx = f()", "f calls itself too deeply (3000 calls are open)"),
         ("x = '{0.real}'.format(1)", "a format string reads no attributes"),
         ("x = '{0[0]real}'.format('ab')", "a format string reads no attributes"),
+        ("p = property(lambda self: 1)\nq = p.setter(p)", "setter does not hold another of its kind"),
     ],
 )
 def test_a_refused_piece_of_python_is_told_what_is_wrong(program: str, told: str) -> None:
@@ -70,3 +71,10 @@ def test_what_a_program_changes_in_a_module_of_python_no_other_run_sees(tmp_path
 def test_a_value_with_a_number_too_long_to_write_is_told_by_its_kind() -> None:
     assert json_value({frozenset({BIG})}) == {"repr": "set with a number too long to write"}
     assert json_value(frozenset({1})) == {"repr": "frozenset({1})"}
+
+
+def test_a_choice_among_lists_of_different_lengths_is_left_to_no_interpreter() -> None:
+    scenario = scenic_ref.loads(f"{EGO}xs = Uniform([1, 2], [3])\nx = Uniform(*xs)\nparam x = x\n")
+    assert scenario.batch is not None and scenario.batch.block(2, 0, 12).left == 0
+    drawn, one_by_one = ([s.params["x"] for s in scenario.sample_many(12, seed=2, backend=b)] for b in ("batch", "interpreter"))
+    assert drawn == one_by_one and set(drawn) == {1, 2, 3}
