@@ -8,6 +8,7 @@ import pytest
 import scenic_ref
 from scenic_ref.formats.scenes import json_value
 from scenic_ref.semantics.kernel.errors import ScenicError
+from scenic_ref.semantics.python.builtins import BUILTINS
 
 EGO = "ego = Object at (0, 0)\n"
 BIG = 2**90_000
@@ -78,3 +79,8 @@ def test_a_choice_among_lists_of_different_lengths_is_left_to_no_interpreter() -
     assert scenario.batch is not None and scenario.batch.block(2, 0, 12).left == 0
     drawn, one_by_one = ([s.params["x"] for s in scenario.sample_many(12, seed=2, backend=b)] for b in ("batch", "interpreter"))
     assert drawn == one_by_one and set(drawn) == {1, 2, 3}
+
+
+def test_what_is_built_in_has_names_that_a_program_can_write() -> None:
+    assert [name for name in BUILTINS if not name.isidentifier()] == []
+    assert {"resample", "localPath", "super"} <= set(BUILTINS)
