@@ -18,6 +18,8 @@ BIG = 2**90_000
     ("program", "told"),
     [
         ("x = DiscreteRange(1, 2, {1: 1, 2: 1})", "must be a list of 2 numbers"),
+        ("x = Options(5)", "options must be given as [value, ...] or {value: weight, ...}"),
+        ("x = set([-i * (2 ** 61 - 1) for i in range(8000)])", "too many keys, or members of a set, have the same hash"),
         ("x = DiscreteRange(1, 100001)", "between 1 and 100,000 numbers"),
         ("class Car(Object, ValueError):\n    pass", "cannot be derived from the Python class ValueError as well"),
         ("class Car(Object, 'fast'):\n    pass", "cannot be derived from a string as well"),
