@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 from ..syntax.nodes import NOWHERE, Node, Span
 from .outcome import Change, GivenValues, Next
 from .scopes import Scope
-from .values import Dynamic, Instance, Origin
+from .values import Dynamic, Instance, Module, Origin
 from .versions import Version
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ class State(NamedTuple):
     workspace: object = None
     prefix: tuple[int, ...] = ()
     draws: int = 0
-    modules: Mapping[str, object] = {}
+    modules: Mapping[str, Module] = {}
     late: tuple[tuple[Node, Captured], ...] = ()
     dynamic: tuple[Declared, ...] = ()
     handling: tuple[BaseException, ...] = ()

@@ -135,7 +135,7 @@ def import_from(node: s.ImportFrom, stack: Stack, state: State) -> Outcome:
     names = {n.name: n.alias or n.name for n in node.names} or {n: n for n in public_names(module, node)}
     for member, alias in names.items():
         submodule = member_key(key, member)
-        found = member_of(module, member)
+        found = module.scope.bindings.get(member, MISSING)
         if found is MISSING and submodule in state.settings.library:
             if submodule not in state.modules:
                 return load(submodule, submodule, node, stack, state)
@@ -153,9 +153,9 @@ def model(node: s.Model, stack: Stack, state: State) -> Outcome:
     return Next("S-Model", Config(s.ImportFrom(module=node.name, names=(), as_model=True, span=node.span), stack, state), node)
 
 
-def public_names(module: object, node: Node) -> list[str]:
+def public_names(module: Module, node: Node) -> list[str]:
     """What `*` imports: the names in `__all__`, or if there is none all that do not begin with an underscore. Raises `RunError`."""
-    listed = member_of(module, "__all__") if isinstance(module, Module) else MISSING
+    listed = module.scope.bindings.get("__all__", MISSING)
     if listed is MISSING:
         return members(module)
     if not isinstance(listed, (list, tuple)) or not all(isinstance(name, str) for name in listed):
@@ -163,20 +163,12 @@ def public_names(module: object, node: Node) -> list[str]:
     return list(listed)
 
 
-def members(module: object) -> list[str]:
+def members(module: Module) -> list[str]:
     """The names in a module that do not begin with an underscore."""
-    names = list(module.scope.bindings) if isinstance(module, Module) else dir(module)
-    return [n for n in names if not n.startswith("_")]
+    return [n for n in module.scope.bindings if not n.startswith("_")]
 
 
-def member_of(module: object, name: str) -> object:
-    """A member of a module, or MISSING."""
-    if isinstance(module, Module):
-        return module.scope.bindings.get(name, MISSING)
-    return MISSING if name.startswith("_") else getattr(module, name, MISSING)
-
-
-def unknown(member: str, name: str, module: object, span: Span | None) -> HostException:
+def unknown(member: str, name: str, module: Module, span: Span | None) -> HostException:
     """The exception of a name that a module has not, with the nearest one that it has."""
     error = lacking(name, member, ImportError(f"the module {name} has no {member} in this reference"), members(module))
     return HostException(error, span=span)
@@ -205,9 +197,10 @@ def load(key: str, name: str, node: Node, stack: Stack, state: State) -> Outcome
         if isinstance(found, ImportRefused) and found.span != NOWHERE:  # the program says elsewhere what is refused
             raise ImportRefused(found.message, found.span, rule="S-Import", hint=found.hint)
         raise ImportRefused(str(found), node.span, rule="S-Import", hint=getattr(found, "hint", ""))
+    assert isinstance(found, Mapping)
     budget = state.settings.door.budget
-    own = {member: bound(own_copy(value), budget) for member, value in found.items()} if isinstance(found, Mapping) else {}
-    module = Module(name, Scope("module", budget.versions, bindings=own)) if isinstance(found, Mapping) else found
+    own = {member: bound(own_copy(value), budget) for member, value in found.items()}
+    module = Module(name, Scope("module", budget.versions, bindings=own))
     return Next("", Config(node, stack, state._replace(modules={**state.modules, key: module})))
 
 

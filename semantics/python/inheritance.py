@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 from ..kernel.allowed import is_user_made, may_ask
 from ..kernel.config import State
 from ..kernel.host import HostException, raw
 from ..kernel.scenic_classes import Above, ScenicClass
+from ..kernel.scopes import MISSING
 from ..kernel.values import Bound, Function, Instance, Method, Native, plain
-from .library import attribute_of
+from .library import method_of
 
 
 def member_of(found: object, subject: object | None, class_: object, state: State) -> object:
@@ -48,8 +50,16 @@ def attribute_above(above: Above, name: str, state: State) -> object:
 
 
 def method_of_python(class_: type, name: str, subject: object, state: State) -> object:
-    """`super().name` where it is a method of a Python class below which the class of the program stands."""
-    found = raw(state.settings.door, state, attribute_of, class_, name, state.settings.door.budget)
-    if isinstance(found, Bound):  # which takes the subject first
-        return replace(found, subject=(subject,))
-    return raw(state.settings.door, state, found.__get__, subject, type(subject)) if callable(found) else found  # type: ignore[attr-defined]
+    """`super().name` where it is of a Python class below which the class of the program stands."""
+    ours = method_of(class_, name, state.settings.door.budget)
+    if isinstance(ours, Bound):  # which takes the subject first
+        return replace(ours, subject=(subject,))
+    found: Any = next((vars(c)[name] for c in class_.__mro__ if name in vars(c)), MISSING)
+    if found is MISSING:
+        raise HostException(AttributeError(f"super() has no attribute {name}"))
+    return raw(state.settings.door, state, of_subject, found, subject)
+
+
+def of_subject(found: Any, subject: object) -> object:
+    """What stands in a class, as its instance sees it."""
+    return found.__get__(subject, type(subject)) if hasattr(found, "__get__") else found

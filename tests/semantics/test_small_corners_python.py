@@ -1,0 +1,99 @@
+"""Corners of what Scenic takes over from Python that no vector can show: messages, limits of our own, modules of Python."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import scenic_ref
+from scenic_ref.formats.scenes import json_value
+from scenic_ref.semantics.kernel.errors import ScenicError
+from scenic_ref.semantics.python.builtins import BUILTINS
+
+EGO = "ego = Object at (0, 0)\n"
+BIG = 2**90_000
+
+
+@pytest.mark.parametrize(
+    ("program", "told"),
+    [
+        ("x = DiscreteRange(1, 2, {1: 1, 2: 1})", "must be a list of 2 numbers"),
+        ("x = Options(5)", "options must be given as [value, ...] or {value: weight, ...}"),
+        ("x = set([-i * (2 ** 61 - 1) for i in range(8000)])", "too many keys, or members of a set, have the same hash"),
+        ("x = DiscreteRange(1, 100001)", "between 1 and 100,000 numbers"),
+        ("class Car(Object, ValueError):\n    pass", "cannot be derived from the Python class ValueError as well"),
+        ("class Car(Object, 'fast'):\n    pass", "cannot be derived from a string as well"),
+        ("def f():\n    return f()\nx = f()", "f calls itself too deeply (3000 calls are open)"),
+        ("x = '{0.real}'.format(1)", "a format string reads no attributes"),
+        ("x = '{0[0]real}'.format('ab')", "a format string reads no attributes"),
+        ("p = property(lambda self: 1)\nq = p.setter(p)", "setter does not hold another of its kind"),
+    ],
+)
+def test_a_refused_piece_of_python_is_told_what_is_wrong(program: str, told: str) -> None:
+    with pytest.raises(ScenicError) as caught:
+        scenic_ref.loads(EGO + program + "\n").sample()
+    assert told in caught.value.message
+
+
+@pytest.mark.parametrize(
+    ("use", "told"),
+    [
+        ("(2 ** 1000) ** 100", "a power is too large"),
+        ("pow(2, 3, 2 ** 9000)", "a whole number of 144,016 binary digits is too large"),
+        ("('a' * 2000 + 'c').translate({97: 'b' * 2000})", "4,002,000 elements or characters are too many"),
+        ("('c' * 2001).translate({97: 'b' * 2000})", "4,002,000 elements or characters are too many"),
+        ("('a' * 100000).rfind('b' * 100000)", "the program goes through more, or makes more, than one run may"),
+        ("[len(list(numbers)) for i in range(80)]", "the program goes through more, or makes more, than one run may"),
+        ("max([2000000] * 250, key=bytes)", "the program goes through more, or makes more, than one run may"),
+    ],
+)
+def test_what_one_call_may_make_has_limits(use: str, told: str) -> None:
+    with pytest.raises(ScenicError) as caught:
+        scenic_ref.loads(f"{EGO}numbers = [0] * 1000000\nx = {use}\n").sample()
+    assert told in caught.value.message
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        "[len(list([0] * 100000)) for i in range(80)]",
+        "('ab' * 900000).translate({97: 'c'})",
+        "(2 ** 999) ** 100",
+        "pow(2 ** 6000, 3, 2 ** 6000)",
+        "('a' * 90000).rfind('ab')",
+        "max([2000] * 250, key=bytes)",
+    ],
+)
+def test_what_is_within_these_limits_is_made(use: str) -> None:
+    assert scenic_ref.loads(f"{EGO}x = {use}\nparam done = 1\n").sample().params["done"] == 1
+
+
+def test_a_module_beside_the_program_is_named_with_its_dots(tmp_path: Path) -> None:
+    (tmp_path / "road.scenic").write_text("lanes = 2\n")
+    with pytest.raises(ScenicError, match=r"the module \.road has no width"):
+        scenic_ref.loads(f"{EGO}from .road import width\n", directory=tmp_path).sample()
+
+
+def test_what_a_program_changes_in_a_module_of_python_no_other_run_sees(tmp_path: Path) -> None:
+    (tmp_path / "python_of_small_corners.py").write_text("lanes = [1, [2]]\nroads = {'main': [3]}\n")
+    program = "from python_of_small_corners import lanes, roads\nparam n = [len(lanes), len(lanes[1]), len(roads), len(roads['main'])]\n"
+    program += "lanes.append(5)\nlanes[1].append(6)\nroads['side'] = 7\nroads['main'].append(8)\n"
+    scenario = scenic_ref.loads(EGO + program, directory=tmp_path, trust=True)
+    assert [scenario.sample(seed=seed).params["n"] for seed in (1, 2)] == [[2, 1, 1, 1]] * 2
+
+
+def test_a_value_with_a_number_too_long_to_write_is_told_by_its_kind() -> None:
+    assert json_value({frozenset({BIG})}) == {"repr": "set with a number too long to write"}
+    assert json_value(frozenset({1})) == {"repr": "frozenset({1})"}
+
+
+def test_a_choice_among_lists_of_different_lengths_is_left_to_no_interpreter() -> None:
+    scenario = scenic_ref.loads(f"{EGO}xs = Uniform([1, 2], [3])\nx = Uniform(*xs)\nparam x = x\n")
+    assert scenario.batch is not None and scenario.batch.block(2, 0, 12).left == 0
+    drawn, one_by_one = ([s.params["x"] for s in scenario.sample_many(12, seed=2, backend=b)] for b in ("batch", "interpreter"))
+    assert drawn == one_by_one and set(drawn) == {1, 2, 3}
+
+
+def test_what_is_built_in_has_names_that_a_program_can_write() -> None:
+    assert [name for name in BUILTINS if not name.isidentifier()] == []
+    assert {"resample", "localPath", "super"} <= set(BUILTINS)
