@@ -216,10 +216,14 @@ def is_known(class_: type) -> bool:
     return hasattr(class_, "scenic_names") or issubclass(class_, (Region, VectorField))
 
 
+BELONGING: frozenset[type] = frozenset({BuiltinFunctionType, MethodType, MethodDescriptorType})
+"""Types of functions of which a program may hold those alone that it could ask for: what they belong to decides."""
+
+
 def is_value(value: object) -> bool:
     """Whether a program may hold the value."""
     class_ = type(value)
-    if class_ in ATTRIBUTES or issubclass(class_, OWN):
+    if (class_ in ATTRIBUTES and class_ not in BELONGING) or issubclass(class_, OWN):
         return True
     if isinstance(value, type):
         return is_known(value)
