@@ -216,17 +216,9 @@ def is_known(class_: type) -> bool:
     return hasattr(class_, "scenic_names") or issubclass(class_, (Region, VectorField))
 
 
-BELONGING: frozenset[type] = frozenset({BuiltinFunctionType, MethodType, MethodDescriptorType})
-"""Types of functions of which a program may hold those alone that it could ask for: what they belong to decides."""
-
-
 def is_value(value: object) -> bool:
-    """Whether a program may hold the value."""
+    """Whether a program may hold the value. Of functions, methods and the like it may ask for their names, but what they belong to decides."""
     class_ = type(value)
-    if (class_ in ATTRIBUTES and class_ not in BELONGING) or issubclass(class_, OWN):
-        return True
-    if isinstance(value, type):
-        return is_known(value)
     if class_ is MethodType:
         return isinstance(value.__func__, (Function, Native)) or may_ask(value.__self__, value.__func__.__name__)  # type: ignore[attr-defined]
     if class_ is BuiltinFunctionType:
@@ -234,4 +226,8 @@ def is_value(value: object) -> bool:
         return value in FUNCTIONS if subject is None or isinstance(subject, ModuleType) else may_ask(subject, value.__name__)  # type: ignore[attr-defined]
     if class_ is MethodDescriptorType:
         return value.__name__ in ATTRIBUTES.get(value.__objclass__, ())  # type: ignore[attr-defined]
+    if class_ in ATTRIBUTES or issubclass(class_, OWN):
+        return True
+    if isinstance(value, type):
+        return is_known(value)
     return is_known(class_)
