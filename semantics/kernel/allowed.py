@@ -157,8 +157,8 @@ def is_user_made(value: object) -> bool:
 
 
 def own_word(value: object, name: str, otherwise: object = None) -> Any:
-    """An attribute by which Python's own callables say what they are; instances of the program's classes are not asked: these may make it up."""
-    return otherwise if is_user_made(value) and not isinstance(value, type) else getattr(value, name, otherwise)
+    """An attribute by which Python's own callables say what they are; the program's classes and their instances are not asked: these may make it up."""
+    return otherwise if is_user_made(value) else getattr(value, name, otherwise)
 
 
 def may_override(name: str, member: object) -> bool:

@@ -20,7 +20,8 @@ from .results import digest
 from .vectors import AT_LEAST, SLOWER, Covered, Trial
 from .watching import Lines, left_in
 
-OPTIONS = ("-q", "-p", "no:cacheprovider", "-p", "no:xdist")
+OPTIONS = ("-q", "-p", "no:cacheprovider", "-p", "no:xdist", "--assert=plain")
+"""What pytest is told. To rewrite assertions, it would load the modules of the package itself, as of any plugin's, and so without the mutant."""
 BUDGET = 60.0
 """Seconds of processor time, as they were when the lines were watched, that the tests for one mutant may take together."""
 COLLECTING = 120
