@@ -157,7 +157,7 @@ def is_user_made(value: object) -> bool:
 
 
 def own_word(value: object, name: str, otherwise: object = None) -> Any:
-    """An attribute by which Python's own callables say what they are; the program's classes and their instances are not asked: these may make it up."""
+    """An attribute by which Python's own callables say what they are; classes of the program, and their instances, may make it up: not asked."""
     return otherwise if is_user_made(value) else getattr(value, name, otherwise)
 
 
