@@ -61,6 +61,17 @@ def test_letters_are_not_compared_where_names_are_long_or_cannot_be_near(monkeyp
     assert asked == []
 
 
+def test_of_names_that_are_as_near_the_one_with_the_same_first_letter_is_meant() -> None:
+    assert suggestions.nearest("tablex", ["cablex", "Tables"]) == "Tables"
+    assert suggestions.nearest("tablex", ["Tables", "cablex", "tables"]) == "tables"
+
+
+def test_the_view_of_a_container_does_not_wait_for_a_position() -> None:
+    program = "F = VectorField('F', lambda p: p.x)\nw = 0.5 relative to F\nd = {1: w}\nego = Object at (1, 0), with p d.values()\n"
+    with pytest.raises(RunError, match="it needs the position of an object being specified"):
+        scenic_ref.loads(program, readings={"field-dependency": "position"}).sample()
+
+
 def test_a_function_of_the_program_runs_within_a_run_only() -> None:
     config = scenic_ref.loads(f"def same(x):\n    return x\n{EGO}").start()
     while "same" not in config.state.sigma.bindings:
@@ -107,7 +118,7 @@ scenario Main():
 
 
 def test_a_trace_says_whose_monitors_and_blocks_run() -> None:
-    """What scenarios draw follows from the seed and their numbers: they are counted on from 0, the top-level one, in the order in which they begin."""
+    """What scenarios draw follows from the seed and their numbers, which count on from 0, the top-level one, in the order in which they begin."""
     trace, numbers = Trace(), set()
 
     def witness(outcome: Outcome, drawn: object) -> None:
