@@ -46,7 +46,7 @@ def waits(value: object) -> bool:
 
 
 def expression_of(value: object) -> Expression:
-    """An expression with this value, once there is a position. Raises `NeedsPosition` for something else than a container, like the view of one."""
+    """An expression with this value, once there is a position. Raises `NeedsPosition` for what is no container, like the view of one."""
     match value:
         case Waiting():
             return value  # pyright: ignore[reportReturnType]: a node that stands where an expression does
@@ -64,7 +64,7 @@ def expression_of(value: object) -> Expression:
         case dict():
             return DictDisplay(items=tuple((Constant(value=key), expression_of(v)) for key, v in value.items()))
         case _:
-            return Constant(value=unwrap(value)[0])
+            return Constant(value=unwrap(value))
 
 
 def remaining(values: Sequence[object]) -> list[Expression] | None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import scenic_ref
@@ -11,6 +13,7 @@ from scenic_ref.semantics.kernel import suggestions
 from scenic_ref.semantics.kernel.allowed import is_value
 from scenic_ref.semantics.kernel.errors import FuelExhausted, ProgramError, RunError
 from scenic_ref.semantics.kernel.outcome import Outcome
+from scenic_ref.semantics.space.regions import everywhere
 from scenic_ref.semantics.step import step
 from scenic_ref.simulators.simulating import simulate_once
 from scenic_ref.simulators.still import Still
@@ -80,16 +83,19 @@ def test_a_function_of_the_program_runs_within_a_run_only() -> None:
         config.state.sigma.bindings["same"](3)  # type: ignore[operator]
 
 
-STRANGERS = (eval, print, open, np.zeros(3).tolist, np.zeros(3).tofile, [].__reduce_ex__, "a".__getattribute__, dict.__reduce__, np.ndarray.dump)
+STRANGERS = (
+    eval, print, open, np.zeros(3).tolist, np.zeros(3).tofile, [].__reduce_ex__, "a".__getattribute__, dict.__reduce__, np.ndarray.dump, np.ndarray,
+    type, Path().read_text, everywhere.__init__, everywhere.__reduce_ex__,
+)  # fmt: skip
 
 
 @pytest.mark.parametrize("value", STRANGERS)
-def test_functions_and_methods_of_strangers_are_no_values_of_programs(value: object) -> None:
+def test_functions_methods_and_classes_of_strangers_are_no_values_of_programs(value: object) -> None:
     assert not is_value(value)
 
 
-@pytest.mark.parametrize("value", [abs, len, [].append, "a".join, str.upper, {}.get])
-def test_functions_and_methods_of_what_a_program_may_hold_are_values(value: object) -> None:
+@pytest.mark.parametrize("value", [abs, len, [].append, "a".join, str.upper, {}.get, int, ValueError, everywhere.containsPoint])
+def test_functions_methods_and_classes_that_a_program_may_hold_are_values(value: object) -> None:
     assert is_value(value)
 
 
