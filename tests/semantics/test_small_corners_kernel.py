@@ -29,6 +29,9 @@ REPEATING = f"from collections import deque\nfrom itertools import repeat\n{EGO}
         ("x = Object at (9, 9), with width [1, 2, 3]\n", "for one of them write `Uniform(*values)`"),
         ("x = Object at (9, 9), with positionStdDev 'a'\n", "write a number without quotation marks"),
         ("x = Object at (9, 9), with positionStdDev -1\n", ""),
+        ("x = Object at (9, 9), with requireVisible 'a'\n", ""),
+        ("x = [].appendd(3)\n", "did you mean append?"),
+        ("x = (1 @ 2).z\n", ""),
     ],
 )
 def test_what_to_write_instead_is(program: str, hint: str) -> None:
@@ -143,6 +146,7 @@ def test_a_trace_says_whose_monitors_and_blocks_run() -> None:
     ("program", "reason"),
     [
         ("x = Range(0, 3)\nfound = filter(lambda v: v > x, Uniform([1, 2, 3], [2, 3]))\nparam n = len(found)\n", None),
+        ("x = Range(0, 1)\nparam d = distance from (x, 2) to (0, 0)\n", None),
         ("v = Uniform((1, 2), (3, 4))\na, *b = v\nparam a = a, b = b\n", None),
         ("v = Uniform({'a': (1, 2)}, {'a': 3 @ 4})['a']\na, b = v\nparam a = a, b = b\n", "a choice among values of different types"),
     ],
