@@ -157,8 +157,8 @@ def is_user_made(value: object) -> bool:
 
 
 def own_word(value: object, name: str, otherwise: object = None) -> Any:
-    """An attribute by which Python's own callables say what they are; instances of the program's classes are not asked: these may make it up."""
-    return otherwise if is_user_made(value) and not isinstance(value, type) else getattr(value, name, otherwise)
+    """An attribute by which Python's own callables say what they are; classes of the program, and their instances, may make it up: not asked."""
+    return otherwise if is_user_made(value) else getattr(value, name, otherwise)
 
 
 def may_override(name: str, member: object) -> bool:
@@ -217,12 +217,8 @@ def is_known(class_: type) -> bool:
 
 
 def is_value(value: object) -> bool:
-    """Whether a program may hold the value."""
+    """Whether a program may hold the value. Of functions, methods and the like it may ask for their names, but what they belong to decides."""
     class_ = type(value)
-    if class_ in ATTRIBUTES or issubclass(class_, OWN):
-        return True
-    if isinstance(value, type):
-        return is_known(value)
     if class_ is MethodType:
         return isinstance(value.__func__, (Function, Native)) or may_ask(value.__self__, value.__func__.__name__)  # type: ignore[attr-defined]
     if class_ is BuiltinFunctionType:
@@ -230,4 +226,8 @@ def is_value(value: object) -> bool:
         return value in FUNCTIONS if subject is None or isinstance(subject, ModuleType) else may_ask(subject, value.__name__)  # type: ignore[attr-defined]
     if class_ is MethodDescriptorType:
         return value.__name__ in ATTRIBUTES.get(value.__objclass__, ())  # type: ignore[attr-defined]
+    if class_ in ATTRIBUTES or issubclass(class_, OWN):
+        return True
+    if isinstance(value, type):
+        return is_known(value)
     return is_known(class_)

@@ -133,9 +133,9 @@ class Reader:
             case _:
                 return value
 
-    def heading(self, value: object) -> object:
-        """A scalar or an OrientedPoint as a heading."""
-        return self.property(value, "heading") if isinstance(value, Instance) else value
+    def heading(self, value: Instance) -> object:
+        """That of an OrientedPoint."""
+        return self.property(value, "heading")
 
     def vector(self, value: object) -> Vector:
         """A vector, a pair of scalars or a Point as a vector."""

@@ -5,14 +5,14 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Sequence
 
 from ..syntax.nodes import Expression, Node
-from ..syntax.python_expressions import Call, Constant, DictDisplay, Keyword, ListDisplay, SetDisplay, TupleDisplay
+from ..syntax.python_expressions import Call, Constant, DictDisplay, Keyword, ListDisplay, TupleDisplay
 from .config import State
 from .errors import NeedsPosition
 from .scopes import MISSING, Scope
-from .sets import FrozenSet, Set
 from .values import Dynamic, Instance, Random, unwrap
 from .waiting import Waiting
 
@@ -46,7 +46,7 @@ def waits(value: object) -> bool:
 
 
 def expression_of(value: object) -> Expression:
-    """An expression with this value, once there is a position."""
+    """An expression with this value, once there is a position. Raises `NeedsPosition` for what is no container, like the view of one."""
     match value:
         case Waiting():
             return value  # pyright: ignore[reportReturnType]: a node that stands where an expression does
@@ -56,13 +56,15 @@ def expression_of(value: object) -> Expression:
             function = Constant(value=Dynamic(value.definition, value.scope, value.defaults))
             named = tuple(Keyword(name=name, value=expression_of(v)) for name, v in keywords.items())
             return Call(function=function, arguments=tuple(map(expression_of, positional)), keywords=named)
-        case list() | tuple() | Set() | FrozenSet():
-            kind = ListDisplay if isinstance(value, list) else TupleDisplay if isinstance(value, tuple) else SetDisplay
-            return kind(items=tuple(map(expression_of, value)))
+        case list() | tuple():
+            return (ListDisplay if isinstance(value, list) else TupleDisplay)(items=tuple(map(expression_of, value)))
+        case deque():
+            items = ListDisplay(items=tuple(map(expression_of, value)))
+            return Call(function=Constant(value=deque), arguments=(items, Constant(value=value.maxlen)), keywords=())
         case dict():
             return DictDisplay(items=tuple((Constant(value=key), expression_of(v)) for key, v in value.items()))
         case _:
-            return Constant(value=value)
+            return Constant(value=unwrap(value))
 
 
 def remaining(values: Sequence[object]) -> list[Expression] | None:
