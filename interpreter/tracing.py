@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -280,25 +280,39 @@ def describe(change: Change | None, assigned: tuple[Assigned, ...] = ()) -> str:
 
 def show(value: object) -> str:
     """A value in a line of a trace: short, and the same in every run of the same seed."""
-    text = written(value if waits(value) else unwrap(value)[0])
+    try:
+        plain_value = value if waits(value) else unwrap(value)[0]
+    except RecursionError:  # it contains itself
+        plain_value = value
+    text = written(plain_value, LONGEST + 1)
     return text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
 
 
-def written(value: object) -> str:
-    """A value with its numbers rounded to six digits."""
+def written(value: object, room: int) -> str:
+    """A value with its numbers rounded to six digits: all of it, or at least as many letters of it as there is room for."""
     match value:
         case float():
             return f"{value:.6g}"
         case Vector(x=x, y=y):
-            return f"({written(x)}, {written(y)})"
+            return f"({written(x, room)}, {written(y, room)})"
         case tuple() if type(value) is tuple and len(value) <= LONGEST:
-            return f"({', '.join(map(written, value))}{',' if len(value) == 1 else ''})"
+            return f"({', '.join(parts_of(value, room))}{',' if len(value) == 1 else ''})"
         case type():
             return f"<class {value.__name__}>"
         case list() if len(value) <= LONGEST:
-            return f"[{', '.join(map(written, value))}]"
+            return f"[{', '.join(parts_of(value, room))}]"
         case _:
             return stable_repr(value)
+
+
+def parts_of(values: Iterable[object], room: int) -> Iterator[str]:
+    """The parts of a value, written until there is no more room: what contains itself, or the same many times over, has no end."""
+    for value in values:
+        if room <= 0:
+            return
+        text = written(value, room - 1)
+        room -= len(text)
+        yield text
 
 
 def lines_of(programs: Mapping[str, str], span: Span) -> str:

@@ -247,8 +247,11 @@ ANYWHERE = re.compile(r" at 0x[0-9a-fA-F]+")
 
 
 def stable_repr(value: object) -> str:
-    """`repr(value)`, but never with an address in memory, which would differ from run to run, nor with thousands of digits."""
+    """`repr(value)`, but never with an address in memory, which would differ from run to run, nor with thousands of digits or millions of parts."""
     try:
+        check_written(value)
         return ANYWHERE.sub("", repr(value))[:1000]
+    except (RunError, RecursionError):
+        return f"{type(value).__name__} with too many parts to write"
     except ValueError:
         return f"{type(value).__name__} with a number too long to write"

@@ -152,6 +152,9 @@ def by_tests() -> Work:
     """The work of a process: a mutant, tried by tests until one notices it."""
 
     def work(tried: Trial, tell: Tell) -> None:
+        if not tried.names:  # pytest would collect all there are
+            tell(how="missed")
+            return
         finder = tried.mutant.finder()
         sys.meta_path.insert(0, finder)
         tell(at="collecting")

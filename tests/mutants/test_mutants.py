@@ -203,8 +203,8 @@ def test_results_are_kept_and_those_about_another_tree_are_not_taken_over(change
 SUITE = """
 from tests.mutants import changes, processes, suite, vectors
 [mutant] = [m for m in changes.mutants("semantics/space/regions/intervals.py") if m.function == "complement" and "low <= high" in m.after]
-trial = vectors.Trial(mutant, tuple({names}), (60.0, 60.0))
-for _, told, status in processes.each([trial], suite.by_tests(), 1):
+trials = [vectors.Trial(mutant, tuple({names}), (60.0, 60.0)), vectors.Trial(mutant, (), ())]
+for _, told, status in processes.each(trials, suite.by_tests(), 1):
     print(vectors.outcome(told, status)["by"])
 """
 
@@ -213,4 +213,4 @@ def test_the_tests_are_run_on_the_change():
     tests = "weights_are_a_list", "the_rest_of_an_interval_from_its_beginning_has_no_empty_part"
     names = [f"tests/semantics/test_corners.py::test_{name}" for name in tests]
     found = subprocess.run([sys.executable, "-c", SUITE.format(names=names)], cwd=changes.ROOT, capture_output=True, text=True, check=True)
-    assert found.stdout == f"{names[1]}\n"
+    assert found.stdout == f"{names[1]}\nNone\n"
