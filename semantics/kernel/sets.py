@@ -14,9 +14,15 @@ class Set(set[Any]):
 
     __slots__ = ("order",)
     __hash__ = None  # type: ignore[assignment]
+    order: dict[Any, None]
 
-    def __init__(self, items: Iterable[Hashable] = ()) -> None:
-        self.order: dict[Any, None] = dict.fromkeys(items)
+    def __new__(cls, *arguments: object, **keywords: object) -> Set:
+        made = super().__new__(cls)
+        made.order = {}  # a class below may do without our `__init__`
+        return made
+
+    def __init__(self, items: Iterable[Hashable] = ()) -> None:  # pyright: ignore[reportInconsistentConstructor]
+        self.order = dict.fromkeys(items)
         super().__init__(self.order)
 
     def __iter__(self) -> Iterator[Any]:

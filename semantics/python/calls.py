@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable, Mapping
 from types import BuiltinFunctionType, MethodType
 
@@ -51,9 +51,10 @@ from .assignment import random_write
 from .elementwise import generator_rule
 from .functions import bind, enter, returned
 from .iteration import elements, elements_in_this_run
+from .library import initialise
 from .members import Member, call_member
 from .prices import as_callback, check_arguments
-from .specials import HOST_RULES, SPECIALS, call_container_method, container_method
+from .specials import HOST_RULES, SPECIALS, call_container_method, container_method, random_place
 from .texts import without_addresses
 
 
@@ -184,6 +185,8 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
     note_call(state.settings.door.budget, plain(function), arguments)
     if "key" in keywords and type(keywords["key"]) is not Random:
         keywords = {**keywords, "key": as_callback(keywords["key"], state.settings.door.budget)}
+    if isinstance(function, Bound) and function.function is initialise and function.subject:
+        return returned(node, initialise_above(node, function, arguments, keywords, state), stack, state)
     if container_method(plain(function)):
         if type(function) is Random and function.value.__name__ in STORED:  # type: ignore[attr-defined]
             raise random_write(Random(function.value.__self__, function.origin), node)  # type: ignore[attr-defined]
@@ -209,6 +212,21 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
             problem.exception.add_note("how often a loop runs may not be random; a whole number is drawn by DiscreteRange(low, high)")
         raise
     return returned(node, result, stack, state)
+
+
+def initialise_above(node: Node, function: Bound, arguments: tuple[object, ...], keywords: Mapping[str, object], state: State) -> object:
+    """`super().__init__(...)` of a Python class: what it stores keeps its randomness, but where that stands may not be random."""
+    [subject] = function.subject
+    met = unwrap([*arguments, *keywords.values()])[1] is not None
+    if met and isinstance(subject, list):
+        arguments = tuple(elements(a, node, state) for a in arguments)
+    elif met and isinstance(subject, dict) and not isinstance(subject, Counter) and not any(type(a) is Random for a in arguments):
+        arguments = tuple(raw(state.settings.door, state, dict, a) for a in arguments)
+        if unwrap([key for a in arguments for key in a])[1] is not None:  # type: ignore[attr-defined]
+            raise random_place("__init__", node)
+    elif met and not isinstance(subject, BaseException):
+        raise random_place("__init__", node)
+    return raw(state.settings.door, state, function, *arguments, **keywords)
 
 
 def check_call(function: object, arguments: tuple[object, ...], keywords: Mapping[str, object], state: State) -> None:
