@@ -126,3 +126,7 @@ def test_a_box_as_wide_as_the_world_meets_all(width: str) -> None:
     text = ROW.format(60) + f"Object at 1000 @ 0.2, with width {width}, with requireVisible False\n"
     with pytest.raises(AttemptsExhausted, match=r"ego and Object \(object 61\) do not intersect"):
         scenic_ref.loads(text).sample(seed=0, max_attempts=1)
+
+
+def test_of_what_is_no_number_nothing_is_said():
+    assert crowds.near_pairs([(0.0, 0.0, 0.0, 1.0, 1.0), (0.5, 0.0, 0.0, "wide", 1.0)]) is None  # type: ignore[list-item]
