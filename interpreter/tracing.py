@@ -13,7 +13,7 @@ from ..semantics.kernel.config import Config, State
 from ..semantics.kernel.outcome import Act, Change, Done, Draw, Finish, Next, Observe, Outcome, Stuck
 from ..semantics.kernel.positions import waits
 from ..semantics.kernel.simulation import agent_of, simulation_of
-from ..semantics.kernel.values import Instance, unwrap
+from ..semantics.kernel.values import Instance, Random, unwrap
 from ..semantics.python.texts import stable_repr
 from ..semantics.rules import RULES
 from ..semantics.scenes.object_definitions import Defaulting
@@ -297,6 +297,8 @@ def written(value: object, room: int) -> str:
             return f"({written(x, room)}, {written(y, room)})"
         case tuple() if type(value) is tuple and len(value) <= LONGEST:
             return f"({', '.join(parts_of(value, room))}{',' if len(value) == 1 else ''})"
+        case Random():
+            return written(value.value, room)
         case type():
             return f"<class {value.__name__}>"
         case list() if len(value) <= LONGEST:

@@ -16,7 +16,7 @@ from collections import Counter, OrderedDict, defaultdict, deque
 from collections.abc import Mapping
 from enum import Enum, Flag, IntEnum, auto
 from functools import cmp_to_key
-from types import BuiltinFunctionType, EllipsisType, MethodDescriptorType, MethodType, ModuleType, NoneType, NotImplementedType
+from types import BuiltinFunctionType, EllipsisType, FunctionType, MethodDescriptorType, MethodType, ModuleType, NoneType, NotImplementedType
 from typing import Any
 
 from ..space.fields import PolygonalVectorField, VectorField
@@ -171,6 +171,25 @@ def is_hidden(name: str) -> bool:
     return name == MARK or (name.startswith("_") and name.endswith("_") and name not in OVERRIDES)
 
 
+OF_RECORDS = names("_asdict _fields _make _replace")
+"""What a named tuple has beside its fields."""
+
+
+def is_record(class_: type) -> bool:
+    """Whether the class is one that `namedtuple` made."""
+    return class_.__bases__ == (tuple,) and "_field_defaults" in class_.__dict__
+
+
+def is_given(class_: type, name: str) -> bool:
+    """Whether a class of the program has a member that the program gave it, and not Python, which made it a named tuple or an enumeration."""
+    if name not in class_.__dict__ or is_hidden(name):
+        return False
+    if is_record(class_):
+        return name in class_.__dict__["_fields"] or name in OF_RECORDS
+    found = class_.__dict__[name]
+    return not isinstance(found.__func__ if isinstance(found, (classmethod, staticmethod)) else found, FunctionType)
+
+
 def may_ask(value: object, name: str) -> bool:
     """Whether a program may ask the value, which is none of the machine's types, for the attribute."""
     if isinstance(value, Symbol):
@@ -200,7 +219,7 @@ def is_base(class_: type) -> bool:
 def of_class(class_: type, name: str) -> Names | dict[str, None]:
     """The names that one class gives to its instances: those of the table, or those that the program defined."""
     if MARK in class_.__dict__:
-        return {name: None} if name in class_.__dict__ and not is_hidden(name) else {}
+        return {name: None} if is_given(class_, name) else {}
     return ATTRIBUTES.get(class_) or getattr(class_, "__dict__", {}).get("scenic_names", frozenset())
 
 

@@ -45,8 +45,20 @@ def waits(value: object) -> bool:
     return False
 
 
-def expression_of(value: object) -> Expression:
-    """An expression with this value, once there is a position. Raises `NeedsPosition` for what is no container, like the view of one."""
+def expression_of(value: object, seen: dict[int, Expression] | None = None) -> Expression:
+    """An expression with this value, once there is a position. Raises `NeedsPosition` for what is no container, like the view of one.
+
+    What stands in several places is one expression: it takes no longer than there are different parts.
+    """
+    seen = {} if seen is None else seen
+    known = seen.get(id(value))
+    if known is None:
+        known = seen[id(value)] = expression_for(value, seen)
+    return known
+
+
+def expression_for(value: object, seen: dict[int, Expression]) -> Expression:
+    """The same of what was not seen."""
     match value:
         case Waiting():
             return value  # pyright: ignore[reportReturnType]: a node that stands where an expression does
@@ -54,15 +66,15 @@ def expression_of(value: object) -> Expression:
             return Constant(value=value)
         case Dynamic(arguments=(positional, keywords)):
             function = Constant(value=Dynamic(value.definition, value.scope, value.defaults))
-            named = tuple(Keyword(name=name, value=expression_of(v)) for name, v in keywords.items())
-            return Call(function=function, arguments=tuple(map(expression_of, positional)), keywords=named)
+            named = tuple(Keyword(name=name, value=expression_of(v, seen)) for name, v in keywords.items())
+            return Call(function=function, arguments=tuple(expression_of(v, seen) for v in positional), keywords=named)
         case list() | tuple():
-            return (ListDisplay if isinstance(value, list) else TupleDisplay)(items=tuple(map(expression_of, value)))
+            return (ListDisplay if isinstance(value, list) else TupleDisplay)(items=tuple(expression_of(v, seen) for v in value))
         case deque():
-            items = ListDisplay(items=tuple(map(expression_of, value)))
+            items = ListDisplay(items=tuple(expression_of(v, seen) for v in value))
             return Call(function=Constant(value=deque), arguments=(items, Constant(value=value.maxlen)), keywords=())
         case dict():
-            return DictDisplay(items=tuple((Constant(value=key), expression_of(v)) for key, v in value.items()))
+            return DictDisplay(items=tuple((Constant(value=key), expression_of(v, seen)) for key, v in value.items()))
         case _:
             return Constant(value=unwrap(value))
 

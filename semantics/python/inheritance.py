@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from ..kernel.allowed import is_user_made, may_ask
+from ..kernel.allowed import is_given, is_record, is_user_made, may_ask
 from ..kernel.config import State
 from ..kernel.host import HostException, raw
 from ..kernel.scenic_classes import Above, ScenicClass
@@ -37,6 +37,10 @@ def attribute_above(above: Above, name: str, state: State) -> object:
     subject = above.subject
     is_class = isinstance(subject, (type, ScenicClass))
     for class_ in above.classes:
+        if isinstance(class_, type) and is_user_made(class_) and not is_given(class_, name):
+            continue
+        if isinstance(class_, type) and is_record(class_) and not is_class:
+            return raw(state.settings.door, state, of_subject, vars(class_)[name], subject)
         members = class_.methods if isinstance(class_, ScenicClass) else vars(class_) if is_user_made(class_) else {}
         if name in members:
             inner = plain(subject)

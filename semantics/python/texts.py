@@ -250,8 +250,11 @@ def stable_repr(value: object) -> str:
     """`repr(value)`, but never with an address in memory, which would differ from run to run, nor with thousands of digits or millions of parts."""
     try:
         check_written(value)
-        return ANYWHERE.sub("", repr(value))[:1000]
     except (RunError, RecursionError):
         return f"{type(value).__name__} with too many parts to write"
+    try:
+        return ANYWHERE.sub("", repr(value))[:1000]
     except ValueError:
-        return f"{type(value).__name__} with a number too long to write"
+        return f"{type(value).__name__} with a part, such as a long number, that is not written"
+    except Exception:
+        return f"{type(value).__name__} that does not say how it is written"

@@ -82,7 +82,7 @@ def link(node: p.Comparison, name: str, left: object, right: object, state: Stat
     """`left name right`, for one link of a comparison."""
     if type(left) is float and type(right) is float and name in ORDER:
         return COMPARE[name](left, right)
-    if type(left) is int and type(right) is range and name in ("in", "not in"):
+    if type(left) in (int, bool) and type(right) is range and name in ("in", "not in"):
         return COMPARE[name](left, right)  # without going through the numbers
     if name in ("in", "not in") and lies_in_region(left, right):
         outcome = membership(node, left, right, (), state)

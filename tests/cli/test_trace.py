@@ -92,3 +92,15 @@ def test_an_error_is_told_once(ask) -> None:
 def test_values_without_end_are_cut_off(ask, program: str, shown: str):
     Path("endless.scenic").write_text(program)
     assert shown in ask("trace", "endless.scenic").out
+
+
+def test_a_crowd_is_one_premise(ask):
+    Path("crowd.scenic").write_text("for i in range(60):\n    Object at (2 * i, 3), with requireVisible False\nego = Object at (0, 0)\n")
+    assert "no two of the 61 objects intersect: holds" in ask("trace", "crowd.scenic").out
+
+
+@pytest.mark.parametrize("body", ["raise KeyError('x')", "return 5", "raise ValueError('y')"])
+def test_a_value_that_cannot_be_written_is_told_by_its_kind(ask, body: str):
+    Path("strange.scenic").write_text(f"class A(object):\n    def __repr__(self):\n        {body}\na = {{1: A()}}\nego = Object\n")
+    found = ask("trace", "strange.scenic")
+    assert found.code == 0 and "σ[a / dict " in found.out

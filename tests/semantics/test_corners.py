@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import pytest
 import scenic_ref
-from scenic_ref.semantics.kernel.errors import RunError, ScenicError, SpecifiedTwice, UsageError
+from scenic_ref.semantics.kernel.errors import FuelExhausted, RunError, ScenicError, SpecifiedTwice, UsageError
 from scenic_ref.semantics.kernel.kinds import kind_name
 from scenic_ref.semantics.space.boundaries import METRES
 from scenic_ref.semantics.space.distributions import Coin, PointIn
@@ -101,3 +101,95 @@ def test_a_scenario_that_is_not_there_is_named_beside_those_that_are():
 def test_specifiers_of_regions_are_called_by_the_word_that_was_written(keyword: str):
     with pytest.raises(SpecifiedTwice, match=f"by `{keyword}` and by `at`"):
         scenic_ref.loads(f"ego = Object {keyword} CircularRegion((0, 0), 1), at (0, 0)\n").sample()
+
+
+def params_of(text: str) -> dict[str, object]:
+    """The parameters of a scene."""
+    return dict(scenic_ref.loads(text).sample().params)
+
+
+RECORD = """
+from collections import namedtuple
+from enum import Enum
+class Lane(namedtuple('Lane', 'width speed', defaults=[3])):
+    def above(self): return super().{0}
+class Side(Enum):
+    LEFT = 1
+    def above(self): return super().{0}
+ego = Object
+"""
+
+
+def test_super_gives_the_fields_of_a_named_tuple():
+    text = RECORD.format("speed") + "lane = Lane(2)\nparam speed = lane.above(), more = lane._replace(speed=5).above()\n"
+    assert params_of(text) == {"speed": 3, "more": 5}
+
+
+OF_PYTHON = "__repr__ __new__ _field_defaults __dict__ __getnewargs__ _member_map_ _generate_next_value_ __slots__"
+
+
+@pytest.mark.parametrize("name", OF_PYTHON.split())
+@pytest.mark.parametrize("subject", ["Lane(2)", "Side.LEFT"])
+def test_super_gives_nothing_of_what_python_has_put_into_a_class(name: str, subject: str):
+    with pytest.raises(ScenicError, match="super\\(\\) has no attribute"):
+        params_of(RECORD.format(name) + f"x = {subject}.above()\n")
+
+
+def test_a_named_tuple_is_written_by_repr_alone_which_knows_its_limits():
+    text = "from collections import namedtuple\nP = namedtuple('P', 'a b')\nx = 1\nfor i in range(60):\n    x = P(x, x)\nego = Object\ny = {}\n"
+    for line in ("x.__repr__()", "repr(x)", "str(x)"):
+        with pytest.raises(RunError):
+            params_of(text.format(line))
+
+
+def test_what_waits_many_times_over_is_paid_for_step_by_step():
+    text = "f = VectorField('f', lambda p: p.x)\nq = (0.5 relative to f,)\nfor i in range({}):\n    q = (q, q)\nego = Object at (1, 0), with p q\n"
+    with pytest.raises(FuelExhausted):
+        scenic_ref.loads(text.format(40), fuel=2000).sample()
+    assert scenic_ref.loads(text.format(2)).sample().ego["p"] == ((((1.5,), (1.5,)), ((1.5,), (1.5,))))
+
+
+def test_the_initial_scenario_has_nothing_to_override():
+    text = "scenario Main():\n    setup:\n        ego = Object at (0, 0), with p 1\n        override ego with p 2\n"
+    with pytest.raises(RunError, match="`override` needs a scenario that runs"):
+        scenic_ref.loads(text).sample()
+
+
+NOT_BEGUN = """
+behavior Show():
+    while True:
+        take self.p
+scenario A():
+    setup:
+        x = 1
+scenario B():
+    precondition: False
+    compose:
+        wait
+scenario Main():
+    setup:
+        ego = Object at (0, 0), with p 0, with behavior Show()
+    compose:
+        s = A()
+        try:
+            do s, B()
+        except PreconditionViolation:
+            pass
+        try:
+            ego.p = s.x
+        except AttributeError:
+            ego.p = 2
+        wait
+"""
+
+
+def test_a_scenario_that_was_set_up_and_did_not_begin_has_no_variables():
+    assert scenic_ref.loads(NOT_BEGUN).simulate(steps=3).simulation.moments[0].actions == {0: (2,)}
+
+
+def test_an_exception_of_a_comparison_has_no_hint_about_keys():
+    text = "class S(str):\n    pass\ndef boom(self, o):\n    raise ValueError('boom')\nS.__eq__ = boom\n"
+    text += "d = {S('lane'): 1}\nx = d['lane']\nego = Object\n"
+    with pytest.raises(ScenicError, match="boom") as caught:
+        params_of(text)
+    assert not caught.value.hint

@@ -83,7 +83,7 @@ def test_what_a_program_changes_in_a_module_of_python_no_other_run_sees(tmp_path
 
 
 def test_a_value_with_a_number_too_long_to_write_is_told_by_its_kind() -> None:
-    assert json_value({frozenset({BIG})}) == {"repr": "set with a number too long to write"}
+    assert json_value({frozenset({BIG})}) == {"repr": "set with a part, such as a long number, that is not written"}
     assert json_value(frozenset({1})) == {"repr": "frozenset({1})"}
 
 
