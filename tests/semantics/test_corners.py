@@ -11,13 +11,13 @@ from scenic_ref.semantics.kernel.kinds import kind_name
 from scenic_ref.semantics.space.boundaries import METRES
 from scenic_ref.semantics.space.distributions import Coin, PointIn
 from scenic_ref.semantics.space.distributions.distribution import BadParameters
-from scenic_ref.semantics.space.regions import UnboundedRegion, everywhere
+from scenic_ref.semantics.space.regions import CircularRegion, PolylineRegion, UnboundedRegion, everywhere, nowhere
 from scenic_ref.semantics.space.regions.approximation import as_cover, box_shape
 from scenic_ref.semantics.space.regions.intervals import complement
 from scenic_ref.semantics.space.regions.polygons import intervals_within
 from scenic_ref.semantics.space.regions.sampling import TriangleSampler
 from scenic_ref.semantics.space.vectors import Vector
-from shapely.geometry import GeometryCollection, LineString, Point, Polygon
+from shapely.geometry import GeometryCollection, LineString, MultiLineString, Point, Polygon
 
 
 def test_comprehensions_have_any_number_of_clauses():
@@ -193,3 +193,15 @@ def test_an_exception_of_a_comparison_has_no_hint_about_keys():
     with pytest.raises(ScenicError, match="boom") as caught:
         params_of(text)
     assert not caught.value.hint
+
+
+def test_what_is_left_of_the_plane_has_no_area_and_nothing_has_no_part_of_a_line():
+    disc = CircularRegion(Vector(0.0, 0.0), 1)
+    assert everywhere.difference(disc).measure() is None
+    assert disc.intersect(CircularRegion(Vector(0.5, 0.0), 1)).measure() == pytest.approx(2.152, abs=1e-3)
+    assert nowhere.intervals(Vector(0.0, 0.0), Vector(1.0, 0.0)) == ()
+
+
+def test_a_polyline_may_be_of_several_lines():
+    lines = MultiLineString([[(0, 0), (1, 0)], [(5, 0), (7, 0)]])
+    assert PolylineRegion(polyline=lines).measure() == 3
