@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections import Counter, deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from types import BuiltinFunctionType, MethodType
 
 from ..kernel.allowed import is_known, is_user_class, own_word
@@ -217,6 +217,8 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
 def initialise_above(node: Node, function: Bound, arguments: tuple[object, ...], keywords: Mapping[str, object], state: State) -> object:
     """`super().__init__(...)` of a Python class: what it stores keeps its randomness, but where that stands may not be random."""
     [subject] = function.subject
+    if not isinstance(subject, BaseException):  # what comes out of an iterator is known once it has come
+        arguments = tuple(raw(state.settings.door, state, list, a) if isinstance(a, Iterator) else a for a in arguments)
     met = unwrap([*arguments, *keywords.values()])[1] is not None
     if met and isinstance(subject, list):
         arguments = tuple(elements(a, node, state) for a in arguments)

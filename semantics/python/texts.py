@@ -250,8 +250,10 @@ def stable_repr(value: object) -> str:
     """`repr(value)`, but never with an address in memory, which would differ from run to run, nor with thousands of digits or millions of parts."""
     try:
         check_written(value)
-    except (RunError, RecursionError):
+    except RunError:
         return f"{type(value).__name__} with too many parts to write"
+    except RecursionError:
+        return f"{type(value).__name__} nested too deeply to write, or without end"
     try:
         return ANYWHERE.sub("", repr(value))[:1000]
     except ValueError:

@@ -86,7 +86,7 @@ def test_an_error_is_told_once(ask) -> None:
         ("ego = Object\nx = [1]\nx.append(x)\ny = (x, 2)\n", "σ[y / ([1, [1, [1, "),
         ("ego = Object\nx = (1,)\nfor i in range(50):\n    x = (x, x)\n", "σ[x / ((((("),
         ("ego = Object\nx = {}\nfor i in range(50):\n    x = {1: x, 2: x}\n", "σ[x / dict with too many parts to write]"),
-        ("ego = Object\nx = {}\nx[1] = x\ny = x\n", "σ[y / dict with too many parts to write]"),
+        ("ego = Object\nx = {}\nx[1] = x\ny = x\n", "σ[y / dict nested too deeply to write, or without end]"),
     ],
 )
 def test_values_without_end_are_cut_off(ask, program: str, shown: str):

@@ -21,7 +21,7 @@ from .vectors import AT_LEAST, SLOWER, Covered, Trial
 from .watching import Lines, left_in
 
 OPTIONS = ("-q", "-p", "no:cacheprovider", "-p", "no:xdist", "--assert=plain")
-"""Assertions are left as they are: pytest would else load the modules of the package itself, which has a plugin, and no mutant would be seen."""
+"""Assertions are left as they are: of a package with a plugin pytest loads the modules on its path itself, and the mutant would not be seen."""
 BUDGET = 60.0
 """Seconds of processor time, as they were when the lines were watched, that the tests for one mutant may take together."""
 COLLECTING = 120

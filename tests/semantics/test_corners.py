@@ -205,3 +205,13 @@ def test_what_is_left_of_the_plane_has_no_area_and_nothing_has_no_part_of_a_line
 def test_a_polyline_may_be_of_several_lines():
     lines = MultiLineString([[(0, 0), (1, 0)], [(5, 0), (7, 0)]])
     assert PolylineRegion(polyline=lines).measure() == 3
+
+
+@pytest.mark.parametrize("class_", ["set", "dict"])
+@pytest.mark.parametrize("given", ["[(x, 1)]", "zip([x], [1])"])
+def test_what_an_initialiser_stores_may_not_stand_at_a_random_place(class_: str, given: str):
+    text = f"class Kept({class_}):\n    def __init__(self, x):\n        super().__init__({given})\n"
+    text += "kept = Kept({})\nego = Object\nparam n = len(kept)\n"
+    assert params_of(text.format("'a'")) == {"n": 1}
+    with pytest.raises(RunError, match="would make it random which element stands where"):
+        params_of(text.format("Uniform('a', 'b')"))
