@@ -130,9 +130,8 @@ def scenarioFromString(
     if not mode2D:
         raise UsageError("this reference is two-dimensional", hint="leave out mode2D=False")
     dialect = dialect_of(string, filename)
-    profile = "paper" if dialect == "pldi19" else dialect
     made = loads(
-        string, file=filename, dialect=dialect, profile=profile, params=params, model=model, scenario=scenario, trust=trust, directory=directory,
+        string, file=filename, dialect=dialect, params=params, model=model, scenario=scenario, trust=trust, directory=directory,
     )
     return Scenario(made)
 

@@ -10,6 +10,8 @@ import sys
 import warnings
 from itertools import pairwise
 
+from ..interpreter.supervisor import supervise
+
 INTERRUPTED = 130
 
 
@@ -45,6 +47,7 @@ def main() -> None:
     """The command `scenic-ref`: answers the command line that the process was given, then exits."""
     if sys.stdout is None:  # the caller closed it
         sys.stdout = open(os.devnull, "w")  # noqa: SIM115 (for as long as the process lives)
+    supervise(sys.argv[1:])
     warnings.filterwarnings("ignore", category=RuntimeWarning, module="shapely")  # what overflows there is far away, and the answer says so
     try:
         code = answer(sys.argv[1:])

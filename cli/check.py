@@ -74,7 +74,7 @@ def check(
     ] = "text",
     seed: Annotated[int, typer.Option("--seed", metavar="SEED", help="The seed of the scenes that the samples are compared with.")] = DEFAULT_SEED,
     workers: Annotated[int, typer.Option("--workers", metavar="PROCESSES", min=1, help="Draw with so many processes.")] = 1,
-    profile: ProfileOption = "paper",
+    profile: ProfileOption = None,
     reading: ReadingOption = None,
     dialect: DialectOption = None,
     model: ModelOption = None,

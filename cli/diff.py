@@ -58,7 +58,7 @@ def diff(
     ] = None,
     output: Annotated[str | None, typer.Option("--json", metavar="PATH", help="Write a line of JSON for each program; - for stdout.")] = None,
     seed: Annotated[int, typer.Option("--seed", metavar="SEED", help="The seed of everything that is drawn, here and there.")] = 0,
-    profile: ProfileOption = "paper",
+    profile: ProfileOption = None,
     reading: ReadingOption = None,
     dialect: DialectOption = None,
     fuel: FuelOption = DEFAULT_FUEL,
@@ -148,9 +148,11 @@ def program_of(source: Source, other: External) -> AskedProgram | str:
     from ..conformance.implementation import Task
     from ..conformance.looking import AskedProgram
     from ..interpreter.converting import convert
+    from ..interpreter.dialects import DIALECTS, choose
     from ..interpreter.modules import library_of
     from ..interpreter.parser import parse
     from ..semantics.kernel.errors import ProgramError
+    from ..semantics.readings import select
     from ..semantics.syntax import Program
     from ..simulators.worlds import WORLDS
 
@@ -158,7 +160,9 @@ def program_of(source: Source, other: External) -> AskedProgram | str:
         return replace(source, readings=(*source.readings, *readings.items())).load()
 
     def asked(text: str, dialect: str, files: Mapping[str, str]) -> AskedProgram:
-        follows = {id: alternative for id, alternative in source.readings if other.follows(id, alternative)}
+        paper = select()
+        ours = select(DIALECTS[choose(source.text, source.dialect).name].profile if source.profile is None else source.profile, dict(source.readings))
+        follows = {id: alternative for id, alternative in ours.items() if alternative != paper[id] and other.follows(id, alternative)}
         return AskedProgram(source.file, Task(text, dialect, follows, files=files), load)
 
     try:

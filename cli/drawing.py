@@ -11,8 +11,8 @@ from threading import get_ident
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..formats.scenes import Scene, scene_of
-from ..interpreter.choosers import from_stream
-from ..interpreter.running import Accepted, Witness, run
+from ..interpreter.dialects import DEFAULT, DIALECTS
+from ..interpreter.running import Accepted, Witness
 from ..scenario.noticing import warnings_about
 from ..semantics.kernel.conditions import bool_of
 from ..semantics.kernel.config import Config, Value
@@ -129,14 +129,7 @@ class Drawing:
 
     def rehearse(self, printed: list[str]) -> None:
         """Find the program's errors before the first scene; `printed` gets what it printed before one."""
-        try:
-            self.scenario.rehearse()
-        except ScenicError:
-            if self.prints:
-                printed.clear()
-                with suppress(ScenicError):
-                    run(self.scenario.start(), from_stream(0, 0, 0), fuel=self.scenario.fuel, witness=lambda outcome, _: listen(outcome, printed))
-            raise
+        self.scenario.rehearse((lambda outcome, _: listen(outcome, printed)) if self.prints else None)
 
     def draw(
         self, seed: int, index: int, max_attempts: int, printed: list[str], on_attempt: Callable[[int], None] | None = None
@@ -188,8 +181,11 @@ class Drawing:
 
 
 def tell_notes(scenario: Scenario) -> None:
-    """Tell what the program's model stands for and what is strange about its map."""
-    for note in notes(scenario.settings.library):
+    """Tell which profile the dialect brought, what the program's model stands for, and what to know about its map."""
+    dialect = DIALECTS[scenario.program.dialect]
+    if scenario.profile is None and dialect.profile != DEFAULT:
+        tell(f"the dialect {dialect.name} brings the profile {dialect.profile}: the program means what that release makes of it")
+    for note in notes(scenario.settings.library, scenario.program, scenario.params):
         tell(escaped(note))
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..semantics.kernel.errors import AttemptsExhausted, InternalError, RunError, ScenicError, UsageError
+from ..semantics.kernel.memory import is_out_of_memory
 from .session import coloured, escaped, tell
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ def report(error: Exception, session: Session) -> int:
     if isinstance(error, OSError) and error.errno in NO_ROOM:
         session.hang_up()
         error = UsageError(f"standard output cannot be written: {error.strerror}")
-    if isinstance(error, MemoryError):
+    if is_out_of_memory(error):
         error = RunError("this needs more memory than there is", hint="--limit-memory allows more, if the machine has it")
     if isinstance(error, ScenicError) and not isinstance(error, InternalError):
         print(render(error, session.texts, colours=coloured(sys.stderr)), file=sys.stderr, flush=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from ..formats.whole_files import write_whole
 from ..semantics.kernel.errors import UsageError
 
 LINES = (".jsonl", ".ndjson", "")
@@ -51,16 +52,7 @@ def same(path: str, other: str) -> bool:
 def write(path: str, content: str | bytes) -> None:
     """Write a whole file, or leave what was there; a device or pipe is written to. Raises `UsageError`."""
     data = content.encode() if isinstance(content, str) else content
-    part = Path(f"{path}.part")
     try:
-        if Path(path).exists() and not Path(path).is_file():
-            with open(path, "wb") as device:
-                device.write(data)
-            return
-        try:
-            part.write_bytes(data)
-            part.replace(path)
-        finally:
-            part.unlink(missing_ok=True)
+        write_whole(Path(path), data)
     except OSError as error:
         raise UsageError(f"{path} cannot be written: {error.strerror or error}") from None

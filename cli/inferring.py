@@ -19,7 +19,7 @@ from ..inference.inferred import Inferred
 from .drawing import DrawnScene, drawing_of
 from .files import LINES, PICTURES, check_ending, check_file, check_place, write
 from .options import Source
-from .outputs import open_output
+from .outputs import open_output, prepare_output
 from .production import rehearse
 from .session import Session, console, tell
 
@@ -49,6 +49,7 @@ class InferenceRequest(NamedTuple):
 def produce_inference(source: Source, request: InferenceRequest, session: Session) -> None:
     """Draw the scenes, write them, report on them; exit code 5 if they cannot be trusted. Raises the program's errors and `UsageError`."""
     check_paths(source, request)
+    prepare_output(request.output, request.stream)
     drawing = drawing_of(source)
     rehearse(drawing)
     with Sign(request.backend) as sign, open_output(request.output, resume=False, stream=request.stream) as output:

@@ -29,7 +29,11 @@ DebugOption = Annotated[bool, typer.Option("--debug", callback=set_debug, help="
 FileArgument = Annotated[str, typer.Argument(metavar="FILE", help="The Scenic program.")]
 SeedOption = Annotated[int, typer.Option("--seed", metavar="SEED", help="The seed: a scene follows from the program, the seed and its number.")]
 ProfileOption = Annotated[
-    str, typer.Option("--profile", metavar="PROFILE", autocompletion=words(profiles), help="A profile of readings; see `scenic-ref readings`.")
+    str | None,
+    typer.Option(
+        "--profile", metavar="PROFILE", autocompletion=words(profiles), help="A profile of readings; see `scenic-ref readings`.",
+        show_default="that of the dialect",
+    ),
 ]
 ReadingOption = Annotated[
     list[str] | None,
@@ -61,7 +65,7 @@ LimitSecondsOption = Annotated[
     str,
     typer.Option(
         "--limit-seconds", metavar="SECONDS",
-        help="The processor time for one attempt, or one time step, of a program without --trust; none: no limit."
+        help="The processor time for one attempt, one time step, parsing or a map of a program without --trust; none: no limit."
     ),
 ]
 DEFAULT_MEMORY, DEFAULT_SECONDS = "4G", "60"
@@ -74,7 +78,7 @@ class Source:
 
     file: str
     text: str
-    profile: str = "paper"
+    profile: str | None = None
     readings: tuple[tuple[str, str], ...] = ()
     dialect: str | None = None
     model: str | None = None
@@ -108,7 +112,7 @@ class Source:
 
 
 def read_source(
-    session: Session, file: str, *, profile: str, reading: list[str] | None, dialect: str | None, model: str | None, param: list[str] | None,
+    session: Session, file: str, *, profile: str | None, reading: list[str] | None, dialect: str | None, model: str | None, param: list[str] | None,
     fuel: int, trust: bool, limits: Limits, prune: bool = False, scenario: str | None = None, device: str | None = None, map: str | None = None,
 ) -> Source:
     """The program in `file` under the given options; `map` is the global parameter of that name. Raises `UsageError`."""

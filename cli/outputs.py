@@ -174,7 +174,7 @@ class LinesFile(LineByLine):
             line = data.decode("utf-8")
             found = json.loads(line)
             schema, its_seed, index, attempts = (found[name] for name in ("schema", "seed", key, "attempts"))
-        except (ValueError, KeyError, TypeError):
+        except (ValueError, KeyError, TypeError, RecursionError):
             raise UsageError(f"{self.path} cannot be resumed: its line {number + 1} is not a {word}") from None
         if schema != wanted or type(attempts) is not int or attempts < 1:
             raise UsageError(f"{self.path} cannot be resumed: its line {number + 1} is not a {word} of {wanted}")
@@ -357,6 +357,14 @@ def write_all(file: int, data: bytes | memoryview) -> None:
 
 STREAMS = ("jsonl", "arrow")
 """The formats of standard output."""
+
+
+def prepare_output(path: str | None, stream: str = "jsonl") -> None:
+    """Load the library that writes the output, before the memory of the process is limited. Raises `UsageError` if it is not installed."""
+    if stream == "arrow" or (path is not None and path.lower().endswith((".parquet", ".arrow"))):
+        from ..formats.arrow import prepare_arrow
+
+        prepare_arrow()
 
 
 def open_output(path: str | None, *, resume: bool, stream: str = "jsonl", kind: Kind = SCENES) -> Output:

@@ -38,7 +38,7 @@ def play(
     ] = None,
     no_browser: Annotated[bool, typer.Option("--no-browser", help="Show the address, and open no browser.")] = False,
     seed: SeedOption = 0,
-    profile: ProfileOption = "paper",
+    profile: ProfileOption = None,
     reading: ReadingOption = None,
     dialect: DialectOption = None,
     model: ModelOption = None,

@@ -12,7 +12,7 @@ from ..formats.table_files import SUFFIXES
 from ..inference.batch.evaluate.columns import leavers
 from ..inference.batch.jobs.blocks import Workers, cluster, processes
 from ..inference.batch.jobs.failures import FailedDraw
-from ..inference.rejection import SELDOM, InterruptedDraw
+from ..inference.rejection import PATIENCE, InterruptedDraw
 from ..inference.smc import guess
 from ..scenario import FEW
 from ..semantics.kernel.errors import AttemptsExhausted, ScenicError, UsageError
@@ -20,7 +20,7 @@ from .drawing import Drawing, DrawnScene, drawing_of, tell_notes, tell_warnings
 from .errors import WORST
 from .files import LINES, PICTURES, check_ending, check_file, check_place
 from .options import Source
-from .outputs import Output, Resumed, open_output
+from .outputs import Output, Resumed, open_output, prepare_output
 from .portions import Portion, portions
 from .progress import Progress, running_once
 from .reports import Tally, processor_seconds, requirement_lines, summary, write_report
@@ -53,6 +53,7 @@ class SceneRequest(NamedTuple):
 def produce(source: Source, request: SceneRequest, session: Session) -> None:
     """Draw the scenes, write them, report on them. Raises the program's errors, `AttemptsExhausted` and `UsageError`."""
     check_paths(source, request)
+    prepare_output(request.output, request.stream)
     drawing = drawing_of(source)
     rehearse(drawing)
     begun, used = time.perf_counter(), processor_seconds()
@@ -251,17 +252,32 @@ def produce_one_by_one(
             known.append((drawn.index, drawn.attempts))
 
 
+SLOW_RUN = 1.0
+"""Where an attempt takes more seconds of a processor than this, the batch backend is quicker from the third scene on: it runs the program once."""
+
+
 def produce_few(
     drawing: Drawing, job: Job, request: SceneRequest, output: Output, tally: Tally, progress: Progress, known: list[tuple[int, int]],
     unread: list[object], stack: ExitStack, interpreted: str,
 ) -> str | None:
-    """The same by the interpreter, as long as each scene needs few attempts; the others by the batch backend, if it can. Gives why it did not."""
+    """The same by the interpreter, as long as each scene needs few attempts and little time; the others by the batch backend, if it can.
+
+    Gives why it did not.
+    """
     try:
-        first = job._replace(max_attempts=min(job.max_attempts, SELDOM))
+        first = job._replace(max_attempts=min(job.max_attempts, PATIENCE))
+        if request.workers == 1 and request.cluster is None and job.stop - job.start > 2:
+            begun = time.process_time()
+            produce_one_by_one(drawing, first._replace(stop=job.start + 1), request, output, tally, progress, known, unread, stack)
+            slow = time.process_time() - begun > SLOW_RUN * tally.attempts
+            first = first._replace(start=job.start + 1)
+            if slow and drawing.scenario.batch is not None:
+                produce_by_batch(first._replace(max_attempts=job.max_attempts), request, output, tally, progress, known, unread, stack)
+                return None
         produce_one_by_one(drawing, first, request, output, tally, progress, known, unread, stack)
         return interpreted
     except AttemptsExhausted as error:
-        if error.attempts < SELDOM or job.max_attempts == SELDOM:
+        if error.attempts < PATIENCE or job.max_attempts == PATIENCE:
             raise
     if drawing.scenario.impossible is not None:
         raise drawing.scenario.impossible

@@ -6,7 +6,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from types import TracebackType
 from typing import TYPE_CHECKING, Protocol
 
@@ -35,7 +35,8 @@ def running_once(fuel: int) -> Iterator[None]:
     timer = threading.Timer(LONG_FOR_ONE_RUN, tell, [text])
     timer.daemon = True
     if sys.stderr.isatty():
-        timer.start()
+        with suppress(RuntimeError):  # a thread needs memory, which may be limited
+            timer.start()
     try:
         yield
     finally:
@@ -74,7 +75,8 @@ class Progress:
         if self.foresight is not None:
             self.timer = threading.Timer(LOOK_AFTER, self.foretell)
             self.timer.daemon = True
-            self.timer.start()
+            with suppress(RuntimeError):  # a thread needs memory, which may be limited: then nothing is foretold
+                self.timer.start()
         if self.total > 1:
             self.start()
         return self

@@ -19,7 +19,7 @@ def readings(
     name: Annotated[
         str | None, typer.Argument(metavar="ID", autocompletion=completing.words(completing.readings), help="The reading to explain.")
     ] = None,
-    profile: ProfileOption = "paper",
+    profile: ProfileOption = None,
     reading: ReadingOption = None,
     as_json: Annotated[bool, typer.Option("--json", help="As JSON.")] = False,
     debug: DebugOption = False,
@@ -31,7 +31,7 @@ def readings(
     from ..semantics.readings import READINGS, select
     from .columns import columns
 
-    selected = select(profile, dict(pairs(reading, "--reading", "ID=ALT")))
+    selected = select(profile or "paper", dict(pairs(reading, "--reading", "ID=ALT")))
     found = list(READINGS.values()) if name is None else [READINGS[name]] if name in READINGS else []
     if not found:
         raise unknown(str(name), tuple(READINGS))

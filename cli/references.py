@@ -111,7 +111,7 @@ def replay_of(
     words += [w for feature in ignore for w in ("--ignore", feature)]
     words += [w for theirs, ours in mapped.items() for w in ("--map", f"{theirs}={ours}")]
     words += ["--reference", reference] if reference is not None else []
-    words += ["--profile", source.profile] if source.profile != "paper" else []
+    words += ["--profile", source.profile] if source.profile is not None else []
     words += [w for name, value in source.readings for w in ("--reading", f"{name}={value}")]
     words += ["--dialect", source.dialect] if source.dialect is not None else []
     words += ["--model", source.model] if source.model is not None else []

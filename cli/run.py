@@ -53,7 +53,7 @@ def run(
         ),
     ] = "jsonl",
     plot: Annotated[str | None, typer.Option("--plot", metavar="PATH", help="Draw the scenes (or the probabilities), as .png, .pdf or .svg.")] = None,
-    profile: ProfileOption = "paper",
+    profile: ProfileOption = None,
     reading: ReadingOption = None,
     dialect: DialectOption = None,
     model: ModelOption = None,

@@ -98,7 +98,7 @@ def simulate(
             "simulations are the same.",
         ),
     ] = SimulationBackendName.COMPILED,
-    profile: ProfileOption = "paper",
+    profile: ProfileOption = None,
     reading: ReadingOption = None,
     dialect: DialectOption = None,
     model: ModelOption = None,

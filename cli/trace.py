@@ -52,7 +52,7 @@ def trace(
         float | None, typer.Option("--dt", metavar="SECONDS", help="With --steps: the time step.", show_default="1 for still, 0.1 for others")
     ] = None,
     scenario: ScenarioOption = None,
-    profile: ProfileOption = "paper",
+    profile: ProfileOption = None,
     reading: ReadingOption = None,
     dialect: DialectOption = None,
     model: ModelOption = None,
@@ -73,6 +73,7 @@ def trace(
     """
     from ..semantics.kernel.errors import UsageError
     from ..simulators import by_name
+    from .drawing import drawing_of, tell_notes
     from .files import check_ending, check_place
     from .trace_output import WhichRun, traced, traced_simulation, write_page, write_text
 
@@ -98,3 +99,4 @@ def trace(
         write_page(found, session.texts, html)
     if found.error is not None:
         raise found.error
+    tell_notes(drawing_of(source).scenario)

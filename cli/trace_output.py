@@ -7,22 +7,22 @@ import sys
 from collections.abc import Callable, Iterator, Mapping
 from importlib.resources import files
 from itertools import islice
-from pathlib import Path
 from typing import NamedTuple
 
 from ..formats.recordings import Simulated
 from ..formats.scenes import in_json
 from ..inference.rejection import sample
-from ..inference.simulation import attempts_at
+from ..inference.simulation import NextScene, attempts_at
 from ..interpreter.choosers import from_stream
 from ..interpreter.tracing import Event, Trace, finite
 from ..scenario import Scenario
-from ..semantics.kernel.errors import AttemptsExhausted, ScenicError, UsageError
+from ..semantics.kernel.errors import AttemptsExhausted, FuelExhausted, ScenicError, UsageError
 from ..semantics.rules import RULES
 from ..simulators.protocol import Simulator
 from ..simulators.simulating import Failed
 from .drawing import drawing_of
 from .errors import source_line, source_text
+from .files import write
 from .options import Source
 from .session import escaped, tell
 
@@ -68,6 +68,10 @@ class TracedRun(NamedTuple):
         return f"stuck: the run is discarded; up to there {product}"
 
 
+BEFORE_THE_END = 20_000
+"""Steps that are shown of a run which is known not to end within its fuel or time."""
+
+
 def traced(source: Source, asked: WhichRun) -> TracedRun:
     """Run the requested attempt once more, and keep every rule that fires. Raises `AttemptsExhausted`, `UsageError`."""
     scenario = drawing_of(source).scenario
@@ -80,9 +84,10 @@ def traced(source: Source, asked: WhichRun) -> TracedRun:
     attempt, known = (asked.attempt, None) if asked.attempt is not None else accepted_attempt(scenario, draw)
     found = Trace()
     try:
-        found.follow(scenario.start(), from_stream(asked.seed, asked.scene, attempt - 1), fuel=scenario.fuel)
+        fuel = min(scenario.fuel, BEFORE_THE_END) if isinstance(known, FuelExhausted) else scenario.fuel
+        found.follow(scenario.start(), from_stream(asked.seed, asked.scene, attempt - 1), fuel=fuel)
     except ScenicError as error:
-        return TracedRun(source, asked, attempt, found, error)
+        return TracedRun(source, asked, attempt, found, known or error)
     return TracedRun(source, asked, attempt, found, known)
 
 
@@ -95,14 +100,16 @@ def traced_simulation(source: Source, asked: WhichRun, simulator: Simulator, ste
 
     attempt, known = (asked.attempt, None) if asked.attempt is not None else accepted_attempt(scenario, draw)
     found = Trace()
+    fuel = min(scenario.fuel, BEFORE_THE_END) if isinstance(known, FuelExhausted) else scenario.fuel
     tried = attempts_at(
-        scenario.start, simulator, steps, asked.seed, asked.scene, fuel=scenario.fuel,
+        scenario.start, simulator, steps, asked.seed, asked.scene, fuel=fuel,
         retry=scenario.readings["rejected-simulation"] == "retry", witnessed=lambda number: found.witness if number == attempt - 1 else None,
     )  # fmt: skip
     try:
-        simulated, _ = next(islice(tried, attempt - 1, None))
+        _, simulated, _ = next(islice(tried, attempt - 1, None))
+        assert not isinstance(simulated, NextScene)  # nothing is skipped without a finder
     except ScenicError as error:
-        return TracedRun(source, asked, attempt, found, error)
+        return TracedRun(source, asked, attempt, found, known or error)
     return TracedRun(source, asked, attempt, found, known, simulated)
 
 
@@ -189,8 +196,5 @@ def write_page(found: TracedRun, texts: Mapping[str, str], path: str) -> None:
     text = in_json(page_of(found, texts), allow_nan=True).replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
     template = files("scenic_ref.cli").joinpath("trace.html").read_text(encoding="utf-8")
     page = template.replace("/*TRACE*/null", text)
-    try:
-        Path(path).write_text(page, encoding="utf-8")
-    except OSError as error:
-        raise UsageError(f"{path} cannot be written: {error.strerror or error}") from None
+    write(path, page)
     tell(f"{len(found.trace.events):,} rules: {path}")

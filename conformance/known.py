@@ -59,7 +59,7 @@ def differences_in(text: str, file: str) -> list[KnownDifference]:
     """The `[[difference]]` tables of a text, read strictly. Raises `UsageError`."""
     try:
         tables = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise UsageError(f"{file} is not TOML: {error}") from error
     if tables.keys() - {"difference"} or not isinstance(tables.get("difference", []), list):
         raise UsageError(f"{file}: there is nothing but [[difference]] tables")

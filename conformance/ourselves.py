@@ -166,7 +166,7 @@ def loaded(task: Task) -> Scenario | None:
 def load(task: Task) -> Scenario:
     """The scenario of a task; the modules beside its program are read here."""
     with beside(task.files) as directory:
-        scenario = loads(task.program, dialect=task.dialect, readings=task.readings, directory=directory)
+        scenario = loads(task.program, dialect=task.dialect, profile="paper", readings=task.readings, directory=directory)
         _ = scenario.settings  # the modules are read here, while the folder is there
         return scenario
 

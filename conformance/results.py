@@ -46,7 +46,7 @@ def read(text: str, file: str) -> tuple[str, Mapping[str, str]]:
     """The implementation, and a line for each vector. Raises `UsageError` for anything else."""
     try:
         found = json.loads(text)
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise UsageError(f"{file} is not JSON: {error}") from error
     if not isinstance(found, dict) or found.get("schema") != SCHEMA or not isinstance(found.get("results"), dict):
         raise UsageError(f"{file} is no file of results ({SCHEMA})")
@@ -58,7 +58,8 @@ def read(text: str, file: str) -> tuple[str, Mapping[str, str]]:
 def kept() -> dict[str, Mapping[str, str]]:
     """The results that ship, by implementation."""
     folder = files("scenic_ref.conformance").joinpath("results")
-    return dict(read(p.read_text("utf-8"), p.name) for p in sorted(folder.iterdir(), key=lambda p: p.name) if p.name.endswith(".json"))
+    shipped = sorted((p for p in folder.iterdir() if p.name.startswith("scenic-")), key=lambda p: p.name)
+    return dict(read(p.read_text("utf-8"), p.name) for p in shipped)
 
 
 def lines_at(path: Path) -> Mapping[str, str]:

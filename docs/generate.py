@@ -16,6 +16,7 @@ from scenic_ref.conformance import load_vectors, results
 from scenic_ref.conformance.fuzzing.judgements import CLASSES_OF_FINDINGS, JudgedFinding, shipped_findings
 from scenic_ref.conformance.known import CLASSES, KnownCause, causes, shipped
 from scenic_ref.conformance.listings import CompletedProgram, LineOrigin, completed, read_manifest
+from scenic_ref.conformance.measurements import measurements
 from scenic_ref.conformance.pictured import OURS, pictured_scenes
 from scenic_ref.conformance.reports import shows
 from scenic_ref.conformance.vector import ConformanceVector
@@ -118,7 +119,32 @@ def readings_page() -> str:
     ]
     for reading in READINGS.values():
         lines += [*reading_lines(reading), ""]
-    return "\n".join(lines)
+    return "\n".join([*lines, *measured_lines(), ""])
+
+
+def measured_lines() -> Iterator[str]:
+    """How the profiles of the releases were measured: a table, and what is strange in it."""
+    found = measurements()
+    versions = " and ".join(f"{version} (profile `{profile}`)" for profile, version in found.releases.items())
+    heads = [f"{version}, {way}" for version in found.releases.values() for way in ("command line", "API", "ours")]
+    yield from ("## How the profiles were measured", "")
+    yield paragraph(
+        f"Programs that tell the alternatives of a reading apart were given to {versions}, last on {found.date}, as users run them: to the "
+        "command line, and to the API with its own defaults. The alternative of which a program passes is that of the release; `-` is "
+        "neither, for the reason below. `scenic-ref conformance --vector NAME` runs the vectors here; those named `profile-...` are in "
+        "`tools/profile_vectors.toml`, and `tools/measure_profiles.py` measures all anew."
+    )
+    yield from ("", f"| reading | vectors | {' | '.join(heads)} |", f"| --- | --- |{' --- |' * len(heads)}")
+    for id, lines in found.readings.items():
+        named = dict.fromkeys(name for line in lines.values() for name in line.vectors)
+        told = [f"`{way}`" if way else "-" for line in lines.values() for way in (line.command_line, line.api, line.ours)]
+        yield f"| [`{id}`](#{id}) | {', '.join(f'`{name}`' for name in named) or '-'} | {' | '.join(told)} |"
+    yield ""
+    for id, lines in found.readings.items():
+        for profile, line in lines.items():
+            said = " ".join(part for part in (line.differs, line.note, line.why) if part)
+            if said:
+                yield item(f"`{id}`, {found.releases[profile]}: {cell(said)}")
 
 
 def reading_lines(reading: Reading) -> Iterator[str]:
@@ -152,6 +178,15 @@ def allowed_page() -> str:
         ("Classes that a class may be derived from", {base.__name__ for base in allowed.BASES}),
     ):
         lines += ["", f"## {title}", "", paragraph(" ".join(f"`{name}`" for name in sorted(known)))]
+    lines += ["", "## What methods of a program can do to Python's own types", "", paragraph(
+        "Python calls methods of a program's classes while it compares, hashes, orders or writes what a container holds. Why it survives that:"
+    ), "", "| type | why |", "| --- | --- |"]  # fmt: skip
+    lines += [f"| `{type_.__name__}` | {why} |" for type_, why in allowed.SAFE.items()]
+    called: dict[str, list[str]] = {}
+    for function, why in allowed.SAFE_FUNCTIONS.items():
+        if not isinstance(function, type):
+            called.setdefault(why, []).append(f"`{function.__name__}`")
+    lines += ["", "| function | why |", "| --- | --- |", *(f"| {' '.join(sorted(those))} | {why} |" for why, those in called.items())]
     return "\n".join(lines) + "\n"
 
 

@@ -15,14 +15,15 @@ SPECIFIERS = (
 RELEASED_SPECIFIERS = ("contained in", "not visible", "not visible from")
 PREFIXES = (
     "relative heading of", "apparent heading of", "distance to", "distance from", "angle to", "angle from", "follow", "visible", "front of",
-    "back of", "left of", "right of", "front left of", "front right of", "back left of", "back right of", "not", "lambda", "True", "False", "None",
+    "back of", "left of", "right of", "front left of", "front right of", "back left of", "back right of", "distance past", "not",
+    "lambda", "True", "False", "None",
 )  # fmt: skip
-RELEASED_PREFIXES = ("new", "relative position of", "distance past", "not visible", "initial scenario")
+RELEASED_PREFIXES = ("new", "relative position of", "not visible", "initial scenario")
 INFIXES = (
     "at", "offset by", "offset along", "relative to", "can see", "visible from", "deg", "seconds", "by", "from", "to", "for", "in", "not in", "is",
-    "is not", "and", "or", "if", "else", "as", "until", "in initial scenario",
+    "is not", "and", "or", "if", "else", "as", "until", "steps", "past", "of", "in initial scenario",
 )  # fmt: skip
-RELEASED_INFIXES = ("intersects", "not visible from", "steps", "every", "after", "past", "of")
+RELEASED_INFIXES = ("intersects", "not visible from", "every", "after")
 PYTHON = ("if", "for", "while", "try", "def", "assert", "raise", "del", "pass")
 CLAUSES = ("elif", "else", "except", "finally", "break", "continue")
 DECLARATIONS = (

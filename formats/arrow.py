@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import io
+import os
 from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from ..interpreter.extras import needed
+from ..interpreter.walls import WALL
 from ..semantics.kernel.errors import UsageError
 from .columns import BOOL, FLOAT, INT53, INT64, JSON, NOTHING, TEXT, TypedColumn, as_kind, is_alike, joint, length_of, nothing, shown_kind
 from .tables import OWN, PARTS, SCHEMA, Columns, Groups, part_of, rows_in
@@ -93,6 +97,35 @@ def arrow_for(what: str) -> None:
         raise needed(what, "pyarrow", problem, ", or write .npz") from None
 
 
+def prepare_arrow() -> None:
+    """Load pyarrow for a process whose memory will be limited, and write a little with it. Raises `UsageError` if it is not installed.
+
+    It reserves a gigabyte of address space and starts threads, and may end the process where it gets neither. Hence it is loaded before there is a
+    limit, gets its memory from the system piece by piece, and has one thread of each kind.
+    """
+    os.environ.setdefault("ARROW_DEFAULT_MEMORY_POOL", "system")
+    arrow_for("a table of Arrow or Parquet")
+    import pyarrow
+    from pyarrow import parquet
+
+    pyarrow.set_cpu_count(1)
+    pyarrow.set_io_thread_count(1)
+    batch = pyarrow.record_batch({"texts": pyarrow.array(["a"]).take(pyarrow.array([0])), "numbers": pyarrow.array([1.0])})
+    with io.BytesIO() as nowhere, pyarrow.ipc.new_file(nowhere, batch.schema) as stream:
+        stream.write_batch(batch)
+    with io.BytesIO() as nowhere, parquet.ParquetWriter(nowhere, batch.schema, compression="zstd") as table:
+        table.write_batch(batch)
+
+
+ROOM = 512 << 20
+"""Bytes beyond the limit of memory that pyarrow may have: it tells of a lack of many bytes, and ends the process for want of a few."""
+
+
+def room_to_write() -> AbstractContextManager[None]:
+    """Allow pyarrow more memory than the program had; the error where it needs more still is the program's."""
+    return WALL.room(ROOM)
+
+
 class ArrowStream:
     """A stream of Arrow record batches, with the types of the first group of rows.
 
@@ -118,6 +151,10 @@ class ArrowStream:
 
     def write(self, group: Columns | None) -> None:
         """A group of rows; None for a stream without any."""
+        with room_to_write():
+            self._write(group)
+
+    def _write(self, group: Columns | None) -> None:
         import pyarrow
 
         if self.made is None:
@@ -149,7 +186,8 @@ class ArrowStream:
             self.write(group)
         if self.made is None:
             self.write(None)
-        self.writer.close()
+        with room_to_write():
+            self.writer.close()
 
 
 def arrow_table(columns: Columns) -> pyarrow.Table:

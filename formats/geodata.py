@@ -12,6 +12,8 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache
+from io import BytesIO
+from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
@@ -21,9 +23,13 @@ from shapely.geometry import shape as shape_of
 from shapely.geometry.base import BaseGeometry
 
 from ..interpreter.extras import needed
+from ..interpreter.regular_file import name_and_folder, read_regular_file
+from ..interpreter.walls import timed
 from ..maps.sites import Doubt, MapFeature, SiteMap
 from ..maps.xml import MapError
-from ..semantics.kernel.errors import UsageError
+from ..semantics.kernel.errors import ScenicError, UsageError
+from ..semantics.kernel.memory import is_out_of_memory
+from .whole_files import write_whole
 
 LARGEST = 64 << 20
 """Bytes that a file may have."""
@@ -37,8 +43,9 @@ GEOMETRIES = ("Point", "LineString", "LinearRing", "Polygon", "MultiPoint", "Mul
 """The types of geometries: those of GeoJSON, and one that a shapely geometry may have beside them."""
 NAMES = ("name", "Name", "NAME", "id")
 """Properties that may name a feature, the first that there is."""
-NAMED = re.compile(r"\s*(?P<name>[^:;()]+?)\s*:\s*(?P<wkt>.+)")
-SRID = re.compile(r"\s*SRID\s*=\s*(?P<code>\d+)\s*;\s*(?P<wkt>.+)", re.IGNORECASE)
+SRID = re.compile(r"SRID\s*=\s*(\d{1,9})", re.IGNORECASE)
+DEEPEST = 32
+"""Brackets in each other in a line of WKT, and objects in each other in GeoJSON: libraries read deeper ones by a recursion that has no end."""
 
 
 def read_site(path: Path, crs: str | None = None) -> SiteMap:
@@ -50,15 +57,22 @@ def read_site(path: Path, crs: str | None = None) -> SiteMap:
     if suffix not in SUFFIXES:
         raise MapError(f"a map of one's own is a file {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}, not {path.name}")
     try:
-        if path.stat().st_size > LARGEST:
-            raise MapError(f"{path} is too large for a map: at most {LARGEST >> 20} MiB")
-        data = b"" if suffix == ".shp" else path.read_bytes()
+        data = read_regular_file(path, LARGEST)
+    except FileNotFoundError:
+        raise MapError(f"there is no map {name_and_folder(path)}") from None
     except OSError as error:
         raise MapError(f"the map {path} cannot be read: {error.strerror or error}") from None
     try:
-        return usable(in_metres(*of_shapefile(path), crs)) if suffix == ".shp" else site_from(data, suffix == ".wkt", crs)
+        return site_within(data, path, crs)
     except MapError as problem:
         raise MapError(f"{path} is no usable map: {problem.message}") from None
+
+
+@timed("reading a map")
+def site_within(data: bytes, path: Path, crs: str | None) -> SiteMap:
+    """The map of what is in a file, in the time that a program has for its maps. Raises `MapError`."""
+    suffix = path.suffix.lower()
+    return usable(in_metres(*of_shapefile(data, path), crs)) if suffix == ".shp" else site_from(data, suffix == ".wkt", crs)
 
 
 @lru_cache(maxsize=4)
@@ -80,11 +94,22 @@ def usable(site: SiteMap) -> SiteMap:
 def loaded(text: str) -> object:
     """What a JSON text says. Raises `MapError`."""
     try:
-        return json.loads(text)
+        return json.loads(text, parse_int=whole)
     except json.JSONDecodeError as problem:
         raise MapError(f"line {problem.lineno}: it is no JSON: {problem.msg}") from None
     except RecursionError:
         raise MapError("it is nested too deeply") from None
+
+
+MOST_DIGITS = 1000
+"""Those of a whole number."""
+
+
+def whole(digits: str) -> int:
+    """A whole number in JSON. Raises `MapError`."""
+    if len(digits) > MOST_DIGITS:
+        raise MapError(f"a number has more than {MOST_DIGITS} digits")
+    return int(digits)
 
 
 Read = tuple[list[MapFeature], str | None]
@@ -127,8 +152,10 @@ def feature_of(member: object, place: str) -> MapFeature:
     return MapFeature(name, made(lambda: geometry_of(member["geometry"]), where), dict(properties), where)
 
 
-def geometry_of(found: object) -> BaseGeometry:
+def geometry_of(found: object, depth: int = 0) -> BaseGeometry:
     """A geometry of GeoJSON. Raises `ValueError`, and whatever the library raises."""
+    if depth > DEEPEST:
+        raise ValueError(f"more than {DEEPEST} geometries stand in each other")
     kinds = {kind.lower(): kind for kind in GEOMETRIES}
     if not isinstance(found, Mapping) or str(found.get("type")).lower() not in kinds:
         raise ValueError(f"its type is to be {', '.join(GEOMETRIES[:-1])} or {GEOMETRIES[-1]}")
@@ -136,7 +163,7 @@ def geometry_of(found: object) -> BaseGeometry:
     parts = found.get(member := "geometries" if kind == "GeometryCollection" else "coordinates")
     if not isinstance(parts, (list, tuple)):
         raise ValueError(f"a {kind} has a list of {member}")
-    return shapely.GeometryCollection([geometry_of(part) for part in parts]) if member == "geometries" else shape_of(dict(found))
+    return shapely.GeometryCollection([geometry_of(part, depth + 1) for part in parts]) if member == "geometries" else shape_of(dict(found))
 
 
 def made(make: Callable[[], BaseGeometry], place: str) -> BaseGeometry:
@@ -145,6 +172,8 @@ def made(make: Callable[[], BaseGeometry], place: str) -> BaseGeometry:
         found = make()
         coordinates = shapely.get_coordinates(found)
     except (shapely.errors.ShapelyError, LookupError, AttributeError, TypeError, ValueError, ArithmeticError, RuntimeError) as problem:
+        if is_out_of_memory(problem):
+            raise
         detail = f"it has no {problem.args[0]}" if isinstance(problem, KeyError) else str(problem).partition("\n")[0] or type(problem).__name__
         raise MapError(f"{place} has no geometry that can be read: {detail:.200}") from None
     if len(coordinates) > MOST_POINTS:
@@ -164,34 +193,55 @@ def of_wkt(text: str) -> Read:
         name = code = None
         rest = line
         for _ in range(2):  # in either order
-            if code is None and (coded := SRID.fullmatch(rest)) is not None:
-                code, rest = coded["code"], coded["wkt"]
-            elif name is None and (named := NAMED.fullmatch(rest)) is not None:
-                name, rest = named["name"], named["wkt"]
+            first, sign, others = rest.partition(";")
+            if code is None and sign and (coded := SRID.fullmatch(first.strip())) is not None and others.strip():
+                code, rest = coded[1], others
+                continue
+            first, sign, others = rest.partition(":")
+            if name is None and sign and first.strip() and not set(first) & set(";()") and others.strip():
+                name, rest = first.strip(), others
         codes.append(code)
         where = place if name is None else f"{place} ({name!r:.60})"
+        if depth_of(rest) > DEEPEST:
+            raise MapError(f"{where} has more than {DEEPEST} brackets in each other")
         features.append(MapFeature(name, made(lambda text=rest: shapely.from_wkt(text.strip()), where), {}, where))
     if len(set(codes)) > 1:
         raise MapError("all lines must have the same SRID, or none")
     return features, f"EPSG:{codes[0]}" if codes and codes[0] is not None else METRES
 
 
-def of_shapefile(path: Path) -> Read:
+def depth_of(text: str) -> int:
+    """How many brackets stand in each other in a text."""
+    return max(accumulate({"(": 1, ")": -1}[sign] for sign in text if sign in "()"), default=0)
+
+
+def of_shapefile(data: bytes, path: Path) -> Read:
     """The features of a shapefile, with the attributes beside it. Raises `MapError`, and `UsageError` for the missing package."""
     try:
         import shapefile
     except ImportError as problem:
         raise needed("a shapefile", "shapefile", problem, "; or convert the map to GeoJSON") from None
-    projection = path.with_suffix(".prj")
     try:
-        crs = projection.read_text(encoding="utf-8", errors="replace") if projection.exists() else METRES
-        with warnings.catch_warnings(action="error"), shapefile.Reader(str(path)) as reader:
+        projection = beside(path, ".prj")
+        crs = METRES if projection is None else projection.read().decode("utf-8", "replace")
+        parts = {"shp": BytesIO(data), "shx": beside(path, ".shx"), "dbf": beside(path, ".dbf")}
+        with warnings.catch_warnings(action="error"), shapefile.Reader(**parts) as reader:
             features = [feature_of(entry, f"shape {number}") for number, entry in enumerate(entries(reader))]
-    except MapError:
+    except ScenicError:
         raise
     except Exception as problem:  # the library lets many kinds of its own and of Python's out of broken files
+        if is_out_of_memory(problem):
+            raise
         raise MapError(f"it cannot be read: {str(problem).partition(chr(10))[0]:.200}") from None
     return features, crs
+
+
+def beside(path: Path, suffix: str) -> BytesIO | None:
+    """What is in a file beside a shapefile; None if there is none. Raises `OSError`."""
+    try:
+        return BytesIO(read_regular_file(path.with_suffix(suffix), LARGEST))
+    except FileNotFoundError:
+        return None
 
 
 def entries(reader: Any) -> Iterator[Mapping[str, object]]:
@@ -236,6 +286,39 @@ def doubt_about(given: np.ndarray, metres: np.ndarray, crs: str, *, degrees: boo
     return None
 
 
+AUTHORITY = re.compile(r"[A-Za-z]\w*:\w+(?:\+\d+)?|urn:ogc:def:crs(?:[:,][\w.+-]*)+|https?://www\.opengis\.net/def/crs/[\w/.]+")
+NAMED = re.compile(r"\w[\w ().,'+-]*(?: / [\w ().,'+-]+)*")
+SETTING = re.compile(r"\+?(?P<name>\w+)(?:=(?P<value>[\w.,+-]*|@null))?")
+SETTINGS = frozenset({
+    "M", "R", "R_A", "W", "a", "alpha", "axis", "azi", "b", "datum", "ellps", "es", "f", "gamma", "h", "k",
+    "k_0", "lat_0", "lat_1", "lat_2", "lat_b", "lat_ts", "lon_0", "lon_1", "lon_2", "lon_wrap", "lonc",
+    "m", "n", "no_defs", "no_off", "no_rot", "no_uoff", "ns", "over", "pm", "proj", "q", "r_lat_a", "rf",
+    "south", "sweep", "tilt", "to_meter", "towgs84", "type", "units", "vto_meter", "vunits", "wktext",
+    "x_0", "y_0", "z_0", "zone",
+})  # fmt: skip
+"""The settings of PROJ's own strings that name no file."""
+EXTENSION = re.compile(r'\bEXTENSION\b(?:\s*[\[(]\s*"(?P<name>[^"]*)"\s*,\s*"(?P<value>[^"]*)"\s*[\])])?', re.IGNORECASE)
+
+
+def without_files(crs: str) -> bool:
+    """Whether what says a reference system names no file, since PROJ opens whatever it is told to: an authority's code, a name, settings of PROJ
+    from a list, or WKT without files.
+    """
+    text = crs.strip()
+    if AUTHORITY.fullmatch(text) or NAMED.fullmatch(text):
+        return True
+    if re.match(r"[A-Za-z]\w*\s*[\[(]", text):
+        extensions = all(found["name"] == "PROJ4" and of_settings(found["value"]) for found in EXTENSION.finditer(text))
+        return extensions and not re.search(r"\bPARAMETERFILE\b", text, re.IGNORECASE)
+    return of_settings(text)
+
+
+def of_settings(text: str) -> bool:
+    """Whether a string of PROJ has none but the `SETTINGS`, and grids only where it says that there are none."""
+    found = [SETTING.fullmatch(word) for word in text.split()]
+    return all(one and (one["name"] in SETTINGS or (one["name"] == "nadgrids" and one["value"] == "@null")) for one in found)
+
+
 def projection(crs: str, coordinates: np.ndarray) -> tuple[Callable[[np.ndarray], np.ndarray], str, bool]:
     """What turns coordinates of a reference system into metres, a note that says how, and whether they are degrees.
 
@@ -247,6 +330,8 @@ def projection(crs: str, coordinates: np.ndarray) -> tuple[Callable[[np.ndarray]
     except ImportError as problem:
         raise needed("a map in degrees", "pyproj", problem, ", or set the parameter map_crs to 'metres' if it is in metres") from None
     try:
+        if not without_files(crs):
+            raise MapError(f"the reference system {crs!r:.60} may name files: say it as an authority does, such as 'EPSG:25832'")
         system = CRS.from_user_input(crs)
     except ProjError as problem:
         raise MapError(f"there is no reference system {crs!r:.60}: {str(problem).partition(chr(10))[0]:.120}") from None
@@ -288,12 +373,7 @@ def save_map(source: object, path: str | Path, *, crs: str | None = None) -> Non
         raise UsageError(f"the properties of the map cannot be written as JSON: {problem}") from None
     if Path(path).suffix.lower() not in SUFFIXES[:2]:
         raise UsageError(f"a map is written as {SUFFIXES[0]} or {SUFFIXES[1]}, not {Path(path).name}")
-    beside = Path(f"{path}.part")
-    try:
-        beside.write_text(text + "\n", encoding="utf-8")
-        beside.replace(path)
-    finally:
-        beside.unlink(missing_ok=True)
+    write_whole(Path(path), f"{text}\n".encode())
 
 
 def features_in(source: object) -> list[MapFeature]:

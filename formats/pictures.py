@@ -21,6 +21,7 @@ from ..semantics.space.vectors import Vector
 from .maps import Window, draw_map, polygons_in
 from .site_land import draw_site, laid
 from .site_names import marks
+from .whole_files import write_whole
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -74,7 +75,7 @@ def written(figure: Figure, format: str) -> bytes:
 
 def save_picture(scenes: Iterable[Scene], path: str | Path, *, roads: Region | None = None) -> None:
     """Write the picture of the scenes, in the format that the path ends in. Raises `UsageError`, `OSError`."""
-    Path(path).write_bytes(picture(scenes, format=Path(path).suffix[1:].lower(), roads=roads))
+    write_whole(Path(path), picture(scenes, format=Path(path).suffix[1:].lower(), roads=roads))
 
 
 def bar_chart(labels: Sequence[str], heights: Sequence[float], title: str, *, format: str = "png") -> bytes:

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import count
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..interpreter.dialects import DEFAULT, choose
 from ..interpreter.printer import parameter_name
-from ..semantics.kernel.classes import BUILT_IN_CLASSES, OBJECT_CLASS, built_in_defaults
+from ..semantics.kernel.allowed import is_user_made
+from ..semantics.kernel.classes import OBJECT_CLASS, built_in_defaults
 from ..semantics.kernel.sets import Set
 from ..semantics.kernel.values import Instance, unwrap
 from ..semantics.python.builtins import BUILTINS
 from ..semantics.python.texts import stable_repr
-from ..semantics.space.regions import CircularRegion, RectangularRegion, SectorRegion, Workspace
+from ..semantics.space.regions import CircularRegion, RectangularRegion, SectorRegion, Workspace, everywhere, nowhere
 from ..semantics.space.vectors import Vector
 
 if TYPE_CHECKING:
@@ -24,10 +26,19 @@ class Unwritten(Exception):
 
 
 class Writing(NamedTuple):
-    """How values are written: a tuple of two, and the objects that have been made so far, by their numbers in the run."""
+    """How values are written: a tuple of two, the objects made so far, by their numbers in the run, and second names of built-ins."""
 
     pair: str
     names: dict[int, str]
+    shadowed: Mapping[str, str]
+
+    def call(self, name: str, arguments: str) -> str:
+        """Return the call of a built-in, under its second name where a class of the program has its own."""
+        return f"{self.built_in(name)}({arguments})"
+
+    def built_in(self, name: str) -> str:
+        """Return the name under which a built-in can be had."""
+        return self.shadowed.get(name, name)
 
 
 def program_of(scene: Scene, dialect: str = DEFAULT) -> str:
@@ -36,13 +47,16 @@ def program_of(scene: Scene, dialect: str = DEFAULT) -> str:
     A property that holds an object made later is assigned when all are made.
     """
     syntax = choose("", dialect)
-    new, known = "new " if syntax.explicit_new else "", Writing("tuple([{}])" if syntax.intervals else "({})", {})
+    new = "new " if syntax.explicit_new else ""
     lines = [] if dialect == DEFAULT else [f"# dialect: {dialect}"]
-    classes = dict.fromkeys(o.class_name for o in scene.objects if o.class_name not in BUILT_IN_CLASSES)
+    classes = dict.fromkeys(o.class_name for o in scene.objects if o.class_name != OBJECT_CLASS.name)
+    shadowed = second_names(scene, classes)
+    known = Writing(f"{shadowed.get('tuple', 'tuple')}([{{}}])" if syntax.intervals else "({})", {}, shadowed)
+    lines += [f"{other} = {name}" for name, other in shadowed.items()]
     for name in classes:
         lines += [f"class {name}:", "    pass"]
     lines += optional("workspace = ", scene.workspace, known) if scene.workspace.bounds() is not None else []
-    taken = {*classes, *BUILTINS, "ego", "workspace"}
+    taken = {*classes, *shadowed.values(), *BUILTINS, "ego", "workspace"}
     own_names = [o.name if o.name and o.name not in taken else "ego" if o.id == scene.ego_id else "" for o in scene.objects]
     called = references(scene, own_names, taken)
     later: list[tuple[str, object]] = []
@@ -61,6 +75,23 @@ def program_of(scene: Scene, dialect: str = DEFAULT) -> str:
     for begin, value in (*later, *((f"param {parameter_name(name)} = ", value) for name, value in scene.params.items())):
         lines += optional(begin, value, known)
     return "\n".join(lines) + "\n"
+
+
+WRITTEN = (
+    "float", "bytes", "set", "frozenset", "range", "tuple", "Vector", "Workspace", "CircularRegion", "SectorRegion", "RectangularRegion",
+    "everywhere", "nowhere",
+)  # fmt: skip
+"""Built-ins that `expression` writes."""
+
+
+DECIMAL_BITS = 10_000
+"""Of longer whole numbers Python writes and reads the hexadecimal digits alone."""
+
+
+def second_names(scene: Scene, classes: Iterable[str]) -> dict[str, str]:
+    """Return second names for the built-ins of `WRITTEN` whose names the classes of the program have."""
+    used = {*classes, *BUILTINS, *(o.name for o in scene.objects)}
+    return {name: next(n for n in (f"built_in{'_' * i}{name}" for i in count(1)) if n not in used) for name in classes if name in WRITTEN}
 
 
 def references(scene: Scene, names: Sequence[str], taken: set[str]) -> dict[int | None, str]:
@@ -158,28 +189,48 @@ def expression(value: object, known: Writing) -> str:
     match value:
         case Instance(number=number) if number in known.names:
             return known.names[number]
-        case None | bool() | int() | str():
-            return repr(value)
-        case float():
-            return repr(value) if math.isfinite(value) else f"float('{value!r}')"
-        case Vector(x=x, y=y):
-            return f"Vector({inside((x, y))})"
-        case list():
-            return f"[{inside(value)}]"
         case tuple() if type(value) is tuple or hasattr(value, "_fields"):
             return known.pair.format(inside(value)) if len(value) == 2 else f"({inside(value)}{',' if len(value) == 1 else ''})"
+        case _ if is_user_made(value):
+            raise Unwritten
+        case None | bool() | str() | bytes():
+            return repr(value)
+        case int():
+            return repr(value) if value.bit_length() <= DECIMAL_BITS else hex(value)
+        case float():
+            return repr(value) if math.isfinite(value) else known.call("float", f"'{value!r}'")
+        case list():
+            return f"[{inside(value)}]"
         case dict():
             return f"{{{', '.join(f'{expression(k, known)}: {expression(v, known)}' for k, v in value.items())}}}"
         case Set():
-            return f"{{{inside(value)}}}" if value else "set()"
-        case Workspace(region=region):
-            return f"Workspace({expression(region, known)})"
+            return f"{{{inside(value)}}}" if value else known.call("set", "")
+        case frozenset():
+            return known.call("frozenset", f"[{inside(value)}]" if value else "")
+        case range(start=start, stop=stop, step=step):
+            return known.call("range", inside((start, stop) if step == 1 else (start, stop, step)))
+        case _:
+            return plane_value(value, known)
+
+
+def plane_value(value: object, known: Writing) -> str:
+    """An expression for a vector, a region or a workspace. Raises `Unwritten` for anything else."""
+
+    def made(name: str, *parts: object) -> str:
+        return known.call(name, ", ".join(expression(part, known) for part in parts))
+
+    match value:
+        case Vector(x=x, y=y):
+            return made("Vector", x, y)
+        case Workspace(region=inner):
+            return made("Workspace", inner)
         case CircularRegion(center=center, radius=radius):
-            return f"CircularRegion({inside((center, radius))})"
+            return made("CircularRegion", center, radius)
         case SectorRegion(center=center, radius=radius, heading=heading, angle=angle):
-            return f"SectorRegion({inside((center, radius, heading, angle))})"
+            return made("SectorRegion", center, radius, heading, angle)
         case RectangularRegion(position=position, heading=heading, width=width, length=length):
-            return f"RectangularRegion({inside((position, heading, width, length))})"
+            return made("RectangularRegion", position, heading, width, length)
+        case _ if value is everywhere or value is nowhere:
+            return known.built_in(repr(value))
         case _:
             raise Unwritten
-

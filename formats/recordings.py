@@ -7,6 +7,7 @@ from dataclasses import fields, is_dataclass
 from types import MappingProxyType
 from typing import NamedTuple
 
+from ..interpreter.walls import timed
 from .notebooks import counted, short_text
 from .scenes import OWN_FIELDS, Scene, in_json, json_value, portable
 
@@ -72,6 +73,7 @@ class Simulated(NamedTuple):
         return Simulated, (*self[:-1], records)
 
 
+@timed("writing a simulation")
 def to_json(run: Simulated, attempts: int) -> dict[str, object]:
     """A simulation, and how many attempts it took, in the simulation format."""
     records = {name: [[step, json_value(value)] for step, value in values] for name, values in run.records.items()}

@@ -10,7 +10,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from ..interpreter.walls import timed
 from ..maps.sites import SiteMap
+from ..semantics.kernel.budget import items_of, plain_data
 from ..semantics.kernel.config import State
 from ..semantics.kernel.errors import UsageError
 from ..semantics.kernel.kinds import is_scalar
@@ -178,6 +180,7 @@ class Scene:
         """A program, in a dialect, that makes just this scene; what cannot be written of it is a comment."""
         return program_of(self, dialect)
 
+    @timed("writing a scene")
     def to_json(self) -> dict[str, object]:
         """The scene as a JSON object."""
         params, objects = {k: json_value(v) for k, v in self.params.items()}, [o.to_json() for o in self.objects]
@@ -223,13 +226,13 @@ def portable(value: object) -> object:
     """A value that is plain data all through, with texts for what is not."""
     match plain(value):
         case None | bool() | int() | float() | str() | bytes() | Vector() | TextOnly() as inner:
-            return inner
+            return plain_data(inner)
         case list() as inner:
-            return list(map(portable, inner))
+            return list(map(portable, items_of(inner)))
         case tuple() as inner:
-            return tuple(map(portable, inner))
+            return tuple(map(portable, items_of(inner)))
         case dict() as inner:
-            return {portable(k): portable(v) for k, v in inner.items()}
+            return {portable(k): portable(v) for k, v in dict.items(inner)}
         case Region() as inner if isinstance(inner, PLAIN_SHAPES):
             return inner
         case ScenicClass(name=name):
@@ -240,7 +243,7 @@ def portable(value: object) -> object:
 
 def json_value(value: object) -> object:
     """A property or parameter in JSON; what has no JSON form is written as {"repr": "..."}."""
-    inner = plain(value)
+    inner = plain_data(plain(value))
     match inner:
         case int() if inner.bit_length() > LARGEST_NUMBER_BITS:
             return {"repr": hex(inner)}
@@ -251,9 +254,9 @@ def json_value(value: object) -> object:
         case Vector(x=x, y=y):
             return [json_value(x), json_value(y)]
         case list() | tuple():
-            return [json_value(v) for v in inner]
-        case dict() if all(isinstance(plain(k), str) for k in inner):
-            return {str(plain(k)): json_value(v) for k, v in inner.items()}
+            return [json_value(v) for v in items_of(inner)]
+        case dict() if all(isinstance(plain(k), str) for k in items_of(inner)):
+            return {plain_data(plain(k)): json_value(v) for k, v in dict.items(inner)}
         case _ if is_scalar(inner):
             return float(inner)  # type: ignore[arg-type]
         case ScenicClass(name=name):
@@ -262,6 +265,7 @@ def json_value(value: object) -> object:
             return {"repr": stable_repr(unwrap(inner)[0])}
 
 
+@timed("writing a scene")
 def scene_of(
     state: State, seed: int, index: int, attempts: int, weight: float = 1.0, *, pruned: bool = False, simulated: bool = False
 ) -> Scene:

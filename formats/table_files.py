@@ -11,7 +11,7 @@ import os
 import zipfile
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
-from contextlib import suppress
+from io import TextIOWrapper
 from pathlib import Path
 from tempfile import TemporaryFile
 from typing import IO, Any, NamedTuple
@@ -19,7 +19,7 @@ from typing import IO, Any, NamedTuple
 import numpy as np
 
 from ..semantics.kernel.errors import UsageError
-from .arrow import Arrow, Kinds, arrow_for
+from .arrow import Arrow, Kinds, arrow_for, room_to_write
 from .columns import (
     BOOL,
     FLOAT,
@@ -40,6 +40,7 @@ from .columns import (
 )
 from .scenes import in_json
 from .tables import OWN, SCHEMA, Columns, Groups, ordered, rows_in
+from .whole_files import remove_unfinished, whole_file
 
 SOME = 1024
 """So many rows of the first group say how a column of numbers is written: ..."""
@@ -139,18 +140,18 @@ class Spool:
 
 
 class TableFile(ABC):
-    """A file of a table being written: under another name until it is complete, so that `path` is only ever a complete table.
+    """A file of a table being written, which gets its name when it is complete.
 
     Raises `UsageError` if it cannot be written.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.unfinished = path.with_name(f".{path.name}.{os.getpid()}.unfinished")
         self.groups = Groups()
         if path.exists() and not os.access(path, os.W_OK):
             raise UsageError(f"{path} cannot be written: permission denied")
         try:
+            remove_unfinished(path)
             self.spool = Spool(path.parent)
         except OSError as error:
             raise self.unwritable(error) from None
@@ -167,8 +168,8 @@ class TableFile(ABC):
         """Write the file and give it its name."""
         self._write(self.groups.rest())
         try:
-            self.complete(self.spool)
-            self.unfinished.replace(self.path)
+            with whole_file(self.path) as file:
+                self.complete(self.spool, file)
         except OSError as error:
             raise self.unwritable(error) from None
 
@@ -184,14 +185,12 @@ class TableFile(ABC):
         return UsageError(f"{self.path} cannot be written: {error.strerror or error}")
 
     def close(self) -> None:
-        """Remove what was written, unless it was finished."""
+        """Let go of the rows that were added."""
         self.spool.close()
-        with suppress(OSError):  # it was finished, or never begun
-            self.unfinished.unlink()
 
     @abstractmethod
-    def complete(self, spool: Spool) -> None:
-        """Write all groups to the file under its other name. Raises `OSError`."""
+    def complete(self, spool: Spool, target: IO[bytes]) -> None:
+        """Write all groups to the file. Raises `OSError`."""
 
 
 # Arrow and Parquet
@@ -204,12 +203,12 @@ class ParquetTable(TableFile):
         arrow_for("a Parquet table")
         super().__init__(path)
 
-    def complete(self, spool: Spool) -> None:
+    def complete(self, spool: Spool, target: IO[bytes]) -> None:
         """Write the row groups."""
         from pyarrow import parquet
 
         made, first = Arrow(spool.kinds), next(spool.read(), {})
-        with parquet.ParquetWriter(self.unfinished, made.schema, **encoding(first)) as writer:
+        with room_to_write(), parquet.ParquetWriter(target, made.schema, **encoding(first)) as writer:
             for group in spool.read():
                 writer.write_batch(made.batch(group), row_group_size=rows_in(group))
 
@@ -243,12 +242,12 @@ class ArrowTable(TableFile):
         arrow_for("an Arrow table")
         super().__init__(path)
 
-    def complete(self, spool: Spool) -> None:
+    def complete(self, spool: Spool, target: IO[bytes]) -> None:
         """Write the record batches."""
         import pyarrow
 
         made = Arrow(spool.kinds)
-        with pyarrow.OSFile(str(self.unfinished), "wb") as file, pyarrow.ipc.new_file(file, made.schema) as writer:
+        with room_to_write(), pyarrow.ipc.new_file(target, made.schema) as writer:
             for group in spool.read():
                 writer.write_batch(made.batch(group))
 
@@ -259,9 +258,9 @@ class ArrowTable(TableFile):
 class NpzTable(TableFile):
     """An npz file: NAME.npy for each column, NAME.jsonl with the texts whose numbers are in NAME.npy, NAME.valid.npy where values are missing."""
 
-    def complete(self, spool: Spool) -> None:
+    def complete(self, spool: Spool, target: IO[bytes]) -> None:
         """The columns one after the other, not compressed; equal rows give equal bytes."""
-        with zipfile.ZipFile(self.unfinished, "w", zipfile.ZIP_STORED) as archive:
+        with zipfile.ZipFile(target, "w", zipfile.ZIP_STORED) as archive:
             described = {"schema": SCHEMA, "columns": {name: shown_kind(kind) for name, kind in spool.kinds.items()}}
             archive.writestr(zipfile.ZipInfo("schema.json"), in_json(described))  # the date of a member is always 1980
             for name, kind in spool.kinds.items():
@@ -291,13 +290,14 @@ def write_member(archive: zipfile.ZipFile, name: str, dtype: np.dtype[Any], shap
 class CsvTable(TableFile):
     """A CSV file: a line with the names, then one for each row; what is missing is empty, lists are JSON."""
 
-    def complete(self, spool: Spool) -> None:
+    def complete(self, spool: Spool, target: IO[bytes]) -> None:
         """Write the lines."""
-        with self.unfinished.open("w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(spool.kinds)
-            for group in spool.read():
-                writer.writerows(zip(*(cells(column) for column in group.values()), strict=True))
+        text = TextIOWrapper(target, encoding="utf-8", newline="")
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(spool.kinds)
+        for group in spool.read():
+            writer.writerows(zip(*(cells(column) for column in group.values()), strict=True))
+        text.detach()  # which writes the rest, and leaves the file open
 
 
 def cells(column: TypedColumn) -> list[str]:

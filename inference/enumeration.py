@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 from ..formats.notebooks import counted
 from ..formats.scenes import Scene, scene_of
-from ..interpreter.running import DEFAULT_FUEL, Accepted, run
+from ..interpreter.running import DEFAULT_FUEL, Accepted, Beginnings, run
 from ..semantics.kernel.config import Config, State
 from ..semantics.kernel.errors import AttemptsExhausted, RunsExhausted, UsageError
 from ..semantics.kernel.outcome import Draw, Requirement
@@ -127,6 +127,7 @@ def enumerate_runs(
     covered = Fraction(0)
     prefix: list[Taken] | None = []
     approximated = False
+    begin = Beginnings(start, fuel)
     while prefix is not None:
         if len(leaves) == max_runs:
             raise RunsExhausted(
@@ -135,7 +136,7 @@ def enumerate_runs(
                 hint="--max-runs allows more; each draw multiplies their number by that of its values",
             )
         runner = Runner(prefix, discretize, read)
-        leaf = runner.run(start(), fuel)
+        leaf = runner.run(begin(), fuel)
         approximated = approximated or runner.approximated
         leaves.append(leaf)
         covered += leaf.probability * product(share for _, share in leaf.coins.values())

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from ..formats.notebooks import counted
 from ..formats.recordings import Simulated, to_json
-from ..interpreter.running import DEFAULT_FUEL
+from ..interpreter.running import DEFAULT_FUEL, Beginnings
 from ..semantics.kernel.config import Config
 from ..semantics.kernel.errors import RunsExhausted, UsageError
 from ..simulators.protocol import Simulator
@@ -66,12 +66,13 @@ def enumerate_simulations(
     stuck: dict[Failed, Fraction] = defaultdict(Fraction)
     prefix: list[Taken] | None = []
     runs, covered = 0, Fraction(0)
+    begin = Beginnings(start, fuel)
     while prefix is not None:
         if runs == max_runs:
             text = f"the program has more than {max_runs:,} runs: those made cover {float(covered):.3g} of the probability"
             raise RunsExhausted(text, runs=max_runs, covered=covered)
         runner = Runner(prefix, None)
-        ended = simulate_once(start(), runner.choose, simulator, steps, fuel=fuel)
+        ended = simulate_once(begin(), runner.choose, simulator, steps, fuel=fuel)
         if runner.coins:
             raise UsageError("simulations are enumerated under the reading soft=run only")
         runs, covered = runs + 1, covered + runner.probability

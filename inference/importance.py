@@ -113,7 +113,8 @@ def draw_importance(
             if not weighing.stuck:  # only the interpreter knows
                 weighing.stuck[target.rejected_by(states, int(np.argmin(weights)))] += 1
             worst, count = weighing.stuck.most_common(1)[0]
-            text = f"no scene in {target.evaluations - last:,} runs: most often ({count:,} times) this failed: {worst.text}"
+            often = f"{count:,} of all {target.evaluations:,} runs"
+            text = f"no scene in {target.evaluations - last:,} runs: most often ({often}) this failed: {worst.text}"
             raise exhausted(text, target.evaluations, weighing.stuck)
     acceptance = mean_weight(*totals.tolist(), share=share, is_simple=is_simple)
     effective = float(totals[1] ** 2 / totals[2])

@@ -15,7 +15,7 @@ from scipy.special import betaincinv
 
 from ..formats.scenes import Scene, scene_of
 from ..interpreter.choosers import AS_THEY_ARE, Draws, from_stream
-from ..interpreter.running import DEFAULT_FUEL, Accepted, Chooser, Witness, run
+from ..interpreter.running import DEFAULT_FUEL, Accepted, Beginnings, Chooser, Witness, run
 from ..semantics.kernel.config import Config
 from ..semantics.kernel.errors import AttemptsExhausted
 from ..semantics.kernel.outcome import Draw, Requirement
@@ -24,6 +24,8 @@ from .inferred import LEVEL, Probability
 DEFAULT_ATTEMPTS = 100_000
 SELDOM = 1_000
 """After so many attempts without a scene, another backend may do better."""
+PATIENCE = 300
+"""So many attempts at a scene are made one by one before the batch backend is asked for the rest."""
 
 
 class Sampled(NamedTuple):
@@ -53,11 +55,12 @@ def sample(
     """
     stuck: Counter[Requirement] = Counter()
     steps = 0
+    begin = start if witnessed is not None else Beginnings(start, fuel)
     for attempt in range(max_attempts):
         witness = None if witnessed is None else witnessed(attempt)
         choose, drawn = counting(from_stream(seed, index, attempt, draws))
         try:
-            result = run(start(), choose, fuel=fuel, witness=witness)
+            result = run(begin(), choose, fuel=fuel, witness=witness)
         except KeyboardInterrupt:
             raise InterruptedDraw(stuck) from None
         steps += result.steps
@@ -67,7 +70,7 @@ def sample(
         if on_attempt is not None:
             on_attempt(attempt + 1)
         if not drawn:
-            raise exhausted(f"no scene is possible, since nothing is drawn before this fails: {result.requirement.text}", attempt + 1, stuck)
+            raise exhausted(f"no scene is possible: {result.requirement.failure}, and nothing is drawn before that", attempt + 1, stuck)
     worst, count = stuck.most_common(1)[0]
     text = f"no scene in {max_attempts:,} attempts: most often ({count:,} times) this failed: {worst.text}"
     raise exhausted(text, max_attempts, stuck, seldom=True)

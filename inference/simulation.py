@@ -5,22 +5,22 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterator
 from functools import partial
-from itertools import count, islice
 from typing import NamedTuple
 
 from ..formats.notebooks import counted
 from ..formats.recordings import Simulated
 from ..interpreter.choosers import from_stream
-from ..interpreter.running import DEFAULT_FUEL, Chooser, Witness
+from ..interpreter.running import DEFAULT_FUEL, Beginnings, Chooser, Witness
 from ..semantics.dynamics.processes import DYNAMIC
 from ..semantics.kernel.config import Config, State
 from ..semantics.kernel.errors import AttemptsExhausted
+from ..semantics.kernel.outcome import Requirement
 from ..simulators.protocol import Simulator
 from ..simulators.simulating import Failed, simulate_once
 from .dynamics.code import Library
 from .dynamics.leaving import LeftToMachine
 from .dynamics.policy import CompiledPolicy
-from .rejection import DEFAULT_ATTEMPTS, counting
+from .rejection import DEFAULT_ATTEMPTS, PATIENCE, counting
 
 RETRIES = 100
 """Simulations of one scene under the reading `rejected-simulation=retry`, as in the released implementations."""
@@ -37,27 +37,53 @@ class SampledRun(NamedTuple):
         return f"<{counted(self.attempts, 'attempt')}, the last one accepted: {self.simulation!r}>"
 
 
+class NextScene(NamedTuple):
+    """The first attempt from some number on whose scene is accepted (or the most attempts there may be), and what failed in those before it."""
+
+    attempt: int
+    stuck: Counter[Requirement]
+
+
+SceneFinder = Callable[[int], NextScene | None]
+"""Gives, for the number of an attempt, the next one whose scene is accepted; None where that cannot be found faster than attempt by attempt."""
+
+
 def sample_simulation(
     start: Callable[[], Config], simulator: Simulator, steps: int, seed: int, index: int, *, max_attempts: int = DEFAULT_ATTEMPTS,
     fuel: int = DEFAULT_FUEL, retry: bool = False, on_attempt: Callable[[int], None] | None = None,
     on_failed: Callable[[Failed], None] | None = None, witnessed: Callable[[int], Witness | None] | None = None, library: Library | None = None,
+    next_scene: SceneFinder | None = None,
 ) -> SampledRun:  # fmt: skip
     """Simulation number `index` of `seed`, of at most `steps` time steps. Raises `AttemptsExhausted`, and the errors of the program and simulator.
 
     Behaviors run compiled where there is a `library` for them, else by the machine; the simulations are the same.
     `on_attempt` is told how many attempts failed so far, `on_failed` of each. With `retry`, a scene keeps its numbers while its simulations are
-    rejected, up to `RETRIES` times.
+    rejected, up to `RETRIES` times. After `PATIENCE` attempts without a scene `next_scene` is asked which attempt gives the next one.
     """
     stuck: Counter[Failed] = Counter()
-    tried = attempts_at(start, simulator, steps, seed, index, fuel=fuel, retry=retry, witnessed=witnessed, library=library)
-    for attempt, (found, drawn) in enumerate(islice(tried, max_attempts)):
+
+    def note(failed: Failed, attempts: int) -> None:
+        stuck[failed] += 1
+        if on_attempt is not None:
+            on_attempt(attempts)
+        if on_failed is not None:
+            on_failed(failed)
+
+    tried = attempts_at(
+        start, simulator, steps, seed, index, fuel=fuel, retry=retry, witnessed=witnessed, library=library, next_scene=next_scene
+    )  # fmt: skip
+    for attempt, found, drawn in tried:
         if isinstance(found, Simulated):
             return SampledRun(found, attempt + 1, stuck)
-        stuck[found] += 1
-        if on_attempt is not None:
-            on_attempt(attempt + 1)
-        if on_failed is not None:
-            on_failed(found)
+        if isinstance(found, NextScene):
+            for requirement in found.stuck.elements():
+                note(Failed(requirement, None), found.attempt)
+        else:
+            note(found, attempt + 1)
+        if attempt + 1 >= max_attempts:
+            break
+        if isinstance(found, NextScene):
+            continue
         if not drawn and (found.step is None or not simulator.random):
             text = f"no simulation is possible, since nothing is drawn before this fails {found.place}: {found.requirement.text}"
             raise exhausted(text, attempt + 1, stuck)
@@ -68,11 +94,23 @@ def sample_simulation(
 
 def attempts_at(
     start: Callable[[], Config], simulator: Simulator, steps: int, seed: int, index: int, *, fuel: int = DEFAULT_FUEL, retry: bool = False,
-    witnessed: Callable[[int], Witness | None] | None = None, library: Library | None = None,
-) -> Iterator[tuple[Simulated | Failed, bool]]:  # fmt: skip
-    """One run of simulation number `index` after the other, without end, and whether anything was drawn in it; arguments as `sample_simulation`."""
+    witnessed: Callable[[int], Witness | None] | None = None, library: Library | None = None, next_scene: SceneFinder | None = None,
+) -> Iterator[tuple[int, Simulated | Failed | NextScene, bool]]:  # fmt: skip
+    """One run of simulation number `index` after the other, without end: its number, and whether anything was drawn in it.
+
+    Arguments are those of `sample_simulation`. Where `next_scene` skips attempts, what it found stands for them, with the number of the last.
+    """
     scene, first = 0, 0  # the attempt that the scene's numbers are of, and the one with which its simulations began
-    for attempt in count():
+    attempt, without = 0, 0  # without: attempts in a row that made no scene
+    begin = start if witnessed is not None else Beginnings(start, fuel)
+    while True:
+        if without >= PATIENCE and next_scene is not None and scene == attempt:
+            found = next_scene(attempt)
+            if found is None:
+                next_scene = None
+            elif found.attempt > attempt:
+                scene = first = attempt = found.attempt
+                yield attempt - 1, found, True
 
         def number(address: tuple[int, ...], scene: int = scene, attempt: int = attempt) -> int:
             return attempt if address[:1] == (DYNAMIC,) else scene
@@ -80,10 +118,12 @@ def attempts_at(
         witness = None if witnessed is None else witnessed(attempt)
         chooser, drawn = counting(from_stream(seed, index, number))
         simulate = partial(simulate_once, seed=seed, index=index, attempt=scene, tried=attempt, fuel=fuel, witness=witness)
-        found = compiled(simulate, start, chooser, simulator, steps, library if witness is None else None, fuel)
-        yield found, bool(drawn)
-        if isinstance(found, Simulated) or not retry or found.step is None or attempt + 1 - first >= RETRIES:
-            scene = first = attempt + 1
+        found = compiled(simulate, begin, chooser, simulator, steps, library if witness is None else None, fuel)
+        yield attempt, found, bool(drawn)
+        without = without + 1 if isinstance(found, Failed) and found.step is None else 0
+        attempt += 1
+        if isinstance(found, Simulated) or not retry or found.step is None or attempt - first >= RETRIES:
+            scene = first = attempt
 
 
 def compiled(

@@ -35,9 +35,11 @@ from ..semantics.syntax.python_expressions import BinaryOperation, Constant, Dic
 from ..semantics.syntax.statements import ExpressionStatement
 from .dialects import having
 from .formulas import refuse_formulas
+from .printer import to_source
+from .time_conditions import instead, refuse_time
 from .tree_builder import BuilderBase, Parts, condition
 
-NOT_RECORDED = "leave the statement out: `scenic-ref simulate -o` writes what happens; or choose that dialect by --dialect"
+NOT_RECORDED = "leave the statement out, since `scenic-ref simulate -o` writes what happens"
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,10 +134,10 @@ class DynamicsBuilder(BuilderBase):
     make_scenario_block = make_guarded_block
 
     def make_precondition(self, span: Span, parts: Parts) -> Guard:
-        return Guard(span, "precondition", condition(parts[0]))
+        return Guard(span, "precondition", refuse_time("precondition", condition(parts[0]), self.dialect))
 
     def make_invariant(self, span: Span, parts: Parts) -> Guard:
-        return Guard(span, "invariant", condition(parts[0]))
+        return Guard(span, "invariant", refuse_time("invariant", condition(parts[0]), self.dialect))
 
     def make_setup(self, span: Span, parts: Parts) -> ScenarioPart:
         return ScenarioPart(span, "setup", parts[0])
@@ -146,19 +148,21 @@ class DynamicsBuilder(BuilderBase):
     # -- Requirements over time
 
     def make_require_always(self, span: Span, parts: Parts) -> RequireAlways:
-        return RequireAlways(span=span, condition=self.without_formulas(parts[0]), name=parts[1] or "")
+        part = self.without_formulas("require always", parts[0])
+        return RequireAlways(span=span, condition=part, name=parts[1] or "")
 
     def make_require_eventually(self, span: Span, parts: Parts) -> RequireEventually:
-        return RequireEventually(span=span, condition=self.without_formulas(parts[0]), name=parts[1] or "")
+        part = self.without_formulas("require eventually", parts[0])
+        return RequireEventually(span=span, condition=part, name=parts[1] or "")
 
     def make_require_formula(self, span: Span, parts: Parts) -> RequireAlways | RequireEventually:
         word, operand, name = parts
         kind = RequireAlways if word.type == "ALWAYS" else RequireEventually
-        return kind(span=span, condition=self.without_formulas(operand), name=name or "")
+        return kind(span=span, condition=self.without_formulas(f"require {word}", operand), name=name or "")
 
-    def without_formulas(self, node: Expression) -> Expression:
-        """The condition `node`. Raises `ParseError` where it has operators over time."""
-        part = condition(node)
+    def without_formulas(self, word: str, node: Expression) -> Expression:
+        """The condition `node` behind `word`. Raises `ParseError` for operators over time, and for a time."""
+        part = refuse_time(word, condition(node), self.dialect)
         refuse_formulas(part, self.dialect)
         return part
 
@@ -170,15 +174,20 @@ class DynamicsBuilder(BuilderBase):
         return RequireMonitor(span=span, monitor=monitor, name=name or "")
 
     def make_terminate_when(self, span: Span, parts: Parts) -> TerminateWhen:
-        return TerminateWhen(span=span, condition=condition(parts[0]), name=parts[1] or "")
+        part = refuse_time("terminate when", condition(parts[0]), self.dialect)
+        return TerminateWhen(span=span, condition=part, name=parts[1] or "")
 
     def make_terminate_simulation_when(self, span: Span, parts: Parts) -> TerminateWhen:
         self.released("terminate simulation when", span, "write `terminate when ...`, without a name" if parts[1] else "write `terminate when ...`")
-        return TerminateWhen(span=span, condition=condition(parts[0]), name=parts[1] or "", simulation=True)
+        part = refuse_time("terminate simulation when", condition(parts[0]), self.dialect)
+        return TerminateWhen(span=span, condition=part, name=parts[1] or "", simulation=True)
 
     def make_terminate_after(self, span: Span, parts: Parts) -> TerminateAfter:
-        self.released("terminate after", span, "write `terminate when ...`")
-        return TerminateAfter(span=span, limit=parts[0])
+        limit: TimeLimit = parts[0]
+        amount = to_source(limit.amount, self.dialect.name)
+        hint = instead("terminate when", f"{amount} {limit.unit}", amount, released=False)
+        self.released("terminate after", span, hint)
+        return TerminateAfter(span=span, limit=limit)
 
     # -- Recording
 
@@ -209,7 +218,9 @@ class DynamicsBuilder(BuilderBase):
         return self.waiting(WaitFor(span=span, limit=parts[0]))
 
     def make_wait_until(self, span: Span, parts: Parts) -> WaitFor:
-        return self.waiting(WaitFor(span=span, limit=Until(span=span, condition=condition(parts[0]))))
+        node = self.waiting(WaitFor(span=span, limit=Until(span=span, condition=condition(parts[0]))))
+        refuse_time("wait until", condition(parts[0]), self.dialect)
+        return node
 
     def waiting(self, node: WaitFor) -> WaitFor:
         """The statement. Raises ParseError where the dialect lacks it."""
@@ -248,10 +259,11 @@ class DynamicsBuilder(BuilderBase):
         amount, steps = parts
         if steps is not None:
             return TimeLimit(span=span, amount=amount, unit="steps")
-        return TimeLimit(span=span, amount=without_seconds(amount), unit="seconds")
+        implied = self.dialect.released and not self.dialect.explicit_new  # in 2.1.0 a number alone is one of seconds
+        return TimeLimit(span=span, amount=without_seconds(amount, implied=implied), unit="seconds")
 
     def make_until(self, span: Span, parts: Parts) -> Until:
-        return Until(span=span, condition=condition(parts[0]))
+        return Until(span=span, condition=refuse_time("until", condition(parts[0]), self.dialect))
 
     def make_override(self, span: Span, parts: Parts) -> Override:
         return Override(span=span, object=parts[0], specifiers=tuple(parts[1:]))
@@ -275,15 +287,20 @@ def weighted(invocations: tuple[Expression, ...]) -> tuple[tuple[Expression, ...
     return keys, tuple(weight for _, weight in only.items)
 
 
-def without_seconds(amount: Expression) -> Expression:
-    """The expression whose last word `seconds` was read as a postfix operator of its last operand, without that word."""
+def without_seconds(amount: Expression, *, implied: bool = False) -> Expression:
+    """The expression whose last word `seconds` was read as a postfix operator of its last operand, without that word; which may be `implied`."""
     path: list[BinaryOperation | UnaryOperation] = []
     node = amount
     while isinstance(node, BinaryOperation) or (isinstance(node, UnaryOperation) and node.operator != "not"):
         path.append(node)
         node = node.right if isinstance(node, BinaryOperation) else node.operand
     if not isinstance(node, Seconds):
-        raise ParseError("a time limit needs a unit", amount.span, hint="write `for ... seconds` or `for ... steps`")
+        if implied:
+            return amount
+        number = amount.value if isinstance(amount, Constant) else None
+        written = f"{number:g}" if isinstance(number, int | float) else "..."
+        hint = f"write `for {written} seconds` or `for {written} steps`"
+        raise ParseError("a time limit needs a unit", amount.span, hint=hint)
     tree = node.value
     for outer in reversed(path):
         tree = replace(outer, right=tree) if isinstance(outer, BinaryOperation) else replace(outer, operand=tree)

@@ -69,8 +69,16 @@ class ExpressionBuilder(BuilderBase):
 
     # -- Displays and comprehensions
 
-    def make_tuple_items(self, span: Span, parts: Parts) -> TupleDisplay:
+    def make_tuple_items(self, span: Span, parts: Parts) -> Expression:
+        if len(parts) == 1 and self.is_block_of_specifiers(parts[0]):
+            return parts[0]
         return TupleDisplay(span=span, items=tuple(parts))
+
+    def is_block_of_specifiers(self, node: object) -> bool:
+        """Return whether a node is `new C ...` with a line for each specifier, which may end with a comma."""
+        if not (self.dialect.explicit_new and isinstance(node, ObjectDefinition) and node.specifiers):
+            return False
+        return node.specifiers[-1].span.line > node.class_.span.end_line
 
     def make_tuple_display(self, span: Span, parts: Parts) -> TupleDisplay | IntervalOrPair:
         if self.dialect.intervals and len(parts) == 2 and not any(isinstance(part, Starred) for part in parts):

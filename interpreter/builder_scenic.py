@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import get_args
 
+from lark import Token
+
 from ..semantics.kernel.errors import ParseError
 from ..semantics.syntax import Expression, Span, Specifier
 from ..semantics.syntax.expressions import (
@@ -35,7 +37,7 @@ from ..semantics.syntax.expressions import (
     Visible,
     VisibleFrom,
 )
-from ..semantics.syntax.python_expressions import Comparison, Conditional, Name, UnaryOperation
+from ..semantics.syntax.python_expressions import Call, Comparison, Conditional, Name, UnaryOperation
 from ..semantics.syntax.specifiers import (
     ApparentlyFacingSpecifier,
     AtSpecifier,
@@ -199,6 +201,8 @@ class ScenicBuilder(BuilderBase):
 
     def make_object_after_operator(self, span: Span, parts: Parts) -> ObjectDefinition:
         first, *specifiers = parts
+        if self.is_new_alone(first) and specifiers[0].span.line > first.span.end_line:  # `new C,` with its specifiers on the next lines
+            return replace(first, span=span, specifiers=tuple(specifiers))
         if not isinstance(first, ObjectOrOperator):
             lacks_new = self.dialect.explicit_new and isinstance(first, OPERATORS) and is_dotted_name(next(children(first)))  # type: ignore[arg-type]
             self.stray[span] = self.needs_new(first.span) if lacks_new else stray(first, specifiers[0])
@@ -210,9 +214,14 @@ class ScenicBuilder(BuilderBase):
         word, class_, *specifiers = parts
         if not self.dialect.explicit_new:
             message = f"`new` belongs to dialect {having('explicit_new')}"
-            raise ParseError(message, self.token_span(word), hint="leave out `new`, or choose that dialect by --dialect scenic-3")
+            hint = "leave out `new`, or begin the program with `# dialect: scenic-3`"
+            raise ParseError(message, self.token_span(word), hint=hint)
         self.require_class(class_)
         return ObjectDefinition(span=span, class_=class_, specifiers=tuple(specifiers))
+
+    def is_new_alone(self, node: object) -> bool:
+        """Return whether a node is `new C` without specifiers."""
+        return self.dialect.explicit_new and isinstance(node, ObjectDefinition) and not node.specifiers
 
     def defined(self, definition: ObjectDefinition) -> ObjectDefinition:
         """`definition`, noted as one that still lacks its `new` where the dialect wants one."""
@@ -235,6 +244,9 @@ class ScenicBuilder(BuilderBase):
 
     def require_class(self, node: Expression) -> None:
         """Raises ParseError unless `node` can name a class."""
+        if isinstance(node, Call) and is_dotted_name(node.function):
+            example = "`new Car at X, facing H`" if self.dialect.explicit_new else "`Car at X, facing H`"
+            raise ParseError("objects are not made by calling their class", node.span, hint=f"write specifiers behind it, as in {example}")
         if not is_dotted_name(node):
             raise ParseError("specifiers must follow the name of a class", node.span, hint=BEGIN)
 
@@ -301,10 +313,18 @@ class ScenicBuilder(BuilderBase):
         return FacingSpecifier(span=span, direction=parts[0])
 
     def make_facing_toward(self, span: Span, parts: Parts) -> FacingTowardSpecifier:
-        return FacingTowardSpecifier(span=span, vector=as_vector(parts[0]))
+        return FacingTowardSpecifier(span=span, vector=self.faced(*parts))
 
     def make_facing_away_from(self, span: Span, parts: Parts) -> FacingAwayFromSpecifier:
-        return FacingAwayFromSpecifier(span=span, vector=as_vector(parts[0]))
+        return FacingAwayFromSpecifier(span=span, vector=self.faced(*parts))
+
+    def faced(self, word: Token, vector: Expression) -> Expression:
+        """The vector of `facing toward V` and its kin; `directly` is a word of Scenic 3 alone."""
+        if "directly" in word and not self.dialect.explicit_new:
+            plain = " ".join(part for part in word.split() if part != "directly")
+            message = f"`{' '.join(word.split())}` belongs to dialect {having('explicit_new')}"
+            raise ParseError(message, self.token_span(word), hint=f"write `{plain} ...`")
+        return as_vector(vector)
 
     def make_apparently_facing(self, span: Span, parts: Parts) -> ApparentlyFacingSpecifier:
         return ApparentlyFacingSpecifier(span=span, heading=parts[0], origin=vector_or_none(parts[1]))

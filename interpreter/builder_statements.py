@@ -7,9 +7,10 @@ from __future__ import annotations
 from lark import Token
 
 from ..semantics.kernel.errors import ParseError
+from ..semantics.kernel.suggestions import did_you_mean
 from ..semantics.syntax import Block, Expression, Span
 from ..semantics.syntax.dynamics import RequireAlways, RequireEventually
-from ..semantics.syntax.python_expressions import Attribute, Name, Subscript
+from ..semantics.syntax.python_expressions import Attribute, Name, Subscript, TupleDisplay
 from ..semantics.syntax.statements import (
     Assert,
     Assignment,
@@ -46,8 +47,10 @@ from ..semantics.syntax.statements import (
 from . import literals
 from .builder_expressions import BareGenerator
 from .chains import join
+from .declarations import nodes_of_scope
 from .formulas import over_time, refuse_formulas
 from .targets import deleted, single_target, target
+from .time_conditions import refuse_time
 from .tree_builder import BuilderBase, Parts, condition, names_of
 
 
@@ -181,7 +184,24 @@ class StatementBuilder(BuilderBase):
         statements = tuple(item for item in body if not isinstance(item, PropertyDefault))
         for item in properties:
             self.properties.pop(item.span, None)
+        for node in nodes_of_scope(statements):
+            if node.span in self.annotations:
+                raise self.no_property(self.annotations[node.span])
+            if isinstance(node, Assignment) and any(set(attributes_in(target) or ("",)) <= set(ATTRIBUTES) for target in node.targets):
+                raise ParseError("the default of a property stands behind `:`, not `=`", node.span, hint="write `name[dynamic]: default`")
         return ClassDefinition(span=span, name=self.identifier(name), superclasses=tuple(superclasses or ()), properties=properties, body=statements)
+
+    def no_property(self, target: Expression) -> ParseError:
+        """The error for a line of a class that gives a default to what is no name, such as one with a misspelt attribute."""
+        words = attributes_in(target)
+        if words is None:
+            return ParseError("a property is a name alone", target.span, hint="write `name: default`; elements and attributes are assigned with `=`")
+        self.released("attributes of properties", target.span, "leave them out")
+        wrong = next((word for word in words if word not in ATTRIBUTES), "")
+        if not wrong:
+            return ParseError("a comma too many stands in the attributes of this property", target.span, hint="write `name[dynamic]: default`")
+        hint = did_you_mean(wrong, ATTRIBUTES, f"there are {', '.join(ATTRIBUTES)}")
+        return ParseError(f"`{wrong}` is not an attribute of properties", target.span, hint=hint)
 
     def make_annotation(self, span: Span, parts: Parts) -> PropertyDefault | Assignment | Pass:
         """A property of a class, unless the name is a path or gets a value: then what follows the colon says nothing to the machine."""
@@ -192,6 +212,7 @@ class StatementBuilder(BuilderBase):
             return Assignment(span=span, targets=(single_target(left),), value=self.object_place(value))
         if value is not None or not isinstance(left, Name):
             if attributes is None and isinstance(single_target(left), Attribute | Subscript):
+                self.annotations[span] = left
                 return Pass(span=span)
             raise ParseError("a property is written `name: default`", span)
         names = () if attributes is None else tuple(attributes.strip("[] \t").replace(",", " ").split())
@@ -213,7 +234,8 @@ class StatementBuilder(BuilderBase):
         return Try(span=span, body=body, interrupts=interrupts, handlers=handlers, otherwise=otherwise or (), final=final or ())
 
     def make_interrupt(self, span: Span, parts: Parts) -> Interrupt:
-        return Interrupt(span=span, condition=condition(parts[0]), body=parts[1])
+        test = refuse_time("interrupt when", condition(parts[0]), self.dialect)
+        return Interrupt(span=span, condition=test, body=parts[1])
 
     def make_handler(self, span: Span, parts: Parts) -> Handler:
         type_, name, body = parts
@@ -251,11 +273,12 @@ class StatementBuilder(BuilderBase):
     def make_require(self, span: Span, parts: Parts) -> Require | RequireAlways | RequireEventually:
         """`require B`; `require always (B)` may look like a call of a function."""
         word, part = over_time(condition(parts[0]), self.dialect)
+        refuse_time(f"require {word}".rstrip(), part, self.dialect)
         kinds = {"": Require, "always": RequireAlways, "eventually": RequireEventually}
         return kinds[word](span=span, condition=part, name=parts[1] or "")
 
     def make_soft_require(self, span: Span, parts: Parts) -> SoftRequire:
-        refuse_formulas(condition(parts[1]), self.dialect)
+        refuse_formulas(refuse_time("require", condition(parts[1]), self.dialect), self.dialect)
         return SoftRequire(span=span, probability=parts[0], condition=condition(parts[1]), name=parts[2] or "")
 
     def make_requirement_name(self, span: Span, parts: Parts) -> str:
@@ -275,3 +298,16 @@ class StatementBuilder(BuilderBase):
 
     def make_mutated(self, span: Span, parts: Parts) -> tuple[Name, ...]:
         return tuple(Name(span=self.token_span(token), name=self.identifier(token)) for token in names_of(parts))
+
+
+ATTRIBUTES = ("additive", "dynamic", "final")
+"""Of properties, in the releases: as the terminal of this name has them."""
+
+
+def attributes_in(target: Expression) -> list[str] | None:
+    """Return the words of `name[word, word]`, which look like the attributes of a property; None for any other expression."""
+    if not (isinstance(target, Subscript) and isinstance(target.value, Name)):
+        return None
+    index = target.index
+    words = [item.name for item in (index.items if isinstance(index, TupleDisplay) else (index,)) if isinstance(item, Name)]
+    return words if len(words) == (len(index.items) if isinstance(index, TupleDisplay) else 1) else None

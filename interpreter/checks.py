@@ -12,6 +12,7 @@ from ..semantics.syntax import dynamics as d
 from ..semantics.syntax import statements as s
 from ..semantics.syntax.expressions import InInitialScenario, ObjectOrOperator
 from ..semantics.syntax.python_expressions import Call, Constant, Lambda, ListDisplay, Parameter, SetDisplay, Starred, TupleDisplay, UnaryOperation
+from .declarations import declaration_faults, incomplete_statements
 from .nesting import children
 
 Home = Literal["the top level", "a setup block", "a compose block", "a behavior", "a monitor", "a function", "a class body"]
@@ -53,7 +54,8 @@ HOMES: dict[type[Statement], tuple[str, tuple[Home, ...]]] = {
 
 def check(program: Program) -> None:
     """Raises CheckError for the first thing, in source order, that keeps `program` from running."""
-    faults = sorted(block_faults(program.statements, StatementPlace()), key=lambda fault: (fault.span.line, fault.span.column))
+    found = (*block_faults(program.statements, StatementPlace()), *declaration_faults(program), *incomplete_statements(program))
+    faults = sorted(found, key=lambda fault: (fault.span.line, fault.span.column))
     if faults:
         raise faults[0]
 
@@ -101,8 +103,8 @@ def _misplaced(statement: Statement, place: StatementPlace) -> Iterator[CheckErr
     """Faults of where `statement` stands."""
     word, homes = HOMES.get(type(statement), ("", ()))
     if homes and place.home not in homes:
-        hint = f"`{word}` belongs in {' or '.join(homes)}"
-        yield CheckError(f"`{word}` cannot stand in {place.home}", statement.span, hint=hint)
+        hint = f"`{word}` belongs {within(*homes)}"
+        yield CheckError(f"`{word}` cannot stand {within(place.home)}", statement.span, hint=hint)
         return
     match statement:
         case d.Abort() if not place.in_interruptible:
@@ -112,14 +114,24 @@ def _misplaced(statement: Statement, place: StatementPlace) -> Iterator[CheckErr
             word = type(statement).__name__.lower()
             yield CheckError(f"`{word}` stands outside of any loop", statement.span)
         case s.Try() if statement.interrupts and place.home not in DYNAMIC:
-            hint = f"it belongs in {' or '.join(DYNAMIC)}"
-            yield CheckError(f"`interrupt when` cannot stand in {place.home}", statement.interrupts[0].span, hint=hint)
+            hint = f"it belongs {within(*DYNAMIC)}"
+            text = f"`interrupt when` cannot stand {within(place.home)}"
+            yield CheckError(text, statement.interrupts[0].span, hint=hint)
         case s.Nonlocal() if not place.in_function:
-            yield CheckError(f"`nonlocal` cannot stand in {place.home}", statement.span, hint="there is no function around it")
+            text = f"`nonlocal` cannot stand {within(place.home)}"
+            yield CheckError(text, statement.span, hint="there is no function around it")
         case s.ImportFrom() if not statement.names and place.home not in DECLARATIVE:
-            yield CheckError(f"`import *` cannot stand in {place.home}", statement.span, hint="name what you import")
+            text = f"`import *` cannot stand {within(place.home)}"
+            yield CheckError(text, statement.span, hint="name what you import")
         case _:
             pass
+
+
+def within(*homes: Home) -> str:
+    """Return the names of some places as they follow "cannot stand": `at the top level`, `in a behavior`, ..."""
+    blocks = [home for home in homes if home != "the top level"]
+    top = ["at the top level"] if len(blocks) < len(homes) else []
+    return " or ".join(top + ([f"in {' or '.join(blocks)}"] if blocks else []))
 
 
 def _malformed(statement: Statement) -> Iterator[CheckError]:
@@ -152,7 +164,9 @@ def _probability_faults(statement: s.SoftRequire) -> Iterator[CheckError]:
     value = node.value
     if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= sign * value <= 1:
         is_number = isinstance(value, int | float) and not isinstance(value, bool)
-        hint = f"write {value / 100:g} for {value} %" if is_number and 1 < sign * value <= 100 else ""  # type: ignore[operator]
+        percent = is_number and 2 <= sign * value <= 100  # type: ignore[operator]
+        certain = "write `require` without brackets for what must always hold, or a number such as `require[0.5]`"
+        hint = f"write {value / 100:g} for {value} %" if percent else certain  # type: ignore[operator]
         yield CheckError("the probability of a soft requirement must be a number from 0 to 1", statement.probability.span, hint=hint)
 
 
@@ -168,7 +182,8 @@ def _expression_faults(root: Node, place: StatementPlace) -> Iterator[CheckError
                 yield from _parameter_faults(node.parameters)
             case InInitialScenario() if place.home not in DECLARATIVE:
                 hint = "ask at the top level or in a setup block, and keep the answer in a variable"
-                yield CheckError(f"`in initial scenario` cannot stand in {place.home}", node.span, hint=hint)
+                text = f"`in initial scenario` cannot stand {within(place.home)}"
+                yield CheckError(text, node.span, hint=hint)
             case _:
                 pass
         if isinstance(node, Starred) and not is_spread:

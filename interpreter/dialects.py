@@ -17,6 +17,7 @@ class Dialect:
     `explicit_new`: objects are made by `new C ...`, and a class name alone is always the class. `intervals`: a pair in
     parentheses outside vector positions is an `IntervalOrPair`. `monitor_instances`: `require monitor M()`.
     `initial_scenario`: the condition is spelt `initial scenario`. `released`: statements, specifiers and operators that the paper does not have.
+    `profile`: the readings under which its programs mean what their authors meant, unless others are asked for.
     """
 
     name: str
@@ -26,6 +27,7 @@ class Dialect:
     monitor_instances: bool = False
     initial_scenario: bool = False
     released: bool = False
+    profile: str = "paper"
 
 
 DIALECTS: dict[str, Dialect] = {
@@ -33,7 +35,9 @@ DIALECTS: dict[str, Dialect] = {
     for dialect in (
         Dialect("paper", "the syntax of the paper's Section 4"),
         Dialect("pldi19", "the gallery's: (low, high) is an interval, X @ Y a vector", intervals=True),
-        Dialect("scenic-2.1", "the released Scenic 2.1: `initial scenario`", initial_scenario=True, released=True),
+        Dialect(
+            "scenic-2.1", "the released Scenic 2.1: `initial scenario`", initial_scenario=True, released=True, profile="scenic-2.1",
+        ),
         Dialect(
             "scenic-3",
             "the released Scenic 3: `new C`, `require monitor M()`, `initial scenario`",
@@ -41,6 +45,7 @@ DIALECTS: dict[str, Dialect] = {
             monitor_instances=True,
             initial_scenario=True,
             released=True,
+            profile="scenic-3",
         ),
     )
 }

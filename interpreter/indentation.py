@@ -11,6 +11,13 @@ from ..semantics.syntax import Span
 
 OPENING = frozenset({"LPAR", "LSQB", "LBRACE"})
 CLOSING = frozenset({"RPAR", "RSQB", "RBRACE"})
+COMMAS = frozenset({"COMMA", "_SPECIFIER_COMMA"})
+ENDING = frozenset({"COMMA", "COLON", "EQUAL", "SEMICOLON"})
+SPECIFYING = frozenset({
+    "AT", "IN", "OFFSET_BY", "OFFSET_ALONG", "VISIBLE_FROM", "NOT_VISIBLE_FROM", "VISIBLE_LONE", "NOT_VISIBLE_LONE", "_SPECIFIER_COMMA", "_WITH",
+    "_LEFT_OF", "_RIGHT_OF", "_AHEAD_OF", "_BEHIND", "_BEYOND", "_ON", "_CONTAINED_IN", "_FOLLOWING", "_FACING", "FACING_TOWARD",
+    "FACING_AWAY_FROM", "_APPARENTLY_FACING",
+})  # fmt: skip
 TAB = 8
 
 
@@ -21,7 +28,7 @@ class Layout:
     (`released`) `deg` is an operator like `*`, and elsewhere `always` and `eventually` are names.
     """
 
-    always_accept = ("_NEWLINE",)
+    always_accept = ("_NEWLINE", "_WORD_COMMA")
 
     def __init__(self, released: bool) -> None:
         self.others = {"DEG": "LOOSE_DEG"} if released else {"ALWAYS": "NAME", "EVENTUALLY": "NAME"}
@@ -33,7 +40,7 @@ class Layout:
         last: Token | None = None
         in_param = False
         line_start = True
-        for token in stream:
+        for token in _with_commas(stream):
             if token.type == "_NEWLINE":
                 if depth > 0 or (in_param and last is not None and last.type == "COMMA"):
                     continue
@@ -53,6 +60,35 @@ class Layout:
         while len(levels) > 1:
             levels.pop()
             yield _after(last, "_DEDENT", last)
+
+
+def _with_commas(stream: Iterator[Token]) -> Iterator[Token]:
+    """The tokens of `stream`, with the commas before specifiers that are none made plain ones.
+
+    A comma before `visible` alone, or before `facing(` and the like, is a specifier's where one of the same object stands before it: in
+    `(1, visible)` it is a variable, in `(a, facing(b))` a function. Outside of brackets a comma ends its line if the next one is not indented,
+    whatever word that begins with.
+    """
+    specified = [False]  # of each bracket that is open, whether a specifier stands in its present element
+    for token in stream:
+        if token.type == "_WORD_COMMA":
+            token = Token.new_borrow_pos("_SPECIFIER_COMMA" if specified[-1] else "COMMA", token, token)
+        if token.type in OPENING:
+            specified.append(False)
+        elif token.type in CLOSING and len(specified) > 1:
+            specified.pop()
+        elif token.type in ENDING or (token.type == "_NEWLINE" and len(specified) == 1):
+            specified[-1] = False
+        elif token.type in SPECIFYING:
+            specified[-1] = True
+        plain = token.type == "COMMA" or token.endswith("\n")  # no object goes on behind it
+        if len(specified) == 1 and token.type in COMMAS and plain and "\n" in token.replace("\\\n", ""):
+            line, column, start = token.line or 1, token.column or 1, token.start_pos or 0
+            specified[-1] = False
+            yield Token("COMMA", ",", start, line, column, line, column + 1, start + 1)
+            yield Token("_NEWLINE", token[1:], start + 1, line, column + 1, token.end_line, token.end_column, token.end_pos)
+        else:
+            yield token
 
 
 def _change(levels: list[tuple[str, int]], indentation: str, last: Token | None, token: Token) -> Iterator[Token]:

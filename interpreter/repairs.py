@@ -6,6 +6,8 @@ import re
 from dataclasses import dataclass
 
 from ..semantics.kernel.suggestions import nearest
+from . import time_conditions
+from .definition_parts import PARTS
 from .formulas import HINT, MESSAGE
 
 SPECIFIERS = (
@@ -39,12 +41,15 @@ CONDITION_START = r"^\s*(?:require|if|elif|while|assert|until|terminate\s+when|i
 
 @dataclass(frozen=True, slots=True)
 class Situation:
-    """Where parsing stopped: the line, the 0-based column in it, the word there ("" at the end of the line), and the line above."""
+    """Where parsing stopped: the line, the 0-based column in it, the word there ("" at the end of the line), the line
+    above, and whether the dialect is one of the releases.
+    """
 
     line: str
     column: int
     word: str
     above: str = ""
+    released: bool = False
 
     @property
     def before(self) -> str:
@@ -75,6 +80,10 @@ TABLE: tuple[tuple[str, str, str], ...] = (
     (
         rf"^\s*(?P<here>{RESERVED})\s*=(?!=)",
         r"`\g<here>` is a word of the language, and no name for a variable", r"write another name, such as `\g<here>_`",
+    ),
+    (
+        r"^\s*(?P<here>setup|compose)(?=\s*:)(?:\s*:\s*(?:#.*)?$)?", r"`\g<here>` stands only in a `scenario`",
+        PARTS["setup"][1],
     ),
     (r"\byield\b", "`yield` is not part of the language", "return a list, or write a behavior"),
     (r"^\s*with\b.*", "Python's `with` statement is not part of the language", "use try and finally"),
@@ -114,14 +123,24 @@ TABLE: tuple[tuple[str, str, str], ...] = (
     (r"^\s*param\s+\w+\s*(?P<here>:)", "a parameter is set with `=`", "write `param name = value`"),
     (r"^\s*param\s+\w+\s+(?P<here>[\w.\"'(]+)", "a parameter is set with `=`", "write `param name = value`"),
     (r"\bwith\s+(\w+)\s*(?P<here>[=:])", "specifiers take no `=`: `with` is followed by the property and its value", r"write `with \1 ...`"),
+    (
+        r"^\s*(?P<here>interrupt\s+when)\b.*", "`interrupt when` stands without a `try` above it",
+        "write `try:` above the statements that it interrupts, and indent them",
+    ),
     (rf"\b(?P<specifier>{SPECIFIER_START})\s*(?P<here>=)(?!=)", "specifiers take no `=`", r"write `\g<specifier> ...`"),
     (CONDITION_START + r"[^=]*[^=!<>]=(?!=)", "`=` assigns", "write `==` to compare"),
     (r"\b(?:degrees?|degs)\b", "the unit of angles is spelt `deg`", "write `deg`"),
     (r"\b(?:secs?|second)\b", "the unit of time is spelt `seconds`", "write `seconds`"),
     (r"\bstep\b", "the unit of time steps is spelt `steps`", "write `steps`"),
     (r"(?P<here>°)", "the unit of angles is spelt `deg`", "write `deg`"),
-    (r"\d\s*(?P<here>(?:km/?h|kmph|mph|m/s)\b)", "speeds are in metres per second and have no unit", "leave out the unit"),
-    (r"\d\s*(?P<here>(?:m|km|cm|mm|ft|feet)\b)", "lengths are in metres and have no unit", "leave out the unit"),
+    (r"(?P<n>[\d.]*\d)\s*(?P<here>(?:km/?h|kmph)\b)", "speeds are in metres per second and have no unit", r"write `\g<n> / 3.6`"),
+    (r"(?P<n>[\d.]*\d)\s*(?P<here>mph\b)", "speeds are in metres per second and have no unit", r"write `\g<n> * 0.44704`"),
+    (r"\d\s*(?P<here>m/s\b)", "speeds are in metres per second and have no unit", "leave out the unit"),
+    (r"(?P<n>[\d.]*\d)\s*(?P<here>km\b)", "lengths are in metres and have no unit", r"write `\g<n> * 1000`"),
+    (r"(?P<n>[\d.]*\d)\s*(?P<here>cm\b)", "lengths are in metres and have no unit", r"write `\g<n> / 100`"),
+    (r"(?P<n>[\d.]*\d)\s*(?P<here>mm\b)", "lengths are in metres and have no unit", r"write `\g<n> / 1000`"),
+    (r"(?P<n>[\d.]*\d)\s*(?P<here>(?:ft|feet)\b)", "lengths are in metres and have no unit", r"write `\g<n> * 0.3048`"),
+    (r"\d\s*(?P<here>m\b)", "lengths are in metres and have no unit", "leave out the unit"),
     (r"\b(?:metres?|meters?)\b", "lengths are in metres and have no unit", "leave out the unit"),
     (r"\b(left\s+of|right\s+of|ahead\s+of|behind)\s+(\S+)\s+(-?[\d.]+)", "the distance needs `by`", r"write `\1 \2 by \3`"),
     (r"\b(?P<here>left|right)\s+by\b", r"`\g<here>` needs `of`", r"write `\g<here> of X by S`"),
@@ -156,6 +175,12 @@ def find(place: Situation) -> Repair | None:
     """The repair of the mistake at `place`, if it is a known one."""
     if place.above.split("#")[0].rstrip().endswith(",") and re.match(rf"{SPECIFIER_START}\s*\S", place.line):
         return Repair("a specifier that goes on with an object definition is not indented", "indent the line")
+    found = time_conditions.STEPS.search(place.line) if place.word == "steps" else None
+    if found is not None and found.end() >= place.column:
+        word, time = " ".join(found["word"].split()), " ".join(found["time"].split())
+        said = time_conditions.message(word, time)
+        hint = time_conditions.instead(word, time, found["amount"], released=place.released)
+        return Repair(said, hint, found.span("time"))
     for pattern, message, hint in TABLE:
         for match in re.finditer(pattern, place.line):
             if match.start() <= place.column <= match.end():

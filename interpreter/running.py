@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from typing import NamedTuple
 
 from ..semantics.kernel.config import Config, Stack, State, Value
 from ..semantics.kernel.driving import Chooser, Unfinished, Witness, drive_machine, taken_over
 from ..semantics.kernel.errors import FuelExhausted, RandomBranch, ScenicError
-from ..semantics.kernel.outcome import Act, Done, Draw, Fault, Finish, Next, Outcome, Requirement, Stuck
+from ..semantics.kernel.outcome import Act, Done, Draw, Fault, Finish, Next, Observe, Outcome, Requirement, Stuck
 from ..semantics.space.regions import EmptyRegion
 from ..semantics.space.vectors import Vector
 from ..semantics.step import place, step
@@ -36,18 +38,85 @@ Run = Accepted | Rejected
 
 @within
 def drive(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL, witness: Witness | None = None) -> tuple[Done | Act | Finish | Stuck, int]:
-    """Drive the machine until it has something to say, and in how many steps; `config` is taken over, and cannot be stepped again.
+    """Drive the machine until it has something to say, and in how many steps; `config` is taken over, and cannot be stepped again, but where it
+    is one that many runs begin with (`Beginnings`).
 
     Raises the program's error, or `FuelExhausted` after `fuel` steps.
     """
-    config.state.settings.door.budget.renew()
-    end, steps = drive_machine(step, taken_over(config), choose, fuel, witness=witness)
+    budget, version = config.state.settings.door.budget, config.state.version
+    budget.renew()
+    begun = 0
+    if version.beginning is config:
+        budget.left -= version.work
+        begun = version.steps
+    else:
+        config = taken_over(config)
+    end, steps = drive_machine(step, config, choose, fuel - begun, witness=witness)
+    steps += begun
     if isinstance(end, Fault):
         raise end.error
     if isinstance(end, Unfinished):
         timeless = "" if end.config.state.simulation is None else "time passes only where something is taken, waited for or done; "
         raise endless(end.config, fuel, f"{timeless}raise --fuel if it really takes that long")
     return end, steps  # type: ignore[return-value]
+
+
+class Beginnings:
+    """Where the attempts of a program begin: the first where it begins, the others where its first draw is made, since all before is the same.
+
+    Only for attempts without a witness, one after the other: a configuration is gone back to.
+    """
+
+    def __init__(self, start: Callable[[], Config], fuel: int) -> None:
+        self.start = start
+        self.fuel = fuel
+        self.attempts = 0
+        self.kept: Config | None = None
+
+    @property
+    def shared_steps(self) -> int:
+        """The steps that the next attempt does not take, since an earlier one has."""
+        return 0 if self.kept is None else self.kept.state.version.steps
+
+    def __call__(self) -> Config:
+        """The configuration with which the next attempt begins."""
+        self.attempts += 1
+        if self.kept is None or not self.kept.state.version.within_reach:
+            config = self.start()
+            trusted = config.state.settings.trusted  # Python code of others may draw at random, or change
+            if self.attempts == 1 or trusted:
+                return config
+            self.kept = first_draw(config, self.fuel)
+        return self.kept
+
+
+@within
+def first_draw(config: Config, fuel: int) -> Config:
+    """The configuration in which a run first says something else than how it goes on."""
+    budget = config.state.settings.door.budget
+    budget.renew()
+    available = budget.left
+    reached, steps = taken_over(config), 0
+
+    def note(outcome: Outcome, drawn: object) -> None:
+        nonlocal reached, steps
+        if isinstance(outcome, (Next, Observe)):
+            reached, steps = outcome.config, steps + 1
+
+    with suppress(AtFirstDraw):
+        drive_machine(step, reached, stop, fuel, witness=note)
+    version = reached.state.version
+    version.beginning, version.steps, version.work = reached, steps, available - budget.left
+    return reached
+
+
+class AtFirstDraw(Exception):
+    """A run has come to its first draw."""
+
+
+def stop(draw: Draw) -> object:
+    """Answer no draw. Raises `AtFirstDraw`."""
+    raise AtFirstDraw
 
 
 def endless(config: Config, fuel: int, hint: str = "") -> FuelExhausted:
@@ -65,22 +134,24 @@ def run(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL, witness: W
 
 
 @within
-def rehearse(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL) -> None:
+def rehearse(config: Config, choose: Chooser, *, fuel: int = DEFAULT_FUEL, witness: Witness | None = None) -> None:
     """One run that goes on where others get stuck, to find every branch on a random value (reading `random-branch`).
 
     Which values are random does not depend on what is drawn, so that one run is enough. Raises `RandomBranch`; before
-    the first requirement that fails it raises any other error of the program as well, afterwards none.
+    the first requirement that fails it raises any other error of the program as well, afterwards none. A `witness` sees the steps
+    up to there.
     """
-    Rehearsal(choose, fuel, stuck=False).run(config)
+    Rehearsal(choose, fuel, stuck=False, witness=witness).run(config)
 
 
 class Rehearsal:
     """A run that goes on where others get stuck; `stuck` says whether others would be by now."""
 
-    def __init__(self, choose: Chooser, fuel: int, *, stuck: bool) -> None:
+    def __init__(self, choose: Chooser, fuel: int, *, stuck: bool, witness: Witness | None = None) -> None:
         self.choose = choose
         self.fuel = fuel
         self.stuck = stuck
+        self.witness = witness
 
     def run(self, config: Config, end: Stack | None = None) -> None:
         """Rehearse until the control is back at `end`, if there is one."""
@@ -105,6 +176,8 @@ class Rehearsal:
 
     def watch(self, outcome: Outcome, drawn: object) -> None:
         """Rehearse operands that this run does not need (reading `boolean-random`), as if it were stuck."""
+        if self.witness is not None and not self.stuck:
+            self.witness(outcome, drawn)
         if isinstance(outcome, Next) and outcome.beyond is not None:
             Rehearsal(self.choose, self.fuel, stuck=True).run(outcome.beyond, outcome.beyond.stack)
 

@@ -1,4 +1,6 @@
-"""Warnings about what a run need not come to, or takes as it is: names in bodies that nothing binds, headings in degrees, `Uniform` of one list."""
+"""Warnings about what a run need not come to, or takes as it is: names that nothing binds, `take` in a monitor,
+behaviors that are called as functions, negative weights, headings in degrees, `Uniform` of one list.
+"""
 
 from __future__ import annotations
 
@@ -6,11 +8,14 @@ import math
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
 
+from ..semantics.dynamics.actions import to_run
 from ..semantics.kernel.scopes import children, descendants, target_names
 from ..semantics.kernel.suggestions import meant
+from ..semantics.python.expression_statements import RUN_BY
 from ..semantics.syntax import Node, Program
 from ..semantics.syntax import dynamics as d
 from ..semantics.syntax import statements as s
+from ..semantics.syntax.expressions import ObjectOrValue
 from ..semantics.syntax.python_expressions import (
     Call,
     Comprehension,
@@ -25,10 +30,15 @@ from ..semantics.syntax.python_expressions import (
 )
 from ..semantics.syntax.specifiers import FacingSpecifier, WithSpecifier
 from .modules import Library, key_of, module_named
-from .warnings import DEGREES, ONE_VALUE, UNKNOWN, ProgramWarning
+from .printer import to_source
+from .warnings import BAD_WEIGHT, DEGREES, NO_EFFECT, ONE_VALUE, UNKNOWN, ProgramWarning
 
 OWN_NAMES = s.FunctionDefinition | d.BehaviorDefinition | d.MonitorDefinition | Lambda
 """What has a body with names of its own; a run of the program need not come to it, as to that of a scenario."""
+OF_SIMULATIONS = (
+    d.RequireAlways | d.RequireEventually | d.RequireMonitor | d.TerminateWhen | d.TerminateAfter | d.Record
+)  # fmt: skip
+"""Statements whose conditions and values are those of a simulation."""
 FULL_TURN = math.tau + 1e-9
 
 
@@ -38,11 +48,19 @@ def slips(
     """The warnings; `model` is the world model that was chosen from outside, `elsewhere` are the names of others."""
     nodes = [node for statement in program.statements for node in descendants(statement)]
     yield from _unknown_names(program, nodes, library, model, built_in, elsewhere)
+    yield from _taken_in_vain(nodes)
+    yield from _not_run(program, nodes, library, model)
     lists = _lists(nodes)
     for node in nodes:
         match node:
             case FacingSpecifier(direction=angle) | WithSpecifier(property="heading", value=angle) | s.PropertyDefault(name="heading", value=angle):
                 yield from _in_degrees(angle)
+            case d.DoChoose(weights=weights) | d.DoShuffle(weights=weights):
+                for weight in weights:
+                    if (_constant(weight) or 0.0) < 0:
+                        text = f"a weight must not be negative, and this one is {_constant(weight):g}"
+                        hint = "write 0 for what is never to be chosen, or leave it out"
+                        yield ProgramWarning(BAD_WEIGHT, text, weight.span, hint)
             case Call(function=Name(name="Uniform"), arguments=(ListDisplay() | TupleDisplay() | Name() as values,), keywords=()):
                 if isinstance(values, Name) and values.name not in lists:
                     continue
@@ -94,6 +112,88 @@ def _constant(node: Node) -> float | None:
             return None
 
 
+# Statements without effect
+
+
+def _taken_in_vain(nodes: list[Node]) -> Iterator[ProgramWarning]:
+    """`take` in a monitor (reading `take-in-monitor`)."""
+    for monitor in nodes:
+        if isinstance(monitor, d.MonitorDefinition):
+            for node in _inside(monitor):
+                if isinstance(node, d.Take):
+                    text = "`take` in a monitor has no effect: a monitor has no agent"
+                    hint = "put it into a behavior; in a monitor `wait` lets a time step pass"
+                    yield ProgramWarning(NO_EFFECT, text, node.span, hint)
+
+
+# Behaviors, scenarios and monitors that are called as functions, or taken as actions
+
+
+def _not_run(
+    program: Program, nodes: list[Node], library: Library, model: str | None
+) -> Iterator[ProgramWarning]:
+    """Statements in bodies that only make a behavior, scenario or monitor, and `take` of one, where the name is known."""
+    known = _definitions(program, nodes, library, model)
+    for body in nodes:
+        if not isinstance(body, OWN_NAMES | d.ScenarioDefinition):
+            continue
+        for node in _inside(body):
+            if isinstance(node, s.ExpressionStatement) and (kind := _kind_of(node.value, known)) is not None:
+                text = f"the {_word(kind)} {to_source(node.value, program.dialect)} alone does nothing"
+                yield ProgramWarning(NO_EFFECT, text, node.span, RUN_BY[kind])
+            elif isinstance(node, d.Take) and not isinstance(body, d.MonitorDefinition):
+                for action in _single_actions(node):
+                    if (kind := _kind_of(action, known)) is not None:
+                        source = to_source(action, program.dialect)
+                        text = f"{source} is a {_word(kind)}, not an action"
+                        hint = to_run(kind, source if isinstance(action, Call) else f"{source}()")
+                        yield ProgramWarning(NO_EFFECT, text, action.span, hint)
+
+
+def _single_actions(node: d.Take) -> Iterator[Node]:
+    """The actions of `take`, those in lists and tuples one by one."""
+    for action in node.actions:
+        yield from action.items if isinstance(action, ListDisplay | TupleDisplay) else (action,)
+
+
+def _definitions(
+    program: Program, nodes: list[Node], library: Library, model: str | None
+) -> dict[str, type[Node]]:
+    """The names that are bound once, by the definition of a behavior, scenario or monitor, in the program or in modules
+    that give it all names.
+    """
+    given = _names_of(program, library, model, set()) or set()
+    modules = [module for module in library.values() if isinstance(module, Program)]
+    inside = [node for module in modules for st in module.statements for node in descendants(st)]
+    own = Counter(_bound(nodes))
+    found: dict[str, type[Node]] = {}
+    for where, names in ((inside, {name for name in given if name not in own}), (nodes, set(own))):
+        often = own if where is nodes else Counter(_bound(where))
+        for node in where:
+            if isinstance(node, DYNAMIC) and node.name in names and often[node.name] == 1:
+                found[node.name] = type(node)
+    return found
+
+
+def _kind_of(expression: Node, known: Mapping[str, type[Node]]) -> type[Node] | None:
+    """What kind of definition an expression names or calls, if that is known."""
+    match expression:
+        case ObjectOrValue(value=inner) | Call(function=inner):
+            return _kind_of(inner, known)
+        case Name(name=name):
+            return known.get(name)
+        case _:
+            return None
+
+
+def _word(kind: type[Node]) -> str:
+    """The word for a kind of definition."""
+    return kind.__name__.removesuffix("Definition").lower()
+
+
+DYNAMIC = d.BehaviorDefinition | d.ScenarioDefinition | d.MonitorDefinition
+
+
 # Names
 
 
@@ -117,11 +217,11 @@ def _unknown_names(
 
 
 def _used(shared: list[Node], known: set[str]) -> Iterator[tuple[Name, set[str]]]:
-    """The names in bodies that a run need not come to, each with the names that are bound where it stands."""
+    """The names in what a run need not come to, each with the names that are bound where it stands."""
     for node in shared:
         if isinstance(node, OWN_NAMES):
             yield from _used_inside(node, known)
-        elif isinstance(node, d.ScenarioDefinition):
+        elif isinstance(node, d.ScenarioDefinition | OF_SIMULATIONS):
             yield from ((inner, known) for inner in _outside(node) if isinstance(inner, Name))
 
 

@@ -43,8 +43,8 @@ HUMAN: dict[str, tuple[str, ...]] = {
 }
 
 
-def explain(fault: UnexpectedInput, source: str, origin: TextOrigin) -> ParseError:
-    """The error for Lark's `fault` in `source`, which stands at `origin`."""
+def explain(fault: UnexpectedInput, source: str, origin: TextOrigin, *, released: bool = False) -> ParseError:
+    """The error for Lark's `fault` in `source`, which stands at `origin`; `released`: in a dialect of the releases."""
     line, column = place_of(fault, source)
     lines = source.split("\n")
     text = lines[line - 1] if line <= len(lines) else ""
@@ -63,14 +63,20 @@ def explain(fault: UnexpectedInput, source: str, origin: TextOrigin) -> ParseErr
     if kind == "_INDENT":
         return ParseError("unexpected indentation", span, hint="align the line with the one before")
     above = lines[line - 2] if line > 1 else ""
-    repair = repairs.find(repairs.Situation(text, column - 1 if word else len(text.rstrip()), word, above))
+    indent = "indent the line, or write `pass`"
+    no_block = ParseError("expected an indented block", span, expected=expected, hint=indent)
+    if expected == ("an indented block",) and not word:
+        return no_block
+    repair = repairs.find(
+        repairs.Situation(text, column - 1 if word else len(text.rstrip()), word, above, released=released)
+    )
     if repair is not None and repair.place is not None:
         start, stop = repair.place
         return ParseError(repair.message, origin.span(line, start + 1, line, stop + 1), hint=repair.hint)
     if repair is not None:
         return ParseError(repair.message, span, expected=expected, hint=repair.hint)
     if expected == ("an indented block",):
-        return ParseError("expected an indented block", span, expected=expected, hint="indent the line, or write `pass`")
+        return no_block
     return ParseError(unexpected(word, kind, expected), span, expected=expected)
 
 
@@ -139,8 +145,19 @@ def bracket_fault(source: str, line: int, column: int, word: str, *, ended: bool
     elif stack:
         opening, start = stack[-1]
         opened = source.count("\n", 0, start) + 1
-        if ended or opened < line:
+        if ended or (opened < line and not is_closed(source, start)):
             message = f"this `{opening}` is never closed"
             closing = next(key for key, value in PAIRS.items() if value == opening)
             return (opened, start - source.rfind("\n", 0, start)), message, f"add `{closing}`"
     return None
+
+
+def is_closed(source: str, start: int) -> bool:
+    """Return whether the bracket at `start` is closed further on, so that the mistake is another one."""
+    depth = 0
+    for match in BRACKET_OR_TEXT.finditer(source, start):
+        char = match.group()
+        depth += (char in PAIRS.values()) - (char in PAIRS)
+        if depth == 0:
+            return True
+    return False

@@ -16,6 +16,7 @@ from ..semantics.syntax.python_expressions import Comparison, Constant, TupleDis
 from ..semantics.syntax.statements import PropertyDefault
 from . import literals
 from .chains import is_dotted_name, join
+from .definition_parts import PARTS
 from .dialects import Dialect, having
 
 Parts = list[Any]  # What the children of a rule were turned into: nodes, tokens, tuples of nodes, or None.
@@ -53,6 +54,7 @@ class BuilderBase:
         self.stray: dict[Span, ParseError] = {}
         self.without_new: dict[Span, ObjectDefinition] = {}
         self.properties: dict[Span, PropertyDefault] = {}
+        self.annotations: dict[Span, Expression] = {}
         self.classes = set(BUILT_IN_CLASSES)
 
     def build(self, tree: Tree[Token]) -> Any:
@@ -77,7 +79,10 @@ class BuilderBase:
             values.append(getattr(self, "make_" + item.data)(self.span_of(item), parts))
         for error in self.stray.values():
             raise error
-        for place in self.properties:
+        for place, node in self.properties.items():
+            if node.name in PARTS:
+                home, hint = PARTS[node.name]
+                raise ParseError(f"`{node.name}` stands only in {home}", place, hint=hint)
             raise ParseError("`name: default` lines belong in classes", place, hint="give the variable a value, as in `x: int = 3`")
         for place in self.without_new:
             raise self.needs_new(place)
@@ -109,7 +114,8 @@ class BuilderBase:
     def released(self, construct: str, span: Span, hint: str = "") -> None:
         """Raises ParseError where the dialect is none of those that have the construct."""
         if not self.dialect.released:
-            raise ParseError(f"`{construct}` belongs to dialects {having('released')}", span, hint=hint or "choose that dialect by --dialect")
+            repair = f"{hint}, or {BY_DIALECT}" if hint else BY_DIALECT
+            raise ParseError(f"`{construct}` belongs to dialects {having('released')}", span, hint=repair)
 
     def property_with_effect(self, name: str, span: Span) -> str:
         """The name of a property. Raises ParseError where it has a meaning in the releases that it does not have here: it would be without effect."""
@@ -129,6 +135,8 @@ class BuilderBase:
         return node
 
 
+BY_DIALECT = "begin the program with `# dialect: scenic-2.1`"
+"""How to have what the releases alone have; the syntax of 2.1 is nearest to that of the paper."""
 OUTSIDE = {
     "cameraOffset": ("what an object sees, it sees from its position", "leave it out, or place a Point where the camera is"),
     "mutator": ("mutation adds normal noise to position and heading", "say how much by positionStdDev and headingStdDev, or draw the value yourself"),

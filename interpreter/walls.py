@@ -9,14 +9,17 @@ from __future__ import annotations
 import signal
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import wraps
 from pathlib import Path
 from types import FrameType
 from typing import ParamSpec, TypeVar
 
-from ..semantics.kernel.errors import FuelExhausted, RunError
+from ..semantics.kernel.errors import OutOfTime, RunError
+from ..semantics.kernel.memory import is_out_of_memory
 from .limits import Limits
+from .supervisor import IDLE, LIMITED, PAGE, due_in
 
 try:
     import resource
@@ -30,6 +33,8 @@ class Wall:
         self.limits = Limits(None, None)
         self.guarded = False
         self.running = 0
+        self.timing = ""
+        self.tasks = 0
         self.hooked = False
         self.readable: tuple[str, ...] = ()
         self.before: tuple[int, int] | None = None
@@ -40,6 +45,7 @@ class Wall:
             return
         self.limits, self.guarded = limits, True
         self.before = limit_memory(limits.memory)
+        LIMITED[0] = self.before is not None
         if limits.seconds is not None and hasattr(signal, "setitimer"):
             signal.signal(signal.SIGPROF, out_of_time)
         if not self.hooked:
@@ -52,6 +58,27 @@ class Wall:
         self.guarded, self.limits = False, Limits(None, None)
         if resource is not None and self.before is not None:
             resource.setrlimit(resource.RLIMIT_AS, self.before)
+        LIMITED[0] = False
+
+    @contextmanager
+    def room(self, bytes: int) -> Iterator[None]:
+        """Allow so many bytes more in the block, for a library that ends the process where it gets none: no program runs there.
+
+        What the library says of a lack of memory is the program's error.
+        """
+        if not self.guarded or resource is None or self.before is None:
+            yield
+            return
+        soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+        try:
+            resource.setrlimit(resource.RLIMIT_AS, (at_most(soft + bytes, self.before), hard))
+            yield
+        except Exception as problem:
+            if is_out_of_memory(problem):
+                raise out_of_memory() from None
+            raise
+        finally:
+            resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
 
     def hear(self, event: str, arguments: tuple[object, ...]) -> None:
         """Hear what Python reports of itself, and refuse what a running program must not do. Raises `PermissionError`."""
@@ -103,39 +130,77 @@ AGAIN = 1.0
 """Seconds after which a run that is out of time is interrupted again, in case library code caught the first exception."""
 
 
-def within(run: Callable[P, R]) -> Callable[P, R]:
-    """A run of the machine: the guard listens, the clock of processor time begins anew, and the limit of memory is an error of the program.
+LEAST = 1.0
+"""Seconds that parsing and writing may always take: some of it is the same for every program."""
 
-    However it ends, the guard is as before. Python hears signals after calls, at the start of functions and where loops go back: there is none of
-    these between what is changed and `try`, or between `finally` and what is restored; `contextmanager`, made of calls, would leave the guard behind.
+
+def timed(what: str, least: float = LEAST) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """Make a function one for which the clock of processor time begins anew, unless it runs already; `what` says in messages what takes the time.
+
+    Whatever a program causes is in one: parsing, runs, the reading of its maps, and what is written of its scenes. However it ends, the clock is
+    stopped. Python hears signals after calls, at the start of functions and where loops go back: there is none of these between what is changed
+    and `try`, or between `finally` and what is restored; `contextmanager`, made of calls, would leave the clock behind.
     """
+
+    def around(run: Callable[P, R]) -> Callable[P, R]:
+        @wraps(run)
+        def clocked(*arguments: P.args, **options: P.kwargs) -> R:
+            seconds = WALL.limits.seconds
+            if not WALL.guarded or WALL.timing or seconds is None or not hasattr(signal, "setitimer"):
+                return run(*arguments, **options)
+            seconds = max(seconds, least)
+            WALL.tasks += 1
+            due = due_in(seconds, WALL.tasks)
+            try:
+                WALL.timing = f"{what} took {seconds:g}"
+                PAGE[:] = due
+                signal.setitimer(signal.ITIMER_PROF, seconds, AGAIN)
+                return run(*arguments, **options)
+            except Exception as problem:
+                if is_out_of_memory(problem):
+                    raise out_of_memory() from None
+                raise
+            finally:
+                PAGE[:] = IDLE
+                WALL.timing = ""
+                signal.setitimer(signal.ITIMER_PROF, 0)
+
+        return clocked
+
+    return around
+
+
+def within(run: Callable[P, R]) -> Callable[P, R]:
+    """A run of the machine: the guard listens, its time is limited (`timed`), and the limit of memory is an error of the program."""
 
     @wraps(run)
     def guarded(*arguments: P.args, **options: P.kwargs) -> R:
         if not WALL.guarded:
             return run(*arguments, **options)
         before = WALL.running
-        timed = WALL.limits.seconds is not None and hasattr(signal, "setitimer") and not before
         try:
             WALL.running = before + 1
-            if timed:
-                signal.setitimer(signal.ITIMER_PROF, WALL.limits.seconds or 0, AGAIN)
             return run(*arguments, **options)
-        except MemoryError:
-            raise RunError("the program needs more memory than it may have", hint="--limit-memory allows more") from None
+        except Exception as problem:
+            if is_out_of_memory(problem):
+                raise out_of_memory() from None
+            raise
         finally:
             WALL.running = before
-            if timed:
-                signal.setitimer(signal.ITIMER_PROF, 0)
 
-    return guarded
+    return timed("one run of the program", 0)(guarded)
+
+
+def out_of_memory() -> RunError:
+    """The error where the limit of memory is reached."""
+    return RunError("the program needs more memory than it may have", hint="--limit-memory allows more")
 
 
 def out_of_time(number: int, frame: FrameType | None) -> None:
-    """The processor time of a run is over. Raises `FuelExhausted`."""
-    if WALL.running:
-        raise FuelExhausted(
-            f"one run of the program took {WALL.limits.seconds:g} seconds of processor time without ending", hint="--limit-seconds allows more"
+    """The processor time is over. Raises `OutOfTime`."""
+    if WALL.timing:
+        raise OutOfTime(
+            f"{WALL.timing} seconds of processor time without ending", hint="--limit-seconds allows more"
         )
 
 
@@ -144,11 +209,14 @@ def limit_memory(more: int | None) -> tuple[int, int] | None:
     if resource is None or more is None:
         return None
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
-    wanted = taken() + more
-    for limit in (soft, hard):
-        wanted = wanted if limit == resource.RLIM_INFINITY else min(wanted, limit)
-    resource.setrlimit(resource.RLIMIT_AS, (wanted, hard))
+    resource.setrlimit(resource.RLIMIT_AS, (at_most(taken() + more, (soft, hard)), hard))
     return soft, hard
+
+
+def at_most(wanted: int, limits: tuple[int, int]) -> int:
+    """So many bytes, or the smallest of the limits if that is less."""
+    assert resource is not None
+    return min([wanted, *(limit for limit in limits if limit != resource.RLIM_INFINITY)])
 
 
 def taken() -> int:

@@ -35,11 +35,16 @@ class ProgramWarning(NamedTuple):
 
 UNREAD, UNUSED, UNREAD_PARAM = "unread property", "unused import", "unread parameter"
 UNKNOWN, DEGREES, ONE_VALUE = "unknown name", "heading in degrees", "one value"
+NO_EFFECT, BAD_WEIGHT = "no effect", "negative weight"
 IMPLAUSIBLE = "implausible map"
 KINDS = {
-    UNREAD_PARAM: "nothing reads or sets a global parameter that was given from outside",
+    UNREAD_PARAM: "nothing reads or sets a global parameter that was given from outside, or nothing reads one of the program"
+    " whose name is nearly that of one that is read",
     UNREAD: "nothing reads a property, and its name is nearly that of one that is read",
-    UNKNOWN: "nothing binds a name that a function, behavior, monitor or scenario uses",
+    UNKNOWN: "nothing binds a name that a function, behavior, monitor or scenario uses, or a condition or value of a"
+    " simulation",
+    NO_EFFECT: "a statement does nothing where it stands, such as `take` in a monitor",
+    BAD_WEIGHT: "a weight of `do choose` or `do shuffle` is a negative number",
     DEGREES: "a heading is more than a full turn in radians",
     ONE_VALUE: "Uniform is given one list, in place of the values in it",
     IMPLAUSIBLE: "a map of one's own is so large or so small that its coordinates are most likely others than those that are read",
@@ -72,7 +77,7 @@ def _unread_properties(text: str, nodes: list[Node], library: Library, read: Col
             name, meant = node.name, [one for one in known if sorted(one.casefold()) == sorted(node.name.casefold())]
         else:
             continue
-        near = nearest(name, meant) if name not in known | mentioned else None
+        near = nearest(name, [one for one in meant if one not in SPATIAL_PROPERTIES]) if name not in known | mentioned else None
         if near is not None:
             yield ProgramWarning(UNREAD, f"nothing reads the property {name}", place_of(name, node.span, lines), f"did you mean {near}?")
 
@@ -107,12 +112,8 @@ def unread_params(program: Program, library: Library, given: Collection[str], re
     """
     if any(isinstance(module, Exception) for module in library.values()):
         return []  # what is missing might read them
-    programs = [program, *(module for module in library.values() if isinstance(module, Program))]
-    nodes = [node for one in programs for statement in one.statements for node in descendants(statement)]
-    known = {one.name for node in nodes if isinstance(node, s.Param) for one in node.assignments}
-    known |= {name for name, modules in read.items() if any(module in library for module in modules)}
-    if any(isinstance(node, Name) and node.name == PARAMS for node in nodes):
-        known |= set(_mentioned(nodes))
+    nodes = [node for statement in program.statements for node in descendants(statement)] + _inside_modules(library)
+    known = _params_read(nodes, library, read) | _params_set(nodes)
     whole = Span(program.file, 0, 0, 0, 0)
     return [
         ProgramWarning(UNREAD_PARAM, f"nothing reads or sets the parameter {name}", whole, _meant_param(name, known, read))
@@ -120,6 +121,49 @@ def unread_params(program: Program, library: Library, given: Collection[str], re
     ]
 
 
+def misspelt_params(
+    program: Program, library: Library, read: Mapping[str, Collection[str]]
+) -> Iterator[ProgramWarning]:
+    """Global parameters that the program sets and nothing reads, with names that are nearly those of others that modules
+    read or set.
+    """
+    if any(isinstance(module, Exception) for module in library.values()):
+        return
+    nodes, inside = [n for statement in program.statements for n in descendants(statement)], _inside_modules(library)
+    known = _params_read(nodes + inside, library, read) | _params_set(inside)
+    lines = program.text.splitlines()
+    for node in nodes:
+        for one in node.assignments if isinstance(node, s.Param) else ():
+            near = None if one.name in known or one.name in OF_SIMULATORS else nearest(one.name, known)
+            if near is not None:
+                text, place = f"nothing reads the parameter {one.name}", place_of(one.name, one.span, lines)
+                yield ProgramWarning(UNREAD_PARAM, text, place, f"did you mean {near}?")
+
+
+def _inside_modules(library: Library) -> list[Node]:
+    """Every node of the modules in Scenic."""
+    modules = [module for module in library.values() if isinstance(module, Program)]
+    return [node for module in modules for statement in module.statements for node in descendants(statement)]
+
+
+def _params_set(nodes: list[Node]) -> set[str]:
+    """The global parameters that the nodes set."""
+    return {one.name for node in nodes if isinstance(node, s.Param) for one in node.assignments}
+
+
+def _params_read(nodes: list[Node], library: Library, read: Mapping[str, Collection[str]]) -> set[str]:
+    """The global parameters that modules read before a program runs, and those that the nodes may read."""
+    known = {name for name, modules in read.items() if any(module in library for module in modules)}
+    if any(isinstance(node, Name) and node.name == PARAMS for node in nodes):
+        known |= set(_mentioned(nodes))
+    return known
+
+
+OF_SIMULATORS = (
+    "weather", "time", "timestep", "time_step", "render", "record", "address", "port", "timeout", "traffic_manager_port",
+    "carla_map", "lgsvl_map", "sumo_map", "webots_map", "use2DMap", "realTime", "verifaiSamplerType", "snapToGroundDefault",
+)  # fmt: skip
+"""Parameters that the simulators of the releases read."""
 PARAMS = "globalParameters"
 WRITTEN = "it is written with the scenes, and a simulator is told of it; the program does nothing with it"
 

@@ -19,7 +19,8 @@ from ..semantics.kernel.sets import FrozenSet
 from ..semantics.space.absence import Absent
 from ..semantics.space.fields import VectorField
 from ..semantics.space.numeric import lifted
-from ..semantics.space.regions import PolygonalRegion, PolylineRegion, Region
+from ..semantics.space.regions import AlongCurve, PolygonalRegion, PolylineRegion, Region
+from ..semantics.space.symbols import Listed
 from ..semantics.space.vectors import Vector
 from .fixed import Fixed, element_of
 from .regions import polygons, region
@@ -51,7 +52,7 @@ def there(found: T | None, what: str) -> T:
     return found
 
 
-class NetworkElement(Fixed, PolygonalRegion):
+class NetworkElement(Fixed, PolygonalRegion, Listed):
     """A part of a network with an area, which is its region, oriented along traffic."""
 
     uid: str
@@ -75,6 +76,11 @@ class NetworkElement(Fixed, PolygonalRegion):
     def orientation(self) -> VectorField:  # type: ignore[override]
         """The direction of traffic."""
         return VectorField(f"direction of {self.uid}", self.heading_at)
+
+    @property
+    def siblings(self) -> tuple[NetworkElement, ...]:
+        """All elements of its class in the network."""
+        return self.network.by_class[type(self)]
 
     @abstractmethod
     def heading_at(self, v: Vector) -> float:
@@ -101,6 +107,13 @@ class LinearElement(NetworkElement):
     def centerline(self) -> PolylineRegion:
         """Its middle, in its direction."""
         return self.along(self.middle)
+
+    @cached_property
+    def orientation(self) -> VectorField:  # type: ignore[override]
+        """The direction of traffic: that of the centerline, unless the element's own parts say more."""
+        name = f"direction of {self.uid}"
+        of_centerline = type(self).heading_at is LinearElement.heading_at
+        return AlongCurve(name, self.centerline) if of_centerline else VectorField(name, self.heading_at)
 
     @cached_property
     def leftEdge(self) -> PolylineRegion:
@@ -134,7 +147,6 @@ class LinearElement(NetworkElement):
         """What comes before it; rejects if there is nothing."""
         return there(self._predecessor, f"{self.uid} has no predecessor")
 
-    @lifted(float)
     def heading_at(self, v: Vector) -> float:
         """Along the nearest part of the centerline."""
         return self.centerline.heading_at(v)

@@ -37,6 +37,8 @@ from .storing import keep_cells, load_cells
 class MapWorkspace(Workspace):
     """The workspace of programs on a map: the whole plane, for pictures with the map."""
 
+    scenic_made = True
+
     def __init__(self, network: Network) -> None:
         super().__init__(everywhere)
         self.network = network
@@ -177,6 +179,12 @@ class Network(Fixed):
         cells += [cell for i in self.intersections for cell in i.gaps()]
         cells += [cell for element in (*others, *self.shoulders) for cell in element.strips]
         return [*cells, *fringe(cells, (*self.lanes, *self.shoulders, *self.intersections), self.tolerance)]
+
+    @cached_property
+    def by_class(self) -> Mapping[type, tuple[NetworkElement, ...]]:
+        """The elements of each class."""
+        elements = self.by_uid.values()
+        return {kind: tuple(one for one in elements if type(one) is kind) for kind in set(map(type, elements))}
 
     @cached_property
     def _tree(self) -> tuple[shapely.STRtree, tuple[NetworkElement, ...]]:

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 class OfNetwork:
     """What a network has by a name, under which it is pickled."""
 
+    scenic_made = True
+
     network: Network
 
     def __reduce__(self) -> tuple[object, ...]:

@@ -20,6 +20,8 @@ from .xml import MapError
 KINDS = {Polygon: "areas", LineString: "lines", Point: "points"}
 FEATURES, SITE = "site_map.features", "_site"
 """The module that gives what is on a map, and its name for the whole."""
+LARGEST_ANGLE = 1e9
+"""Degrees of a direction, either way."""
 HEADING, BEARING = "heading", "bearing"
 """Properties of an area that give its direction, in degrees from North: to the left, as Scenic counts, or to the right, as a compass does."""
 
@@ -57,7 +59,7 @@ class MapFeature:
         if len(given) > 1:
             raise MapError(f"{self.place} has a {HEADING} and a {BEARING}: give one of them")
         [(name, degrees)] = given.items()
-        if isinstance(degrees, bool) or not isinstance(degrees, (int, float)) or not math.isfinite(degrees):
+        if isinstance(degrees, bool) or not isinstance(degrees, (int, float)) or not abs(degrees) <= LARGEST_ANGLE:
             raise MapError(f"the {name} of {self.place} must be a number of degrees, not {degrees!r:.60}")
         return math.radians(math.remainder(degrees if name == HEADING else -degrees, 360))
 

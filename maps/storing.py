@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import io
 import os
+import struct
 import sys
 import tempfile
 import time
@@ -25,6 +26,7 @@ from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
 from ..interpreter.caches import cache_folder
+from ..interpreter.regular_file import read_regular_file
 from ..semantics.space.fields import Cell
 
 Arrays: TypeAlias = Mapping[str, NDArray[Any]]
@@ -75,7 +77,7 @@ def arrays_in(place: Path | None) -> Arrays | None:
     if place is None:
         return None
     try:
-        written = place.read_bytes()
+        written = read_regular_file(place, MOST_BYTES)
         os.utime(place)
     except OSError:
         return None
@@ -144,7 +146,41 @@ def unpacked(arrays: Arrays) -> NDArray[Any]:
     """The shapes that `packed` was given."""
     ends = np.cumsum(arrays["sizes"]).tolist()
     data = arrays["shapes"].tobytes()
-    return shapely.from_wkb(np.array([data[start:end] for start, end in zip([0, *ends], ends, strict=False)], dtype=object))
+    each = [data[start:end] for start, end in zip([0, *ends], ends, strict=False)]
+    if not all(map(is_shallow, each)):
+        raise ValueError("a shape holds another one of its own kind")
+    return shapely.from_wkb(np.array(each, dtype=object))
+
+
+POINT, LINE, POLYGON = 1, 2, 3
+"""Kinds of shapes in WKB; that of several is greater by 3."""
+
+
+def is_shallow(data: bytes) -> bool:
+    """Whether a shape in WKB is a point, line or polygon, or consists of some: GEOS reads what is nested deeper by a recursion that has no end."""
+    try:
+        order, kind = struct.unpack_from("<bI", data)
+        if order != 1 or kind in (POINT, LINE, POLYGON):
+            return order == 1
+        place = 9
+        for _ in range(struct.unpack_from("<I", data, 5)[0]):
+            inner = struct.unpack_from("<bI", data, place)
+            if inner != (1, kind - 3) or kind - 3 not in (POINT, LINE, POLYGON):
+                return False
+            place = end_of(kind - 3, data, place + 5)
+    except struct.error:
+        return False
+    return kind - 3 in (POINT, LINE, POLYGON)
+
+
+def end_of(kind: int, data: bytes, place: int) -> int:
+    """Where a shape ends whose numbers begin at a place. Raises `struct.error` where there are none."""
+    if kind == POINT:
+        return place + 16
+    lines, place = (struct.unpack_from("<I", data, place)[0], place + 4) if kind == POLYGON else (1, place)
+    for _ in range(lines):
+        place += 4 + 16 * struct.unpack_from("<I", data, place)[0]
+    return place
 
 
 # The direction of traffic

@@ -45,7 +45,8 @@ def checked(load: Callable[[], Scenario]) -> CheckedProgram:
         warnings = warnings_about(scenario)
         scenario.rehearse()
     except (ProgramError, AttemptsExhausted) as problem:
-        return CheckedProgram(scenario, warnings, problem)
+        others = [one for one in warnings if (one.message, one.span) != (problem.message, problem.span)]
+        return CheckedProgram(scenario, others, problem)
     return CheckedProgram(scenario, warnings, None)
 
 

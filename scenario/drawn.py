@@ -15,7 +15,7 @@ from ..formats.tables import OWN, Columns, columns_of, pieces_of, together
 from ..inference.batch import Batch, Block
 from ..inference.batch.jobs.blocks import jobs
 from ..inference.batch.jobs.tables import Tables
-from ..inference.rejection import SELDOM
+from ..inference.rejection import PATIENCE
 from ..interpreter.extras import needed
 from ..semantics.kernel.errors import AttemptsExhausted, UsageError
 from .checking import no_backend
@@ -141,9 +141,9 @@ def few_scenes(scenario: Scenario, seed: int, start: int, stop: int, max_attempt
     """The same as long as each needs few attempts; the others by the batch backend, if it can."""
     for index in range(start, stop):
         try:
-            yield scenario.sample(seed, index, max_attempts=min(max_attempts, SELDOM))
+            yield scenario.sample(seed, index, max_attempts=min(max_attempts, PATIENCE))
         except AttemptsExhausted as error:
-            if error.attempts < SELDOM or max_attempts == SELDOM:
+            if error.attempts < PATIENCE or max_attempts == PATIENCE:
                 raise
         else:
             continue

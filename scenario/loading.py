@@ -19,7 +19,7 @@ PATH = re.compile(r"[^\s=()'\"#]+\.scenic")
 
 
 def loads(
-    text: str, *, file: str = "<string>", dialect: str | None = None, profile: str = "paper", readings: Mapping[str, str] | None = None,
+    text: str, *, file: str = "<string>", dialect: str | None = None, profile: str | None = None, readings: Mapping[str, str] | None = None,
     params: Mapping[str, object] | None = None, model: str | None = None, trust: bool = False, directory: str | Path | None = None,
     fuel: int = DEFAULT_FUEL, scenario: str | None = None,
 ) -> Scenario:
@@ -36,7 +36,7 @@ def loads(
 
 
 def scenario_of(
-    text: str, *, file: str = "<string>", dialect: str | None = None, profile: str = "paper", readings: Mapping[str, str] | None = None,
+    text: str, *, file: str = "<string>", dialect: str | None = None, profile: str | None = None, readings: Mapping[str, str] | None = None,
     params: Mapping[str, object] | None = None, model: str | None = None, trust: bool = False, directory: str | Path | None = None,
     fuel: int = DEFAULT_FUEL, scenario: str | None = None,
 ) -> Scenario:
@@ -52,7 +52,7 @@ def scenario_of(
 
 
 def load(
-    path: str | Path, *, dialect: str | None = None, profile: str = "paper", readings: Mapping[str, str] | None = None,
+    path: str | Path, *, dialect: str | None = None, profile: str | None = None, readings: Mapping[str, str] | None = None,
     params: Mapping[str, object] | None = None, model: str | None = None, trust: bool = False, fuel: int = DEFAULT_FUEL,
     scenario: str | None = None,
 ) -> Scenario:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from ..formats.site_land import FEATURES, SITE
+from ..interpreter.dialects import DIALECTS
 from ..interpreter.modules import Library
 from ..interpreter.slips import slips
-from ..interpreter.warnings import IMPLAUSIBLE, ProgramWarning, unread_params, warnings_of
-from ..semantics.python.builtins import BUILTINS
+from ..interpreter.warnings import IMPLAUSIBLE, ProgramWarning, misspelt_params, unread_params, warnings_of
+from ..semantics.python.builtins import BUILTINS, OF_RELEASES
 from ..semantics.syntax import Program, Span
 from ..semantics.syntax.statements import Param
 from ..simulators.protocol import PROPERTIES_READ
@@ -23,10 +24,12 @@ ALWAYS = ("ego", "workspace", "self")
 def warnings_about(scenario: Scenario) -> list[ProgramWarning]:
     """The warnings about a scenario: those about the parameters that it was given, then those about its program, in the order of its text."""
     library: Library = scenario.settings.library  # type: ignore[assignment]
+    released = DIALECTS[scenario.program.dialect].released
     found = [
         *warnings_of(scenario.program, library, PROPERTIES_READ, trust=scenario.trust),
         *about_map(scenario.program, library),
-        *slips(scenario.program, library, scenario.model, {*BUILTINS, *ALWAYS}, MODELS_BY_NAME),
+        *misspelt_params(scenario.program, library, PARAMS_READ),
+        *slips(scenario.program, library, scenario.model, {*BUILTINS, *ALWAYS, *(OF_RELEASES if released else ())}, MODELS_BY_NAME),
     ]  # fmt: skip
     return [*given_in_vain(scenario), *sorted(dict.fromkeys(found), key=lambda warning: (warning.span.line, warning.span.column))]
 

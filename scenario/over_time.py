@@ -12,8 +12,9 @@ from ..inference.dynamics.code import Library
 from ..inference.enumeration import DEFAULT_RUNS
 from ..inference.histories import Histories, enumerate_simulations
 from ..inference.rejection import DEFAULT_ATTEMPTS
-from ..inference.simulation import SampledRun, sample_simulation
+from ..inference.simulation import NextScene, SampledRun, sample_simulation
 from ..interpreter.running import Witness
+from ..semantics.kernel.errors import AttemptsExhausted
 from ..simulators import by_name
 from ..simulators.protocol import Simulator
 from ..simulators.simulating import Failed
@@ -21,6 +22,7 @@ from .checking import check_whole
 from .simulating import SimulationBackend, SimulationRange, Told, check_simulation_backend, replayed, simulate_many
 
 if TYPE_CHECKING:
+    from ..inference.batch import Batch
     from ..semantics.kernel.config import Config
 
 
@@ -33,6 +35,12 @@ class OverTime:
 
         def start(self) -> Config: ...
         def rehearse(self) -> None: ...
+        @property
+        def impossible(self) -> AttemptsExhausted | None: ...
+        @property
+        def batch(self) -> Batch | None: ...
+        @property
+        def in_parts(self) -> bool: ...
 
     def simulate(
         self, simulator: str | Simulator = "still", steps: int = 100, seed: int = 0, index: int = 0, *, timestep: float | None = None,
@@ -54,7 +62,24 @@ class OverTime:
             self.start, found, steps, seed, index, max_attempts=max_attempts, fuel=self.fuel,
             retry=self.readings["rejected-simulation"] == "retry", on_attempt=on_attempt, on_failed=on_failed, witnessed=witnessed,
             library=self.compiled if backend == "compiled" else None,
+            next_scene=lambda first: self.next_scene(seed, index, first, max_attempts),
         )  # fmt: skip
+
+    def next_scene(self, seed: int, index: int, first: int, max_attempts: int) -> NextScene | None:
+        """Return the first attempt from number `first` on that gives scene `index`, by the batch backend; None if it cannot draw from the program.
+
+        Raises the program's errors, and `AttemptsExhausted` if it is known that no scene is possible.
+        """
+        if self.impossible is not None:
+            raise self.impossible
+        if self.batch is None or self.in_parts:
+            return None
+        block = self.batch.block(seed, index, index + 1, max_attempts=max_attempts, first=first)
+        if block.error is None:
+            return NextScene(int(block.attempts[0]), block.stuck)
+        if isinstance(block.error, AttemptsExhausted):
+            return NextScene(max_attempts, block.stuck)
+        raise block.error
 
     @cached_property
     def compiled(self) -> Library:

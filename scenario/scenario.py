@@ -27,14 +27,18 @@ from ..inference.statistics.columns import FeatureTable, features_table
 from ..inference.statistics.facts import Facts
 from ..interpreter.checks import check
 from ..interpreter.choosers import AS_THEY_ARE, Draws, from_stream
+from ..interpreter.dialects import DIALECTS
 from ..interpreter.modules import library_of, module_named, with_old_imports
 from ..interpreter.running import DEFAULT_FUEL, Accepted, Run, Witness, rehearse, run
 from ..semantics.kernel.config import Config, Settings, State
-from ..semantics.kernel.errors import AttemptsExhausted, InternalError, UsageError
+from ..semantics.kernel.errors import AttemptsExhausted, InternalError, NoEgo, UsageError
 from ..semantics.kernel.outcome import GivenValues
+from ..semantics.kernel.scopes import descendants
 from ..semantics.programs import definitions, initial, make_settings
 from ..semantics.readings import select
-from ..semantics.syntax import Program
+from ..semantics.syntax import Program, Span
+from ..semantics.syntax.python_expressions import Comparison
+from ..semantics.syntax.statements import Require
 from ..simulators.worlds import modules_of
 from ..simulators.worlds.names import MODELS_BY_NAME
 from .checking import check_settings, check_whole, no_backend
@@ -56,18 +60,20 @@ if TYPE_CHECKING:
 class Scenario(Portable, Shown, OverTime):
     """A loaded program.
 
-    `profile` and `readings` choose among the readings of the paper; `params` are global parameters that win over the
-    program's own; `model` is the world model that replaces the program's (or is added, if it names none). `scenario` is the modular scenario
-    to begin with, else `Main` if there is one, else the program itself. Modules and maps are looked for in `directory`.
+    `profile` and `readings` choose among the readings of the paper; without a profile, that of the program's dialect counts.
+    `params` are global parameters that win over the program's own; `model` is the world model that replaces the program's (or is
+    added, if it names none). `scenario` is the modular scenario to begin with, else `Main` if there is one, else the program itself. Modules
+    and maps are looked for in `directory`.
     """
 
     def __init__(
-        self, program: Program, *, profile: str = "paper", readings: Mapping[str, str] | None = None, params: Mapping[str, object] | None = None,
+        self, program: Program, *, profile: str | None = None, readings: Mapping[str, str] | None = None, params: Mapping[str, object] | None = None,
         model: str | None = None, trust: bool = False, directory: str | Path | None = None, fuel: int = DEFAULT_FUEL, scenario: str | None = None,
     ) -> None:
         check_settings(readings, params, fuel, directory)
         self.program = program
-        self.readings = select(profile, readings)
+        self.profile = profile
+        self.readings = select(DIALECTS[program.dialect].profile if profile is None else profile, readings)
         self.params = dict(params or {})
         self.model = model
         self.trust = trust
@@ -95,17 +101,17 @@ class Scenario(Portable, Shown, OverTime):
             raise UsageError(f"the world model: {world}", hint=getattr(world, "hint", "") or "; ".join(getattr(world, "__notes__", ())))
         return make_settings(
             self.readings, library, self.params, self.model, self.scenario, trusted=self.trust, given=self.given, elsewhere=MODELS_BY_NAME,  # type: ignore[arg-type]
-            defined=definitions(self.program),
+            defined=definitions(self.program), dialect=self.program.dialect,
         )  # fmt: skip
 
     def start(self) -> Config:
         """The configuration that every run begins with."""
         return initial(with_old_imports(self.program, self.settings.library), self.settings)  # type: ignore[arg-type]
 
-    def rehearse(self) -> None:
-        """Run the program once, to find a branch on a random value. Raises the program's error."""
+    def rehearse(self, witness: Witness | None = None) -> None:
+        """Run the program once, to find a branch on a random value. Raises the program's error; a `witness` sees the run, if it was not yet."""
         if not self._rehearsed:
-            rehearse(self.start(), from_stream(0, 0, 0), fuel=self.fuel)
+            rehearse(self.start(), from_stream(0, 0, 0), fuel=self.fuel, witness=witness)
             self._rehearsed = True
 
     @cached_property
@@ -182,8 +188,9 @@ class Scenario(Portable, Shown, OverTime):
         self.rehearse()
         try:
             return prune(self.start, self.fuel)
-        except NotLifted as reason:
-            return Pruning((), tuple(Finding("all objects", technique, None, None, str(reason)) for technique in TECHNIQUES))
+        except (NotLifted, NoEgo) as reason:
+            why = reason.message if isinstance(reason, NoEgo) else str(reason)
+            return Pruning((), tuple(Finding("all objects", technique, None, None, why) for technique in TECHNIQUES))
 
     def pruned(self) -> Scenario:
         """The same scenario with pruning and factorised rejection: other scenes for each seed, from the same distribution, with less work."""
@@ -222,7 +229,7 @@ class Scenario(Portable, Shown, OverTime):
         return enumerate_runs(self.start, max_runs=max_runs, discretize=discretize, fuel=self.fuel, on_run=on_run)
 
     @cached_property
-    def _lifted(self) -> Batch | AttemptsExhausted | str:
+    def _lifted(self) -> Batch | AttemptsExhausted | NoEgo | str:
         """The program as a graph, or why there is none; the error if it can have no scene."""
         self.rehearse()
         try:
@@ -231,10 +238,21 @@ class Scenario(Portable, Shown, OverTime):
                 batch.use_tensors(self.device)
             return batch
         except Impossible as never:
-            text = f"no scene is possible: whatever is drawn, this fails: {never.requirement.text}"
-            return exhausted(text, 1, Counter([never.requirement]))
+            text = f"no scene is possible: {never.requirement.failure}, whatever is drawn"
+            error = exhausted(text, 1, Counter([never.requirement]))
+            if never.decision and self._is_comparison(never.requirement.span):
+                error.hint = "; ".join(filter(None, (f"whatever is drawn, {never.decision}", error.hint)))
+            return error
         except NotLifted as reason:
             return str(reason)
+        except NoEgo as none:
+            return none
+
+    def _is_comparison(self, span: Span) -> bool:
+        """Return whether the statement at a place requires one comparison, which is then what was decided last."""
+        nodes = (node for statement in self.program.statements for node in descendants(statement) if node.span == span)
+        required = next((node.condition for node in nodes if isinstance(node, Require)), None)
+        return isinstance(required, Comparison) and len(required.operators) == 1
 
     @property
     def share(self) -> float:
@@ -254,8 +272,8 @@ class Scenario(Portable, Shown, OverTime):
     @property
     def not_lifted(self) -> str | None:
         """Why the program cannot be made a graph, so that the interpreter draws its scenes; None if it can."""
-        if self.impossible is not None:
-            return self.impossible.message
+        if isinstance(self._lifted, (AttemptsExhausted, NoEgo)):
+            return self._lifted.message
         return self._lifted if isinstance(self._lifted, str) else None
 
     def sample_many(
@@ -325,8 +343,8 @@ class Scenario(Portable, Shown, OverTime):
 
     def _pruned_batch(self, backend: str, otherwise: str = "the interpreter can: --backend interpreter") -> Batch:
         """The graph, in which points are drawn from the smaller regions of `pruning`. Raises `AttemptsExhausted`, `UsageError`."""
-        if self.impossible is not None:
-            raise self.impossible
+        if isinstance(self._lifted, (AttemptsExhausted, NoEgo)):
+            raise self._lifted
         if self.batch is None:
             raise UsageError(f"{backend} cannot draw from this program: {self.not_lifted}", hint=otherwise)
         return Batch(self.start, fuel=self.fuel, draws=self.pruning.draws)

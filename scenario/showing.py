@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from ..formats.notebooks import line_of_program, page_of_program
 from ..formats.pictures import draw_scenes, size_of
+from ..interpreter.dialects import DIALECTS
 from ..semantics.kernel.errors import UsageError
 from ..semantics.readings import select
 from .checking import check_whole
@@ -39,8 +40,8 @@ class Shown:
 
 
 def line_of(scenario: Scenario) -> str:
-    """The scenario in one line, with the readings that are not those of the paper."""
-    usual = select()
+    """The scenario in one line, with the readings that are not those of its dialect."""
+    usual = select(DIALECTS[scenario.program.dialect].profile)
     readings = {name: alternative for name, alternative in scenario.readings.items() if usual[name] != alternative}
     program = scenario.program
     return line_of_program(program.file, program.dialect, readings, scenario.params, given=scenario.conditioned_from is not None)

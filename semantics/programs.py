@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from .dynamics.initial import Finishing
 from .kernel.config import Config, Settings, State
-from .kernel.errors import RunError
+from .kernel.errors import NoEgo
 from .kernel.host import Door
 from .kernel.kinds import is_object
 from .kernel.outcome import GivenValues
@@ -24,17 +24,19 @@ from .syntax.python_expressions import Constant
 from .syntax.statements import Assignment, Block, ClassDefinition, FunctionDefinition, If, Model
 
 NOTHING_GIVEN = GivenValues()
+OF_RELEASES = ("scenic-2.1", "scenic-3")
+"""The dialects of the released implementations."""
 
 
 def make_settings(
     readings: dict[str, str], library: dict[str, object], params: dict[str, object], model: str | None, scenario: str | None = None,
     *, trusted: bool = False, given: GivenValues = NOTHING_GIVEN, elsewhere: Mapping[str, tuple[str, ...]] | None = None,
-    defined: Mapping[str, Span] | None = None,
+    defined: Mapping[str, Span] | None = None, dialect: str = "paper",
 ) -> Settings:  # fmt: skip
     """What stays the same in every run of a program; its door is of no run (see `initial`)."""
     return Settings(
         readings=readings, library=library, machine=step, door=Door(enter, expand), params=params, model=model, scenario=scenario, trusted=trusted,  # type: ignore[arg-type]
-        given=given, elsewhere=elsewhere or {}, defined=defined or {},
+        given=given, elsewhere=elsewhere or {}, defined=defined or {}, dialect=dialect,
     )  # fmt: skip
 
 
@@ -63,7 +65,7 @@ def initial(program: Program, settings: Settings) -> Config:
     """
     settings = settings._replace(door=Door(enter, expand))  # type: ignore[arg-type]
     budget = settings.door.budget
-    scope = Scope("module", builtin_scope(budget), bindings=dunders(program.file))
+    scope = Scope("module", builtin_scope(budget, released=settings.dialect in OF_RELEASES), bindings=dunders(program.file))
     statements: Block = program.statements
     if settings.model is not None:
         chosen = settings.model
@@ -78,12 +80,12 @@ def initial(program: Program, settings: Settings) -> Config:
 def ego_of(state: State, *, simulated: bool = False) -> Instance | None:
     """The ego object of a finished run, if there is one (reading `no-ego`; in a simulation a scenario may make it later, reading `compose-only`).
 
-    Raises `RunError` where there must be one.
+    Raises `NoEgo` where there must be one.
     """
     ego = plain(state.ego)
     if ego is None and (simulated or state.reading("no-ego") == "allowed"):
         return None
     if ego is None:
-        raise RunError("the scene has no ego: only a scenario that the compose block runs would make it", hint="run a simulation of the program")
+        raise NoEgo("the scene has no ego: only a scenario that the compose block runs would make it", hint="run a simulation of the program")
     assert isinstance(ego, Instance) and is_object(ego)
     return ego

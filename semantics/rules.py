@@ -113,7 +113,8 @@ def _released_rules() -> list[Rule]:
     tables = (*(equations for _, equations in released.OPERATORS.values()), *released.WRAPPED.values())
     equations = [_equation(q.rule, q.function, RELEASED) for equations in tables for q in equations]
     specifiers_ = (forms for _, forms in released.SPECIFIERS.values())
-    forms = [f for forms in (*specifiers_, *released.BESIDE.values(), (released.BEYOND,), *released.ORIENTED_OFFSETS.values()) for f in forms]
+    alone = (released.BEYOND, released.ON_VECTOR)
+    forms = [f for forms in (*specifiers_, *released.BESIDE.values(), alone, *released.ORIENTED_OFFSETS.values()) for f in forms]
     return [*rewritings, *equations, *(_equation(f.rule, f.function, RELEASED) for f in forms)]
 
 

@@ -8,12 +8,25 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from shapely.errors import ShapelyError
+
 from .dynamics import actions, choices, declarations, frames, guards, initial, interrupts, invocations, overrides, policy, processes, scenarios
 from .kernel import conditions, draws, premises, queries, simulation
 from .kernel.callers import OF_LIBRARY, caller_in, frames_of, of_program
 from .kernel.config import Abrupt, Config, Reduction, Resumption, Stack, State, Unwinding, Value
-from .kernel.errors import GuardViolation, NeedsElements, NeedsPosition, RunError, ScenicError, UncaughtException
-from .kernel.host import DoorStuck, HostException
+from .kernel.errors import (
+    FuelExhausted,
+    GuardViolation,
+    NeedsElements,
+    NeedsPosition,
+    NotBegun,
+    RunError,
+    ScenicError,
+    UncaughtException,
+    without_addresses,
+)
+from .kernel.host import DoorStuck, HostException, entered
+from .kernel.memory import is_out_of_memory, short_of_memory
 from .kernel.nesting import too_deep
 from .kernel.outcome import Draw, Fault, Next, Outcome, Stuck, dated
 from .kernel.scenic_classes import DefaultIn, ScenicClass
@@ -35,7 +48,7 @@ from .python import (
     intervals,
     members,
 )
-from .python.texts import in_this_run, too_many_digits, without_addresses
+from .python.texts import in_this_run, too_many_digits
 from .scenes import comparisons, object_definitions, operations, statements, termination
 from .space.absence import Absent
 from .space.distributions import BadParameters
@@ -277,8 +290,12 @@ def told(outcome: Outcome, before: State) -> Outcome:
 def stopped(problem: Exception, config: Config) -> Outcome:
     """What the machine says where a rule cannot go on. Raises what is no matter of the program."""
     match problem:
+        case HostException(exception=ShapelyError() as found) | (ShapelyError() as found) if is_out_of_memory(found):
+            return Fault(short_of_memory(place(config)))
         case HostException():
             return control.raised(problem, problem.span or place(config, problem.exception), config.stack, config.state)
+        case NotBegun():
+            return control.raised(HostException(problem), place(config), config.stack, config.state)
         case OutsideField():
             return Stuck("O-At", unmet(problem, place(config)))
         case DoorStuck():
@@ -301,6 +318,8 @@ def stopped(problem: Exception, config: Config) -> Outcome:
             problem.span, where = of_program(problem.span, caller_in(frames_of(config.stack)))
             problem.hint = "; ".join(filter(None, (problem.hint, where)))
             return Fault(problem)
+        case _ if entered(config.state.settings.door, config.state.version):
+            return control.raised(HostException(problem), place(config, problem), config.stack, config.state)
         case _:
             raise problem
 
@@ -355,6 +374,8 @@ def said(exception: BaseException) -> str:
     """The text of an exception; "" where a method of the program that should give it does not."""
     try:
         text = without_addresses(str(in_this_run(exception)))
+    except FuelExhausted:
+        raise
     except Exception:
         return ""
     return text if len(text) <= MOST_SAID else f"{text[:MOST_SAID]}..."

@@ -10,6 +10,9 @@ from ..semantics.space.vectors import Vector
 from . import actions as a
 from .arguments import is_number
 
+CONTROLS = ("throttle", "brake", "steer", "hand_brake", "reverse")
+"""The properties in which objects of the Newtonian model have their controls, by the released names; `SHOWN` says which objects do."""
+SHOWN = "controls_shown"
 PROPERTIES = frozenset({"position", "heading", "speed", "velocity", "angularSpeed"})
 """What they update."""
 BRAKING, ACCELERATION = 6.8, 5.6
@@ -44,6 +47,11 @@ class Controls:
             case _:
                 return False
         return True
+
+    @property
+    def shown(self) -> dict[str, float | bool]:
+        """The controls under the names of `CONTROLS`."""
+        return dict(zip(CONTROLS, (self.throttle, self.brake, self.steer, self.handbrake, self.reverse), strict=True))
 
     @property
     def braking(self) -> float:

@@ -85,6 +85,10 @@ class Kinematic:
         """Where the object is, and how it moves."""
         return pose_of(self.bodies[id])
 
+    def controls(self, id: int) -> Pose:
+        """How the controls of the object are set."""
+        return self.bodies[id].controls.shown
+
     def destroy(self) -> None:
         """Forget the objects."""
         self.bodies = []
@@ -97,7 +101,8 @@ def moving_of(body: Body, kind: type[Kind]) -> Kind:
     """An object as it begins."""
     position, heading = body.properties["position"], float(body.properties["heading"])  # type: ignore[arg-type]
     assert isinstance(position, Vector)
-    moving = kind(position.x, position.y, heading, float(body.properties["length"]), a.drives(body), a.walks(body))  # type: ignore[arg-type]
+    drives = a.drives(body)
+    moving = kind(position.x, position.y, heading, float(body.properties["length"]), drives, a.walks(body) and not drives)  # type: ignore[arg-type]
     moving.vx, moving.vy = velocity_at_first(body)
     return moving
 
@@ -124,6 +129,9 @@ def take(body: Moving, action: object) -> None:
             body.vx, body.vy = velocity.x, velocity.y
         case a.SetSpeedAction(speed=speed):
             body.run(float(speed), body.heading)
+        case a.SetWalkingDirectionAction(heading=heading) if body.vehicle:  # a bicycle turns round
+            speed, body.heading = body.speed, float(heading)
+            body.run(speed, body.heading)
         case a.SetWalkingDirectionAction(heading=heading):
             body.walking = float(heading)
             body.run(body.speed, body.walking)

@@ -123,7 +123,8 @@ class Physics:
             width, length = float(body.properties["width"]), float(body.properties["length"])  # type: ignore[arg-type]
             velocity = velocity_at_first(body)
             moves = velocity != (0.0, 0.0)
-            vehicle, pedestrian = a.drives(body), a.walks(body)
+            vehicle = a.drives(body)
+            pedestrian = a.walks(body) and not vehicle
             made = self.body_of(width, length, still=not (vehicle or pedestrian or moves), turns=not pedestrian)
             made.position, made.angle = (position.x, position.y), heading  # type: ignore[union-attr]
             moving = Controlled(body.id, made, length, vehicle, pedestrian)
@@ -204,6 +205,11 @@ class Physics:
                 self.push(moving, (velocity.x, velocity.y))
             case a.SetSpeedAction(speed=speed):
                 self.push(moving, along(speed, body.angle))
+            case a.SetWalkingDirectionAction(heading=heading) if moving.vehicle:  # a bicycle turns round
+                speed, body.angle = math.hypot(*body.velocity), float(heading)
+                self.push(moving, along(speed, heading))
+            case a.SetWalkingSpeedAction(speed=speed) if moving.vehicle:
+                self.push(moving, along(speed, body.angle))
             case a.SetWalkingDirectionAction(heading=heading):
                 speed = math.hypot(*(moving.walking or body.velocity))
                 moving.walking = along(speed, heading)
@@ -227,6 +233,10 @@ class Physics:
             "position": Vector(now.x, now.y), "heading": now.angle, "speed": self.moving[id].speed(now),
             "velocity": Vector(now.velocity_x, now.velocity_y), "angularSpeed": now.turning,
         }  # fmt: skip
+
+    def controls(self, id: int) -> Pose:
+        """How the controls of the object are set."""
+        return self.moving[id].controls.shown
 
     def destroy(self) -> None:
         """Begin with an empty space."""

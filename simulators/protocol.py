@@ -16,10 +16,11 @@ from ..semantics.kernel.kinds import is_scalar
 from ..semantics.space.regions import Region, everywhere
 from ..semantics.space.vectors import Vector
 from ..semantics.syntax.nodes import NOWHERE, Span
+from .controls import CONTROLS, SHOWN
 
 Given = TypeVar("Given")
 
-PROPERTIES_READ = frozenset({"drives", "walks", "color"})
+PROPERTIES_READ = frozenset({"drives", "walks", "color", SHOWN})
 """Properties that the simulators, or pictures of others, read of a body, beside those of the built-in classes."""
 
 
@@ -165,6 +166,20 @@ def read_poses(simulator: Simulator, objects: Iterable[tuple[int, object, Span]]
         return [dict(checked_pose(simulator.read(id), simulator, who, span)) for id, who, span in objects]
 
     return guarded(read, may=(RejectRun,))
+
+
+def controls_of(id: int, properties: Mapping[str, object], simulator: Simulator) -> Pose:
+    """Return how the controls of an object are set, if it is one that shows them and the simulator has such controls."""
+    told = getattr(simulator, "controls", None)
+    return told(id) if told is not None and properties.get(SHOWN) is True else {}
+
+
+def updated(properties: Mapping[str, object], simulator: Simulator) -> Pose:
+    """Return those properties of an object that the simulator updates, as far as it has them."""
+    names = sorted(simulator.properties)
+    if properties.get(SHOWN) is True and hasattr(simulator, "controls"):
+        names += CONTROLS
+    return {name: properties[name] for name in names if name in properties}
 
 
 def checked_pose(pose: Pose, simulator: Simulator, who: object, span: Span) -> Pose:

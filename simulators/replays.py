@@ -21,7 +21,7 @@ from ..semantics.dynamics.policy import begin
 from ..semantics.kernel.config import Config, State
 from ..semantics.kernel.errors import UsageError
 from ..semantics.syntax.nodes import NOWHERE
-from .protocol import RejectRun, Simulator, Surroundings, check_usable, guarded, in_use, read_poses, step_of
+from .protocol import RejectRun, Simulator, Surroundings, check_usable, controls_of, guarded, in_use, read_poses, step_of, updated
 from .simulating import ENDED, Failed, create_new, rejected, surroundings
 
 TOLERANCE = 1e-9
@@ -135,12 +135,15 @@ def made(kind: Callable[..., object], recorded: RecordedAction, where: str) -> o
 def read(bodies: Sequence[Body], simulator: Simulator) -> list[Body]:
     """The objects as the simulator has them now. Raises `SimulatorError`."""
     said = read_poses(simulator, [(body.id, f"object {body.id}", NOWHERE) for body in bodies])
-    return [body._replace(properties={**body.properties, **pose}) for body, pose in zip(bodies, said, strict=True)]
+    return [
+        body._replace(properties={**body.properties, **pose, **controls_of(body.id, body.properties, simulator)})
+        for body, pose in zip(bodies, said, strict=True)
+    ]
 
 
 def poses(bodies: Sequence[Body], simulator: Simulator) -> tuple[Pose, ...]:
     """The properties of all objects that the simulator updates, as far as they have them."""
-    return tuple({name: body.properties[name] for name in sorted(simulator.properties) if name in body.properties} for body in bodies)
+    return tuple(updated(body.properties, simulator) for body in bodies)
 
 
 # What differs

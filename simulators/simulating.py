@@ -27,7 +27,7 @@ from ..semantics.kernel.values import Instance, plain
 from ..semantics.programs import ego_of
 from ..semantics.scenes.default_requirements import workspace_of
 from ..semantics.syntax.nodes import NOWHERE, Span
-from .protocol import RejectRun, Simulator, Surroundings, check_usable, guarded, in_use, read_poses, step_of
+from .protocol import RejectRun, Simulator, Surroundings, check_usable, controls_of, guarded, in_use, read_poses, step_of, updated
 from .still import Still
 from .worlds.driving import MAP
 
@@ -247,8 +247,7 @@ def poses(state: State, simulator: Simulator) -> tuple[Pose, ...]:
     """The properties of all objects that the simulator updates, as far as they have them."""
     if not simulator.properties:
         return tuple([{} for _ in state.scene])
-    names = sorted(simulator.properties)
-    return tuple({name: properties[name] for name in names if name in properties} for properties in (state.objects[i.number] for i in state.scene))
+    return tuple(updated(state.objects[instance.number], simulator) for instance in state.scene)
 
 
 def check_actions(simulator: Simulator, state: State, actions: Mapping[int, tuple[object, ...]], policy: Policy) -> None:
@@ -280,6 +279,7 @@ def read_back(simulator: Simulator, state: State) -> State:
         return state
     objects = dict(state.objects)
     said = read_poses(simulator, [(id, instance, instance.span) for id, instance in enumerate(state.scene)])
-    for instance, pose in zip(state.scene, said, strict=True):
-        objects[instance.number] = {**objects[instance.number], **pose}
+    for id, (instance, pose) in enumerate(zip(state.scene, said, strict=True)):
+        before = objects[instance.number]
+        objects[instance.number] = {**before, **pose, **controls_of(id, before, simulator)}
     return state.with_objects(objects)

@@ -23,6 +23,7 @@ from ..inference.statistics.reading import scenes_in
 from ..inference.statistics.rounding import DEFAULT_TOLERANCE
 from ..inference.statistics.samples import AnyScene
 from ..inference.statistics.samples import Samples as Given
+from ..interpreter.dialects import DIALECTS
 from ..scenario import Scenario
 from ..semantics.kernel.errors import RunsExhausted, UsageError
 from ..semantics.kernel.suggestions import did_you_mean
@@ -155,7 +156,8 @@ def replay_of(
 ) -> str:  # fmt: skip
     """The command that makes the comparison again, where there is one; else the call, for the reader to fill in."""
     options = f"alpha={alpha:g}, detect_tv={detect_tv:g}, seed={seed}"
-    plain = not scenario.params and scenario.model is None and not scenario.trust and scenario.readings == select("paper", None)
+    usual = select(DIALECTS[scenario.program.dialect].profile)
+    plain = not scenario.params and scenario.model is None and not scenario.trust and scenario.readings == usual
     if drawn and plain and isinstance(samples, (str, Path)) and Path(scenario.program.file).is_file():
         words = ["scenic-ref", "check", scenario.program.file, "--samples", str(samples), "--alpha", f"{alpha:g}", "--detect-tv", f"{detect_tv:g}"]
         words += ["--seed", str(seed), *(["--tolerance", f"{tolerance:g}"] if tolerance != DEFAULT_TOLERANCE else [])]

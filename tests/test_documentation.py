@@ -95,8 +95,15 @@ def test_every_rule_has_its_row(pages: dict[str, str]):
 
 def test_every_reading_has_its_section_with_every_alternative(pages: dict[str, str]):
     found = sections(pages["readings.md"])
-    assert set(found) == set(READINGS)
+    assert set(found) == {*READINGS, "How the profiles were measured"}
     assert all(f"- **`{name}`**" in found[r.id] for r in READINGS.values() for name in r.alternatives)
+
+
+def test_every_reading_with_alternatives_has_its_line_in_the_table_of_measurements(pages: dict[str, str]):
+    table = sections(pages["readings.md"])["How the profiles were measured"]
+    assert all((f"| [`{r.id}`](#{r.id}) |" in table) == (not r.is_note) for r in READINGS.values())
+    assert "`rejected-simulation`, 2.1.0: Command line and API differ." in table
+    assert "`boolean-random`, 3.1.1: Ours is another." in table
 
 
 def family(kind: type) -> Iterator[type]:
@@ -203,8 +210,8 @@ def test_the_run_that_the_page_shows_is_what_happens(monkeypatch: pytest.MonkeyP
 def shown(control: object) -> str:
     """What is in control: the kind of node, or of value."""
     if isinstance(control, Value):
-        return "pass" if control.value is None else type(control.value).__name__
-    return type(control).__name__
+        return "pass" if control.value is None else type(control.value).__qualname__
+    return type(control).__qualname__
 
 
 def frames(stack: tuple) -> Iterator[str]:

@@ -79,7 +79,7 @@ def draw_scenes(asked: PlayRequest, send: Send) -> None:
     scenario = drawing.scenario
     send({
         "kind": "checked", "diagnostics": [diagnostic_shown(of_warning(w)) for w in warnings_about(scenario)],
-        "notes": [cut_text(note) for note in notes(scenario.settings.library)],
+        "notes": list(map(cut_text, notes(scenario.settings.library, scenario.program, scenario.params))),
         "dynamic": any(isinstance(s, DYNAMIC) for s in scenario.program.statements),
     })  # fmt: skip
     printed: list[str] = []

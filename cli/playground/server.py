@@ -13,6 +13,7 @@ import socket
 from collections.abc import AsyncIterator, Iterable
 from contextlib import suppress
 from types import FrameType
+from typing import Any
 
 import uvicorn
 from starlette.applications import Starlette
@@ -210,12 +211,28 @@ def bound(port: int, *, otherwise: bool) -> socket.socket:
     return found
 
 
+MOST_CONNECTIONS, MOST_IDLE = 512, 32
+"""Connections at a time, and how many of them may be open for long without a request."""
+SHORTLY = 10
+"""Tenths of a second for which any connection may be."""
+
+
 class PlayServer(uvicorn.Server):
-    """Ends the processes that work as soon as the server is told to end, so that nobody waits for them."""
+    """Ends the processes that work as soon as the server is told to end, so that nobody waits for them; and connections on which nobody asks."""
 
     def __init__(self, config: uvicorn.Config, playground: Playground) -> None:
         super().__init__(config)
         self.playground = playground
+        self.idle: dict[Any, int] = {}
+
+    async def on_tick(self, counter: int) -> bool:
+        """Ten times a second: close the connections that have been idle longest, if there are too many, so that there is room for others."""
+        found = {one for one in self.server_state.connections if one.cycle is None or one.cycle.response_complete}  # type: ignore[union-attr]
+        self.idle = {one: self.idle.get(one, counter) for one in (*self.idle, *found) if one in found}
+        for one, since in [*self.idle.items()][: max(0, len(self.idle) - MOST_IDLE)]:
+            if counter - since > SHORTLY:
+                one.transport.close()
+        return await super().on_tick(counter)
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
         """A signal to end."""
@@ -227,7 +244,7 @@ def serve(playground: Playground, door: socket.socket) -> None:
     """Answer until Ctrl-C, or until the process is told to end; then no process is left."""
     config = uvicorn.Config(
         playground.app(), log_level="error", access_log=False, server_header=False, date_header=False, lifespan="off", ws="none", loop="asyncio",
-        http="h11", timeout_graceful_shutdown=LEAVING, limit_concurrency=64,
+        http="h11", timeout_graceful_shutdown=LEAVING, limit_concurrency=MOST_CONNECTIONS,
     )  # fmt: skip
     with suppress(KeyboardInterrupt):
         try:

@@ -13,8 +13,9 @@ from typing import Any
 from ... import __version__
 from ...formats.highlighting import rules_for_browsers
 from ...formats.scenes import in_json
+from ...interpreter.dialects import DIALECTS
 from ...interpreter.extras import is_installed, needed
-from ...semantics.readings import READINGS, select
+from ...semantics.readings import PROFILES, READINGS, select
 from ..options import Source, pairs, read_source, with_map
 from ..session import Session
 from .links import Linked, is_link, linked_of
@@ -75,11 +76,11 @@ def show(address: str) -> None:
 
 def given(source: Source, linked: Linked | None, seed: int) -> dict[str, object]:
     """What the page begins with."""
-    selected = select(source.profile, dict(source.readings))
     readings = [
         {
             "id": r.id, "kind": r.kind, "about": r.about, "question": r.question, "alternatives": dict(r.alternatives), "places": list(r.places),
-            "consequence": r.consequence, "selected": selected[r.id], "paper": r.default,
+            "consequence": r.consequence, "paper": r.default,
+            "under": {profile: select(profile, dict(source.readings))[r.id] for profile in PROFILES},
         }
         for r in READINGS.values() if not r.is_note
     ]  # fmt: skip
@@ -88,7 +89,7 @@ def given(source: Source, linked: Linked | None, seed: int) -> dict[str, object]
         "seed": seed if linked is None else linked.seed,
         "linked": None if linked is None else linked.readings, "readings": readings, "programs": programs(), "rules": rules_for_browsers(),
         "simulators": [name for name, package in SIMULATORS.items() if not package or is_installed(package)], "trust": source.trust,
-        "profile": source.profile,
+        "profile": source.profile, "dialect": source.dialect, "dialects": {name: dialect.profile for name, dialect in DIALECTS.items()},
     }  # fmt: skip
 
 

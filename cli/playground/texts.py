@@ -37,7 +37,6 @@ IN_PAGE = (
     ("--limit-memory allows more", "start `scenic-ref play` with a larger --limit-memory"),
     ("--limit-seconds allows more", "start `scenic-ref play` with a larger --limit-seconds"),
     ("raise --fuel if it really takes that long", "if it really takes that long, start `scenic-ref play` with a larger --fuel"),
-    ("choose that dialect by --dialect", "choose that dialect by a first line such as `# dialect: scenic-3`"),
     ("try --backend smc, or more --max-attempts", "make them less strict here, or save the program, and use `scenic-ref run --backend smc`"),
     ("the interpreter can: --backend interpreter", "save the program, and use `scenic-ref run`"),
     ("(-p map=site.geojson)", "(`scenic-ref play --map site.geojson`)"),

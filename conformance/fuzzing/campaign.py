@@ -69,7 +69,7 @@ def read(path: Path) -> tuple[dict[str, dict[str, object]], list[FuzzedProgram]]
         if last:
             path.write_text("".join(f"{line}\n" for line in whole), "utf-8")
         return first, [as_examined(json.loads(line)) for line in whole[1:]]
-    except (OSError, ValueError, TypeError, LookupError, AttributeError) as error:
+    except (OSError, ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:
         raise UsageError(f"{path} is not a campaign: {error}") from error
 
 

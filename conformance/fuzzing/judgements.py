@@ -93,7 +93,7 @@ def findings_in(text: str, file: str) -> CampaignFindings:
     """The findings in a text, read strictly. Raises `UsageError`."""
     try:
         tables = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise UsageError(f"{file} is not TOML: {error}") from error
     fields = VectorFields(file, tables)
     name, about, found = fields.text("name"), fields.text("about"), fields.any("finding", [])

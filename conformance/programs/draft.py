@@ -91,6 +91,11 @@ class Draft:
         """Whether this program may use a feature."""
         return feature in self.features
 
+    @property
+    def view_distance(self) -> str:
+        """The name of the property that says how far an object sees."""
+        return "visibleDistance" if self.allows("released") else "viewDistance"
+
     def is_random(self, node: Node) -> bool:
         """Whether an expression draws, or mentions a variable that may be random; ego, which may be, is mentioned where an operand is left out."""
         random = DISTRIBUTIONS | {v.name for v in self.variables if v.random}

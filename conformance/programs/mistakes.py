@@ -262,7 +262,9 @@ MISTAKES: tuple[Mistake, ...] = (
 )  # fmt: skip
 
 UNREACHABLE: dict[str, str] = {
+    "NoEgo": "it is raised where a scene is asked for of a program whose ego a compose block makes, not by a run",
     "NeedsElements": "the machine computes the elements, and makes the call again",
+    "OutOfTime": "whether it is raised depends on the machine and on the limit that whoever runs the program sets",
     "SimulatorError": "it is the fault of a simulator, not of the program",
     "SpecifiedTwiceOptionally": "only position specifiers specify another property optionally, and two of them specify the position twice",
 }

@@ -213,7 +213,7 @@ def measures(draft: Draft, depth: int) -> list[Option]:
         ]
     if draft.known("object"):
         thing = name(draft.choices.pick(draft.known("object")).name)
-        options.append((2, lambda: attribute(thing, draft.choices.pick(["width", "length", "viewDistance"]))))
+        options.append((2, lambda: attribute(thing, draft.choices.pick(["width", "length", draft.view_distance]))))
     if draft.known("region"):
         region = name(draft.choices.pick(draft.known("region")).name)
         options.append((1, lambda: e.Distance(origin=vectors.argument(draft, depth), target=region)))

@@ -178,6 +178,6 @@ def seeing(draft: Draft) -> Specifier:
         case 0:
             return q.WithSpecifier(property="requireVisible", value=booleans.flag(draft, 0.3))
         case 1:
-            return q.WithSpecifier(property="viewDistance", value=scalars.scalar(draft, 30, 60, 1))
+            return q.WithSpecifier(property=draft.view_distance, value=scalars.scalar(draft, 30, 60, 1))
         case _:
             return q.WithSpecifier(property="viewAngle", value=degrees(draft.choices.pick([360, 270, 200, 400])))

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Iterator, Sequence
 from typing import Any
 
+from ...semantics.dynamics.actions import actions_of
 from ...semantics.dynamics.frames import BODY
 from ...semantics.dynamics.guards import scope_of
 from ...semantics.dynamics.invocations import with_arguments
@@ -17,7 +18,7 @@ from ...semantics.kernel.config import PASS, Abrupt, Config
 from ...semantics.kernel.outcome import Draw, Next, Requirement
 from ...semantics.kernel.scopes import Scope
 from ...semantics.kernel.simulation import flagged, has_passed, line_of, simulation_of
-from ...semantics.kernel.values import HOLDING, Dynamic, Instance, plain, unwrap
+from ...semantics.kernel.values import Dynamic, Instance, plain, unwrap
 from ...semantics.python.texts import stable_repr
 from ...semantics.space.distributions import Discrete
 from ...semantics.space.vectors import Vector
@@ -100,17 +101,9 @@ class Courses(Equations):
 
     # Small statements
 
-    def taken(self, actions: Actions) -> Actions:
-        """The actions of `take`, those in lists and tuples one by one."""
-        if self.who.kind != "behavior":
-            return ()
-        if not any(isinstance(action, HOLDING) for action in actions):
-            return actions
-        found: list[Any] = []
-        for action in actions:
-            inner, _ = unwrap(action)
-            found.extend(inner if isinstance(inner, (list, tuple)) else [inner])
-        return tuple(found)
+    def taken(self, node: d.Take, actions: Actions) -> Actions:
+        """The actions of `take`, those in lists and tuples one by one. Raises `RunError` for what is none."""
+        return actions_of(node, actions) if self.who.kind == "behavior" else ()
 
     def tell(self, rule: str, node: Node) -> None:
         """A rule fires that is an event of the time step."""
@@ -136,7 +129,7 @@ class Courses(Equations):
 
     def deadline(self, node: Node, amount: Any) -> Callable[[], bool]:
         """Whether the limit of `for T` has passed, of a statement that begins in this time step."""
-        deadline = deadline_of(node.limit, amount, node, "D-Do")  # type: ignore[attr-defined]
+        deadline = deadline_of(node.limit, amount, node, "D-Do", self.state)  # type: ignore[attr-defined]
         first_step = simulation_of(self.state).step
         return lambda: has_passed(deadline, first_step, simulation_of(self.state))
 
@@ -185,7 +178,7 @@ class Courses(Equations):
         if caller.depth >= MOST_DEPTH:
             raise LeftToMachine("behaviors deep inside each other")
         code: Code = self.library.code_of(behavior)
-        scope = scope_of(behavior, {"self": caller.agent})
+        scope = scope_of(behavior, self.state, self=caller.agent)
         if code.preconditions and not enabled:
             self.check(code.preconditions, scope)
         if code.invariants:
@@ -251,7 +244,7 @@ class Courses(Equations):
 
     def is_enabled(self, caller: Invocation, behavior: Dynamic) -> bool:
         """Whether the preconditions of a behavior hold."""
-        return all(guard.holds(self, scope_of(behavior, {"self": caller.agent})) for guard in self.library.code_of(behavior).preconditions)
+        return all(guard.holds(self, scope_of(behavior, self.state, self=caller.agent)) for guard in self.library.code_of(behavior).preconditions)
 
     def drawn(self, rule: str, distribution: Discrete, node: Node) -> Any:
         """The value of a draw of the coroutine that runs."""

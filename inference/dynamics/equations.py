@@ -12,8 +12,8 @@ from ...semantics.dynamics.processes import Coroutine
 from ...semantics.kernel.conditions import holding, truth
 from ...semantics.kernel.config import Abrupt, Config, Stack, State, Value
 from ...semantics.kernel.driving import Arrived, Chooser, Machine, Unfinished, Witness, drive_machine, taken_over
-from ...semantics.kernel.errors import NeedsElements
-from ...semantics.kernel.outcome import Draw, Next, Outcome, Requirement, Stuck
+from ...semantics.kernel.errors import NeedsElements, OutOfTime
+from ...semantics.kernel.outcome import Draw, Fault, Next, Outcome, Requirement, Stuck
 from ...semantics.kernel.premises import SHARED, Conclusion, Premises, variable
 from ...semantics.kernel.queries import CLOCK, Clock, attribute_of_clock
 from ...semantics.kernel.scopes import MISSING, Scope
@@ -115,6 +115,8 @@ class Equations:
         self.spent += steps
         if isinstance(end, Stuck):
             raise RunRejected(end.rule, end.requirement)
+        if isinstance(end, Fault) and isinstance(end.error, OutOfTime):
+            raise end.error  # the machine would take as long again
         if not isinstance(end, Arrived):
             raise LeftToMachine(VERY_LONG if isinstance(end, Unfinished) else "an error of the program")
         self.state, self.draws = end.config.state, end.config.state.draws

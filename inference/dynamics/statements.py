@@ -164,11 +164,11 @@ class Statements(Expressions):
 
     def take(self, node: d.Take) -> None:
         """`take E1, ..., En`."""
-        t, names = self.temporary(), [self.temporary() for _ in node.actions]
+        t, names, here = self.temporary(), [self.temporary() for _ in node.actions], self.constant(node)
         known = " and ".join(f"type({name}) in ACTIONS" for name in names)
         self.line(f"{t} = ({''.join(f'({name} := {self.taken(a)}), ' for name, a in zip(names, node.actions))})")
-        self.line(f"q.leaf, q.node = I, {self.constant(node)}")
-        self.line(f"yield {t} if {known} and I.agent is not None else q.taken({t})")
+        self.line(f"q.leaf, q.node = I, {here}")
+        self.line(f"yield {t} if {known} and I.agent is not None else q.taken({here}, {t})")
         self.line("if I.invariants: q.check_invariants(I)")
 
     def taken(self, node: Expression) -> str:

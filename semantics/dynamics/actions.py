@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import is_dataclass
+
 from ..kernel.config import Abrupt, Config, Stack, State, Value
+from ..kernel.errors import RunError
 from ..kernel.outcome import Next, Outcome
 from ..kernel.premises import premises
 from ..kernel.simulation import Clause, flagged
-from ..kernel.values import unwrap
+from ..kernel.values import Dynamic, unwrap
+from ..python.expression_statements import RUN_BY
 from ..syntax import dynamics as d
+from ..syntax.nodes import Expression, Node
 from ..syntax.python_expressions import Constant
 from ..syntax.statements import While
 from .frames import Abortable
@@ -28,10 +34,38 @@ def conclude_take(node: d.Take, values: list[object], stack: Stack, state: State
 
     Actions in lists and tuples are taken one by one; a monitor's are ignored (reading `take-in-monitor`).
     """
+    taken = actions_of(node, values) if runner(stack).kind == "behavior" else ()
+    return suspend(taken, Value(None), stack, state, "D-Take", node)
+
+
+def actions_of(node: d.Take, values: Sequence[object]) -> tuple[object, ...]:
+    """The actions among the values of `take`, also in lists and tuples. Raises `RunError` for what is none."""
     actions: list[object] = []
-    for value in (unwrap(v)[0] for v in values):
-        actions.extend(value if isinstance(value, (list, tuple)) else [value])
-    return suspend(tuple(actions) if runner(stack).kind == "behavior" else (), Value(None), stack, state, "D-Take", node)
+    for expression, value in zip(node.actions, (unwrap(v)[0] for v in values), strict=True):
+        inside: Sequence[object] = value if isinstance(value, (list, tuple)) else [value]
+        for one in inside:
+            refuse_other(one, expression)
+        actions.extend(inside)
+    return tuple(actions)
+
+
+def refuse_other(value: object, expression: Expression) -> None:
+    """Raises `RunError` for a behavior, scenario or monitor, and for a class of actions."""
+    if isinstance(value, Dynamic):
+        called = f"{value!r}" if value.arguments is not None else f"{value!r}()"
+        what = type(value.definition).__name__.removesuffix("Definition").lower()
+        hint = to_run(type(value.definition), called)
+        raise RunError(f"{value!r} is a {what}, not an action", expression.span, rule="D-Take", hint=hint)
+    if isinstance(value, type) and is_dataclass(value):
+        text = f"{value.__name__} is a class of actions, not an action"
+        raise RunError(text, expression.span, rule="D-Take", hint=f"write `{value.__name__}(...)`")
+
+
+def to_run(kind: type[Node], called: str) -> str:
+    """How a behavior, scenario or monitor is run, by the kind of its definition."""
+    if kind is d.BehaviorDefinition:
+        return f"write `do {called}`"
+    return f"write `do {called}` in a compose block" if kind is d.ScenarioDefinition else RUN_BY[kind]
 
 
 def wait(node: d.Wait, stack: Stack, state: State) -> Outcome:
@@ -49,7 +83,7 @@ def wait_for(node: d.WaitFor, stack: Stack, state: State) -> Outcome:
 def conclude_wait_for(node: d.WaitFor, values: list[object], stack: Stack, state: State) -> Outcome:
     """⟦wait until B⟧ = ⟦try: while True: wait; interrupt when B: abort⟧, and likewise ⟦wait for T⟧, where B is that T has passed."""
     limit = node.limit
-    condition = limit.condition if isinstance(limit, d.Until) else deadline_of(limit, values[0], node, "D-WaitFor")
+    condition = limit.condition if isinstance(limit, d.Until) else deadline_of(limit, values[0], node, "D-WaitFor", state)
     forever = While(test=Constant(value=True, span=node.span), body=(d.Wait(span=node.span),), span=node.span)
     begun = interruptible(node, (Clause(condition, (d.Abort(span=node.span),)),), (forever,), (Abortable(), stack), state)
     return begun._replace(rule="D-WaitFor")  # type: ignore[union-attr]

@@ -7,11 +7,12 @@ from typing import NamedTuple
 from ..kernel.conditions import holding
 from ..kernel.config import Abrupt, Config, Stack, State, Value
 from ..kernel.errors import RunError
+from ..kernel.kinds import is_finite, is_scalar, kind_name
 from ..kernel.outcome import Draw, Next, Outcome, Requirement, Stuck
 from ..kernel.premises import premises
 from ..kernel.scopes import Scope
 from ..kernel.simulation import agent_of
-from ..kernel.values import plain
+from ..kernel.values import Dynamic, plain
 from ..space.distributions import BadParameters, Discrete
 from ..syntax import dynamics as d
 from .frames import Picking, Shuffling
@@ -57,7 +58,7 @@ def enable(frame: Enabling, stack: Stack, state: State) -> Outcome:
         conditions = dynamic.definition.preconditions  # type: ignore[attr-defined]
         if frame.condition < len(conditions):
             who = runner(stack)
-            scope = scope_of(dynamic, {"self": agent_of(who, state)} if who.kind == "behavior" else {})
+            scope = scope_of(dynamic, state, **({"self": agent_of(who, state)} if who.kind == "behavior" else {}))
             return Next("", Config(conditions[frame.condition], (frame, stack), state._replace(sigma=scope)))
         frame = frame._replace(i=frame.i + 1, condition=0, enabled=(*frame.enabled, frame.i))
     return choose(frame, stack, state)
@@ -83,19 +84,36 @@ def choose(frame: Enabling, stack: Stack, state: State) -> Outcome:
     Scenic will reject the simulation."
     """
     picking, node = frame.picking, frame.picking.node
+    word = "choose" if isinstance(node, d.DoChoose) else "shuffle"
     if not frame.enabled:
-        word = "choose" if isinstance(node, d.DoChoose) else "shuffle"
         return Stuck("D-Choose", Requirement("precondition", node.span, f"one of those to {word} from on line {node.span.line} is enabled"))
     try:
         distribution = Discrete(tuple((k, picking.options[k][1]) for k in frame.enabled))  # type: ignore[arg-type]
-    except BadParameters as bad:
-        raise RunError(str(bad), node.span, rule="D-Choose") from None
+    except BadParameters:
+        text, wrong = weights_fault([picking.options[k] for k in frame.enabled])
+        whole = len(picking.options) == len(node.weights)  # `do shuffle` has not run any yet
+        span = node.weights[frame.enabled[wrong]].span if whole and wrong is not None else node.span
+        raise RunError(f"`do {word}`: {text}", span, rule="D-Choose") from None
 
     def resume(chosen: object) -> Config:
         after = state._replace(draws=state.draws + 1)
         return Config(Value(Chosen(picking, plain(chosen))), (Starting(), stack), after)  # type: ignore[arg-type]
 
     return Draw("D-Choose", state.address, distribution, node, resume)
+
+
+def weights_fault(options: list[tuple[Dynamic, object]]) -> tuple[str, int | None]:
+    """Return what is wrong with the weights of the options that are left (reading `choose-weights`), and the number of
+    the wrong one.
+    """
+    for number, (option, weight) in enumerate(options):
+        if not is_scalar(weight) or not is_finite(weight):
+            given = weight if is_scalar(weight) else kind_name(weight)
+            return f"the weight of {option!r} must be a finite number, not {given}", number
+        if weight < 0:  # type: ignore[operator]
+            return f"the weight of {option!r} must not be negative, but it is {weight}", number
+    left = ", ".join(repr(option) for option, _ in options)
+    return f"the weights of all options that are left and enabled ({left}) are 0", None
 
 
 class Chosen(NamedTuple):

@@ -41,7 +41,7 @@ def terminate_after(node: d.TerminateAfter, stack: Stack, state: State) -> Outco
 
 def conclude_terminate_after(node: d.TerminateAfter, values: list[object], stack: Stack, state: State) -> Outcome:
     """Declare the time limit."""
-    return dynamic_requirement(node, stack, state, Declared(node, state.sigma, deadline_of(node.limit, values[0], node, "D-TerminateAfter")))
+    return dynamic_requirement(node, stack, state, Declared(node, state.sigma, deadline_of(node.limit, values[0], node, "D-TerminateAfter", state)))
 
 
 def simulator(node: s.ChooseSimulator, stack: Stack, state: State) -> Outcome:
@@ -82,4 +82,4 @@ def conclude_definition(
 def monitored(monitor: Dynamic, node: Node, state: State) -> Declared:
     """A monitor that is to run, with a scope of its own in which its parameters are bound."""
     instance = with_arguments(monitor, node, state)
-    return Declared(instance.definition, scope_of(instance, {}))
+    return Declared(instance.definition, scope_of(instance, state))

@@ -14,6 +14,7 @@ from ..kernel.outcome import Next, Outcome, Requirement, Stuck
 from ..kernel.scopes import Scope, function_names
 from ..kernel.simulation import TOP, Who, simulation_of
 from ..kernel.values import Dynamic
+from ..python.expressions import arrived
 from ..python.functions import bind
 from ..syntax import dynamics as d
 from ..syntax import statements as s
@@ -108,11 +109,13 @@ def unwind_guarding(frame: Guarding, abrupt: Abrupt, stack: Stack, state: State)
     return Next("", Config(abrupt, stack, state._replace(sigma=frame.outer)))
 
 
-def scope_of(dynamic: Dynamic, more: dict[str, object]) -> Scope:
-    """A new scope with the arguments as variables, and `more`."""
+def scope_of(dynamic: Dynamic, state: State, **more: object) -> Scope:
+    """A new scope with the arguments as variables, and `more`; what waited for a scenario that has begun since waits no longer."""
     definition = dynamic.definition
     assert dynamic.arguments is not None
-    bound = bind(definition.name, definition.parameters, dynamic.defaults, *dynamic.arguments)  # type: ignore[attr-defined]
+    positional = tuple(arrived(value, state) for value in dynamic.arguments[0])
+    keywords = {name: arrived(value, state) for name, value in dynamic.arguments[1].items()}
+    bound = bind(definition.name, definition.parameters, dynamic.defaults, positional, keywords)  # type: ignore[attr-defined]
     return Scope("function", dynamic.scope, function_names(definition), {**bound, **more})
 
 

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 from ..kernel.conditions import holding
 from ..kernel.config import PASS, Abrupt, Config, Stack, State, Value
+from ..kernel.errors import NotBegun
 from ..kernel.outcome import Next, Outcome
 from ..kernel.simulation import Clause, Deadline, Suspended, Who, has_passed, simulation_of
 from ..python.control import Finally, Handling, block, try_statement
@@ -134,7 +135,12 @@ def resume_interrupting(frame: Interrupting, result: object, stack: Stack, state
 
 
 def unwind_interrupting(frame: Interrupting, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
-    """A condition raised an exception, which leaves its statement: what that was running is given up."""
+    """A condition raised an exception, which leaves its statement: what that was running is given up.
+
+    One about a scenario that has not begun is not true yet (reading `names-not-begun`).
+    """
+    if isinstance(abrupt.value, NotBegun):
+        return resume_interrupting(frame, False, stack, state)
     inside = frame.process._replace(frames=frame.process.frames[: frame.place + 1])
     return give_up((inside,), Config(abrupt, stack, state))
 

@@ -65,7 +65,7 @@ def limited(
     if isinstance(limit, d.Until):
         condition = limit.condition
     else:
-        condition = deadline_of(limit, amount, node, "D-Do")
+        condition = deadline_of(limit, amount, node, "D-Do", state)
     until = Clause(condition, (d.Abort(span=node.span),))
     if isinstance(task, Begin) and runner(stack).kind == "compose":
         check_kinds(task, "compose")
@@ -129,7 +129,7 @@ def run_behavior(node: Node, behavior: Dynamic, who: Who, stack: Stack, state: S
     """Check the preconditions and invariants of a behavior, then run its body."""
     if state.depth >= LARGEST_DEPTH:
         raise RunError(f"{behavior!r} invokes itself too deeply ({LARGEST_DEPTH} invocations are open)", node.span, rule="D-Do")
-    scope = scope_of(behavior, {"self": agent_of(who, state)})
+    scope = scope_of(behavior, state, self=agent_of(who, state))
     return guarded(guards_of(behavior, scope)[enabled:], partial(enter_behavior, node, behavior, scope), stack, state)
 
 

@@ -8,9 +8,13 @@ from ..kernel.kinds import is_object, kind_name
 from ..kernel.outcome import Change, Next, Outcome
 from ..kernel.positions import expression_of, specifying, waits
 from ..kernel.premises import premises
+from ..kernel.properties import checked_property
 from ..kernel.simulation import Agent, Overridden, Running, Setting, simulation_of, with_agent, with_scenario, with_simulation
+from ..kernel.suggestions import did_you_mean
 from ..kernel.values import Instance, plain
 from ..python.functions import InScope
+from ..scenes.resolution import Specification, specified_twice
+from ..scenes.specifier_arguments import describe
 from ..syntax import dynamics as d
 from ..syntax import specifiers as q
 from .processes import Coroutine
@@ -31,25 +35,15 @@ def conclude_override(node: d.Override, values: list[object], stack: Stack, stat
 
     The old values are remembered here; a behavior is suspended, and the new one begins.
     """
-    target, *assigned = (plain(v) for v in values)
+    target, assigned = plain(values[0]), values[1:]
     if not (isinstance(target, Instance) and is_object(target)):
         raise RunError(f"only Objects can be overridden, not {kind_name(target)}", node.span, rule="D-Override")
     if state.simulation is None:
         raise RunError("`override` needs a scenario that runs: the initial one sets the properties themselves", node.span, rule="D-Override")
-    if any(map(waits, assigned)):
+    if any(map(waits, map(plain, assigned))):
         inner = state._replace(sigma=specifying(target, state.sigma))
         return premises(node, list(map(expression_of, values)), conclude_override, (InScope(state.sigma), stack), inner)
-    changes: dict[str, object] = {}
-    for specifier, value in zip(node.specifiers, assigned, strict=True):
-        assert isinstance(specifier, q.WithSpecifier)
-        if specifier.property in simulation_of(state).fixed:
-            raise RunError(f"{specifier.property} is updated by the simulator: it cannot be overridden", specifier.span, rule="D-Override")
-        if specifier.property not in state.objects[target.number]:
-            raise RunError(f"{target!r} has no property {specifier.property}", specifier.span, rule="D-Override")
-        if specifier.property in target.class_.finals:
-            text = f"the property {specifier.property} of {target.class_.name} is final: no specifier may specify it"
-            raise RunError(text, specifier.span, rule="D-Override")
-        changes[specifier.property] = value
+    changes = changed_properties(node, target, assigned, state)
     old = {name: state.objects[target.number][name] for name in changes}
     agent = simulation_of(state).agents.get(target.number, Agent(target)) if "behavior" in changes else None
     order = simulation_of(state).overrides
@@ -57,6 +51,33 @@ def conclude_override(node: d.Override, values: list[object], stack: Stack, stat
     state = remembered(Overridden(target, old, agent, order), stack, state.with_properties(target, changes))
     state = with_agent(state, Agent(target)) if agent is not None else state
     return Next("D-Override", Config(PASS, stack, state), node, Change("O", repr(target), changes, target))
+
+
+def changed_properties(node: d.Override, target: Instance, assigned: list[object], state: State) -> dict[str, object]:
+    """Return the properties that `override` specifies, with the values that its specifiers give them.
+
+    Section "Statements", "Overrides": "It has the same structure as an object definition". So a property is specified once (Algorithm 1, gather all
+    specified properties), has its second spelling, and takes the values that it takes there. Raises `RunError` and `SpecifiedTwice`.
+    """
+    specified: dict[str, Specification] = {}
+    changes: dict[str, object] = {}
+    for specifier, value in zip(node.specifiers, assigned, strict=True):
+        assert isinstance(specifier, q.WithSpecifier)
+        specification = describe(specifier, [value], state)
+        (name,) = specification.specifies
+        if name in specified:
+            raise specified_twice(name, specified[name], specification)
+        specified[name] = specification
+        if name in simulation_of(state).fixed:
+            raise RunError(f"{name} is updated by the simulator: it cannot be overridden", specifier.span, rule="D-Override")
+        if name not in state.objects[target.number]:
+            hint = did_you_mean(name, state.objects[target.number], "")
+            raise RunError(f"{target!r} has no property {name}", specifier.span, rule="D-Override", hint=hint)
+        if name in target.class_.finals:
+            text = f"the property {name} of {target.class_.name} is final: no specifier may specify it"
+            raise RunError(text, specifier.span, rule="D-Override")
+        changes[name] = checked_property(name, value, specifier.value.span, specification.name, state)
+    return changes
 
 
 def remembered(override: Overridden, stack: Stack, state: State) -> State:

@@ -11,7 +11,7 @@ from ..kernel.config import Abrupt, Config, Properties, Stack, State, Value
 from ..kernel.errors import RunError
 from ..kernel.kinds import is_scalar, kind_name
 from ..kernel.outcome import Next, Outcome
-from ..kernel.scopes import Scope
+from ..kernel.scopes import BEGUN, Scope
 from ..kernel.simulation import (
     Clause,
     Deadline,
@@ -147,7 +147,7 @@ def fresh_space(scenario: Dynamic, node: Node, state: State) -> Scope:
     assert scope is not None
     if any(running.dynamic is scenario and not running.over for running in simulation_of(state).scenarios.values()):
         raise RunError(f"this instance of {scenario!r} is running already", node.span, rule="D-Do", hint="make another one")
-    scope.refill(scope_of(scenario, {}).bindings)
+    scope.refill({**scope_of(scenario, state).bindings, BEGUN: True})
     return scope
 
 
@@ -298,7 +298,7 @@ def time_is_over(declared: Declared, running: Running, stack: Stack, state: Stat
     return Next("D-TerminateAfter", Config(Value(Over(reason)), stack, state), declared.node)
 
 
-def deadline_of(limit: d.TimeLimit, amount: object, node: Node, rule: str) -> Deadline:
+def deadline_of(limit: d.TimeLimit, amount: object, node: Node, rule: str, state: State) -> Deadline:
     """The time limit, once its amount is a value. Raises `RunError` for one that is no number, or below 0."""
     time = plain(amount)
     word = "after" if isinstance(node, d.TerminateAfter) else "for"
@@ -306,7 +306,7 @@ def deadline_of(limit: d.TimeLimit, amount: object, node: Node, rule: str) -> De
         raise RunError(f"the time of `{word}` must be a number, not {kind_name(time)}", node.span, rule=rule)
     if time < 0:  # type: ignore[operator]
         raise RunError(f"the time of `{word}` must be at least 0, not {time}", node.span, rule=rule)
-    return Deadline(float(time), limit.unit)  # type: ignore[arg-type]
+    return Deadline(float(time), limit.unit, state.reading("between-steps") == "rounded-up")  # type: ignore[arg-type]
 
 
 def resume_ending(frame: Ending, result: object, stack: Stack, state: State) -> Outcome:

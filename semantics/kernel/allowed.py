@@ -12,8 +12,9 @@ from __future__ import annotations
 
 import builtins
 import math
-from collections import Counter, OrderedDict, defaultdict, deque
-from collections.abc import Mapping
+from collections import defaultdict
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from enum import Enum, Flag, IntEnum, auto
 from functools import cmp_to_key
 from types import BuiltinFunctionType, EllipsisType, FunctionType, MethodDescriptorType, MethodType, ModuleType, NoneType, NotImplementedType
@@ -24,11 +25,12 @@ from ..space.regions import CircularRegion, PolygonalRegion, PolylineRegion, Rec
 from ..space.symbols import NotLifted, Symbol
 from ..space.vectors import Vector
 from .budget import Metered
+from .containers import Counter, OrderedDict, deque
 from .generators import Generator
 from .queries import Clock, Closest, Parameters
 from .scenic_classes import Above, ScenicClass
 from .sets import FrozenSet, Set
-from .values import Bound, Constructor, Dynamic, Entries, Function, Hint, Instance, Method, Module, Native, Pairs, Random, Special
+from .values import Applicable, Bound, Constructor, Dynamic, Entries, Function, Hint, Instance, Method, Module, Native, Pairs, Random, Special
 from .waiting import Waiting
 
 Names = frozenset[str]
@@ -72,9 +74,6 @@ ATTRIBUTES: Mapping[type, Names] = {
     type({}.keys()): names("isdisjoint"),
     type({}.values()): names(""),
     type({}.items()): names("isdisjoint"),
-    type(OrderedDict().keys()): names(""),
-    type(OrderedDict().values()): names(""),
-    type(OrderedDict().items()): names(""),
     # other values of Python
     NoneType: names(""),
     NotImplementedType: names(""),
@@ -98,18 +97,39 @@ ATTRIBUTES: Mapping[type, Names] = {
     CircularRegion: names("center radius"),
     SectorRegion: names("center radius heading angle"),
     RectangularRegion: names("position heading width length"),
-    PolygonalRegion: names("polygon"),
+    PolygonalRegion: names("polygon polygons"),
     PolylineRegion: names("lineString heading_at nearestSegmentTo signedDistanceTo project pointAlongBy equallySpacedPoints pointsSeparatedBy"),
     Workspace: names("region"),
 }
 """The attributes of each type of values; those of the types that it is derived from are its own as well."""
+
+HOLDS = "Python holds the element that it asks a method about; the method may not change the container (`versions.check_idle`)"
+COPIED = f"{HOLDS}; what is ordered is a copy"
+NOTHING = "calls nothing of a program"
+ASKED_ONCE = "a number that a class of the program stands for is asked for once, before anything is made"
+SAFE: Mapping[type, str] = {
+    bool: NOTHING, int: NOTHING, float: NOTHING, complex: NOTHING,
+    str: f"Python takes the characters that are there, whatever a class below it says; {ASKED_ONCE}; formats are ours",
+    bytes: f"as text; {ASKED_ONCE}",
+    list: COPIED, tuple: f"cannot change; {COPIED}", dict: HOLDS, range: NOTHING, slice: ASKED_ONCE, defaultdict: f"as a dictionary; {HOLDS}",
+    deque: "ours: a copy is gone through", Counter: "ours: counts in Python, not in C",
+    OrderedDict: "ours: a dictionary, which has an order as it is",
+    type({}.keys()): HOLDS, type({}.values()): HOLDS, type({}.items()): HOLDS,
+    NoneType: NOTHING, NotImplementedType: NOTHING, EllipsisType: NOTHING, object: NOTHING,
+    BaseException: "a place in a text, of which Python would read the characters, lies within it (`prices.check_exception`)",
+    StopIteration: "as other exceptions", property: "cannot change; its functions are called last",
+    staticmethod: NOTHING, classmethod: NOTHING, BuiltinFunctionType: "what it is called with is checked for the function that it is",
+    MethodType: "as a function", MethodDescriptorType: "as a function",
+    Enum: "made by Python code", auto: NOTHING,
+}  # fmt: skip
+"""Of each type of Python's: why its C code survives the methods of a program that it calls. `tests/hostile/dunders.py` puts it to the test."""
 
 KEY = type(cmp_to_key(lambda first, second: 0))
 """What `functools.cmp_to_key` gives."""
 
 OWN: tuple[type, ...] = (
     Above, Bound, Clock, Closest, Constructor, Dynamic, Entries, Function, Generator, Hint, Instance, Metered, Method, Module, Native, Pairs,
-    Parameters, Random, ScenicClass, Special, Waiting, Symbol, Region, VectorField, KEY,
+    Parameters, Random, ScenicClass, Special, Waiting, Symbol, Region, VectorField, KEY, Applicable,
 )  # fmt: skip
 """Types of the machine, and of what it computes with: the rules of the language say what may be done with them."""
 
@@ -122,9 +142,20 @@ BUILTINS: Names = names(
 OURS_OF_MATH: Names = names("factorial comb perm prod lcm")
 """What of `math` is ours, since Python's own makes more than fits into memory by one call, or never ends."""
 
-FUNCTIONS = frozenset(getattr(builtins, name) for name in BUILTINS) | frozenset(
-    {str.maketrans} | {value for name, value in vars(math).items() if callable(value) and not name.startswith("_") and name not in OURS_OF_MATH}
-)
+OF_MATH = {name: value for name, value in vars(math).items() if callable(value) and not name.startswith("_") and name not in OURS_OF_MATH}
+THROUGH = "holds the iterator, and each element that it is at"
+SAFE_FUNCTIONS: Mapping[Callable[..., object], str] = {
+    **{kind: SAFE[kind] for kind in (getattr(builtins, name) for name in sorted(BUILTINS)) if isinstance(kind, type)},
+    abs: "calls one method of its argument, and keeps nothing", divmod: "as the operators", len: "asks for one number, which is checked",
+    all: THROUGH, any: THROUGH, max: f"{THROUGH}, and the best so far", min: f"{THROUGH}, and the best so far",
+    sorted: "makes a list of its own first, which nobody else has", ord: "Python takes the character that is there",
+    bin: ASKED_ONCE, hex: ASKED_ONCE, oct: ASKED_ONCE, chr: ASKED_ONCE,
+    str.maketrans: "goes through a dictionary, which its keys' methods may not change; characters as they are",
+    **dict.fromkeys(OF_MATH.values(), "each number is asked for once; what comes from an iterator is held until then"),
+}  # fmt: skip
+"""Of each function and class of Python's that may be called: why its C code survives the methods of a program that it calls."""
+
+FUNCTIONS = frozenset(SAFE_FUNCTIONS)
 """The functions of Python that a program may hold."""
 
 CLASSES: Names = names("__name__ __doc__")
@@ -142,6 +173,9 @@ OVERRIDES: Names = names(
     "__and__ __rand__ __iand__ __or__ __ror__ __ior__ __xor__ __rxor__ __ixor__"
 )
 """The names between two underscores that a Python class of the program may define."""
+
+LOOKING = names("__eq__ __ne__ __lt__ __le__ __gt__ __ge__ __hash__ __bool__ __len__ __repr__ __str__ __format__")
+"""Those of them that Python calls while it looks through a container, which they may not change (`versions.check_idle`)."""
 
 MARK = "__scenic_user_class__"
 
@@ -164,6 +198,11 @@ def own_word(value: object, name: str, otherwise: object = None) -> Any:
 def may_override(name: str, member: object) -> bool:
     """Whether a class of the program may define `name`, one of `OVERRIDES`, as that: as a function of its own, whose steps are counted."""
     return isinstance(member, Function) or member is None or name == "__doc__"
+
+
+def as_member(name: str, member: object) -> object:
+    """What a class of the program holds under a name: of `LOOKING`, a function that is known for it."""
+    return replace(member, looks=True) if name in LOOKING and isinstance(member, Function) else member
 
 
 def is_hidden(name: str) -> bool:
@@ -230,9 +269,16 @@ def is_member(class_: type, name: str) -> bool:
 
 def is_known(class_: type) -> bool:
     """Whether a class may be a value: one of the program, of the table, an exception, or one that says itself what programs may ask of it."""
+    if class_ is MethodType:  # a program that could make methods would call what it likes past the checks of what is called
+        return False
     if is_user_class(class_) or class_ in ATTRIBUTES or class_ in BASES or class_ in FUNCTIONS or issubclass(class_, Exception):
         return True
     return hasattr(class_, "scenic_names") or issubclass(class_, (Region, VectorField))
+
+
+def may_make(class_: type) -> bool:
+    """Whether a program may call the class: of ours those that it has under a name, not those that it only finds as the class of a value."""
+    return getattr(class_, "scenic_made", False) is not True
 
 
 def is_value(value: object) -> bool:

@@ -15,6 +15,7 @@ from collections.abc import Iterable, Iterator, Sized
 from typing import Any
 
 from .errors import FuelExhausted, NeedsElements, RunError
+from .sets import FrozenSet, Set
 from .versions import Note, Slot, Versions
 
 LARGEST_WORK = 400_000_000
@@ -86,11 +87,12 @@ class Place:
 class Metered:
     """An iterator of a program, at a place; nothing goes through it without paying, and Ctrl-C is heard between two items."""
 
-    __slots__ = ("budget", "place", "since")
+    __slots__ = ("budget", "place", "running", "since")
 
     def __init__(self, items: Iterator[object], budget: Budget) -> None:
         self.place = Place(items)
         self.budget = budget
+        self.running = False
         self.since: list[Note] | None = None
 
     def __iter__(self) -> Metered:
@@ -99,10 +101,15 @@ class Metered:
     def __next__(self) -> object:
         place, versions = self.place, self.budget.versions
         if place.next is None:
+            if self.running:  # Python's iterators do not survive it
+                raise ValueError("iterator already executing")
+            self.running = True
             try:
                 place.item = next(place.items)
             except NeedsElements as needed:
                 raise (needed if needed.generator is place.items else RunError(needed.message, hint=needed.hint, rule="E-Call-Host")) from None
+            finally:
+                self.running = False
             place.next = Place(place.items)
         self.budget.spend(ITEM + (8 * len(place.item) if isinstance(place.item, (tuple, str, list)) else 0))
         if self.since is not versions.current.undo:  # one note per version
@@ -122,12 +129,37 @@ def size_of(value: Sized) -> int:
     return 0 if isinstance(value, type) else length_of(value)
 
 
-COUNTED: tuple[type[Any], ...] = (list, tuple, dict, str, set, frozenset, bytes, deque, type({}.keys()), type({}.values()), type({}.items()))
+VIEWS = (type({}.keys()), type({}.values()), type({}.items()))
+COUNTED: tuple[type[Any], ...] = (list, tuple, dict, str, Set, FrozenSet, set, frozenset, bytes, deque, *VIEWS)
 
 
 def length_of(value: object) -> int:
     """How many elements a container of Python really has, whatever a class of the program says of it; 0 for anything else."""
     return next((counted.__len__(value) for counted in COUNTED if isinstance(value, counted)), 0)
+
+
+def items_of(container: Any) -> Iterable[Any]:
+    """The elements of a container of Python (of a dictionary the keys), whatever a class of the program says of it; what it says of anything else."""
+    if type(container) in EXACT:
+        return container
+    return next((counted.__iter__(container) for counted in COUNTED if isinstance(container, counted)), container)
+
+
+def values_of(entries: dict[Any, Any]) -> Iterable[Any]:
+    """The values of a dictionary, whatever a class of the program says of them."""
+    return dict.values(entries)
+
+
+EXACT = frozenset((list, tuple, dict))
+
+
+def plain_data(value: Any) -> Any:
+    """A number or text of a class of the program as Python's own, whatever the class says of it; anything else as it is."""
+    if isinstance(value, str):
+        return str.__str__(value)
+    if isinstance(value, float):
+        return float.__float__(value)
+    return int.__add__(value, 0) if isinstance(value, int) and not isinstance(value, bool) else value
 
 
 def whole(number: Any) -> int:

@@ -6,6 +6,7 @@ import operator as python
 from collections import deque
 from collections.abc import Callable, Collection, Sequence
 from functools import reduce as fold_left
+from types import BuiltinFunctionType, MethodType
 from typing import Any, NamedTuple, TypeGuard
 
 from ..space.numeric import is_needed, is_truth
@@ -19,7 +20,10 @@ from .host import host
 from .kinds import kind_name
 from .outcome import Next, Outcome
 from .premises import describe_origin
-from .values import Random, plain
+from .scenic_classes import ScenicClass
+from .values import Applicable, Bound, Constructor, Dynamic, Function, Method, Module, Native, Random, Special, plain
+
+INSTEAD_OF_BRANCHES = "use `require` to condition on it, or Uniform/Discrete to choose among values"
 
 
 class Boolean(NamedTuple):
@@ -103,33 +107,41 @@ def is_counted(value: object) -> TypeGuard[Collection[object]]:
     return not is_user_made(value) and isinstance(value, (list, tuple, dict, set, frozenset, deque))
 
 
-def truth(result: object, node: Node, state: State, what: str) -> bool:
+def truth(result: object, node: Node, state: State, what: str, hint: str = INSTEAD_OF_BRANCHES) -> bool:
     """The truth of a condition that decides control flow: it may not be random outside behaviors, monitors and compose blocks."""
     if type(result) is Random:
-        raise random_branch(result, node, what)
+        raise random_branch(result, node, what, hint)
     return bool_of(result, node, state)
 
 
-def random_branch(result: Random, node: Node, what: str) -> RandomBranch:
+def random_branch(result: Random, node: Node, what: str, hint: str = INSTEAD_OF_BRANCHES) -> RandomBranch:
     """Section "Syntax of Scenic": "conditional branching may not depend on random variables (except in behaviors)." It is an error, whatever was
     drawn (reading `random-branch`).
     """
     return RandomBranch(
         f"{what} is random: it depends on {describe_origin(result.origin)}, and control flow outside behaviors and compose blocks may not",
-        node.span, rule="E-Branch", hint="use `require` to condition on it, or Uniform/Discrete to choose among values",
+        node.span, rule="E-Branch", hint=hint,
     )
 
 
 def holding(result: object, span: Span, state: State, what: str, rule: str) -> object:
     """Whether the condition of a requirement, guard, interrupt or end holds, perhaps as a symbol: a boolean, in this run where it is random.
 
-    An instance of a Python class of the program is as true as it says. Raises `RunError` for anything else (reading `condition-truth`).
+    An instance of a Python class of the program is as true as it says. Raises `RunError` for anything else (reading `condition-truth`), and under
+    each reading for a definition, which would always hold.
     """
     inner = plain(result)
-    holds = truth_of(result, state) if is_user_made(inner) or state.reading("condition-truth") == "any" else inner
+    any_truth = state.reading("condition-truth") == "any" and not isinstance(inner, DEFINITIONS)
+    holds = truth_of(result, state) if any_truth or (is_user_made(inner) and not isinstance(inner, type)) else inner
     if not is_truth(holds):
         raise RunError(f"{what} must be a boolean, not {kind_name(result)}", span, rule=rule, hint="compare it with something")
     return holds
+
+
+DEFINITIONS = (
+    Dynamic, ScenicClass, type, Function, Method, Native, Bound, Special, Applicable, Constructor, Module, BuiltinFunctionType, MethodType,
+)  # fmt: skip
+"""Behaviors, scenarios, classes, functions, distributions and modules, which have no truth value of their own."""
 
 
 class Test(NamedTuple):

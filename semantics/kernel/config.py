@@ -24,7 +24,8 @@ class Settings(NamedTuple):
     """What stays the same during a run: readings, importable modules, the machine itself (for calls from host code).
 
     `elsewhere` has the world models in which a name can be found, and `defined` where the program binds one at its top level, for
-    suggestions. A `trusted` program may hold and ask anything (`allowed`), since it imports Python code that can do anything.
+    suggestions. `dialect` is the program's. A `trusted` program may hold and ask anything (`allowed`), since it imports Python code that can do
+    anything.
     """
 
     readings: Mapping[str, str]
@@ -38,6 +39,7 @@ class Settings(NamedTuple):
     given: GivenValues = GivenValues()
     elsewhere: Mapping[str, tuple[str, ...]] = {}
     defined: Mapping[str, Span] = {}
+    dialect: str = "paper"
 
 
 class Captured(NamedTuple):

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sized
 from typing import NamedTuple
 
 from ..space.distributions import BadParameters, Distribution, NoValues
 from ..syntax.nodes import Node, Span
+from ..syntax.python_expressions import Call, DictDisplay
 from .config import Abrupt, Config, Stack, State, Value
 from .errors import RunError
 from .outcome import Draw, Next, Outcome, Requirement, Stuck
@@ -28,10 +29,15 @@ def draw(node: Node, constructor: Constructor, arguments: tuple[object, ...], ke
             return of_nothing(constructor, node.span)
         return invalid("E-Distributions", bad, node.span, state)
     except BadParameters as bad:
-        return invalid("E-Distributions", bad, node.span, state)
+        return invalid("E-Distributions", bad, place_of_weight(node, arguments, bad.number), state)
     except TypeError:
-        raise RunError(f"the parameters of {constructor.name} are ({constructor.takes})", node.span, rule="E-Distributions") from None
+        text = f"the parameters of {constructor.name} are ({constructor.takes})"
+        hint = STEPS if constructor.name == "Range" and len(arguments) == 3 else ""
+        raise RunError(text, node.span, rule="E-Distributions", hint=hint) from None
     return ask(node, distribution, "E-Distributions", stack, state, f"{constructor.name}(...)")
+
+
+STEPS = "Range draws any number in between; a whole number is drawn by DiscreteRange(low, high), one of several by Uniform(*range(low, high, step))"
 
 
 def renamed(keywords: Mapping[str, object], constructor: Constructor) -> dict[str, object]:
@@ -40,6 +46,18 @@ def renamed(keywords: Mapping[str, object], constructor: Constructor) -> dict[st
     if len(named) < len(keywords):
         raise TypeError("a parameter is given by two names")
     return named
+
+
+def place_of_weight(node: Node, arguments: tuple[object, ...], number: int | None) -> Span:
+    """Where the weight of that number stands, if the weights are written in the call, else the whole call."""
+    match node:
+        case Call(arguments=(DictDisplay(items=items),), keywords=()) if number is not None:
+            distinct = isinstance(arguments[0], Sized) and len(arguments[0]) == len(items)
+            if distinct and all(key is not None for key, _ in items):
+                return items[number][1].span
+        case _:
+            pass
+    return node.span
 
 
 def maker(constructor: Constructor, state: State) -> Callable[..., Distribution]:

@@ -6,9 +6,17 @@ Kinds are told apart by class, never by message text.
 
 from __future__ import annotations
 
+import re
 from fractions import Fraction
 
 from ..syntax.nodes import NOWHERE, Span
+
+ADDRESS = re.compile(r"(<[^<>]*) at 0x[0-9a-fA-F]+")
+
+
+def without_addresses(text: str) -> str:
+    """A text without the addresses in memory that Python writes for what has no text of its own: they would differ from run to run."""
+    return ADDRESS.sub(r"\1", text) if " at 0x" in text else text
 
 
 class ScenicError(Exception):
@@ -22,8 +30,8 @@ class ScenicError(Exception):
     kind = "error"
 
     def __init__(self, message: str, span: Span = NOWHERE, *, rule: str = "", hint: str = "") -> None:
-        super().__init__(message)
-        self.message = message
+        self.message = without_addresses(message)
+        super().__init__(self.message)
         self.span = span
         self.rule = rule
         self.hint = hint
@@ -108,6 +116,10 @@ class RunError(ProgramError):
     """A rule's premises cannot hold whatever is drawn: a wrong type, an unknown name, a bad parameter."""
 
 
+class NoEgo(RunError):
+    """The scene has no ego, which only a scenario of the compose block would make (reading `compose-only`): there are simulations, no scenes."""
+
+
 class NeedsPosition(RunError):
     """A value was needed that waits for the position of an object (reading `field-dependency`)."""
 
@@ -144,6 +156,10 @@ class ImportRefused(RunError):
 
 class FuelExhausted(RunError):
     """One run took more steps than allowed: probably an endless loop."""
+
+
+class OutOfTime(FuelExhausted):
+    """What the program does took more processor time than it may."""
 
 
 class Gap(ScenicError):
@@ -201,6 +217,12 @@ class PreconditionViolation(GuardViolation):
 class InvariantViolation(GuardViolation):
     """An invariant does not hold where a behavior or scenario begins or goes on."""
 
+
+class NotBegun(AttributeError):
+    """A variable was asked of a scenario that has not begun; a condition of an interrupt that does so is not true (reading `names-not-begun`)."""
+
+
+NotBegun.__name__ = AttributeError.__name__  # as the program's `except` and messages know it
 
 GUARD_VIOLATIONS = {c.__name__: c for c in (GuardViolation, PreconditionViolation, InvariantViolation)}
 """Exceptions that a program may name and catch."""

@@ -10,22 +10,24 @@ draw is refused, never lost.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any
 
 import numpy as np
 
 from ..space.absence import Absent
 from ..syntax.nodes import Span
-from .allowed import is_value
-from .budget import PLAIN, STEP, Budget
+from .allowed import is_value, own_word
+from .budget import PLAIN, STEP, Budget, items_of, values_of
 from .config import PASS, Abrupt, Config, State, Value
 from .driving import Arrived, Machine, Unfinished, drive_machine
 from .errors import FuelExhausted, NeedsElements, RunError, ScenicError
 from .generators import Generator
+from .memory import short_of_memory
 from .nesting import too_deep
 from .outcome import Draw, Fault, Next, Outcome, Stuck
-from .values import Function, Instance, Origin, unwrap, wrap
-from .versions import Slot
+from .values import CONTAINERS, Function, Instance, Origin, plain, unwrap, wrap
+from .versions import Slot, Version
 
 DOOR_FUEL = 1_000_000
 Lift = Callable[[Callable[..., object], list[object], dict[str, object]], object]
@@ -41,14 +43,22 @@ class HostException(Exception):
     """
 
     def __init__(self, exception: Exception, origin: Origin | None = None, span: Span | None = None) -> None:
-        super().__init__(str(exception))
+        super().__init__(exception)
         self.exception = exception
         self.origin = origin
         self.span = span
 
 
 class Misapplied(HostException):
-    """The arguments of a call do not fit the parameters, whatever their values are."""
+    """The arguments of a call do not fit the parameters, whatever their values are.
+
+    `argument` is the one that does not: the name of a keyword, or the number of a positional argument; None where one is
+    missing.
+    """
+
+    def __init__(self, exception: Exception, argument: str | int | None = None) -> None:
+        super().__init__(exception)
+        self.argument = argument
 
 
 class DoorStuck(Exception):
@@ -62,7 +72,7 @@ class DoorStuck(Exception):
 class Door:
     """The one way in: `call` runs a function of the program to its value in the state of the surrounding host call."""
 
-    __slots__ = ("budget", "called", "calls", "enter", "expand", "lift", "origin", "state")
+    __slots__ = ("budget", "called", "calls", "enter", "expand", "lift", "operands", "origin", "state", "through")
 
     def __init__(
         self, enter: Callable[[Function, tuple[object, ...], Mapping[str, object], State], Config], expand: Callable[[NeedsElements, Config], Next]
@@ -75,12 +85,28 @@ class Door:
         self.called = False
         self.calls = 0
         self.lift: Lift | None = None
+        self.operands: tuple[object, ...] = ()
+        """What the surrounding host call may be looking through, and the numbers of the containers in it, once they were asked for (`through`)."""
+        self.through: tuple[object, frozenset[int]] = ((), frozenset())
 
     def call(self, function: Function, arguments: tuple[object, ...], keywords: Mapping[str, object]) -> object:
         """The value of `function(*arguments, **keywords)`, with nothing random left in it (its origin is kept)."""
         if self.state is None:
             raise RunError(f"{function.name} is called outside any run", function.span)
-        state, outer, self.called = self.state, self.origin, True
+        operands, versions = self.operands, self.budget.versions
+        busy = versions.busy
+        if function.looks:
+            if self.through[0] is not operands:
+                self.through = operands, frozenset(numbers_of(operands))
+            versions.busy = (*busy, self.through[1])
+        try:
+            return self.answer(function, arguments, keywords, self.state)
+        finally:
+            self.operands, versions.busy = operands, busy
+
+    def answer(self, function: Function, arguments: tuple[object, ...], keywords: Mapping[str, object], state: State) -> object:
+        """The value of a call in a state."""
+        outer, self.called = self.origin, True
         versions = self.budget.versions
         versions.note(Slot(self, "calls", self.calls))
         self.calls = number = self.calls + 1
@@ -131,6 +157,23 @@ class Door:
                 raise RunError(f"{function.name} ends the program while library code calls it", function.span)
 
 
+def entered(door: Door, version: Version) -> bool:
+    """Whether host code called a function of the program since the version: what Python then raises, where nobody expects it, is the program's."""
+    return any(type(note) is Slot and note.subject is door for note in version.undo)
+
+
+def numbers_of(operands: Iterable[Any]) -> Iterator[int]:
+    """The numbers (`id`) of the containers among the operands of a host call, of those in them, and of what a method is of."""
+    level = [own_word(o, "__self__", o) for o in operands]
+    seen: set[int] = set()
+    while level:
+        found = {id(o): o for o in level if isinstance(o, CONTAINERS)}
+        yield from found.keys() - seen
+        seen |= found.keys()
+        parts = (p for o in found.values() for p in (*items_of(o), *(values_of(o) if isinstance(o, dict) else ())))
+        level = [p for p in map(plain, parts) if isinstance(p, CONTAINERS) and id(p) not in seen]
+
+
 def check_unchanged(function: Function, before: State, after: State) -> None:
     """Refuse changes of the state by a function that library code called: they would be lost."""
     kept = ("scene", "params", "ego", "workspace", "late", "dynamic")
@@ -147,7 +190,7 @@ def instances_in(value: object) -> Iterator[Instance]:
     if isinstance(value, Instance):
         yield value
     elif isinstance(value, (list, tuple)):
-        for item in value:
+        for item in items_of(value):
             yield from instances_in(item)
 
 
@@ -163,7 +206,7 @@ def host(door: Door, state: State, operation: Callable[..., object], *arguments:
     for name, argument in keywords.items():
         plain_keywords[name], found = unwrap(in_list(argument))
         origin = origin or found
-    door.state, door.origin = state, None
+    door.state, door.origin, door.operands = state, None, (operation, *plain_arguments, *plain_keywords.values())
     door.budget.go_through(plain_arguments)
     try:
         result = (
@@ -175,7 +218,7 @@ def host(door: Door, state: State, operation: Callable[..., object], *arguments:
     except RecursionError:
         raise too_deep() from None
     except MemoryError:
-        raise RunError("this operation needs more memory than there is") from None
+        raise short_of_memory() from None
     except Exception as exception:  # whatever library code raises is the program's to catch
         raise HostException(exception, origin or door.origin) from exception
     if type(result) not in PLAIN:
@@ -208,7 +251,7 @@ def raw(door: Door, state: State, operation: Callable[..., object], *arguments: 
 
     The result is random if functions of the program that it called met something random.
     """
-    outer, door.state, door.origin = door.origin, state, None
+    outer, door.state, door.origin, door.operands = door.origin, state, None, (operation, *arguments, *keywords.values())
     try:
         result = operation(*arguments, **keywords)
         met = door.origin
@@ -217,7 +260,7 @@ def raw(door: Door, state: State, operation: Callable[..., object], *arguments: 
     except RecursionError:
         raise too_deep() from None
     except MemoryError:
-        raise RunError("this operation needs more memory than there is") from None
+        raise short_of_memory() from None
     except Exception as exception:  # whatever library code raises is the program's to catch
         raise HostException(exception) from exception
     finally:

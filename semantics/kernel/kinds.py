@@ -15,10 +15,10 @@ from typing import Any, NamedTuple
 
 from ..space.fields import VectorField
 from ..space.numeric import is_finite_number, number
-from ..space.regions import Region
+from ..space.regions import PlaneShape, Region
 from ..space.symbols import NotLifted, Spread, Symbol
 from ..space.vectors import Vector
-from ..syntax.nodes import Span
+from ..syntax.nodes import NOWHERE, Node, Span
 from .budget import PLAIN
 from .classes import view_distance
 from .config import State
@@ -254,6 +254,20 @@ def misfit(values: Sequence[object], kinds: Sequence[Sequence[str]]) -> int | No
     return wrong[0] if len(wrong) == 1 else None
 
 
+def unfit(
+    name: str, node: Node, nodes: Sequence[Node], operands: Sequence[object], kinds: Sequence[Sequence[str]], rule: str, hint: str = ""
+) -> RunError:  # fmt: skip
+    """The error where operands have none of the rows of kinds; it speaks of those that the program wrote at `nodes`, not of what was added."""
+    wrong = misfit(operands, kinds)
+    written = [i for i in range(len(operands)) if i < len(nodes) and nodes[i].span != NOWHERE] or list(range(len(operands)))
+    place = nodes[wrong].span if wrong is not None and wrong in written and wrong < len(nodes) else node.span
+    refuse_third_dimension(name, operands, place, rule)
+    expected = " or ".join(dict.fromkeys("(" + ", ".join(row[i] for i in written) + ")" for row in kinds))
+    found = ", ".join(kind_name(operands[i]) for i in written)
+    hint = hint or ("" if wrong is None else repair(operands[wrong], {row[wrong] for row in kinds}))
+    return RunError(f"{name} expects {expected}, not ({found})", place, rule=rule, hint=hint)
+
+
 def repair(value: object, kinds: Collection[str]) -> str:
     """What to write where one of these kinds is expected and a value is none of them; "" where nothing is likely."""
     match value:
@@ -269,6 +283,8 @@ def repair(value: object, kinds: Collection[str]) -> str:
             return f"for a random number write `Range({low}, {high})`" if isinstance(value, tuple) else "for one of them write `Uniform(*values)`"
         case list() if SCALAR in kinds:
             return "for one of them write `Uniform(*values)`"
+        case None:
+            return OF_NONE
         case _ if VECTOR in kinds and is_scalar(value):
             return "a vector has two coordinates: write `(x, y)`"
         case Vector() | Instance() if REGION in kinds:
@@ -279,6 +295,7 @@ def repair(value: object, kinds: Collection[str]) -> str:
             return ""
 
 
+OF_NONE = "a function without `return` gives None, and so does a method that changes a list, such as `append`"
 AS_IN_SCENIC: Mapping[type, str] = {object: "Object"}
 """Types of Python that are written like a class of Scenic, but for the case."""
 SPATIAL = frozenset({
@@ -303,6 +320,8 @@ def no_attribute(subject: str, name: str, known: Iterable[str], what: str = "att
     hint = "" if name in SPATIAL_ATTRIBUTES else did_you_mean(name, sorted(known))
     if hint:
         error.add_note(hint)
+    if subject == "None" and name not in SPATIAL_ATTRIBUTES:
+        error.add_note(OF_NONE)
     if name == "yaw":
         error.add_note("ask for its heading")
     return error
@@ -336,6 +355,15 @@ def refuse_third_dimension(what: str, operands: Iterable[object], span: Span, ru
             raise RunError(f"{what} is given three numbers, which {FLAT}", span, rule=rule, hint=third_left_out(operand))
 
 
+def in_the_plane(value: object, state: State) -> object:
+    """Return three coordinates of which the third is exactly 0 as the first two, in dialect scenic-3; any other value as it is."""
+    if state.settings.dialect != "scenic-3" or not isinstance(value, (tuple, list)) or len(value) != 3:
+        return value
+    third = value[2]
+    flat = isinstance(third, (int, float)) and not isinstance(third, bool) and third == 0
+    return type(value)(value[:2]) if flat and all(is_scalar(plain(v)) for v in value[:2]) else value
+
+
 def third_left_out(operand: object) -> str:
     """What to do about three coordinates."""
     return "leave out the third" + ("; for one of the three write `Uniform(*values)`" if isinstance(operand, list) else "")
@@ -346,13 +374,15 @@ def kind_name(value: object) -> str:
     value = value.value if type(value) is Random else value
     if isinstance(value, bool) or value is None:
         return repr(value)
+    if isinstance(value, PlaneShape):
+        return "a shape"
     if any("scenic_names" in vars(class_) for class_ in type(value).__mro__):  # a part of a road network, say, though it is a region as well
         return f"{'an' if type(value).__name__[0] in 'AEIOU' else 'a'} {type(value).__name__}"
     for kind in (SCALAR, FIELD, REGION):
         if has_kind(value, kind):
             return f"a {kind}"
     if type(value) is Waiting:
-        return "a value that waits for a position"
+        return "a value that waits for a position" if value.missing is None else "a value that waits for a scenario to begin"
     if isinstance(value, Vector):
         return "a vector"
     if isinstance(value, Instance):
@@ -367,6 +397,8 @@ def kind_name(value: object) -> str:
         return f"a {type(value).__name__} of {len(value)}"
     if isinstance(value, Symbol):
         return "a random value"
+    if isinstance(value, type):
+        return f"the class {value.__name__}"
     return f"a {type(value).__name__}"
 
 

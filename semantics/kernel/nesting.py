@@ -5,12 +5,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 from ..syntax.nodes import NOWHERE, Span
-from .budget import LARGEST_SEQUENCE
+from .budget import LARGEST_SEQUENCE, items_of, length_of, values_of
 from .errors import RunError
-from .values import CONTAINERS, Random, is_flat
+from .values import CONTAINERS, Random, arguments_of, is_flat
 
 DEEPEST = 100
 """So many lists, tuples, sets and dictionaries may stand in each other in what is written of a scene."""
@@ -26,7 +27,7 @@ def check_nesting(what: str, value: object, span: Span = NOWHERE) -> None:
     """Raise `RunError` at `span` if containers in `value` stand in each other more than `DEEPEST` deep, or for ever."""
     if type(value) is not Random and not isinstance(value, CONTAINERS):
         return
-    if isinstance(value, CONTAINERS) and is_flat(value.values() if isinstance(value, dict) else value):
+    if isinstance(value, CONTAINERS) and is_flat(parts_of(value)):
         return
     level: list[object] = [value]
     for _ in range(DEEPEST + 1):
@@ -42,7 +43,7 @@ def check_nesting(what: str, value: object, span: Span = NOWHERE) -> None:
 def check_written(*values: object) -> None:
     """Refuse values that are compared, or become texts, part by part, where that would take too long (or never end). Raises `RunError`."""
     for value in values:
-        value = value.args if isinstance(value, BaseException) else value
+        value = arguments_of(value) if isinstance(value, BaseException) else value
         if isinstance(value, CONTAINERS) and expanded(value) > LARGEST_SEQUENCE:
             raise RunError(f"this value has more than {LARGEST_SEQUENCE:,} parts, where what stands in several places counts in each", hint=HINT)
 
@@ -58,9 +59,14 @@ def expanded(value: object, seen: dict[int, int] | None = None) -> int:
     seen = {} if seen is None else seen
     known = seen.get(id(inner))
     if known is None:
-        parts: Any = inner.values() if isinstance(inner, dict) else inner
-        known = seen[id(inner)] = 1 + (len(inner) if is_flat(parts) else sum(expanded(part, seen) for part in parts))
+        flat = is_flat(parts_of(inner))
+        known = seen[id(inner)] = 1 + (length_of(inner) if flat else sum(expanded(part, seen) for part in parts_of(inner)))
     return known
+
+
+def parts_of(container: Any) -> Iterable[Any]:
+    """What a container holds: of a dictionary the values."""
+    return values_of(container) if isinstance(container, dict) else items_of(container)
 
 
 def containers_in(value: object) -> list[object]:
@@ -68,5 +74,5 @@ def containers_in(value: object) -> list[object]:
     inner = value.value if type(value) is Random else value
     if inner is not value and isinstance(inner, CONTAINERS):
         return [inner]
-    parts = inner.values() if isinstance(inner, dict) else inner if isinstance(inner, CONTAINERS) else ()
+    parts = parts_of(inner) if isinstance(inner, CONTAINERS) else ()
     return [part for part in parts if type(part) is Random or isinstance(part, CONTAINERS)]

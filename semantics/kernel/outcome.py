@@ -23,6 +23,17 @@ class Requirement(NamedTuple):
     span: Span
     text: str
 
+    @property
+    def failure(self) -> str:
+        """A sentence that says that it does not hold."""
+        if self.kind in ("containment", "visibility"):
+            return self.text.replace(" is ", " is not ", 1)
+        if self.kind == "collision":
+            return self.text.replace(" do not intersect", " intersect").replace("no two of", "some of", 1)
+        if self.kind == "given":
+            return f"it is not so that {self.text}"
+        return f"{self.text} fails" if self.kind in ("require", "precondition") else self.text
+
 
 class Change(NamedTuple):
     """What a step changed, for people: `where` is σ, π, O or "print"; `name` and `value` say what became what.

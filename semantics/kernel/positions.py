@@ -5,13 +5,13 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Sequence
 
 from ..syntax.nodes import Expression, Node
 from ..syntax.python_expressions import Call, Constant, DictDisplay, Keyword, ListDisplay, TupleDisplay
 from .config import State
-from .errors import NeedsPosition
+from .containers import deque
+from .errors import NeedsPosition, NotBegun
 from .scopes import MISSING, Scope
 from .values import Dynamic, Instance, Random, unwrap
 from .waiting import Waiting
@@ -42,6 +42,8 @@ def waits(value: object) -> bool:
         unwrap(value)
     except NeedsPosition:
         return True
+    except NotBegun:
+        return False
     return False
 
 
@@ -85,6 +87,6 @@ def remaining(values: Sequence[object]) -> list[Expression] | None:
     return None if all(isinstance(e, Constant) for e in expressions) else expressions
 
 
-def wait(node: Node, values: Sequence[object], conclude: object, state: State) -> Waiting:
-    """The value of an expression, one of whose premises waits."""
-    return Waiting(node=node, values=tuple(values), conclude=conclude, scope=state.sigma, span=node.span)  # type: ignore[arg-type]
+def wait(node: Node, values: Sequence[object], conclude: object, state: State, missing: NotBegun | None = None) -> Waiting:
+    """The value of an expression, one of whose premises waits; `missing` is the error of what waits for a scenario to begin."""
+    return Waiting(node=node, values=tuple(values), conclude=conclude, scope=state.sigma, missing=missing, span=node.span)  # type: ignore[arg-type]

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from ..syntax.dynamics import Do
 from ..syntax.expressions import ObjectDefinition
-from ..syntax.nodes import Expression, Node
+from ..syntax.nodes import NOWHERE, Expression, Node
 from ..syntax.python_expressions import Call, Constant, Name
 from ..syntax.statements import Assignment, Return
 from .config import Config, Stack, State, Value
@@ -123,7 +123,11 @@ def variable(node: Name, state: State) -> object:
             return own
     if name == "ego":
         if state.ego is None:
-            raise RunError("ego is used before it is assigned", node.span, rule="E-Variable", hint="create it first: ego = Object ...")
+            make = f"create it first: ego = {'new ' * (state.settings.dialect == 'scenic-3')}Object ..."
+            if node.span == NOWHERE:  # an operator or specifier that leaves it out
+                other = "or say what is meant instead, as in `distance from X to Y`"
+                raise RunError("this is seen from ego, which is not assigned yet", rule="E-Variable", hint=f"{make}, {other}")
+            raise RunError("ego is used before it is assigned", node.span, rule="E-Variable", hint=make)
         return state.ego
     if name == "workspace" and state.workspace is not None:
         return state.workspace
@@ -153,7 +157,8 @@ def unknown_variable(node: Name, state: State) -> RunError:
     while scope is not None:
         known.extend(scope.bindings)
         if node.name in scope.names.local:
-            hint = "conditions of interrupts are evaluated before their `try` begins: see `readings interrupt-first-step`" if state.simulation else ""
+            early = "conditions of interrupts are evaluated before their `try` begins: see `readings interrupt-first-step`"
+            hint = early if state.simulation and scope.names.has_interrupts else ""
             return RunError(f"the local variable {node.name} is used before it is assigned", node.span, rule="E-Variable", hint=hint)
         scope = scope.parent
     if node.name == "workspace":

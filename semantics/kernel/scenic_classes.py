@@ -2,15 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TypeVar
 
 from ..syntax.nodes import NOWHERE, Node, Span
 from ..syntax.python_expressions import TupleDisplay
 from .scopes import Scope
 
+Kind = TypeVar("Kind", bound=type)
 
+
+def spoken(name: str) -> Callable[[Kind], Kind]:
+    """Give a class the name that Python's own messages call its values by, as in "'instance' object is not iterable"."""
+
+    def decorate(kind: Kind) -> Kind:
+        kind.__name__ = name
+        return kind
+
+    return decorate
+
+
+@spoken("class")
 @dataclass(frozen=True, eq=False)
 class ScenicClass:
     """A Scenic class: its own defaults as expressions, its methods, and the scope in which both are evaluated."""

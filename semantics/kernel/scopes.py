@@ -19,13 +19,17 @@ from ..syntax.nodes import Node
 from .sets import Set
 from .versions import MISSING, Content, Entry, Versions
 
+BEGUN = "*begun*"
+"""What the variables of a scenario hold once it has begun, besides those of the program."""
+
 
 class Names(NamedTuple):
-    """The names that a function body binds, and those it declares global or nonlocal."""
+    """The names that a function body binds, those it declares global or nonlocal, and whether interrupts stand in it."""
 
     local: frozenset[str]
     declared_global: frozenset[str]
     declared_nonlocal: frozenset[str]
+    has_interrupts: bool = False
 
 
 NO_NAMES = Names(frozenset(), frozenset(), frozenset())
@@ -163,6 +167,7 @@ def _function_names(key: ByIdentity) -> Names:
     bound = {p.name for p in parameters}
     declared_global: set[str] = set()
     declared_nonlocal: set[str] = set()
+    has_interrupts = False
     if not isinstance(node, python_expressions.Lambda):
         for inner in _statements(node):
             match inner:
@@ -171,20 +176,21 @@ def _function_names(key: ByIdentity) -> Names:
                 case statements.Nonlocal(names=names):
                     declared_nonlocal |= set(names)
                 case _:
-                    bound |= set(_bound_by(inner))
-    return Names(
-        frozenset(bound - declared_global - declared_nonlocal), frozenset(declared_global), frozenset(declared_nonlocal)
-    )
+                    has_interrupts = has_interrupts or (isinstance(inner, statements.Try) and bool(inner.interrupts))
+                    bound |= set(bound_by(inner))
+    local = frozenset(bound - declared_global - declared_nonlocal)
+    return Names(local, frozenset(declared_global), frozenset(declared_nonlocal), has_interrupts)
 
 
 _BLOCK_FIELDS = ("body", "then", "otherwise", "final", "setup", "compose")
-_OPAQUE = (
+OPAQUE = (
     statements.FunctionDefinition,
     statements.ClassDefinition,
     dynamics.BehaviorDefinition,
     dynamics.MonitorDefinition,
     dynamics.ScenarioDefinition,
 )
+"""Definitions with a scope of their own."""
 
 
 def _statements(node: Node) -> Iterator[Node]:
@@ -194,7 +200,7 @@ def _statements(node: Node) -> Iterator[Node]:
         current = pending.pop()
         if current is not node:
             yield current
-            if isinstance(current, _OPAQUE):
+            if isinstance(current, OPAQUE):
                 continue
         for name in _BLOCK_FIELDS:
             block = getattr(current, name, None)
@@ -204,7 +210,8 @@ def _statements(node: Node) -> Iterator[Node]:
             pending.extend(getattr(current, name, ()))
 
 
-def _bound_by(node: Node) -> Iterator[str]:
+def bound_by(node: Node) -> Iterator[str]:
+    """Return the names that one statement binds by itself."""
     match node:
         case statements.Assignment(targets=targets) | statements.Delete(targets=targets):
             for target in targets:
@@ -217,7 +224,7 @@ def _bound_by(node: Node) -> Iterator[str]:
             yield from (n.alias or n.name for n in names)
         case statements.Handler(name=str(name)):
             yield name
-        case _ if isinstance(node, _OPAQUE):
+        case _ if isinstance(node, OPAQUE):
             yield node.name
         case _:
             return

@@ -176,12 +176,16 @@ class Deadline(NamedTuple):
 
     time: float
     unit: str
+    rounded_up: bool
 
 
 def has_passed(deadline: Deadline, first_step: int, simulation: Simulation) -> bool:
-    """Whether so many steps or seconds have passed since the beginning of that time step."""
+    """Whether so many steps or seconds have passed since that time step began, or one step more would exceed them (reading `between-steps`)."""
     steps = simulation.step - first_step
-    return steps >= deadline.time if deadline.unit == "steps" else steps * simulation.timestep >= deadline.time * (1 - ROUNDING)
+    length = 1.0 if deadline.unit == "steps" else simulation.timestep
+    if deadline.rounded_up:
+        return steps * length >= deadline.time * (1 - ROUNDING)
+    return (steps + 1) * length > deadline.time * (1 + ROUNDING)
 
 
 ROUNDING = 1e-9

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import islice
 from typing import cast
 
@@ -15,6 +15,8 @@ MOST_COMPARED, MOST_TOLD = 1000, 8
 """Keys of a dictionary that are compared with one that it does not have, and that are named."""
 SHORTEST_BEGINNING = 3
 """A name that is cut short after so many letters, and not before its middle, is known by its beginning."""
+SHORTEST_WITH_ENDING, LONGEST_ENDING = 4, 2
+"""A name of so many letters may be meant with so many more behind it: `leader` for `lead`."""
 
 CONSTANTS = ("True", "False", "None")
 OF_OTHERS: Mapping[str, str] = {
@@ -22,6 +24,8 @@ OF_OTHERS: Mapping[str, str] = {
     "self": "it is the object itself in classes, specifiers and behaviors; elsewhere name the object, as in ego.width",
     "random": "draw with Range, Uniform or Normal", "np": "draw with Range, Uniform or Normal; math has functions of numbers",
     "sqrt": "write math.sqrt, after `import math`", "randint": "write DiscreteRange(low, high)", "choice": "write Uniform(a, b, ...)",
+    "radians": "write `30 deg` for the angle of 30 degrees; angles are in radians",
+    "degrees": "write math.degrees(x), after `import math`",
     "uniform": "write Range(low, high)", "gauss": "write Normal(mean, stdDev)", "sin": "write math.sin, after `import math`",
     "cos": "write math.cos, after `import math`", "time": "a simulation has simulation().currentTime, in time steps",
 }
@@ -62,6 +66,18 @@ def did_you_mean(name: str, known: Iterable[str], otherwise: str = "") -> str:
     return f"did you mean {near}?" if near is not None else otherwise
 
 
+def meant_parameter(name: str, parameters: Sequence[str]) -> str:
+    """The hint about an argument that does not fit: the nearest parameter, if it has a name, and all parameters."""
+    if not parameters:
+        return "it has no parameters"
+    holding = [one for one in parameters if len(name) >= SHORTEST_BEGINNING and name.casefold() in one.casefold()]
+    near = None if not name else nearest(name, parameters) or (holding[0] if len(holding) == 1 else None)
+    verb = "parameters are" if len(parameters) > 1 else "parameter is"
+    more = ", ..." if len(parameters) > MOST_TOLD else ""
+    every = f"its {verb} {', '.join(parameters[:MOST_TOLD])}{more}"
+    return every if near is None else f"did you mean {near}? I{every[1:]}"
+
+
 def note_keys(error: BaseException, container: object, key: object) -> None:
     """Note what may be meant by a text that is no key of a dictionary: a similar one, or one of the first."""
     if type(error) is not KeyError or type(container) is not dict or type(key) is not str:
@@ -77,6 +93,8 @@ def slips_between(name: str, known: str) -> int | None:
     """How many slips make a known name this one, None for too many: more than one for every four letters, but where letters are only swapped."""
     if SHORTEST_BEGINNING <= len(name) < len(known) <= 2 * len(name) and known.startswith(name):
         return len(known) - len(name)
+    if len(known) >= SHORTEST_WITH_ENDING and 0 < len(name) - len(known) <= LONGEST_ENDING and name.startswith(known):
+        return len(name) - len(known)
     most = min(max(len(name), len(known)) // 4, MOST_SLIPS)
     if abs(len(known) - len(name)) > most or len(name) > LONGEST:
         return None

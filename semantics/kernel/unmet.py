@@ -18,6 +18,8 @@ class NothingToDraw(Exception):
 
 Unmet = OutsideField | EmptyRegion | Absent | NothingToDraw
 UNMET = (OutsideField, EmptyRegion, Absent, NothingToDraw)
+KINDS_OF_UNMET = frozenset({"field", "region", "element", "parameters"})
+"""The kinds of requirement that `unmet` gives: a value is missing."""
 
 
 def unmet(problem: Unmet, span: Span) -> Requirement:

@@ -19,9 +19,9 @@ from ..space.symbols import Symbol
 from ..syntax.nodes import NOWHERE, Node, Span
 from ..syntax.python_expressions import Parameter
 from ..syntax.statements import Block
-from .budget import Budget
-from .errors import RunError
-from .scenic_classes import ScenicClass
+from .budget import Budget, items_of, values_of
+from .errors import NeedsPosition, NotBegun, RunError
+from .scenic_classes import ScenicClass, spoken
 from .scopes import Names, Scope
 from .sets import FrozenSet, Set
 from .waiting import Waiting, needs_position
@@ -82,16 +82,16 @@ def _unwrapped(value: Any, seen: dict[int, tuple[object, Origin | None]]) -> tup
 def _unwrapped_first(value: Any, seen: dict[int, tuple[object, Origin | None]]) -> tuple[object, Origin | None]:
     kind = type(value)
     if isinstance(value, BaseException):
-        return value, _part(value.args, seen)[1]
+        return value, _part(arguments_of(value), seen)[1]
     if isinstance(value, dict):
-        if is_flat(value.keys()) and is_flat(value.values()):
+        if is_flat(items_of(value)) and is_flat(values_of(value)):
             return value, None
-        pairs = [(_part(key, seen), _part(item, seen)) for key, item in value.items()]
+        pairs = [(_part(key, seen), _part(item, seen)) for key, item in dict.items(value)]
         origin = next((o for pair in pairs for _, o in pair if o is not None), None)
         return (value, None) if origin is None else (_refilled(value, {k[0]: v[0] for k, v in pairs}), origin)
-    if (isinstance(value, tuple) and kind is not tuple) or is_flat(value):
+    if (isinstance(value, tuple) and kind is not tuple) or is_flat(items_of(value)):
         return value, None
-    found = [_part(item, seen) for item in value]
+    found = [_part(item, seen) for item in items_of(value)]
     origin = next((o for _, o in found if o is not None), None)
     if origin is None:
         return value, None
@@ -105,6 +105,11 @@ def _part(item: object, seen: dict[int, tuple[object, Origin | None]]) -> tuple[
     if type(item) is Waiting:
         raise needs_position(item)
     return _unwrapped(item, seen) if isinstance(item, HOLDING) else (item, None)
+
+
+def arguments_of(exception: BaseException) -> tuple[object, ...]:
+    """The arguments of an exception, whatever a class of the program calls so."""
+    return BaseException.args.__get__(exception)  # type: ignore[attr-defined]
 
 
 def is_flat(items: Iterable[object]) -> bool:
@@ -134,6 +139,7 @@ def wrap(value: object, origin: Origin | None) -> object:
     return Random(value, origin if origin.distribution is None else origin._replace(distribution=None))
 
 
+@spoken("instance")
 @dataclass(frozen=True, slots=True, eq=False)
 class Instance:
     """A reference to an instance of a Scenic class, made at `span`; its properties stand in the state's O, under `number`."""
@@ -153,6 +159,7 @@ class Described(NamedTuple):
     properties: Mapping[str, object]
 
 
+@spoken("function")
 @dataclass(frozen=True, slots=True, eq=False)
 class Function:
     """A function of the program: closed over its scope, its default values evaluated when `def` ran."""
@@ -165,6 +172,8 @@ class Function:
     names: Names
     door: Door
     span: Span = NOWHERE
+    looks: bool = False
+    """Whether it is a method that Python calls while it looks through containers."""
 
     def __call__(self, *arguments: object, **keywords: object) -> object:
         """Called by host code: through the door."""
@@ -178,6 +187,7 @@ class Function:
         return f"<function {self.name}>"
 
 
+@spoken("method")
 @dataclass(frozen=True, slots=True, eq=False)
 class Method:
     """A function of the program bound to its first argument."""
@@ -194,6 +204,7 @@ class Method:
         return self.door.call(self.function, (self.instance, *arguments), keywords)  # pyright: ignore[reportArgumentType]
 
 
+@spoken("distribution")
 @dataclass(frozen=True, slots=True, eq=False)
 class Constructor:
     """A distribution's name as a value: `make(arguments)` checks the parameters θ and gives baseDist(θ).
@@ -214,6 +225,7 @@ class Constructor:
         return f"<distribution {self.name}>"
 
 
+@spoken("built-in function")
 @dataclass(frozen=True, slots=True, eq=False)
 class Special:
     """A builtin that is a rule of the machine rather than a host function: `resample`, `print`, ..."""
@@ -230,6 +242,7 @@ class Special:
         return f"<built-in {self.name}>"
 
 
+@spoken("behavior or scenario")
 @dataclass(frozen=True, slots=True, eq=False)
 class Dynamic:
     """A behavior, monitor or scenario class as a value, or (with arguments) one ready to run."""
@@ -245,11 +258,20 @@ class Dynamic:
         name = getattr(self.definition, "name", "")
         if self.arguments is None:
             return name
-        positional, keywords = (unwrap(part)[0] for part in self.arguments)
-        shown = [repr(v) for v in positional] + [f"{k}={v!r}" for k, v in keywords.items()]  # type: ignore[attr-defined]
+        positional, keywords = self.arguments
+        shown = [repr(shown_value(v)) for v in positional] + [f"{k}={shown_value(v)!r}" for k, v in keywords.items()]
         return f"{name}({', '.join(shown)})"
 
 
+def shown_value(value: object) -> object:
+    """The value in this run, as messages show it; what waits is shown as that."""
+    try:
+        return unwrap(value)[0]
+    except (NeedsPosition, NotBegun):
+        return value
+
+
+@spoken("module")
 @dataclass(frozen=True, slots=True, eq=False)
 class Module:
     """An imported module's namespace."""
@@ -261,6 +283,7 @@ class Module:
         return f"<module {self.name}>"
 
 
+@spoken("built-in function")
 @dataclass(frozen=True, slots=True, eq=False)
 class Native:
     """A function of the reference in place of one of Python's; one that `pays` gets the run's budget first, and is bound to it when a run begins."""
@@ -278,6 +301,7 @@ class Native:
         return f"<built-in function {self.name}>"
 
 
+@spoken("built-in function")
 @dataclass(frozen=True, slots=True, eq=False)
 class Bound:
     """A function of the reference with the budget that it pays from, and for a method with its subject."""
@@ -318,6 +342,12 @@ class Hint:
 
     def __repr__(self) -> str:
         return f"typing.{self.name}"
+
+
+class Applicable:
+    """A value that can be called, by rules of the machine, and has no truth of its own."""
+
+    __slots__ = ()
 
 
 class Entries(dict[Any, Any]):

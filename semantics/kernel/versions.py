@@ -11,11 +11,12 @@ costs one note per change; a version that no configuration holds any more is for
 
 from __future__ import annotations
 
-from collections import OrderedDict, deque
-from collections.abc import Collection, Mapping
+from collections import deque
+from collections.abc import Collection, Container, Mapping
 from types import BuiltinFunctionType, FunctionType, GetSetDescriptorType, MemberDescriptorType, MethodDescriptorType, MethodType
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
+from .errors import RunError
 from .sets import Set
 
 if TYPE_CHECKING:
@@ -37,23 +38,38 @@ class DrivenOn(RuntimeError):
 
 
 class Version:
-    """A version of what a run changes in place. `undo` leads back to it from the `newer` one; it is empty while the version stands in memory."""
+    """A version of what a run changes in place. `undo` leads back to it from the `newer` one; it is empty while the version stands in memory.
 
-    __slots__ = ("newer", "undo", "versions")
+    Where many runs begin with one configuration of this version, `beginning`, `steps` led to it, which took `work` of the budget.
+    """
+
+    __slots__ = ("beginning", "newer", "steps", "undo", "versions", "work")
 
     def __init__(self, versions: Versions) -> None:
         self.versions = versions
         self.newer: Version | None = None
         self.undo: list[Note] = []
+        self.beginning: object = None
+        self.steps = self.work = 0
+
+    @property
+    def within_reach(self) -> bool:
+        """Whether it can be gone back to: the run was not driven on from a later version."""
+        found: Version | None = self
+        while found is not None and found is not self.versions.current:
+            found = found.newer
+        return found is not None
 
 
 class Versions:
     """The versions of one run, and the one that stands in memory."""
 
-    __slots__ = ("current",)
+    __slots__ = ("busy", "current")
 
     def __init__(self) -> None:
         self.current = Version(self)
+        self.busy: tuple[Container[int], ...] = ()
+        """The numbers (`id`) of containers that Python is looking through while it asks a method of the program."""
 
     def note(self, note: Note) -> None:
         """Something is about to change."""
@@ -83,11 +99,25 @@ class Versions:
                 raise DrivenOn("this configuration was driven on: it cannot be stepped again")
             path.append(found)
             found = found.newer
-        for older in reversed(path):
-            newer = self.current
-            newer.undo = [note.undo() for note in reversed(older.undo)]
-            newer.newer, older.newer, older.undo = older, None, []
-            self.current = older
+        self.busy = (EVERYTHING,)
+        try:
+            for older in reversed(path):
+                newer = self.current
+                newer.undo = [note.undo() for note in reversed(older.undo)]
+                newer.newer, older.newer, older.undo = older, None, []
+                self.current = older
+        finally:
+            self.busy = ()
+
+
+class Everything:
+    """The numbers of all containers."""
+
+    def __contains__(self, number: object) -> bool:
+        return True
+
+
+EVERYTHING = Everything()
 
 
 class Forgotten(NamedTuple):
@@ -160,10 +190,6 @@ class Content(NamedTuple):
                 deque.extend(items, self.before)
             case Set() as items:
                 Set.renewed(items, dict(self.before))
-            case OrderedDict() as items:
-                OrderedDict.clear(items)
-                for key, value in self.before:
-                    OrderedDict.__setitem__(items, key, value)
             case dict() as items:
                 dict.clear(items)
                 dict.update(items, self.before)
@@ -205,8 +231,6 @@ def content_of(container: object) -> Any:
             return [*deque.__iter__(container)]
         case Set():
             return dict(container.order)
-        case OrderedDict():
-            return [*OrderedDict.items(container)]
         case dict():
             return dict.copy(container)
         case _:
@@ -229,9 +253,19 @@ COPIED = 2
 """What an element costs that is copied for a note."""
 
 
+def check_idle(budget: Budget, container: object) -> None:
+    """Refuse to change a container that Python is just looking through: its C code may go on with what is removed. Raises `RunError`."""
+    if budget.versions.busy and any(id(container) in numbers for numbers in budget.versions.busy):
+        raise RunError(
+            "a method that says how a value is compared, hashed or written may not change the container that Python is looking through",
+            rule="E-Call-Host",
+        )
+
+
 def note_container(budget: Budget, container: object) -> None:
     """Whatever the container holds may change."""
     if isinstance(container, CHANGEABLE):
+        check_idle(budget, container)
         content = content_of(container)
         budget.spend(COPIED * len(content))
         budget.versions.note(Content(container, content))
@@ -239,6 +273,7 @@ def note_container(budget: Budget, container: object) -> None:
 
 def note_end(budget: Budget, container: list[Any]) -> None:
     """The last element of the list may be removed, or one may come after it."""
+    check_idle(budget, container)
     end = max(0, list.__len__(container) - 1)
     budget.versions.note(Tail(container, end, list.__getitem__(container, slice(end, None))))
 
@@ -246,9 +281,10 @@ def note_end(budget: Budget, container: list[Any]) -> None:
 def note_item(budget: Budget, container: object, key: object) -> None:
     """`container[key]` may change, or come to be."""
     versions = budget.versions
+    check_idle(budget, container)
     if type(container) is list and type(key) is int and -len(container) <= key < len(container):
         versions.note(Item(container, key, container[key]))
-    elif isinstance(container, dict) and type(key) in SIMPLE and not isinstance(container, OrderedDict):
+    elif isinstance(container, dict) and type(key) in SIMPLE:
         versions.note(Entry(container, key, dict.get(container, key, MISSING)))
     else:
         note_container(budget, container)

@@ -6,7 +6,7 @@ import operator as python
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 
-from ..kernel.allowed import OVERRIDES, is_hidden, is_user_made, may_override
+from ..kernel.allowed import OVERRIDES, as_member, is_hidden, is_user_made, may_override
 from ..kernel.budget import length_of, refuse_too_long, whole
 from ..kernel.classes import canonical
 from ..kernel.config import PASS, Config, Stack, State
@@ -22,6 +22,7 @@ from ..kernel.scopes import MISSING
 from ..kernel.values import Function, Instance, Method, Module, Random, plain, unwrap
 from ..kernel.versions import CHANGEABLE, note_attribute, note_container, note_item
 from ..kernel.waiting import Waiting, needs_position
+from ..space.regions import Region
 from ..space.vectors import Vector
 from ..syntax import python_expressions as p
 from ..syntax import statements as s
@@ -164,7 +165,10 @@ def assign_name(name: str, assigned: object, node: Node, state: State) -> State:
     inner = plain(assigned)
     if name == "ego":
         if not (isinstance(inner, Instance) and is_object(inner)):
-            raise RunError("ego must be an Object", node.span, rule="S-Assignment", hint=EGO_HINTS[isinstance(inner, tuple)])
+            hint = EGO_HINTS[isinstance(inner, tuple)]
+            if isinstance(inner, ScenicClass) and state.settings.dialect == "scenic-3":
+                hint = "write `new` before the class"
+            raise RunError("ego must be an Object", node.span, rule="S-Assignment", hint=hint)
         return state._replace(ego=assigned, names={**state.names, inner.number: "ego"})
     if name == "workspace":
         state.sigma.bind(name, assigned)
@@ -203,13 +207,18 @@ def set_attribute(subject: object, name: str, assigned: object, node: Node, stat
             return state
         case ScenicClass() | Function() | Method():
             raise RunError(f"attributes of {inner!r} cannot be assigned", node.span, rule="S-Assignment")
+        case Region() if not is_user_made(inner):
+            raise RunError(
+                f"regions do not change: {name} of {kind_name(inner)} cannot be assigned", node.span, rule="S-Assignment",
+                hint="give it where the region is made, as in PolygonalRegion(points, orientation=F), or write `facing F` at the objects in it",
+            )
         case _ if is_user_made(inner):
             if is_hidden(name):
                 raise RunError(f"{name} is private to Python objects", node.span, rule="S-Assignment")
             if isinstance(inner, type) and name in OVERRIDES and not may_override(name, assigned):
                 raise RunError(f"{name} must be a function of the program", node.span, rule="S-Assignment")
             note_attribute(state.settings.door.budget, inner, name)
-            raw(state.settings.door, state, setattr, inner, name, assigned)
+            raw(state.settings.door, state, setattr, inner, name, as_member(name, assigned) if isinstance(inner, type) else assigned)
             return state
         case _:
             raise HostException(AttributeError(f"attribute {name} of a {type(inner).__name__} cannot be assigned"))
@@ -249,6 +258,8 @@ def conclude_augmented_target(node: s.AugmentedAssignment, parts: list[object], 
     """What stands inside the target is reduced, once: read its value, then reduce the operand."""
     match node.target:
         case p.Attribute() as target:
+            if type(parts[0]) is Random:
+                raise random_write(parts[0], node)
             current = get_attribute(parts[0], target, state)
         case p.Subscript() as target:
             current = get_item(target, parts, state)
@@ -304,11 +315,18 @@ def delete(node: s.Delete, stack: Stack, state: State) -> Outcome:
     return premises(node, [part for t in node.targets for part in target_premises(t)], conclude_delete, stack, state)
 
 
+def assigned_for_all(name: str, state: State) -> bool:
+    """Return whether `ego` or `workspace` has been assigned: all modules share it, and the scene needs it."""
+    return (state.ego if name == "ego" else state.workspace) is not None
+
+
 def conclude_delete(node: s.Delete, values: list[object], stack: Stack, state: State) -> Outcome:
     """⟨del x, σ⟩ → ⟨pass, σ without x⟩; `del a[i]` takes the element out of the container."""
     rest = iter(values)
     for target in node.targets:
         match target:
+            case p.Name(name="ego" | "workspace" as name) if assigned_for_all(name, state):
+                raise RunError(f"{name} cannot be deleted", target.span, rule="S-Delete", hint=f"assign it again instead: {name} = ...")
             case p.Name(name=name):
                 if state.sigma.unbind(name) is MISSING:
                     raise RunError(f"{name} is not defined", target.span, rule="S-Delete")

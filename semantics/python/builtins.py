@@ -20,6 +20,7 @@ from ..space.fields import PolygonalVectorField, VectorField
 from ..space.numeric import larger, smaller
 from ..space.vectors import Vector
 from .library import BUILTIN, bound
+from .members import OPERATOR_FUNCTIONS, OperatorFunction
 from .specials import SPECIAL_VALUES
 
 
@@ -134,6 +135,11 @@ BUILTINS: Mapping[str, object] = {
 }  # fmt: skip
 
 
-def builtin_scope(budget: Budget) -> Scope:
-    """The outermost scope of a run."""
-    return Scope("builtins", budget.versions, bindings={name: bound(value, budget) for name, value in BUILTINS.items()})
+OF_RELEASES: Mapping[str, object] = {name: OperatorFunction(name, rewrite) for name, rewrite in OPERATOR_FUNCTIONS.items()}
+"""What the programs of the releases have besides, in their dialects alone."""
+
+
+def builtin_scope(budget: Budget, *, released: bool = False) -> Scope:
+    """The outermost scope of a run: of a program in the dialect of a release, if `released`."""
+    known = {**BUILTINS, **OF_RELEASES} if released else BUILTINS
+    return Scope("builtins", budget.versions, bindings={name: bound(value, budget) for name, value in known.items()})

@@ -5,15 +5,15 @@ from __future__ import annotations
 import inspect
 from collections import Counter, deque
 from collections.abc import Callable, Iterator, Mapping
-from types import BuiltinFunctionType, MethodType
+from types import BuiltinFunctionType, FunctionType, MethodType
 
 from ..kernel.allowed import is_known, is_user_class, own_word
 from ..kernel.conditions import random_branch
 from ..kernel.config import Stack, State, Value, value
 from ..kernel.draws import draw, of_nothing
 from ..kernel.errors import RunError
-from ..kernel.host import HostException, host, raw
-from ..kernel.kinds import FLAT, always, is_a, is_scalar, kind_name
+from ..kernel.host import HostException, Misapplied, host, raw
+from ..kernel.kinds import FLAT, always, in_the_plane, is_a, is_scalar, kind_name
 from ..kernel.nesting import check_written
 from ..kernel.outcome import Next, Outcome
 from ..kernel.positions import specified
@@ -21,6 +21,7 @@ from ..kernel.premises import premises
 from ..kernel.queries import Clock, Closest, check_running, distance_to_closest
 from ..kernel.scenic_classes import ScenicClass
 from ..kernel.scopes import Scope, function_names
+from ..kernel.suggestions import meant_parameter
 from ..kernel.values import (
     Bound,
     Constructor,
@@ -46,16 +47,15 @@ from ..space.regions import BadRegion, Region
 from ..space.vectors import TakesObjects, TakesPoints, Vector
 from ..syntax import python_expressions as p
 from ..syntax.dynamics import ScenarioDefinition
-from ..syntax.nodes import Node
+from ..syntax.nodes import Node, Span
 from .assignment import random_write
 from .elementwise import generator_rule
 from .functions import bind, enter, returned
 from .iteration import elements, elements_in_this_run
 from .library import initialise
-from .members import Member, call_member
-from .prices import as_callback, check_arguments
+from .members import Member, OperatorFunction, as_function, call_member
+from .prices import as_callback, called, check_arguments
 from .specials import HOST_RULES, SPECIALS, call_container_method, container_method, random_place
-from .texts import without_addresses
 
 
 def call(node: p.Call, stack: Stack, state: State) -> Outcome:
@@ -94,8 +94,20 @@ def conclude_call(node: p.Call, values: list[object], stack: Stack, state: State
             raise HostException(TypeError(f"{kind_name(argument)} after ** is not a mapping"))
     if origin is not None and isinstance(function, Constructor) and not arguments:
         return of_nothing(function, node.span)
-    outcome = apply(node, function, tuple(arguments), keywords, stack, state)
+    try:
+        outcome = apply(node, function, tuple(arguments), keywords, stack, state)
+    except Misapplied as problem:
+        problem.span = problem.span or place_of_argument(node, problem.argument)
+        raise
     return outcome if origin is None else depending_on(origin, outcome)
+
+
+def place_of_argument(node: p.Call, argument: str | int | None) -> Span | None:
+    """Where an argument of a call stands, by its name or number; None where that is not written in the call."""
+    one_by_one = not any(isinstance(a, p.Starred) for a in node.arguments)
+    if isinstance(argument, int) and argument < len(node.arguments) and one_by_one:
+        return node.arguments[argument].span
+    return next((k.span for k in node.keywords if k.name == argument and k.name is not None), None)
 
 
 def takes_any_number(function: object) -> bool:
@@ -151,7 +163,7 @@ def apply(node: Node, function: object, arguments: tuple[object, ...], keywords:
             return value("E-Call", function, stack, state, node)
         case Closest():
             return value("E-Call", distance_to_closest(function, arguments, node, state), stack, state, node)
-        case Member():
+        case Member() | OperatorFunction():
             return call_member(node, function, arguments, keywords, stack, state)
         case Instance():
             raise HostException(TypeError(f"an instance of {function.class_.name} is not callable"))
@@ -181,6 +193,10 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
     """Call library code with plain values; the result is random if anything that went in was."""
     if not always(callable, plain(function)):
         raise HostException(TypeError(f"{kind_name(function)} is not callable"))
+    arguments = tuple(as_function(argument, state) for argument in arguments)
+    if function is Vector and len(arguments) == 3:
+        arguments = in_the_plane(arguments, state)  # type: ignore[assignment]
+    keywords = {name: as_function(argument, state) for name, argument in keywords.items()}
     check_call(plain(function), arguments, keywords, state)
     note_call(state.settings.door.budget, plain(function), arguments)
     if "key" in keywords and type(keywords["key"]) is not Random:
@@ -204,10 +220,10 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
         result = host(state.settings.door, state, invoke, vector if function is Vector else function, *arguments, **keywords)
     except HostException as problem:
         if isinstance(problem.exception, (BadField, BadRegion, BadParameters)):
-            raise RunError(without_addresses(str(problem.exception)), node.span, rule="E-Call-Host") from None
+            raise RunError(str(problem.exception), node.span, rule="E-Call-Host") from None
         class_ = plain(function)
         if isinstance(problem.exception, TypeError) and isinstance(class_, type) and issubclass(class_, NAMED):
-            problem.exception.add_note(f"write {class_.__name__}({', '.join(inspect.signature(class_).parameters)})")
+            raise misapplied_class(class_, keywords, problem) from None
         if class_ is range and any(type(argument) is Random for argument in arguments):
             problem.exception.add_note("how often a loop runs may not be random; a whole number is drawn by DiscreteRange(low, high)")
         raise
@@ -247,6 +263,18 @@ COMPARING = (sorted, min, max)
 """Functions that compare what they go through."""
 
 
+def misapplied_class(class_: type, keywords: Mapping[str, object], problem: HostException) -> HostException:
+    """The error in the arguments of a class of the library: the keyword that it does not have, else how it is called."""
+    parameters = inspect.signature(class_).parameters
+    unknown = next((name for name in keywords if name not in parameters), None)
+    if unknown is None or any(one.kind is one.VAR_KEYWORD for one in parameters.values()):
+        problem.exception.add_note(f"write {class_.__name__}({', '.join(parameters)})")
+        return problem
+    error = TypeError(f"{class_.__name__}() has no parameter {unknown}")
+    error.add_note(meant_parameter(unknown, list(parameters)))
+    return Misapplied(error, unknown)
+
+
 def vector(x: float, y: float, *more: float) -> Vector:
     """Vector(x, y): its coordinates are floats, as those of any vector of the language."""
     if more:
@@ -256,16 +284,17 @@ def vector(x: float, y: float, *more: float) -> Vector:
 
 def invoke(function: Callable[..., object], *arguments: object, **keywords: object) -> object:
     """The operation of a call of library code."""
-    return function(*arguments, **keywords)
+    return called(function, *arguments, **keywords)
 
 
 def on_plain_elements(function: object) -> object:
     """A method of a container with random elements, as a method of the container of their values in this run."""
     owner = own_word(function, "__self__")
-    if not isinstance(owner, (list, dict, set, tuple, deque)) or not isinstance(function, BuiltinFunctionType):
+    of_python = isinstance(function, BuiltinFunctionType) or isinstance(own_word(function, "__func__"), FunctionType)
+    if not of_python or not isinstance(owner, (list, dict, set, tuple, deque)):
         return function
     values, origin = unwrap(owner)
-    return function if origin is None else wrap(getattr(values, function.__name__), origin)
+    return function if origin is None else wrap(getattr(values, own_word(function, "__name__")), origin)
 
 
 NAMED = (Region, VectorField, TakesObjects)
@@ -287,7 +316,7 @@ def as_positions(argument: object, state: State) -> object:
         case Random(value=Instance() as instance, origin=origin):
             return Random(unwrap(state.objects[instance.number]["position"])[0], origin)
         case list() | tuple() if any(isinstance(a, (Instance, Random, list, tuple)) for a in argument):
-            return type(argument)(as_positions(a, state) for a in argument)
+            return type(argument)(in_the_plane(as_positions(a, state), state) if isinstance(a, tuple) else as_positions(a, state) for a in argument)
         case _:
             return argument
 

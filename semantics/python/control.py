@@ -96,7 +96,7 @@ def while_statement(node: s.While, stack: Stack, state: State) -> Outcome:
 def resume_testing(frame: Testing, result: object, stack: Stack, state: State) -> Outcome:
     """If ⟨B⟩ → True then ⟨while B: s⟩ → ⟨s; while B: s⟩; if ⟨B⟩ → False then its `else` block."""
     node = frame.node
-    if truth(result, node.test, state, "the condition of this `while`"):
+    if truth(result, node.test, state, "the condition of this `while`", "let it turn a number of times that is fixed, as in `for i in range(3):`"):
         return block(node.body, (Looping(node), stack), state, "S-While", node)
     return block(node.otherwise, stack, state, "S-While", node)
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from ..kernel.allowed import MARK, OVERRIDES, is_base, is_hidden, may_override
+from ..kernel.allowed import MARK, OVERRIDES, as_member, is_base, is_hidden, may_override
 from ..kernel.classes import OBJECT_CLASS, canonical, defaults_of
 from ..kernel.config import Abrupt, Config, Stack, State
-from ..kernel.errors import CheckError, RunError
+from ..kernel.errors import CheckError, RunError, ScenicError
 from ..kernel.host import HostException
 from ..kernel.kinds import kind_name
 from ..kernel.outcome import Change, Next, Outcome
@@ -150,10 +150,12 @@ def make_python_class(node: s.ClassDefinition, superclasses: tuple[type, ...], m
         kind = type(superclasses[0])
         namespace = kind.__prepare__(node.name, superclasses)
         for name, member in members.items():
-            namespace[name] = member
+            namespace[name] = as_member(name, member)
         namespace["__module__"] = "scenic"
         namespace[MARK] = True  # before the class is made: an enumeration runs functions of the program when it is
         made = kind(node.name, superclasses, namespace)  # type: ignore[arg-type]
+    except ScenicError:
+        raise
     except Exception as exception:
         raise HostException(exception) from exception
     return made

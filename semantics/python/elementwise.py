@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from itertools import count
 from types import BuiltinFunctionType
 from typing import Any, Literal, NamedTuple
@@ -25,6 +25,7 @@ from .functions import InScope, returned
 from .generators import GO_ON, give, in_order, made, pull, taken, walk
 from .iteration import elements, elements_in_this_run, known_elements
 from .library import BUILTIN, ITERTOOLS, LISTING
+from .members import as_function
 
 Arguments = tuple[object, ...]
 Keywords = Mapping[str, object]
@@ -227,12 +228,17 @@ def map_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack,
 
 
 def filter_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
-    """`filter(f, xs)` is `[x for x in xs if f(x)]`, a list as in the released implementations, perhaps a random one."""
+    """`filter(f, xs)` is `[x for x in xs if f(x)]`, a list as in the released implementations, perhaps a random one.
+
+    Where a draw decides which container xs is, f sees the elements that it has in this run, which are not random for f.
+    """
     if len(arguments) != 2:
         raise HostException(TypeError("filter() takes a function and an iterable"))
     function, among = arguments
-    if type(among) is Random and known_elements(among, state) is None and (possible := cases(among.value)) is not None:
-        return select_next(SelectingInCases(node, function, among, tuple(possible), state.address), stack, state)
+    if type(among) is Random and known_elements(among, state) is None:
+        if (possible := cases(among.value)) is not None:
+            return select_next(SelectingInCases(node, function, among, tuple(possible), state.address), stack, state)
+        return returned(node, host(state.settings.door, state, selected, as_function(function, state), among), stack, state)
     items, origin = elements_in_this_run(among, node, state)
     test = _X if function is None else p.Call(function=_F, arguments=(_X,), span=node.span)
     return comprehend(node, function, items, test, "list", (Selecting(node, items, origin), stack), state)
@@ -274,7 +280,7 @@ def select_next(frame: SelectingInCases, stack: Stack, state: State) -> Outcome:
         chosen = of_cases(frame.container.value, frame.found, drawn=state.address != frame.address)
         return value("", wrap(unwrap(chosen)[0], frame.container.origin), stack, state)
     condition, container = frame.cases[len(frame.found)]
-    items = [wrap(item, frame.container.origin) for item in elements(container, frame.node, state)]
+    items = list(elements(container, frame.node, state))
     filtering = p.Call(function=p.Constant(value=LISTING["filter"]), arguments=(p.Constant(value=frame.function), p.Constant(value=items)))
     end = (frame, stack)
     is_needed(condition, True, end)
@@ -284,6 +290,11 @@ def select_next(frame: SelectingInCases, stack: Stack, state: State) -> Outcome:
 def resume_selecting_in_cases(frame: SelectingInCases, result: object, stack: Stack, state: State) -> Outcome:
     """One more case is done."""
     return select_next(frame._replace(found=(*frame.found, result)), stack, state)
+
+
+def selected(function: Callable[[object], object] | None, items: Iterable[object]) -> list[object]:
+    """The items of which the function holds, or which are true."""
+    return [item for item in items if (item if function is None else function(item))]
 
 
 def select(items: list[object], truths: list[bool]) -> list[object]:

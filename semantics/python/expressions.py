@@ -14,21 +14,22 @@ from ..kernel.allowed import is_user_made, may_ask, names_in
 from ..kernel.classes import canonical
 from ..kernel.conditions import is_counted
 from ..kernel.config import Stack, State, value
-from ..kernel.errors import RunError
+from ..kernel.errors import NotBegun, RunError
 from ..kernel.host import HostException, host, raw
 from ..kernel.kinds import Reader, has_kind, is_a, is_pair, kind_name, lacking, no_attribute
 from ..kernel.outcome import Outcome
+from ..kernel.positions import wait
 from ..kernel.premises import premises, raw_axiom
 from ..kernel.queries import Clock, Closest, Parameters, attribute_of_clock
 from ..kernel.scenic_classes import Above, ScenicClass
-from ..kernel.scopes import MISSING, Scope
+from ..kernel.scopes import BEGUN, MISSING, Scope, function_names
 from ..kernel.sets import Set
 from ..kernel.suggestions import did_you_mean, note_keys
 from ..kernel.values import Bound, Dynamic, Function, Instance, Method, Module, Native, Random, each, plain, unwrap, with_random_keys, wrap
 from ..kernel.versions import note_call, note_item
 from ..kernel.waiting import Waiting, needs_position
 from ..space.fields import VectorField
-from ..space.regions import PolylineRegion
+from ..space.regions import PlaneShape, PolylineRegion
 from ..space.vectors import Vector
 from ..syntax import expressions as e
 from ..syntax import python_expressions as p
@@ -192,6 +193,8 @@ def get_attribute(subject: object, node: p.Attribute, state: State) -> object:
     """The attribute of a value that is not wrapped."""
     name = node.name
     match subject:
+        case Waiting(missing=NotBegun() as missing):
+            return wait(node, (subject,), conclude_attribute, state, missing)
         case Waiting():
             raise needs_position(subject)
         case Clock():
@@ -203,7 +206,7 @@ def get_attribute(subject: object, node: p.Attribute, state: State) -> object:
                 return get_attribute(dict(state.params), node, state)
             if name not in state.params:
                 error = AttributeError(f"there is no global parameter {name}")
-                error.add_note(did_you_mean(name, state.params, "set it first: param NAME = VALUE"))
+                error.add_note(did_you_mean(name, state.params, f"set it first, param {name} = VALUE, or give it from outside, -p {name}=VALUE"))
                 raise HostException(error)
             return state.params[name]
         case Instance():
@@ -221,10 +224,13 @@ def get_attribute(subject: object, node: p.Attribute, state: State) -> object:
             if found is None:
                 raise HostException(AttributeError(f"class {subject.name} has no attribute {name}; a property needs an instance"))
             return member_of(found, None, subject, state)
-        case Dynamic(space=Scope() as space) if name in space.bindings:
-            return space.bindings[name]
-        case Dynamic(space=Scope()) if name == "ego" and state.ego is not None:
-            return state.ego  # all scenarios share it (reading `ego-of-scenarios`)
+        case Dynamic(space=Scope() as space) if BEGUN not in space.bindings and (name == "ego" or name in function_names(subject.definition).local):
+            missing = NotBegun(f"{subject!r} has not begun: its {name} is there once `do` has set it up")
+            if state.reading("names-not-begun") == "waits":
+                return wait(node, (subject,), conclude_attribute, state, missing)
+            raise HostException(missing)
+        case Dynamic(space=Scope() as space) if name in space.bindings or (name == "ego" and state.ego is not None):
+            return space.bindings.get(name, state.ego)  # all scenarios share ego (reading `ego-of-scenarios`)
         case _ if name == "__name__" and (own := own_name(subject)) is not None:
             return own
         case Function() | Method() | Dynamic():
@@ -233,6 +239,13 @@ def get_attribute(subject: object, node: p.Attribute, state: State) -> object:
             return bound(members[name], state.settings.door.budget)
         case _:
             return get_host_attribute(subject, name, node, state)
+
+
+def arrived(value: object, state: State) -> object:
+    """What waited for a scenario that has begun since, or what is still missing (reading `names-not-begun=waits`); other values as they are."""
+    if type(value) is not Waiting or value.missing is None:
+        return value
+    return get_attribute(plain(arrived(value.values[0], state)), value.node, state)  # type: ignore[arg-type]
 
 
 def get_host_attribute(subject: object, name: str, node: p.Attribute, state: State) -> object:
@@ -249,7 +262,10 @@ def get_host_attribute(subject: object, name: str, node: p.Attribute, state: Sta
         return raw(door, state, fallback, subject, name)
     if name.startswith("_") and subject is not None:
         raise RunError(f"names with a leading underscore, such as {name}, are private to Python objects", node.span, rule="E-Attribute")
-    raise HostException(no_attribute(kind_name(subject), name, names_in(subject)))
+    error = no_attribute(kind_name(subject), name, names_in(subject))
+    if isinstance(subject, PlaneShape):
+        error.add_note(f"of what shapely gives its shapes, these have {', '.join(sorted(names_in(subject)))}")
+    raise HostException(error)
 
 
 def instance_attribute(instance: Instance, name: str, state: State) -> object:

@@ -12,6 +12,7 @@ from ..kernel.outcome import Next, Outcome
 from ..kernel.positions import SPECIFIED, specified
 from ..kernel.premises import premises
 from ..kernel.scopes import Scope, function_names
+from ..kernel.suggestions import meant_parameter
 from ..kernel.values import Function
 from ..syntax import python_expressions as p
 from ..syntax import statements as s
@@ -62,11 +63,12 @@ def bind(
     positional = [q for q in parameters if q.kind in ("positional", "positional only")]
     star = next((q for q in parameters if q.kind == "*args"), None)
     if len(arguments) > len(positional) and star is None:
-        raise Misapplied(TypeError(f"{name}() takes {len(positional)} positional arguments but {len(arguments)} were given"))
+        text = f"{name}() takes {len(positional)} positional arguments but {len(arguments)} were given"
+        raise misapplied(text, parameters, len(positional))
     for parameter, argument in zip(positional, arguments, strict=False):
         bound[parameter.name] = argument
         if parameter.kind == "positional" and parameter.name in rest:
-            raise Misapplied(TypeError(f"{name}() got two values for {parameter.name}"))
+            raise misapplied(f"{name}() got two values for {parameter.name}", parameters, parameter.name)
     if star is not None and star.name:
         bound[star.name] = tuple(arguments[len(positional) :])
     for parameter in parameters:
@@ -77,13 +79,26 @@ def bind(
         elif parameter.name in defaults:
             bound[parameter.name] = defaults[parameter.name]
         else:
-            raise Misapplied(TypeError(f"{name}() needs a value for {parameter.name}"))
+            raise misapplied(f"{name}() needs a value for {parameter.name}", parameters)
     extra = next((q for q in parameters if q.kind == "**kwargs"), None)
     if extra is not None:
         bound[extra.name] = rest
     elif rest:
-        raise Misapplied(TypeError(f"{name}() has no parameter {next(iter(rest))}"))
+        given = next(iter(rest))
+        raise misapplied(f"{name}() has no parameter {given}", parameters, given)
     return bound
+
+
+def misapplied(
+    text: str, parameters: tuple[p.Parameter, ...], argument: str | int | None = None
+) -> Misapplied:
+    """The TypeError of a call whose arguments do not fit, with a note that tells the parameters."""
+    error = TypeError(text)
+    names = [q.name for q in parameters if q.kind not in ("*args", "**kwargs") and q.name != "self"]
+    if names or len(parameters) == 0:
+        by_name = isinstance(argument, str) and argument not in names
+        error.add_note(meant_parameter(str(argument) if by_name else "", names))
+    return Misapplied(error, argument)
 
 
 def enter(
@@ -91,7 +106,9 @@ def enter(
 ) -> Config:
     """The configuration that runs a function's body; it ends in the frame `Called`."""
     if state.depth >= LARGEST_DEPTH:
-        raise RunError(f"{function.name} calls itself too deeply ({LARGEST_DEPTH} calls are open)", function.span, rule="E-Call")
+        text = f"{function.name} is called too deeply ({LARGEST_DEPTH} calls are open)"
+        hint = f"{function.name} is defined on line {function.span.line}: does it call itself without end?"
+        raise RunError(text, function.span if node is None else node.span, rule="E-Call", hint=hint)
     bindings = bind(function.name, function.parameters, function.defaults, arguments, keywords)
     instance = specified(state)
     if instance is not None:

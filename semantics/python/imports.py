@@ -13,14 +13,15 @@ from typing import NamedTuple
 from ..kernel.config import Abrupt, Config, Stack, State
 from ..kernel.errors import ImportRefused, RunError
 from ..kernel.host import HostException
-from ..kernel.kinds import lacking
+from ..kernel.kinds import is_object, lacking
 from ..kernel.outcome import Next, Outcome
 from ..kernel.scopes import MISSING, Scope
-from ..kernel.values import Module
+from ..kernel.values import Instance, Module, plain
 from ..syntax import Program
 from ..syntax import statements as s
 from ..syntax.nodes import NOWHERE, Node, Span
 from ..syntax.statements import Block
+from .assignment import assign_name
 from .control import block
 from .library import bound
 
@@ -75,11 +76,12 @@ def key_of(name: str, level: int, package: str, library: Mapping[str, object]) -
 
 
 class ModuleBody(NamedTuple):
-    """Frame of an imported module's statements; `then` is the import that goes on afterwards."""
+    """Frame of an imported module's statements; `then` is the import that goes on afterwards, and `ego` what it was before."""
 
     key: str
     outer: Scope
     then: Node
+    ego: object
 
 
 def import_statement(node: s.Import, stack: Stack, state: State) -> Outcome:
@@ -91,7 +93,7 @@ def import_statement(node: s.Import, stack: Stack, state: State) -> Outcome:
     for one, key in zip(node.names, keys, strict=True):
         module = state.modules[key]
         if one.alias is not None:
-            state.sigma.bind(one.alias, module)
+            state = assign_name(one.alias, module, node, state)
         else:
             bind_dotted(one.name, module, state)
     return imported(node, stack, state)
@@ -140,12 +142,32 @@ def import_from(node: s.ImportFrom, stack: Stack, state: State) -> Outcome:
             if submodule not in state.modules:
                 return load(submodule, submodule, node, stack, state)
             found = state.modules[submodule]
+        if member == alias == "ego" and not node.names:
+            continue  # `*` replaces no ego
         if found is MISSING and member == "ego" and state.ego is not None:
-            continue  # all modules share it
+            continue  # the module has none of its own: all share the scene's
         if found is MISSING:
             raise unknown(member, name, module, next((n.span for n in node.names if n.name == member), None))
-        state.sigma.bind(alias, found)
+        if alias == "ego" and (state.sigma.kind != "module" or (in_module(stack) and not is_the_scenes(found))):
+            state.sigma.bind(alias, found)  # a variable of the function, or of the module
+        else:
+            state = assign_name(alias, found, node, state)
     return imported(node, stack, state)
+
+
+def is_the_scenes(found: object) -> bool:
+    """Return whether a value is an Object, which can be the ego."""
+    inner = plain(found)
+    return isinstance(inner, Instance) and is_object(inner)
+
+
+def in_module(stack: Stack) -> bool:
+    """Return whether an imported module is being run."""
+    while stack:
+        frame, stack = stack
+        if isinstance(frame, ModuleBody):
+            return True
+    return False
 
 
 def model(node: s.Model, stack: Stack, state: State) -> Outcome:
@@ -190,7 +212,7 @@ def load(key: str, name: str, node: Node, stack: Stack, state: State) -> Outcome
         scope = Scope("module", builtins, bindings=own, package=package_of(key))
         module = Module(name.lstrip("."), scope)
         begun = state._replace(sigma=scope, modules={**state.modules, key: module})
-        return imported(node, (ModuleBody(key, state.sigma, node), stack), begun, found.statements)
+        return imported(node, (ModuleBody(key, state.sigma, node, state.ego), stack), begun, found.statements)
     if found is MISSING or isinstance(found, ModuleNotFoundError):
         raise absent(name, found)
     if isinstance(found, Exception):
@@ -229,11 +251,24 @@ def in_model(stack: Stack) -> bool:
 
 
 def resume_module_body(frame: ModuleBody, result: object, stack: Stack, state: State) -> Outcome:
-    """The module has run: go on with the import."""
-    return Next("", Config(frame.then, stack, state._replace(sigma=frame.outer)))
+    """The module has run: go on with the import.
+
+    What it assigned to `ego` is a variable of its own, and the ego of who imports it only where there was none (reading `ego-of-modules`).
+    """
+    after = state._replace(sigma=frame.outer)
+    if state.ego is not frame.ego:
+        state.modules[frame.key].scope.put("ego", state.ego)
+        after = after if frame.ego is None else with_ego(frame.ego, state.ego, after)
+    return Next("", Config(frame.then, stack, after))
+
+
+def with_ego(ego: object, other: object, state: State) -> State:
+    """The state with this ego again; the other one's name in the scene is not `ego` any more."""
+    names = {number: name for number, name in state.names.items() if number != plain(other).number}  # type: ignore[attr-defined]
+    return state._replace(ego=ego, names=names)
 
 
 def unwind_module_body(frame: ModuleBody, abrupt: Abrupt, stack: Stack, state: State) -> Outcome:
     """An exception in the module: it is not imported."""
     left = {key: module for key, module in state.modules.items() if key != frame.key}
-    return Next("", Config(abrupt, stack, state._replace(sigma=frame.outer, modules=left)))
+    return Next("", Config(abrupt, stack, state._replace(sigma=frame.outer, modules=left, ego=frame.ego)))

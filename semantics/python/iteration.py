@@ -27,7 +27,7 @@ def elements(iterable: object, node: Node, state: State) -> list[object]:
     if type(iterable) is Random:
         known = known_elements(iterable, state)
         if known is None:
-            raise random_branch(iterable, node, "the number of its elements")
+            raise random_branch(iterable, node, "how many elements this has", "give it a number of elements that is fixed, as in `range(3)`")
         return known
     if isinstance(iterable, range) and len(iterable) > LARGEST_SEQUENCE:
         raise RunError(f"{len(iterable)} elements are too many", node.span)

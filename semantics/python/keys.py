@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..kernel.allowed import MARK, is_user_made, own_word
-from ..kernel.budget import LARGEST_WORK
-from ..kernel.errors import RunError
+from ..kernel.budget import LARGEST_WORK, items_of
+from ..kernel.errors import FuelExhausted, RunError
 from ..kernel.nesting import check_written
 
 CROWD = 4096
@@ -51,7 +51,7 @@ def check_hashed(function: object, arguments: Sequence[object]) -> None:
     for argument in arguments:
         check_key(argument)
         if isinstance(argument, HOLDING):
-            items = list(argument)
+            items = [*items_of(argument)]
             check_keys(items)
             if all(type(item) in (tuple, list) and len(item) == 2 for item in items):
                 check_keys([item[0] for item in items])
@@ -68,8 +68,10 @@ def crowds(keys: Sequence[Any]) -> list[int]:
             continue
         try:
             code = hash(key)
-        except TypeError:  # it will be said where it is used as a key
+            if first.setdefault(code, key) is not key and first[code] != key:
+                found[code] += 1
+        except FuelExhausted:
+            raise
+        except Exception:  # it will be said where it is used as a key
             continue
-        if first.setdefault(code, key) is not key and first[code] != key:
-            found[code] += 1
     return [*found.values(), own // 3]

@@ -18,13 +18,14 @@ from typing import Any
 
 from ..kernel.allowed import BUILTINS, MARK, OURS_OF_MATH, is_user_made, own_word
 from ..kernel.budget import ITEM, Budget, Metered, length_of, refuse_too_large, refuse_too_long, size_of, whole
+from ..kernel.containers import Counter, OrderedDict, deque
 from ..kernel.generators import Generator
 from ..kernel.sets import FrozenSet, Set
 from ..kernel.values import Bound, Hint, Native
 from ..kernel.versions import note_attribute, note_container
 from ..space.regions import PolygonalRegion, PolylineRegion
 from .arithmetic import BINARY
-from .prices import as_callback, with_callbacks
+from .prices import as_callback, check_exception, with_callbacks
 from .texts import METHODS as OF_TEXTS
 from .texts import decode, formatted, represented
 
@@ -133,15 +134,13 @@ LISTING = {made.name: made for made in map(listing, (python.map, python.filter, 
 BUILTIN: Mapping[str, object] = {
     **LISTING,
     **{name: getattr(python, name) for name in BUILTINS},
-    "set": Set,
-    "frozenset": FrozenSet,
+    "set": Set, "frozenset": FrozenSet,
     "sum": paying(sum_of, "sum"),
     "iter": paying(iterator, "iter"),
     "next": native(following, "next"),
     "pow": native(power, "pow"),
     "round": native(rounded, "round"),
-    "repr": native(represented, "repr"),
-    "ascii": native(ascii_of, "ascii"),
+    "repr": native(represented, "repr"), "ascii": native(ascii_of, "ascii"),
     "format": native(formatted, "format"),
     "hash": native(hash_of, "hash"),
 }
@@ -300,7 +299,7 @@ def record(name: str, fields: str | Sequence[str], *, rename: bool = False, defa
     return made
 
 
-def elements(budget: Budget, counter: collections.Counter) -> Metered:
+def elements(budget: Budget, counter: Counter) -> Metered:
     """`counter.elements()`."""
     return budget.metered(counter.elements())
 
@@ -340,7 +339,7 @@ MODULES: Mapping[str, Mapping[str, object]] = {
     "functools": {"partial": paying(partial), "reduce": paying(reduced, "reduce"), "cmp_to_key": paying(comparing, "cmp_to_key")},
     "collections": {
         "namedtuple": native(record, "namedtuple"),
-        **{c.__name__: c for c in (collections.Counter, collections.OrderedDict, collections.defaultdict, collections.deque)},
+        **{c.__name__: c for c in (Counter, OrderedDict, collections.defaultdict, deque)},
     },
     "enum": {c.__name__: c for c in (enum.Enum, enum.IntEnum, enum.Flag, enum.auto)},
     "typing": {**{name: Hint(name) for name in HINTS.split()}, "TypeVar": native(type_variable, "TypeVar"), "TYPE_CHECKING": False},
@@ -353,6 +352,7 @@ def initialise(budget: Budget, subject: object, *arguments: object, **keywords: 
     if not is_user_made(subject) or isinstance(subject, type):
         raise TypeError("__init__ is called for instances of classes of the program")
     ancestor = next(c for c in type(subject).__mro__ if MARK not in c.__dict__)
+    check_exception(ancestor, arguments)
     note_attribute(budget, subject, "args") if isinstance(subject, BaseException) else note_container(budget, subject)
     ancestor.__init__(subject, *arguments, **keywords)  # type: ignore[misc]
 
@@ -361,7 +361,7 @@ METHODS: Mapping[type, Mapping[str, Callable[..., object]]] = {
     object: {"__init__": initialise},
     str: OF_TEXTS,
     bytes: {"decode": decode},
-    collections.Counter: {"elements": elements},
+    Counter: {"elements": elements},
     range: {"index": index_in, "count": count_in},
 }
 """Methods of Python's types that are ours: functions of the budget, the subject and the arguments."""
@@ -385,14 +385,16 @@ def name_of_class(class_: type) -> str:
 
 
 GIVEN: Mapping[type, Mapping[str, Callable[[Any], object]]] = {
-    PolygonalRegion: {"polygon": lambda region: region}, PolylineRegion: {"lineString": lambda line: line}, type: {"__name__": name_of_class},
+    PolygonalRegion: {"polygon": lambda region: region.plane_shape, "polygons": lambda region: region.plane_shape.together},
+    PolylineRegion: {"lineString": lambda line: line.plane_shape},
+    type: {"__name__": name_of_class},
 }  # fmt: skip
-"""Attributes whose value is not Python's: a polygonal region stands for its polygon, a polyline for its line."""
+"""Attributes whose value is not Python's."""
 
 
 def attribute_of(subject: object, name: str, budget: Budget) -> object:
     """An attribute that a program may ask for (`allowed.may_ask`)."""
-    kinds = type(subject).__mro__ if name in ("polygon", "lineString") else (type(subject),)
+    kinds = type(subject).__mro__ if name in ("polygon", "polygons", "lineString") else (type(subject),)
     given = next((GIVEN[kind][name] for kind in kinds if name in GIVEN.get(kind, ())), None)
     if given is not None:
         return given(subject)

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from inspect import signature
 from types import MappingProxyType
-from typing import ClassVar
+from typing import get_args
 
 import shapely
 
@@ -18,10 +18,12 @@ from ..kernel.classes import ORIENTED_POINT_CLASS, canonical
 from ..kernel.config import Config, Stack, State
 from ..kernel.errors import RunError
 from ..kernel.host import HostException
-from ..kernel.kinds import OBJECT, REGION, Reader, has_kind, is_a, is_object, is_oriented, kind_name
+from ..kernel.kinds import FLAT, OBJECT, REGION, Reader, has_kind, is_a, is_object, is_oriented, kind_name
 from ..kernel.outcome import Next, Outcome
 from ..kernel.premises import premises
-from ..kernel.values import Bound, Constructor, Dynamic, Function, Instance, Method, Native, Special, plain
+from ..kernel.scenic_classes import spoken
+from ..kernel.sets import FrozenSet, Set
+from ..kernel.values import Applicable, Bound, Constructor, Dynamic, Function, Instance, Method, Native, Special, plain
 from ..space import geometry, regions
 from ..space.boundaries import METRES
 from ..space.distributions import PointIn
@@ -33,10 +35,12 @@ from ..syntax import expressions as e
 from ..syntax import python_expressions as p
 from ..syntax import specifiers as q
 from ..syntax.nodes import Expression, Node
+from .functions import make_function
 
 Rewrite = Callable[..., Expression]
 """From the value and the arguments, as expressions, to what the member stands for."""
 ZERO = p.Constant(value=Vector(0.0, 0.0))
+NORMALISED = Native("normalizeAngle", geometry.normalise_heading)
 
 
 def pair(x: Expression, y: Expression) -> Expression:
@@ -75,6 +79,16 @@ def turned(v: Expression, angle: Expression) -> Expression:
     return e.OffsetAlong(base=ZERO, direction=angle, offset=v)
 
 
+def direction(v: Expression) -> Expression:
+    """The heading of a vector."""
+    return e.Angle(origin=ZERO, target=v)
+
+
+def wrapped(angle: Expression) -> Expression:
+    """The angle in (-π, π] that is the same up to full turns."""
+    return p.Call(function=p.Constant(value=NORMALISED), arguments=(angle,))
+
+
 def product(v: Expression, w: Expression, axis: str) -> Expression:
     """The product of a coordinate of two vectors."""
     return p.BinaryOperation(operator="*", left=p.Attribute(value=v, name=axis), right=p.Attribute(value=w, name=axis))
@@ -97,7 +111,7 @@ def half(name: str) -> Rewrite:
 
 
 SIDES: Mapping[str, Rewrite] = {
-    "hw": half("width"), "hl": half("length"),
+    "hw": half("width"), "hl": half("length"), **dict.fromkeys(("polygon", "_boundingPolygon"), lambda o: p.Attribute(value=box(o), name="polygon")),
     "left": side("left"), "right": side("right"), "front": side("front"), "back": side("back"), "frontLeft": side("front left"),
     "frontRight": side("front right"), "backLeft": side("back left"), "backRight": side("back right"), "corners": corners,
 }  # fmt: skip
@@ -107,16 +121,31 @@ AXES: Mapping[str, Rewrite] = {
 """The coordinates of a point's position, which has no properties of these names."""
 SEEING: Mapping[str, Rewrite] = {"visibleRegion": lambda o: e.VisibleFrom(region=p.Constant(value=regions.everywhere), viewer=o)}
 
+NOT_GIVEN = p.Constant(value=None)
+
+
+def can_see(o: Expression, other: Expression, occludingObjects: Expression = NOT_GIVEN, debug: Expression = NOT_GIVEN) -> Expression:
+    """`o can see other`. Raises `HostException` if there are objects that would hide it; `debug`, of Scenic 3, draws a picture."""
+    hiding = plain(occludingObjects.value) if isinstance(occludingObjects, p.Constant) else occludingObjects
+    if not (hiding is None or (isinstance(hiding, (tuple, list, Set, FrozenSet)) and not hiding)):
+        error = TypeError("occludingObjects= must be empty: no object hides another one in this reference")
+        error.add_note("leave it out, or write occludingObjects=()")
+        raise HostException(error)
+    return e.CanSee(viewer=o, target=other)
+
+
 OF_POINTS: Mapping[str, Rewrite] = {
     "toVector": lambda o: p.Attribute(value=o, name="position"),
     "distanceTo": lambda o, point: e.Distance(origin=o, target=point),
     "angleTo": lambda o, other: e.Angle(origin=o, target=other),
-    "canSee": lambda o, other: e.CanSee(viewer=o, target=other),
+    "canSee": can_see,
 }
 OF_ORIENTED_POINTS: Mapping[str, Rewrite] = {
     **OF_POINTS,
+    "toHeading": lambda o: p.Attribute(value=o, name="heading"),
     "distancePast": lambda o, vec: e.DistancePast(oriented_point=o, vector=vec),
     "relativize": lambda o, vec: e.RelativeTo(left=vec, right=o),
+    "relativePosition": lambda o, vec: p.Attribute(value=e.RelativeTo(left=vec, right=o), name="position"),
 }
 OF_OBJECTS: Mapping[str, Rewrite] = {
     **OF_ORIENTED_POINTS, "containsPoint": lambda o, point: within(point, box(o)), "intersects": boxes_meet,
@@ -137,12 +166,15 @@ def to_position_or_box(v: Expression, other: Expression) -> Expression:
 OF_VECTORS: Mapping[str, Rewrite] = {
     "distanceTo": lambda v, other: e.Distance(origin=v, target=other),
     "angleTo": lambda v, other: e.Angle(origin=v, target=other),
+    "azimuthTo": lambda v, other: e.Angle(origin=v, target=other),
+    "angleWith": lambda v, other: wrapped(p.BinaryOperation(operator="-", left=direction(other), right=direction(v))),
     "toVector": lambda v: v,
     "norm": length,
     "dot": lambda v, other: p.BinaryOperation(operator="+", left=product(v, other, "x"), right=product(v, other, "y")),
     "normalized": lambda v: p.BinaryOperation(operator="/", left=v, right=length(v)),
     "rotatedBy": turned,
-    "offsetRotated": lambda v, heading, offset: e.OffsetAlong(base=v, direction=heading, offset=offset),
+    "offsetRotated": lambda v, angleOrOrientation, offset: e.OffsetAlong(base=v, direction=angleOrOrientation, offset=offset),
+    "offsetLocally": lambda v, orientation, offset: e.OffsetAlong(base=v, direction=orientation, offset=offset),
     "offsetRadially": lambda v, radius, heading: e.OffsetAlong(base=v, direction=heading, offset=pair(number(0), radius)),
 }
 def computed(function: Callable[..., object]) -> Rewrite:
@@ -176,6 +208,11 @@ def boundary_of(r: regions.PolygonalRegion | regions.RectangularRegion) -> regio
 def area_of(r: regions.PolygonalRegion | regions.RectangularRegion) -> float:
     """The area of a polygon or rectangle, in square metres."""
     return r.width * r.length if isinstance(r, regions.RectangularRegion) else r.polygon.area
+
+
+def polygon_of_rectangle(r: regions.RectangularRegion) -> regions.PlaneShape:
+    """The polygon of a rectangle."""
+    return regions.PolygonalRegion(corners_of(r)).plane_shape
 
 
 def length_of_line(line: regions.PolylineRegion) -> float:
@@ -234,11 +271,18 @@ def union_of_lines(lines: list[regions.PolylineRegion]) -> regions.PolylineRegio
 UNION_OF_LINES = Native("unionAll", union_of_lines)
 UNIFORM_POINT = Constructor("uniformPointIn", PointIn, keeps_values=False, takes="region")
 OF_REGION_CLASS: Mapping[str, Rewrite] = {"uniformPointIn": lambda r: p.Constant(value=UNIFORM_POINT)}
+
+
+def union_of_polygons(polygons: list[Region], buf: float = 0) -> regions.PolygonalRegion:
+    """`PolygonalRegion.unionAll(regions)`: all of some polygons."""
+    if buf != 0:
+        raise TypeError("buf= is outside this reference: polygons are put together as they are; leave it out")
+    return regions.PolygonalRegion(polygon=polygons)  # type: ignore[arg-type]
+
+
+UNION_OF_POLYGONS = Native("unionAll", union_of_polygons)
 FIELD_OF_REGIONS = Native("forUnionOf", field_of_regions)
 OF_FIELD_CLASS: Mapping[str, Rewrite] = {"forUnionOf": lambda f: p.Constant(value=FIELD_OF_REGIONS)}
-NOT_GIVEN = p.Constant(value=None)
-
-
 def follow_from(f: Expression, pos: Expression, dist: Expression, steps: Expression = NOT_GIVEN, stepSize: Expression = NOT_GIVEN) -> Expression:
     """`(follow F from V for S).position`, in so many steps, or in steps of at most that size."""
     if steps is not NOT_GIVEN or stepSize is not NOT_GIVEN:
@@ -246,7 +290,7 @@ def follow_from(f: Expression, pos: Expression, dist: Expression, steps: Express
     return p.Attribute(value=e.Follow(field=f, origin=pos, distance=dist), name="position")
 
 
-OF_FIELDS: Mapping[str, Rewrite] = {"followFrom": follow_from}
+OF_FIELDS: Mapping[str, Rewrite] = {"followFrom": follow_from, "valueAt": lambda f, pos: e.FieldAt(field=f, vector=pos)}
 OF_POLYLINES: Mapping[str, Rewrite] = {
     "length": computed(length_of_line),
     "start": oriented(start_of),
@@ -254,7 +298,7 @@ OF_POLYLINES: Mapping[str, Rewrite] = {
     "end": oriented(end_of),
 }
 OF_POLYGONS: Mapping[str, Rewrite] = {"boundary": computed(boundary_of), "area": computed(area_of)}
-OF_RECTANGLES: Mapping[str, Rewrite] = {**OF_POLYGONS, "corners": computed(corners_of)}
+OF_RECTANGLES: Mapping[str, Rewrite] = {**OF_POLYGONS, "corners": computed(corners_of), "polygon": computed(polygon_of_rectangle)}
 OF_REGIONS: Mapping[str, Rewrite] = {
     "getAABB": computed(bounding_box),
     "distanceTo": lambda r, point: e.Distance(origin=point, target=r),
@@ -270,19 +314,79 @@ SPATIAL: Mapping[type, tuple[Mapping[str, Rewrite], Mapping[str, Rewrite]]] = {
 """The attributes and methods of what is in space, by the first class that a value is of."""
 
 
+def given(argument: Expression) -> Expression | None:
+    """An argument that may be left out, or be None."""
+    return None if isinstance(argument, p.Constant) and argument.value is None else argument
+
+
+def angle_between(X: Expression = NOT_GIVEN, Y: Expression = NOT_GIVEN) -> Expression:
+    """`angle [from X] [to Y]`."""
+    return e.Angle(origin=given(X), target=given(Y))
+
+
+def side_function(words: e.Side) -> Rewrite:
+    """`front of X` and its siblings, of a parameter with the releases' name."""
+    return lambda X: e.SideOf(side=words, object=X)
+
+
+def outside_the_plane(name: str) -> Rewrite:
+    """An operator of three dimensions, which is refused by its name."""
+
+    def refuse(X: Expression = NOT_GIVEN, Y: Expression = NOT_GIVEN) -> Expression:
+        raise HostException(TypeError(f"{name}() {FLAT}"))
+
+    return refuse
+
+
+OPERATOR_FUNCTIONS: Mapping[str, Rewrite] = {
+    "Visible": lambda region: e.Visible(region=region),
+    "NotVisible": lambda region: e.NotVisible(region=region),
+    **{"".join(map(str.capitalize, words.split())): side_function(words) for words in get_args(e.Side)},
+    "RelativeHeading": lambda X, Y=NOT_GIVEN: e.RelativeHeading(heading=X, origin=given(Y)),
+    "ApparentHeading": lambda X, Y=NOT_GIVEN: e.ApparentHeading(oriented_point=X, origin=given(Y)),
+    "RelativePosition": lambda X, Y=NOT_GIVEN: e.RelativePosition(target=X, origin=given(Y)),
+    "DistanceFrom": lambda X, Y=NOT_GIVEN: e.Distance(origin=X, target=given(Y)),
+    "DistancePast": lambda X, Y=NOT_GIVEN: e.DistancePast(vector=X, oriented_point=given(Y)),
+    "AngleTo": lambda X: e.Angle(target=X),
+    "AngleFrom": angle_between,
+    "Follow": lambda F, X, D: e.Follow(field=F, origin=X, distance=D),
+    "FieldAt": lambda X, Y: e.FieldAt(field=X, vector=Y),
+    "RelativeTo": lambda X, Y: e.RelativeTo(left=X, right=Y),
+    "OffsetAlong": lambda X, H, Y: e.OffsetAlong(base=X, direction=H, offset=Y),
+    "CanSee": lambda X, Y: e.CanSee(viewer=X, target=Y),
+    "Intersects": lambda X, Y: e.Intersects(left=X, right=Y),
+    "VisibleFromOp": lambda region, base: e.VisibleFrom(region=region, viewer=base),
+    "NotVisibleFromOp": lambda region, base: e.NotVisible(region=region, viewer=base),
+    **{name: outside_the_plane(name) for name in ("AltitudeTo", "AltitudeFrom", "Top", "Bottom")},
+}
+"""The functions behind operators that the releases give to every program, with the names of their parameters."""
+
+
+@spoken("function")
+@dataclass(frozen=True, slots=True)
+class OperatorFunction(Applicable):
+    """A function that says what an operator says: `DistanceFrom(X, Y)` is `distance from X to Y`."""
+
+    name: str
+    rewrite: Rewrite
+
+    def __repr__(self) -> str:
+        return f"<function {self.name}>"
+
+
 CLASSES: Mapping[type, Mapping[str, Rewrite]] = {
     regions.PolylineRegion: {**OF_REGION_CLASS, "unionAll": lambda r: p.Constant(value=UNION_OF_LINES)},
+    regions.PolygonalRegion: {**OF_REGION_CLASS, "unionAll": lambda r: p.Constant(value=UNION_OF_POLYGONS)},
     regions.Region: OF_REGION_CLASS,
     VectorField: OF_FIELD_CLASS,
 }
 
 
+@spoken("method")
 @dataclass(frozen=True, slots=True)
-class Member:
+class Member(Applicable):
     """A method of the released implementations, of a value."""
 
-    scenic_names: ClassVar[frozenset[str]] = frozenset()
-    """What programs may ask of it: nothing."""
     subject: object
     name: str
     rewrite: Rewrite
@@ -294,7 +398,7 @@ class Member:
 def own_name(value: object) -> str | None:
     """`v.__name__` of a function, method, distribution or class of behaviors; None for anything else."""
     match value:
-        case Function() | Native() | Bound() | Special() | Constructor() | Member():
+        case Function() | Native() | Bound() | Special() | Constructor() | Member() | OperatorFunction():
             return value.name
         case Method(function=Function(name=name)) | Dynamic(arguments=None, definition=object(name=name)):
             return name
@@ -358,13 +462,23 @@ def meet(node: e.Intersects, values: list[object], stack: Stack, state: State) -
     return Next("O-Intersects", Config(meeting, stack, state), node)
 
 
-def call_member(node: Node, function: Member, arguments: tuple[object, ...], keywords: Mapping[str, object], stack: Stack, state: State) -> Outcome:
-    """Apply a method. Raises `HostException` for arguments that it does not take."""
+def call_member(
+    node: Node, function: Member | OperatorFunction, arguments: tuple[object, ...], keywords: Mapping[str, object], stack: Stack, state: State
+) -> Outcome:
+    """Apply a method, or a function that says what an operator says. Raises `HostException` for arguments that it does not take."""
+    subjects = (function.subject,) if isinstance(function, Member) else ()
     taken = signature(function.rewrite)
     try:
-        taken.bind(function.subject, *arguments, **keywords)
+        taken.bind(*subjects, *arguments, **keywords)
     except TypeError as problem:
-        _, *names = taken.parameters
+        names = list(taken.parameters)[len(subjects) :]
         raise HostException(TypeError(f"{function.name}() takes ({', '.join(names)}): {problem}")) from None
-    return rewritten(node, function.rewrite, (function.subject, *arguments), stack, state, keywords)
+    return rewritten(node, function.rewrite, (*subjects, *arguments), stack, state, keywords)
 
+
+def as_function(argument: object, state: State) -> object:
+    """A method or function that says what an operator says, as a function of the program, which host code can call."""
+    if not isinstance(argument, (Member, OperatorFunction)):
+        return argument
+    call = p.Call(function=p.Constant(value=argument), arguments=(p.Starred(value=p.Name(name="arguments")),))
+    return make_function(p.Lambda(parameters=(p.Parameter(name="arguments", kind="*args"),), body=call), [], state)

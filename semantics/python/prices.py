@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from ..kernel.allowed import KEY, is_user_class, names, own_word
-from ..kernel.budget import ITEM, LARGEST_SEQUENCE, Budget, length_of, refuse_too_large, refuse_too_long, size_of
+from ..kernel.allowed import KEY, is_user_class, may_make, names, own_word
+from ..kernel.budget import ITEM, LARGEST_SEQUENCE, Budget, length_of, refuse_too_large, refuse_too_long, size_of, whole
+from ..kernel.containers import apart
 from ..kernel.errors import RunError
 from ..kernel.values import Bound, Function, Method, Special
 from ..kernel.versions import note_call
@@ -33,13 +34,16 @@ def check_arguments(function: object, arguments: Sequence[object], keywords: Map
         check_chain(function, arguments, keywords)
 
 
-QUICK = names("append appendleft pop popleft get add discard setdefault keys values items extend update move_to_end")
+QUICK = names("append appendleft pop popleft get add discard setdefault keys values items extend update")
 """Methods that do not go through what they belong to."""
 
 
 def check_construction(function: type, arguments: Sequence[Any], keywords: Mapping[str, object]) -> None:
-    """Refuse what a class of Python would make of one number or text."""
+    """Refuse a class whose values the machine alone makes, and what a class of Python would make of one number or text."""
+    if not may_make(function):
+        raise RunError(f"a program cannot call {function.__name__}, the class of what the reference makes itself", rule="E-Call-Host")
     first = arguments[0] if arguments else None
+    check_exception(function, arguments)
     if function is bytes and first is not None and hasattr(type(first), "__index__"):
         refuse_too_long(first)
     if function is int and isinstance(first, (str, bytes)):
@@ -47,6 +51,15 @@ def check_construction(function: type, arguments: Sequence[Any], keywords: Mappi
     if function in (str, bytes):
         for encoding in (*arguments[1:2], *(v for k, v in keywords.items() if k == "encoding")):
             check_encoding(encoding)
+
+
+def check_exception(class_: type, arguments: Sequence[Any]) -> None:
+    """Refuse a place outside of its text in an exception, whose text Python would make of the memory beside it. Raises `RunError`."""
+    if not issubclass(class_, (UnicodeDecodeError, UnicodeEncodeError, UnicodeTranslateError)):
+        return
+    text, *places = (None, *arguments)[0 if issubclass(class_, UnicodeTranslateError) else 1 :][1:4] or (None,)
+    if isinstance(text, (str, bytes)) and not all(isinstance(p, int) and 0 <= whole(p) <= length_of(text) for p in places):
+        raise RunError(f"the start and the end in {class_.__name__} lie within its text", rule="E-Call-Host")
 
 
 def is_holder(value: object) -> bool:
@@ -77,10 +90,22 @@ def paid_call(budget: Budget, function: Callable[..., object], *arguments: objec
     """`function(*arguments, **keywords)`, and the price of it paid."""
     check_arguments(function, arguments, keywords, budget)
     note_call(budget, function, arguments)
-    result = function(*arguments, **keywords)
+    result = called(function, *arguments, **keywords)
     budget.spend(ITEM)
     budget.made(result)
     return result
+
+
+def called(function: Callable[..., object], *arguments: Any, **keywords: Any) -> object:
+    """`function(*arguments, **keywords)`; what orders elements gets lists among them as copies (`apart`)."""
+    if any(function is one for one in ORDERING) or (own_word(function, "__name__") == "sort" and isinstance(own_word(function, "__self__"), list)):
+        key = keywords.get("key")
+        keywords["key"] = apart if key is None else lambda item: apart(key(item))
+    return function(*arguments, **keywords)
+
+
+ORDERING = (sorted, min, max, list.sort)
+"""Functions that order the elements that they are given; `xs.sort` is another."""
 
 
 def with_callbacks(arguments: Sequence[object], budget: Budget) -> list[object]:

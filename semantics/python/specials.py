@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter, deque
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from types import BuiltinFunctionType, MethodType, NoneType
+from typing import Any
 
-from ..kernel.allowed import is_known
+from ..kernel.allowed import is_known, is_user_made
 from ..kernel.conditions import random_branch
 from ..kernel.config import Stack, State, value
 from ..kernel.draws import ask
@@ -18,7 +19,8 @@ from ..kernel.outcome import Change, Outcome
 from ..kernel.premises import describe_origin
 from ..kernel.scenic_classes import Above, ScenicClass
 from ..kernel.scopes import MISSING, Scope
-from ..kernel.values import Dynamic, Function, Instance, Method, Origin, Random, Special, each, plain, unwrap, wrap
+from ..kernel.sets import FrozenSet
+from ..kernel.values import HOLDING, Dynamic, Function, Instance, Method, Origin, Random, Special, each, plain, unwrap, wrap
 from ..kernel.versions import STORED
 from ..kernel.waiting import refuse_waiting
 from ..space.regions import PolylineRegion
@@ -30,6 +32,7 @@ from .expressions import attribute_is, conclude_attribute, get_attribute, hashed
 from .functions import returned
 from .iteration import elements
 from .members import member
+from .prices import called
 from .texts import written
 
 Arguments = tuple[object, ...]
@@ -42,22 +45,41 @@ def resample(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack,
     if len(arguments) != 1 or keywords:
         raise HostException(TypeError("resample() takes one argument, the value to draw again"))
     subject = arguments[0]
-    if type(subject) is not Random:
-        if state.simulation is not None:
-            raise RunError(
-                "while a scenario runs, resample needs a variable that a value was drawn into: what is computed, or stands in a container or "
-                "property, no longer knows its distribution", node.span, rule="E-Resample", hint="write the distribution again",
-            )  # fmt: skip
-        if state.reading("resample-constant") == "point-mass" and not isinstance(subject, (list, dict, set)):
-            return value("E-Resample-Constant", subject, stack, state, node)
-        raise RunError(f"resample needs a value drawn from a distribution, not {kind_name(subject)}", node.span, rule="E-Resample")
-    distribution = subject.origin.distribution
+    origin = subject.origin if type(subject) is Random else random_part(subject)
+    if origin is None:
+        return resample_constant(node, subject, stack, state)
+    distribution = origin.distribution if type(subject) is Random else None
     if distribution is None:
         raise RunError(
-            f"resample needs one of the built-in distributions, not an operation on one (this value depends on {describe_origin(subject.origin)})",
-            node.span, rule="E-Resample", hint="resample the operands instead: resample(x) + resample(y)",
+            f"resample needs one of the built-in distributions, not an operation on one (this value depends on {describe_origin(origin)})",
+            node.span, rule="E-Resample", hint="resample the operands instead: resample(x) + resample(y), or (resample(x), resample(y))",
         )
-    return ask(node, distribution, "E-Resample", stack, state, subject.origin.text)
+    return ask(node, distribution, "E-Resample", stack, state, origin.text)
+
+
+def random_part(value: object) -> Origin | None:
+    """Return where a part of the value that is random comes from: an element of a container, an argument, an attribute; None if no part is."""
+    attributes = list(getattr(value, "__dict__", {}).values()) if is_user_made(value) and not isinstance(value, type) else []
+    return unwrap(value.arguments if isinstance(value, Dynamic) else value)[1] or unwrap(attributes)[1]
+
+
+def resample_constant(node: Node, subject: object, stack: Stack, state: State) -> Outcome:
+    """Give the value itself, as if drawn from a point mass, or raise `RunError` (reading `resample-constant`); an instance or a container is none."""
+    if state.simulation is not None:
+        raise RunError(
+            "while a scenario runs, resample needs a variable that a value was drawn into: what is computed, or stands in a container or "
+            "property, no longer knows its distribution", node.span, rule="E-Resample", hint="write the distribution again",
+        )  # fmt: skip
+    if state.reading("resample-constant") == "point-mass" and may_be_a_point_mass(subject):
+        return value("E-Resample-Constant", subject, stack, state, node)
+    hint = "resample the draws behind its properties, or define it again" if isinstance(subject, Instance) else ""
+    raise RunError(f"resample needs a value drawn from a distribution, not {kind_name(subject)}", node.span, rule="E-Resample", hint=hint)
+
+
+def may_be_a_point_mass(value: object) -> bool:
+    """Return whether a value that is not random is one that cannot change: no instance, no container but a tuple or frozen set of such values."""
+    is_fixed = isinstance(value, (tuple, FrozenSet))
+    return all(map(may_be_a_point_mass, value)) if is_fixed else not isinstance(value, (Instance, Iterator, *HOLDING))  # type: ignore[arg-type]
 
 
 def print_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
@@ -271,12 +293,22 @@ def str_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack,
     return returned(node, texts, stack, state)
 
 
+def length_of(container: Any) -> int:
+    """Return the number of elements, of a polyline that of its points."""
+    return sum(map(len, container.lines)) if isinstance(container, PolylineRegion) else len(container)
+
+
+def dictionary_of(*entries: Any, **named: object) -> object:
+    """Return a dictionary whose keys are all known, or a random one."""
+    return _settled(dict(*entries, **named))
+
+
 STRUCTURAL: Mapping[Callable[..., object], Callable[..., object]] = {
-    len: lambda xs: sum(map(len, xs.lines)) if isinstance(xs, PolylineRegion) else len(xs),
+    len: length_of,
     bool: bool,
     list: list,
     tuple: tuple,
-    dict: lambda *xs, **named: _settled(dict(*xs, **named)),
+    dict: dictionary_of,
 }
 """Builtins that look at a container, not at its elements: these keep their randomness."""
 
@@ -341,7 +373,7 @@ def call_container_method(
         raise random_place(name, node)
     if name in COMPARING:
         check_written(owner)
-    result = raw(state.settings.door, state, function, *arguments, **keywords)
+    result = raw(state.settings.door, state, called, function, *arguments, **keywords)
     if name in STORED and name not in GIVING and type(result) is Random:  # a key function or comparison of the program met something random
         raise random_place(name, node)
     return result

@@ -9,12 +9,11 @@ from string import Formatter
 from typing import Any
 
 from ..kernel.budget import Budget, length_of, refuse_too_long, whole
-from ..kernel.errors import RunError
+from ..kernel.errors import FuelExhausted, RunError, without_addresses
 from ..kernel.nesting import check_written
-from ..kernel.values import unwrap
+from ..kernel.values import arguments_of, unwrap
 
 NUMBER = re.compile(r"\d+")
-ADDRESS = re.compile(r"(<[^<>]*) at 0x[0-9a-fA-F]+")
 DIRECTIVE = re.compile(r"%(?:\([^)]*\))?[#0\- +]*(\*|\d+)?(?:\.(\*|\d+))?")
 
 
@@ -27,9 +26,9 @@ def check_specification(specification: str) -> str:
 
 def in_this_run(value: object) -> object:
     """An exception of the program whose arguments are random, with those of this run; anything else as it is."""
-    if not isinstance(value, BaseException) or unwrap(value.args)[1] is None:
+    if not isinstance(value, BaseException) or unwrap(arguments_of(value))[1] is None:
         return value
-    arguments: Any = unwrap(value.args)[0]
+    arguments: Any = unwrap(arguments_of(value))[0]
     told = type(value).__new__(type(value), *arguments)
     told.__dict__.update(value.__dict__)
     return told
@@ -49,12 +48,8 @@ def written(value: object) -> str:
 
 def too_many_digits(problem: ValueError) -> bool:
     """Whether Python refused to write a whole number, for its many digits."""
-    return str(problem).startswith("Exceeds the limit")
-
-
-def without_addresses(text: str) -> str:
-    """A text without the addresses that Python writes for what has no text of its own."""
-    return ADDRESS.sub(r"\1", text) if " at 0x" in text else text
+    text = problem.args[0] if problem.args else None  # what it is made of may be the program's, with a `__str__` of its own
+    return type(text) is str and text.startswith("Exceeds the limit")
 
 
 def formatted(value: object, specification: str = "") -> str:
@@ -256,6 +251,8 @@ def stable_repr(value: object) -> str:
         return f"{type(value).__name__} nested too deeply to write, or without end"
     try:
         return ANYWHERE.sub("", repr(value))[:1000]
+    except FuelExhausted:
+        raise
     except ValueError:
         return f"{type(value).__name__} with a part, such as a long number, that is not written"
     except Exception:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import operator as python
-from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any
 
 from ..kernel.allowed import is_user_made
 from ..kernel.conditions import before_operands, bool_of, combine, truth_of, where_open
 from ..kernel.config import Stack, State, Value, reduce, value
+from ..kernel.containers import apart, deque
 from ..kernel.host import HostException, host
-from ..kernel.kinds import has_kind, is_a, kind_name, may_be_none
+from ..kernel.kinds import has_kind, is_a, is_scalar, kind_name, may_be_none
 from ..kernel.nesting import check_written
 from ..kernel.outcome import Next, Outcome
 from ..kernel.premises import Premises, premises
@@ -24,7 +24,11 @@ from .operations import membership
 
 
 def contains(container: Any, item: object) -> bool:
-    """`item in container`."""
+    """`item in container`. Raises TypeError for a number, which a distribution gives as well."""
+    if is_scalar(container):
+        error = TypeError("`in` needs a container or a region behind it, and this is one number")
+        error.add_note("compare it, as in `3 <= x <= 5`; a distribution such as Range(3, 5) stands for the one number that it draws")
+        raise error
     if isinstance(container, (dict, set, frozenset)):
         check_key(item)
     return item in container
@@ -103,6 +107,8 @@ def link(node: p.Comparison, name: str, left: object, right: object, state: Stat
             right = right.keys()  # its values do not matter
         elif certain_member(left, right):
             return name == "in"
+    if name in ORDER:
+        left, right = (Random(apart(v.value), v.origin) if type(v) is Random else apart(v) for v in (left, right))
     return host(state.settings.door, state, COMPARE[name], left, right)
 
 

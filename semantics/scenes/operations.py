@@ -9,10 +9,11 @@ from ..kernel.classes import ORIENTED_POINT_CLASS, built_in_defaults, view_dista
 from ..kernel.config import Config, Stack, State, Value, value
 from ..kernel.errors import RunError, ScenicError
 from ..kernel.host import DoorStuck, HostException
-from ..kernel.kinds import OrientedPointAt, Reader, has_kind, is_oriented, kind_name, misfit, refuse_third_dimension, repair
+from ..kernel.kinds import OrientedPointAt, Reader, has_kind, in_the_plane, is_oriented, unfit
 from ..kernel.outcome import Next, Outcome, Requirement, Stuck
 from ..kernel.positions import expression_of, specified, specifying, wait
 from ..kernel.premises import premises
+from ..kernel.scenic_classes import ScenicClass
 from ..kernel.values import Instance
 from ..kernel.waiting import Waiting
 from ..python.functions import InScope
@@ -44,6 +45,10 @@ def apply_side(node: e.SideOf, values: list[object], stack: Stack, state: State)
     return apply_equation(node, (o.SIDES[node.side],), values, stack, state)
 
 
+LIKE_SPECIFIERS = (e.FieldAt, e.OffsetBy, e.OffsetAlong)
+"""Operators that are written as specifiers are: behind a class, with `new` forgotten, they seem to be one."""
+
+
 def apply_operator(node: Node, values: list[object], stack: Stack, state: State) -> Outcome:
     """The operands are reduced: choose the equation by their kinds and conclude."""
     return apply_equation(node, released.equations_of(node, state.reading("oriented-offset"), state.reading("angle")), values, stack, state)
@@ -52,7 +57,9 @@ def apply_operator(node: Node, values: list[object], stack: Stack, state: State)
 def apply_equation(node: Node, equations: Sequence[o.Equation], values: list[object], stack: Stack, state: State) -> Outcome:
     """Conclude with the first equation whose kinds fit; what is random in the operands makes the result random."""
     reader = Reader(state)
-    operands = [reader.plain(v) for v in values]
+    operands = [in_the_plane(reader.plain(v), state) for v in values]
+    if state.settings.dialect == "scenic-3" and isinstance(node, LIKE_SPECIFIERS) and isinstance(operands[0], ScenicClass):
+        raise RunError("dialect scenic-3 makes objects with `new`", node.span, rule="E-ObjectDefinition", hint="write `new` before the class")
     equation = select(node, equations, operands)
     arguments = [reader.read(operand, kind) for operand, kind in zip(operands, equation.kinds, strict=True)]
     if equation.needs_self:
@@ -104,14 +111,8 @@ def select(node: Node, equations: Sequence[o.Equation], operands: list[object]) 
     for equation in equations:
         if all(has_kind(v, kind) for v, kind in zip(operands, equation.kinds, strict=True)):
             return equation
-    expected = " or ".join(dict.fromkeys("(" + ", ".join(q.kinds) + ")" for q in equations))
-    wrong = misfit(operands, [q.kinds for q in equations])
     nodes = [node.object] if isinstance(node, e.SideOf) else [getattr(node, name) for name in released.EQUATIONS.get(type(node), ((),))[0]]
-    place = nodes[wrong].span if wrong is not None and wrong < len(nodes) else node.span
-    refuse_third_dimension(operator_name(node), operands, place, equations[0].rule)
-    found = ", ".join(kind_name(v) for v in operands)
-    hint = "" if wrong is None else repair(operands[wrong], {q.kinds[wrong] for q in equations})
-    raise RunError(f"{operator_name(node)} expects {expected}, not ({found})", place, rule=equations[0].rule, hint=hint)
+    raise unfit(operator_name(node), node, nodes, operands, [q.kinds for q in equations], equations[0].rule)
 
 
 def operator_name(node: Node) -> str:

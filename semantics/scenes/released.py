@@ -69,6 +69,11 @@ def contained_in_region(r: Region, x: Vector | None = None) -> Region | Oriented
     return in_region(r, x)
 
 
+def on_vector(v: Vector) -> Vector:
+    """⟦on V⟧ = ⟦at V⟧."""
+    return v
+
+
 def beyond_by_scalar(v1: Vector, s: float, v3: Vector) -> Vector:
     """⟦beyond V1 by S from V3⟧ = ⟦beyond V1 by (0, S) from V3⟧."""
     return specifiers.beyond(v1, Vector(0.0, s), v3)
@@ -127,6 +132,7 @@ SPECIFIER_REWRITINGS: Mapping[type[Node], Rewriting] = {
 }
 BESIDE: Mapping[str, tuple[Form, ...]] = {side: tuple(by_vector(f, side) for f in forms) for side, forms in specifiers.BESIDE.items()}
 BEYOND = Form("P-Beyond-Scalar", (VECTOR, SCALAR, VECTOR), beyond_by_scalar)
+ON_VECTOR = Form("P-On-Vector", (VECTOR,), on_vector, passes_on=True)
 ORIENTED_OFFSETS: Mapping[type[Node], tuple[Form, ...]] = {
     q.OffsetBySpecifier: (Form("P-OffsetBy-Oriented", (VECTOR, OBJECT), offset_by_oriented, optional=HEADING_ONLY, needs_ego=True),),
     q.OffsetAlongSpecifier: (
@@ -154,8 +160,11 @@ def equations_of(node: Node, oriented_offset: str, angle: str) -> tuple[Equation
     return operators.OFFSET_BY[oriented_offset] if isinstance(node, e.OffsetBy) else EQUATIONS[type(node)][1]
 
 
-def forms_of(node: Node, offset_by: str, amounts: str, heading: str) -> tuple[Form, ...]:
-    """The forms among which the kinds of the arguments choose, under readings `offset-by`, `offset-amounts` and `offset-heading`."""
+def forms_of(node: Node, offset_by: str, amounts: str, heading: str, dialect: str) -> tuple[Form, ...]:
+    """The forms among which the kinds of the arguments choose, under readings `offset-by`, `offset-amounts` and `offset-heading`.
+
+    In dialect `scenic-3` a vector can be what an object is on.
+    """
     either = amounts == "either"
     if heading == "ego" and type(node) in ORIENTED_OFFSETS:
         return ORIENTED_OFFSETS[type(node)]
@@ -163,4 +172,6 @@ def forms_of(node: Node, offset_by: str, amounts: str, heading: str) -> tuple[Fo
         return specifiers.BESIDE[node.side] + (BESIDE[node.side] if either else ())
     if isinstance(node, q.OffsetBySpecifier):
         return specifiers.OFFSET_BY[offset_by]
+    if isinstance(node, q.InSpecifier) and node.keyword == "on" and dialect == "scenic-3":
+        return (*FORMS[type(node)][1], ON_VECTOR)
     return FORMS[type(node)][1] + ((BEYOND,) if either and isinstance(node, q.BeyondSpecifier) else ())

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from ..kernel.errors import CyclicDependencies, MissingProperty, ResolutionError, SpecifiedTwice, SpecifiedTwiceOptionally
-from ..syntax.nodes import Node, Span
+from ..syntax.nodes import NOWHERE, Node, Span
 from .specifiers import Form
 
 
@@ -177,7 +177,7 @@ def cyclic(
     cycle = path[seen.index(current) :]
     names = tuple(dependency for dependency, _ in cycle)
     steps = ", ".join(f"`{specifier.name}` needs {dependency}" for dependency, specifier in cycle)
-    place = next((s.node.span for _, s in cycle if not s.is_default), span)
+    place = next((s.node.span for _, s in cycle if not s.is_default), next((s.node.span for _, s in cycle if s.node.span != NOWHERE), span))
     example = "position with `at`" if "position" in names else f"`with {names[0]} 2`"
     return CyclicDependencies(
         f"the specifiers depend on each other in a circle: {steps}", place, cycle=(*names, names[0]), rule="R-Cyclic",

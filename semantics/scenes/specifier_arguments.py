@@ -12,7 +12,7 @@ from functools import lru_cache
 from ..kernel.classes import canonical
 from ..kernel.config import State
 from ..kernel.errors import RunError
-from ..kernel.kinds import has_kind, kind_name, misfit, refuse_third_dimension, repair
+from ..kernel.kinds import FLAT, OBJECT, SCALAR, has_kind, in_the_plane, unfit
 from ..kernel.positions import waits
 from ..kernel.premises import axiom
 from ..kernel.scenic_classes import ScenicClass
@@ -23,6 +23,7 @@ from ..syntax import specifiers as q
 from ..syntax.nodes import Node
 from . import released
 from . import specifiers as sp
+from .operators import EGO
 from .resolution import Specification
 
 
@@ -52,24 +53,26 @@ def describe(node: Node, arguments: Sequence[object], state: State) -> Specifica
 
 def forms_under(node: Node, state: State) -> tuple[sp.Form, ...]:
     """The forms of a specifier under the readings of the run."""
-    return released.forms_of(node, state.reading("offset-by"), state.reading("offset-amounts"), state.reading("offset-heading"))
+    offset_by, amounts, heading = map(state.reading, ("offset-by", "offset-amounts", "offset-heading"))
+    return released.forms_of(node, offset_by, amounts, heading, state.settings.dialect)
 
 
 def choose_form(node: Node, forms: tuple[sp.Form, ...], arguments: Sequence[object], state: State) -> tuple[sp.Form, tuple[object, ...]]:
     """The form whose kinds fit, and its arguments (ego joins those that speak of it)."""
     if forms[0].needs_ego:
-        arguments = [*arguments, axiom(p.Name(name="ego", span=node.span), state)]
+        arguments = [*arguments, axiom(EGO, state)]
+    arguments = [in_the_plane(a, state) for a in arguments]
     operands = [unwrap(a)[0] for a in arguments]
     for form in forms:
         if all(has_kind(v, kind) for v, kind in zip(operands, form.kinds, strict=True)):
+            if form is released.ON_VECTOR and has_kind(operands[0], OBJECT):
+                hint = "write `at O`, or `ahead of O` and its kin"
+                raise RunError(f"`on` an Object is on its surface, which {FLAT}", arguments_of(node)[0].span, rule=form.rule, hint=hint)
             return form, tuple(arguments)
-    expected = " or ".join(dict.fromkeys("(" + ", ".join(f.kinds) + ")" for f in forms))
-    wrong, nodes = misfit(operands, [form.kinds for form in forms]), arguments_of(node)
-    place = nodes[wrong].span if wrong is not None and wrong < len(nodes) else node.span
-    refuse_third_dimension(f"`{sp.specifier_name(node)}`", operands, place, forms[0].rule)
-    found = ", ".join(kind_name(v) for v in operands)
-    hint = "" if wrong is None else repair(operands[wrong], {form.kinds[wrong] for form in forms})
-    raise RunError(f"`{sp.specifier_name(node)}` expects {expected}, not ({found})", place, rule=forms[0].rule, hint=hint)
+    nodes = arguments_of(node)
+    toward = isinstance(node, q.FacingTowardSpecifier) and has_kind(operands[0], SCALAR)
+    hint = "for an angle write `facing A`, without `toward`" if toward else ""
+    raise unfit(f"`{sp.specifier_name(node)}`", node, nodes, operands, [form.kinds for form in forms], forms[0].rule, hint)
 
 
 def default_specification(name: str, expression: Node, owner: ScenicClass, state: State) -> Specification:

@@ -194,9 +194,9 @@ def conclude_mutate(node: s.Mutate, values: list[object], stack: Stack, state: S
     if not is_scalar(inner) or inner < 0 or not is_finite_number(inner):  # type: ignore[operator]
         raise RunError(f"`mutate ... by` expects a number that is at least 0, not {inner}", node.span, rule="S-Mutate")
     targets = [plain(v) for v in listed] if node.objects else list(state.scene[first:])
-    for target in targets:
+    for i, target in enumerate(targets):
         if not (isinstance(target, Instance) and is_object(target)):
-            raise RunError(f"only Objects can be mutated, not {kind_name(target)}", node.span, rule="S-Mutate")
+            raise RunError(f"only Objects can be mutated, not {kind_name(target)}", node.objects[i].span, rule="S-Mutate")
         if target not in state.scene[first:]:
             raise RunError(f"{target!r} is in the scene already: a scenario that runs mutates the objects that it makes", node.span, rule="S-Mutate")
         state = state.with_properties(target, {"mutationScale": scale})

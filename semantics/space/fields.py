@@ -182,7 +182,8 @@ def cells_in(cells: object) -> tuple[Sequence[object], ...]:
 def cell_of(pair: Sequence[object]) -> Cell:
     """A cell as it was given: a polygon, polygonal region or points, and a heading, a function of the point, or None. Raises `BadField`."""
     polygon, heading = pair if isinstance(pair, (tuple, list)) and len(pair) == 2 else (None, None)
-    shape = polygon_through(polygon) if isinstance(polygon, (tuple, list)) else getattr(polygon, "polygon", polygon)
+    inside = getattr(polygon, "polygon", None) or getattr(polygon, "geometry", polygon)
+    shape = polygon_through(polygon) if isinstance(polygon, (tuple, list)) else inside
     if not isinstance(shape, (Polygon, MultiPolygon)):
         raise BadField(f"a cell of a vector field must be a pair of a polygonal region, or its corners, and a heading, not {pair!r}")
     if not (heading is None or callable(heading) or is_real(heading)):

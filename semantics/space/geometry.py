@@ -19,7 +19,7 @@ from collections.abc import Callable
 import numpy as np
 
 from .boundaries import METRES, RADIANS
-from .numeric import arc_tangent, cosine, larger, macro, plain_float, sine, smaller
+from .numeric import arc_tangent, cosine, larger, macro, plain_float, real, sine, smaller
 from .vectors import Vector
 
 TAU = 2.0 * math.pi
@@ -51,7 +51,7 @@ def angle_of(v: Vector) -> float:
 
 def length_of(v: Vector) -> float:
     """|v|, in metres."""
-    return plain_float(np.hypot(v.x, v.y))
+    return plain_float(np.hypot(real(v.x), real(v.y)))
 
 
 def distance(a: Vector, b: Vector) -> float:
@@ -61,7 +61,7 @@ def distance(a: Vector, b: Vector) -> float:
 
 def normalise_heading(heading: float) -> float:
     """The heading in (-π, π] that differs from `heading` by a multiple of 2π; headings in that range are kept bit for bit."""
-    rest = plain_float(np.fmod(heading, TAU))
+    rest = plain_float(np.fmod(real(heading), TAU))
     return rest - TAU * (rest > math.pi) + TAU * (rest <= -math.pi)
 
 

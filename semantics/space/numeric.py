@@ -108,6 +108,11 @@ def is_truth(value: object) -> bool:
         return False
 
 
+def is_one(value: object, kind: type) -> bool:
+    """Whether the value is of the class, or a symbol, for values that are known when they are computed."""
+    return isinstance(value, (kind, Symbol))
+
+
 def may_be(expected: bool, truth: object) -> bool:
     """Whether a truth value is the expected one; a symbol may be, in some scenes."""
     return isinstance(truth, Symbol) or bool(truth) is expected
@@ -136,19 +141,24 @@ def is_finite_number(value: Any) -> Any:
     return bool(abs(value.number()) < math.inf) if isinstance(value, Symbol) else math.isfinite(value)
 
 
+def real(value: Any) -> Any:
+    """Return a whole number as a float, anything else as it is: NumPy's functions know whole numbers of at most 64 bits. Raises OverflowError."""
+    return float(value) if type(value) is int else value
+
+
 def sine(angle: float) -> float:
     """The sine of `angle`."""
-    return plain_float(np.sin(angle))
+    return plain_float(np.sin(real(angle)))
 
 
 def cosine(angle: float) -> float:
     """The cosine of `angle`."""
-    return plain_float(np.cos(angle))
+    return plain_float(np.cos(real(angle)))
 
 
 def square_root(value: float) -> float:
     """The square root of `value`, correctly rounded."""
-    return math.sqrt(value) if type(value) is float else plain_float(np.sqrt(value))
+    return math.sqrt(value) if type(value) is float else plain_float(np.sqrt(real(value)))
 
 
 def larger(a: float, b: float) -> float:

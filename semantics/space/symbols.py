@@ -26,6 +26,14 @@ class Spread:
     container: Any
 
 
+class Listed:
+    """A value of which all others of its kind can be listed, such as the lanes of a network: `siblings`, itself among them."""
+
+    @property
+    @abstractmethod
+    def siblings(self) -> tuple[object, ...]: ...
+
+
 class Symbol(ABC):
     """What a value is in many scenes, or in all."""
 

@@ -34,16 +34,22 @@ class Vector:
         return (self.x, self.y)[index]
 
     def __add__(self, other: Vector | tuple[float, float]) -> Vector:
+        if not _is_pair(other):
+            return NotImplemented
         x, y = other
         return Vector(self.x + x, self.y + y)
 
     __radd__ = __add__
 
     def __sub__(self, other: Vector | tuple[float, float]) -> Vector:
+        if not _is_pair(other):
+            return NotImplemented
         x, y = other
         return Vector(self.x - x, self.y - y)
 
     def __rsub__(self, other: tuple[float, float]) -> Vector:
+        if not _is_pair(other):
+            return NotImplemented
         x, y = other
         return Vector(x - self.x, y - self.y)
 
@@ -60,6 +66,10 @@ class Vector:
 
     def __repr__(self) -> str:
         return f"({self.x}, {self.y})"
+
+
+def _is_pair(other: object) -> bool:
+    return isinstance(other, (Vector, tuple, list)) and len(other) == 2
 
 
 class TakesPoints:

@@ -32,14 +32,15 @@ def gta_map() -> Mapping[str, object]:
     }
 
 
-OF_RELEASES = {**BUILTINS, "distributionFunction": Native("distributionFunction", lambda function: function)}
-"""What the modules of the releases may give. Any function here takes random values, so that `distributionFunction` has nothing to do."""
+UNCHANGED = Native("distributionFunction", lambda function: function)
+OF_RELEASES = {**BUILTINS, "distributionFunction": UNCHANGED, "distributionMethod": UNCHANGED}
+"""What the modules of the releases may give. Any function or method here takes random values, so that these decorators have nothing to do."""
 CORE = {
     "vectors": "Vector VectorField PolygonalVectorField",
     "regions": "Region everywhere nowhere CircularRegion SectorRegion RectangularRegion PolygonalRegion PolylineRegion PointSetRegion",
     "workspaces": "Workspace",
     "object_types": "Point OrientedPoint Object",
-    "distributions": "Range DiscreteRange Normal TruncatedNormal Uniform Discrete Options distributionFunction",
+    "distributions": "Range DiscreteRange Normal TruncatedNormal Uniform Discrete Options distributionFunction distributionMethod",
 }
 """What the language has, under the names of the released implementations' modules."""
 
@@ -72,6 +73,7 @@ WORLDS: Mapping[str, Callable[[], str | Mapping[str, object]]] = {
 
 PARAMS_READ: Mapping[str, tuple[str, ...]] = {
     "map": ("scenic.domains.driving.model", site_maps.MODEL, driving.MAP, driving.MAPS[0]), site_maps.CRS: (site_maps.MODEL,),
+    "map_options": ("scenic.domains.driving.model", driving.MAP, driving.MAPS[0]),
 }  # fmt: skip
 """The global parameters that modules read before a program runs, with these modules."""
 

@@ -53,7 +53,7 @@ def test_what_is_asked_of_two_values_that_are_never_there_together_is_left_to_th
     """As the page on the batch backend says, with the same words."""
     asked = "(distance from ego._crossing to ego._intersection) < 5"
     scenario = scenic_ref.loads(f"{MODEL}require ego._crossing is None or ego._intersection is None or {asked}\n")
-    reason = "in 200 runs this always failed: a value is None that is used as something else"
+    reason = "no run with all values was found; in the last one that was traced, this failed: a value is None that is used as something else"
     assert scenario.not_lifted == reason
     page = " ".join((Path(__file__).parents[2] / "docs" / "batch.md").read_text(encoding="utf-8").split())
     assert f"`{asked}` is such a question" in page

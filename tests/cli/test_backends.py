@@ -122,7 +122,7 @@ def test_that_no_scene_is_possible_is_said_at_once(ask, n, workers):
     Path("never.scenic").write_text("x = Range(0, 1)\nego = Object at (0, 0)\nrequire x > 2\n")
     found = ask("run", "never.scenic", "-n", n, "--workers", workers)
     assert (found.code, found.out) == (3, "")
-    assert "no scene is possible: whatever is drawn, this fails: the requirement on line 3" in found.err
+    assert "no scene is possible: the requirement on line 3 fails, whatever is drawn" in found.err
     alone = ask("run", "never.scenic", "-n", 60, "--backend", "interpreter", "--max-attempts", 9)
     assert alone.code == 3
     assert "no scene in 9 attempts" in alone.err

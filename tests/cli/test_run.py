@@ -78,6 +78,8 @@ def test_resuming_gives_the_bytes_of_an_uninterrupted_run(ask):
     ("content", "options", "message"),
     [
         (b"hello\n", (), "line 1 is not a scene"),
+        (b"[" * 100_000 + b"\n", (), "line 1 is not a scene"),
+        (b'{"a":' * 3000 + b"\n", (), "line 1 is not a scene"),
         (b'{"schema": "x", "seed": 0, "scene": 0, "attempts": 1}\n', (), "not a scene of"),
         (None, ("--seed", 1), "holds scenes of seed 0, not 1"),
         ("second half", (), "line 1 is scene 1, not 0"),
@@ -317,3 +319,18 @@ def test_a_list_beside_an_at_sign_is_told_of_uniform(ask):
     Path("p.scenic").write_text("x = Uniform([1, 2, 3])\nego = Object at x @ 0\n")
     said = ask("run", "p.scenic").err
     assert "`@` stands between two numbers, not beside a list" in said and "hint: for one of its elements write `Uniform(*values)`" in said
+
+
+@pytest.mark.parametrize(
+    "command",
+    [("run", "-n", 2), ("run", "--backend", "enumerate"), ("run", "--backend", "importance"), ("simulate", "--steps", 2), ("check",), ("trace",)],
+    ids=lambda command: " ".join(map(str, command)),
+)
+def test_the_report_says_that_the_dialect_brought_its_profile(ask, command):
+    Path("released.scenic").write_text("ego = new Object at (0, 0), with v Uniform(1, 2)\nrequire ego.v > 0\n")
+    dialect = (command[0], "released.scenic", *command[1:], "--dialect", "scenic-3")
+    brought = "the dialect scenic-3 brings the profile scenic-3"
+    assert ask(*dialect).err.count(brought) == 1
+    assert brought not in ask(*dialect, "--profile", "scenic-3").err
+    assert brought not in ask(*dialect, "--profile", "paper").err
+    assert "brings the profile" not in ask(command[0], "random.scenic", *command[1:]).err

@@ -106,7 +106,9 @@ def test_only_a_file_of_the_same_simulations_is_resumed(ask, tmp_path):
     assert ask("simulate", "p.scenic", "-n", "3", "-o", "runs.jsonl").code == 0
     before = (tmp_path / "runs.jsonl").read_bytes()
     assert ask("run", "p.scenic", "-n", "1", "-o", "scenes.jsonl").code == 0
+    (tmp_path / "nested.jsonl").write_text("[" * 100_000 + "\n")
     for arguments, message in (
+        (("-o", "nested.jsonl"), "its line 1 is not a simulation"),
         (("-o", "runs.jsonl", "--seed", "1"), "it holds simulations of seed 0, not 1"),
         (("-o", "runs.jsonl", "--dt", "0.5"), "its simulation 2 is not the one that this program and these options give"),
         (("-o", "scenes.jsonl"), "its line 1 is not a simulation"),

@@ -355,7 +355,8 @@ def test_findings_are_read_as_they_were_written(program: str) -> None:
 
 
 @pytest.mark.parametrize("text, said", [
-    ("x = 1", "name is missing"), ("= 1", "is not TOML"), (HEAD + "x = 1", "no key x"), (HEAD + "finding = 1", "tables"),
+    ("x = 1", "name is missing"), ("= 1", "is not TOML"), (f"x = {'[' * 100_000}", "is not TOML"),
+    (HEAD + "x = 1", "no key x"), (HEAD + "finding = 1", "tables"),
     (HEAD + "[[finding]]\nnumber = -1", "at least 0"), (HEAD + "[[finding]]\nnumber = 1", "kind is missing"),
 ])
 def test_findings_that_are_none_are_refused(text: str, said: str) -> None:
@@ -380,7 +381,9 @@ def test_a_fault_of_ours_is_a_finding_without_a_draft() -> None:
     assert cause.class_ == OUR_BUG and draft_of(cause, "finding-01", CampaignSettings("x")) is None
 
 
-@pytest.mark.parametrize("text", ["", "no JSON\n", '{"format": "other"}\n', '{"format": "scenic-ref/campaign/1"}\n{"number": 1}\n'])
+@pytest.mark.parametrize("text", [
+    "", "no JSON\n", "[" * 100_000 + "\n", '{"format": "other"}\n', '{"format": "scenic-ref/campaign/1"}\n{"number": 1}\n',
+])  # fmt: skip
 def test_a_journal_that_is_none_is_refused(text: str, tmp_path: Path) -> None:
     path = tmp_path / "campaign.jsonl"
     path.write_text(text)

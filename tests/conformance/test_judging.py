@@ -96,7 +96,7 @@ def test_wrong_usage_is_said_before_anything_runs(capfd: pytest.CaptureFixture[s
 
 
 WRONG = {
-    "not TOML": ("[[", "is not TOML"),
+    "not TOML": ("[[", "is not TOML"), "too many brackets": (f"x = {'[' * 100_000}", "is not TOML"),
     "something else": ("[other]\n", "nothing but [[difference]]"),
     "an unknown key": ("[[difference]]\nfoo = 1\n", "difference 0"),
     "an unknown class": (
@@ -120,6 +120,15 @@ def test_lists_of_differences_are_read_strictly(case: str) -> None:
     text, words = WRONG[case]
     with pytest.raises(UsageError) as raised:
         known.differences_in(text, "known.toml")
+    assert words in str(raised.value)
+
+
+@pytest.mark.parametrize(("text", "words"), [
+    ("{", "is not JSON"), ("[" * 100_000, "is not JSON"), ("{}", "is no file of results"), ('{"schema": 1}', "is no file of results"),
+])  # fmt: skip
+def test_a_file_of_results_that_is_none_is_refused(text: str, words: str) -> None:
+    with pytest.raises(UsageError) as raised:
+        results.read(text, "results.json")
     assert words in str(raised.value)
 
 

@@ -31,7 +31,7 @@ def test_ego_is_an_error_where_it_is_needed_before():
     for use in ("require ego.position.x == 3", "x = ego.position", "x = distance to (1, 2)", "x = Sub().ego"):
         with pytest.raises(RunError):
             actions(SUB + f"scenario Main():\n    compose:\n        {use}\n        do Sub()\n")
-    with pytest.raises(RunError, match="ego is used before it is assigned"):
+    with pytest.raises(RunError, match=r"(ego is used before it is assigned|this is seen from ego)"):
         actions(SUB + "scenario Main():\n    setup: Object left of ego\n    compose: do Sub()\n")
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from scenic_ref.semantics.kernel.errors import RunError, UsageError
+from scenic_ref.semantics.kernel.errors import RunError, UncaughtException, UsageError
 from scenic_ref.simulators.simulating import Failed, Simulated
 
 from .worlds import LIMIT, actions, simulated
@@ -264,3 +264,104 @@ def test_what_is_made_before_there_is_an_ego_must_be_seen_by_it_though_another_s
     assert steps_and_objects(main(compose, bad + good, "Object at 3 @ 0")) == [2, 2, "terminated"]
     assert steps_and_objects(main(compose, bad + good, "Object at 100 @ 0")) == ["rejected"]
     assert steps_and_objects(main("do Good()", bad + good, "Object at 100 @ 0")) == ["rejected"]
+
+
+BEFORE_IT_BEGINS = """
+scenario Sub(v):
+    setup:
+        {ego}lead = Object at (0, 9), with x v
+    compose:
+        wait
+        wait
+scenario Main():
+    setup:
+        ego = Object at (0, 0), with x 0
+    compose:
+        a = Sub(1)
+{body}
+"""
+
+
+def compose(body: str, ego: str = "") -> str:
+    return BEFORE_IT_BEGINS.format(ego=ego, body="".join(f"        {line}\n" for line in body.split("\n")))
+
+
+@pytest.mark.parametrize("ego", ["", "ego = "])
+@pytest.mark.parametrize("name", ["lead", "ego", "v"])
+def test_names_of_a_scenario_that_has_not_begun_are_an_error_that_says_so(name: str, ego: str) -> None:
+    with pytest.raises(UncaughtException) as raised:
+        simulated(compose(f"x = a.{name}\ndo a", ego))
+    assert raised.value.message == f"AttributeError: Sub(1) has not begun: its {name} is there once `do` has set it up"
+    caught = f"try:\n    x = a.{name}\ninterrupt when False: pass\nexcept AttributeError:\n    x = 'none'\nrequire x == 'none'\n"
+    assert isinstance(simulated(compose(f"{caught}require not hasattr(a, '{name}')\ndo a\ny = a.{name}", ego)), Simulated)
+
+
+@pytest.mark.parametrize(
+    ("condition", "steps"), [("a.lead.x == 1", 1), ("a.lead.x == 2", 2), ("a.ego.x == 0", 1), ("a.v == 1", 1), ("not a.v == 1", 2)]
+)
+def test_an_interrupt_about_the_scenario_that_its_statement_begins(condition: str, steps: int) -> None:
+    run = simulated(compose(f"try:\n    do a\ninterrupt when {condition}:\n    abort"))
+    assert isinstance(run, Simulated)
+    assert len(run.moments) - 1 == steps
+
+
+WAITS = """\
+scenario Sub(v):
+    setup:
+        lead = Object at (0, 9), with x v
+        seen = [lead]
+    compose: wait
+scenario Given(*arguments, **keywords):
+    setup:
+        {inside}
+    compose: wait
+behavior Shown(other):
+    require other.x == 1
+    take 1
+scenario Main():
+    setup: ego = Object at (0, 0), with x 0
+    compose:
+        a = Sub(1)
+{body}
+"""
+
+
+def waits(inside: str, body: str) -> object:
+    program = WAITS.format(inside=inside, body="".join(f"        {line}\n" for line in body.split("\n")))
+    return simulated(program, readings={"names-not-begun": "waits"})
+
+
+@pytest.mark.parametrize(
+    ("inside", "argument"),
+    [
+        ("require arguments[0].x == 1", "a.lead"), ("require arguments[0].y == 9", "a.lead.position"), ("require arguments[0] == 1", "a.v"),
+        ("require keywords['o'][0].x == 1", "o=a.seen"), ("require arguments[0] is arguments[1][0]", "a.lead, a.seen"),
+        ("Object at (9, 9), with behavior Shown(arguments[0])", "a.lead"),
+    ],
+)  # fmt: skip
+def test_names_that_wait_are_known_to_what_begins_after_their_scenario(inside: str, argument: str) -> None:
+    for body in (f"do a, Given({argument})", f"g = Given({argument})\ndo a\ndo g", f"g = Given({argument})\ndo a, g"):
+        assert isinstance(waits(inside, body), Simulated)
+    if inside.startswith("Object"):  # the behavior begins later than both scenarios
+        assert isinstance(waits(inside, f"do Given({argument}), a"), Simulated)
+        return
+    with pytest.raises(UncaughtException, match=r"Sub\(1\) has not begun: its"):
+        waits(inside, f"do Given({argument}), a")
+
+
+@pytest.mark.parametrize("use", ["a.lead.x == 1", "print(a.lead)", "Given(a.v + 1)", "a.seen[0]", "[x for x in a.seen]", "a.lead in [1]", "abs(a.v)"])
+def test_other_uses_of_names_that_wait_are_errors_that_say_so(use: str) -> None:
+    with pytest.raises(UncaughtException, match=r"AttributeError: Sub\(1\) has not begun: its (lead|v|seen) is there once `do` has set it up"):
+        waits("pass", f"y = {use}\ndo a")
+
+
+def test_a_message_shows_an_argument_that_waits() -> None:
+    with pytest.raises(RunError, match=r"Given\(<waits for a scenario>\) is running already"):
+        waits("pass", "g = Given(a.lead)\ndo g, g")
+
+
+def test_what_a_scenario_does_not_have_is_an_error_before_and_after() -> None:
+    for body in ("x = a.nothing\ndo a", "do a\nx = a.nothing"):
+        with pytest.raises(UncaughtException) as raised:
+            simulated(compose(body))
+        assert raised.value.message == "AttributeError: Sub(1) has no attribute nothing"

@@ -122,10 +122,11 @@ FAULTS = (
         (
             Edit(
                 "semantics/space/regions/sampling.py",
-                "        ax, ay, bx, by, cx, cy = pick(",
-                "        low, high = self.triangles.reshape(-1, 2).min(0), self.triangles.reshape(-1, 2).max(0)\n"
-                "        return Vector(*(low + (high - low) * [uniform(), uniform()]).tolist())\n"
-                "        ax, ay, bx, by, cx, cy = pick(",
+                "        return self.point(pick(",
+                "        if isinstance(self, TriangleSampler):\n"
+                "            low, high = self.triangles.reshape(-1, 2).min(0), self.triangles.reshape(-1, 2).max(0)\n"
+                "            return Vector(*(low + (high - low) * [uniform(), uniform()]).tolist())\n"
+                "        return self.point(pick(",
             ),
         ),
         "ego = Object in PolygonalRegion([(0, 0), (4, 0), (0, 4)])\n",

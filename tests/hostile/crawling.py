@@ -299,7 +299,7 @@ DUNDERS = frozenset(
 )  # fmt: skip
 INNARDS = allowed.names(
     "gi_frame gi_code cr_frame tb_frame f_globals f_back func args keywords fget fset mro __mro__ _fields _asdict _make _replace _member_map_ _value_ _name_ "
-    "_value2member_map_ _missing_ obj name path triangulation cumulative shape ctypes tofile polygon exterior tolist base data scope body door budget left settings "
+    "_value2member_map_ _missing_ obj name path sampler cumulative shape ctypes tofile polygon exterior tolist base data scope body door budget left settings "
     "function subject members value origin class_ definition bindings parent lineage methods superclass order renewed items __wrapped__ cache_info getstate seed "
     "setstate with_traceback add_note obj characters_written filename errno exception span rule hint"
 )

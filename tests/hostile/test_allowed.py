@@ -150,8 +150,8 @@ ROUTES = {
     "a text from the environment": "f = CircularRegion\nx = '{{0.__init__.__globals__[os].environ[{secret}]}}'.format(f)",
     "format_map": "x = str.format_map('{{x.__init__.__globals__}}', {{'x': CircularRegion}})",
     "partial of format": "import functools\nx = functools.partial('{{0.__class__}}'.format)(1)",
-    "an array that writes files": "PolygonalRegion([(0, 0), (1, 0), (1, 1)]).triangulation.cumulative.tofile('{file}')",
-    "an array's memory": "x = PolygonalRegion([(0, 0), (1, 0), (1, 1)]).triangulation.cumulative.ctypes.shape",
+    "an array that writes files": "PolygonalRegion([(0, 0), (1, 0), (1, 1)]).sampler.cumulative.tofile('{file}')",
+    "an array's memory": "x = PolygonalRegion([(0, 0), (1, 0), (1, 1)]).sampler.cumulative.ctypes.shape",
     "a state that stays": "class C(object): pass\nC.__setattr__(everywhere, 'x', 1)",
     "a member of an enumeration in the making": (
         "import enum\nclass C(enum.Enum):\n    def __contains__(self, n): return True\n    def __init__(self, v):\n        if v == 2: self.__reduce_ex__\n"

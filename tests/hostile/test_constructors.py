@@ -49,7 +49,7 @@ def test_two_curves_meet_in_points():
 def test_a_thousand_open_calls_are_ordinary():
     text = "def f(n):\n    return 0 if n == 0 else 1 + f(n - 1)\nego = Object\nparam r = f({})\n"
     assert scenic_ref.loads(text.format(2_500)).sample().params == {"r": 2_500}
-    with pytest.raises(errors.RunError, match="calls itself too deeply"):
+    with pytest.raises(errors.RunError, match="is called too deeply"):
         scenic_ref.loads(text.format(10_000)).sample()
 
 

@@ -54,7 +54,7 @@ def test_endless_loop_runs_out_of_fuel():
 
 
 def test_endless_recursion_is_stopped():
-    refused("def f(x): return f(x + 1)\nego = Object\nf(0)\n", errors.RunError, "calls itself too deeply")
+    refused("def f(x): return f(x + 1)\nego = Object\nf(0)\n", errors.RunError, "is called too deeply")
 
 
 @pytest.mark.slow
@@ -174,7 +174,7 @@ def test_a_program_that_draws_nothing_before_it_fails_is_not_tried_again():
     error = refused("ego = Object\nrequire False\n", errors.AttemptsExhausted, "no scene is possible")
     assert isinstance(error, errors.AttemptsExhausted)
     assert error.attempts == 1
-    assert "touching" in refused("ego = Object\nObject behind ego\n", errors.AttemptsExhausted, "do not intersect").hint
+    assert "touching" in refused("ego = Object\nObject behind ego\n", errors.AttemptsExhausted, "ego and Object (object 1) intersect").hint
 
 
 @pytest.mark.parametrize("program", [

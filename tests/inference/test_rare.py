@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -329,6 +330,7 @@ def test_a_population_without_states_counts_as_0() -> None:
 
 ISLANDS = """
 import math
+import re
 point = OrientedPoint in PolygonalRegion([0 @ 0, 1 @ 0, 1 @ 1, 0 @ 1]).union(PolygonalRegion([9 @ 0, 10 @ 0, 10 @ 1, 9 @ 1]))
 ego = Object at point, with requireVisible False
 z = math.exp(point.position.x / 10)
@@ -362,3 +364,13 @@ def test_as_many_draws_are_kept_as_many_scenes_need() -> None:
     assert found.attempts < 3_000_000
     assert found.diagnosis.bulk >= 60_000
     assert not found.notes
+
+
+def test_the_counts_of_importance_sampling_that_gives_up_fit_together() -> None:
+    program = "x = Normal(0, 1)\nrequire x > 4\nego = Object\nparam a = x\n"
+    with pytest.raises(AttemptsExhausted) as raised:
+        scenic_ref.loads(program).infer("importance", 3000, seed=2, max_attempts=40_000)
+    counts = [int(number.replace(",", "")) for number in re.findall(r"[\d,]*\d", raised.value.message)]
+    since, failed, runs = counts[:3]
+    assert since <= runs
+    assert failed <= runs

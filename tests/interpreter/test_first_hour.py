@@ -1,4 +1,4 @@
-"""Sixty-eight wrong programs of the first hour (`first_hour.toml`): each message names the mistake, marks it, and offers a repair that works.
+"""Wrong programs of the first hour (`first_hour.toml`): each message names the mistake, marks it, and offers a repair that works.
 
 Run as a script it gives the score, a point for each of the three.
 """
@@ -53,7 +53,7 @@ def points(program: dict[str, str]) -> tuple[bool, bool, bool]:
 
 
 def test_no_program_stands_twice() -> None:
-    assert len({program["text"] for program in PROGRAMS}) == len(PROGRAMS) == 68
+    assert len({program["text"] for program in PROGRAMS}) == len(PROGRAMS) >= 124
 
 
 @pytest.mark.parametrize("program", PROGRAMS, ids=lambda program: program["text"].split("\n")[-2 if program["text"] else 0][:40])

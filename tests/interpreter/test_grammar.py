@@ -368,3 +368,108 @@ def test_scenic_3_makes_objects_with_new() -> None:
         parse("Car with x 3", dialect="scenic-3")
     with pytest.raises(ParseError, match="scenic-3"):
         parse("new Car")
+
+
+
+
+# -- Blanks before brackets
+
+TIGHT = [
+    ("ego = {new}Object at(0, 0), facing(3)", "ego = {new}Object at (0, 0), facing (3)"),
+    ("ego = {new}Object with paint[0.2, 0.4], with tags{{1: 2}}", "ego = {new}Object with paint [0.2, 0.4], with tags {{1: 2}}"),
+    ("ego = {new}Object at x, with offset(0, 1), with name'a'", "ego = {new}Object at x, with offset (0, 1), with name 'a'"),
+    ("ego = {new}Object left of(x) by(3), facing toward(1, 2)", "ego = {new}Object left of (x) by (3), facing toward (1, 2)"),
+    ("ego = {new}Object with a 1, in(region), apparently facing(3)", "ego = {new}Object with a 1, in (region), apparently facing (3)"),
+    ("ego = {new}Object with a 1, offset by(1, 2)", "ego = {new}Object with a 1, offset by (1, 2)"),
+    ("ego = {new}Object with a 1, at(1, 2)", "ego = {new}Object with a 1, at (1, 2)"),
+    ("ego = {new}Object with a 1,\n    beyond(1, 2) by(3, 4),\n    on(region)", "ego = {new}Object with a 1, beyond (1, 2) by (3, 4), on (region)"),
+    ("x = [{new}Object at(1, 2), behind(y)]", "x = [{new}Object at (1, 2), behind (y)]"),
+    ("require always(x)", "require always (x)"),
+    ("require eventually(x)", "require eventually (x)"),
+    ("y = visible(r)", "y = visible (r)"),
+    ("behavior B():\n    take(1)", "behavior B():\n    take (1)"),
+    ("behavior B():\n    do(C())", "behavior B():\n    do (C())"),
+    ("scenario S():\n    compose:\n        do choose(C()), D()", "scenario S():\n    compose:\n        do choose (C()), D()"),
+    ("scenario S():\n    compose:\n        do shuffle{{C(): 1}}", "scenario S():\n    compose:\n        do shuffle {{C(): 1}}"),
+]
+
+
+@pytest.mark.parametrize("dialect", ["paper", "scenic-2.1", "scenic-3"])
+@pytest.mark.parametrize(("tight", "spaced"), TIGHT, ids=[tight.replace("\n", " ") for tight, _ in TIGHT])
+def test_a_bracket_may_follow_at_once(tight: str, spaced: str, dialect: str) -> None:
+    new = "new " if dialect == "scenic-3" else ""
+    assert parse(tight.format(new=new), dialect=dialect).statements == parse(spaced.format(new=new), dialect=dialect).statements
+
+
+@pytest.mark.parametrize("word", ["at", "on", "behind", "beyond", "following", "facing", "take", "do", "always", "choose"])
+def test_a_name_that_is_a_word_of_the_language_stays_one(word: str) -> None:
+    """Where no object is being defined, `facing(b)` behind a comma is a call; a word is a name where something is assigned to it."""
+    assert one(f"x = (a, {word}.b, {word})") == s.Assignment(
+        targets=(n("x"),), value=p.TupleDisplay(items=(n("a"), p.Attribute(value=n(word), name="b"), n(word)))
+    )
+    assert isinstance(one(f"{word} = 3"), s.Assignment)
+    call = p.Call(function=n(word), arguments=(n("b"),))
+    assert one(f"x = f(a, {word}(b))") == s.Assignment(targets=(n("x"),), value=p.Call(function=n("f"), arguments=(n("a"), call)))
+
+
+def test_a_line_that_goes_on_with_a_call_after_a_comma_is_not_joined() -> None:
+    with pytest.raises(ParseError, match="indentation"):
+        parse("x = 1,\n    facing(3)\n")
+
+
+SPECIFIERS = (
+    "facing 3", "with width 2", "at (3, 4)", "in R", "on R", "left of A", "right of A by 2", "ahead of A", "behind A", "beyond A by O", "visible",
+    "visible from A", "offset by V", "offset along D by V", "following F for 3", "facing toward V", "facing away from V", "apparently facing H",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("specifier", SPECIFIERS)
+@pytest.mark.parametrize("comma", [",\n", ", # why\n", ",\n\n# why\n\n", "\n,\n", "\n, "])
+def test_indentation_within_brackets_does_not_count(specifier: str, comma: str) -> None:
+    """Python's rule: within brackets the lines of a program have no structure, so that a specifier may begin in the first column."""
+    assert value(f"Car with p 1{comma}{specifier}") == value(f"Car with p 1, {specifier}")
+    assert value(f"[f(Car with p 1{comma}{specifier}), 2]") == value(f"[f(Car with p 1, {specifier}), 2]")
+
+
+@pytest.mark.parametrize("word", ["visible", "at (3)", "facing (3)", "on (3)"])
+def test_outside_of_brackets_a_line_in_the_first_column_is_a_statement(word: str) -> None:
+    first, second = parse(f"x = 1,\n{word}\n").statements
+    assert (first, [second]) == (one("x = 1,"), [*parse(word).statements])
+
+
+VISIBLE = [
+    "(1, {})", "(x, {})", "[1,\n{}]", "{{1, {}}}", "f(1, {})", "x[1, {}]", "(a.b, {}, c)", "(f(x), {})", "(Car with p (1, {}), facing 3)",
+    "((Car at V), {})", "{{1: (2, {})}}", "lambda: (1, {})",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("text", VISIBLE)
+def test_visible_behind_a_comma_is_a_variable_where_no_specifier_stands_before_it(text: str) -> None:
+    """Nodes are equal wherever they stand; texts of the name are compared as that of another."""
+    named, other = (repr(parse(f"_ = {text.format(name)}").statements).replace(repr(name), "NAME") for name in ("visible", "vehicle"))
+    assert named == other
+
+
+@pytest.mark.parametrize("text", ["Car with p 1, visible", "Car visible, visible", "Car in R, visible", "Car with p (1, x), visible"])
+def test_visible_behind_a_comma_is_a_specifier_where_one_stands_before_it(text: str) -> None:
+    found = value(text)
+    assert isinstance(found, e.ObjectDefinition)
+    assert found.specifiers[-1] == sp.VisibleSpecifier()
+
+
+
+
+@pytest.mark.parametrize("end", ["", ","])
+def test_the_specifiers_of_a_new_object_may_stand_in_lines_of_their_own(end: str) -> None:
+    """Scenic 3 reads `new C,` with an indented block of specifiers, whose last line may end with a comma."""
+    block = parse(f"ego = new Car,\n    at (1, 2),\n    with x 3{end}\nnew Car,\n    facing 3{end}\n", dialect="scenic-3").statements
+    assert block == parse("ego = new Car at (1, 2), with x 3\nnew Car facing 3\n", dialect="scenic-3").statements
+    half = parse(f"ego = new Car at (1, 2),\n    with x 3{end}\n", dialect="scenic-3").statements
+    assert half == parse("ego = new Car at (1, 2), with x 3\n", dialect="scenic-3").statements
+
+
+def test_a_comma_behind_an_object_in_one_line_makes_a_tuple() -> None:
+    statement = one("x = new Car with y 1,", "scenic-3")
+    assert isinstance(statement, s.Assignment) and isinstance(statement.value, p.TupleDisplay)
+    with pytest.raises(ParseError, match="a specifier follows"):
+        parse("ego = new Car, with x 3", dialect="scenic-3")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from scenic_ref.interpreter.builder_dynamics import NOT_RECORDED
 from scenic_ref.interpreter.parser import parse
+from scenic_ref.interpreter.tree_builder import BY_DIALECT
 from scenic_ref.scenario import loads
 from scenic_ref.semantics.kernel.errors import ParseError, ProgramError, UsageError
 
@@ -19,18 +20,23 @@ MISTAKES: dict[str, tuple[int, int, str, str]] = {
     "Car left ego": (1, 5, "`left` is no specifier without `of`", "write `left of ...`"),
     "Car at X, facign 3": (1, 11, "`facign` is not a specifier", "did you mean `facing`?"),
     "Car facing towards ego": (1, 12, "`facing towards` is spelt `facing toward`", "write `facing toward`"),
-    "ego = new Car": (1, 7, "`new` belongs to dialect scenic-3", "leave out `new`, or choose that dialect by --dialect scenic-3"),
+    "ego = new Car": (1, 7, "`new` belongs to dialect scenic-3", "leave out `new`, or begin the program with `# dialect: scenic-3`"),
     "require monitor M()": (1, 1, "`require monitor` belongs to dialect scenic-3", "leave it out: a monitor runs as soon as it is defined"),
     "if initial scenario: pass": (1, 4, "`initial scenario` without `in` belongs to dialect scenic-2.1 and scenic-3", "write `in initial scenario`"),
     "if x\n  y": (1, 5, "a `:` is missing at the end of the line", "end the line with `:`"),
     "behavior Foo\n  wait": (1, 10, "a `:` is missing at the end of the line", "write `behavior Foo():`"),
     "x = (1, 2\ny = 3": (1, 5, "this `(` is never closed", "add `)`"),
+    "x = (Car at V, facing\n3)": (2, 1, "unexpected `3`; expected `,` or a specifier or an operator", ""),
+    "x = (a is\nnot b)": (2, 1, "unexpected `not`; expected an expression", ""),
     "x = 1, 2)": (1, 9, "`)` closes no bracket", "remove it, or open a bracket before it"),
     "x = (1, 2]": (1, 10, "`]` does not close the `(` of line 1", "write `)`"),
     "if x:\n\ty = 3\n        z = 4": (3, 1, "tabs and spaces are mixed in the indentation", "indent with spaces only"),
     'x = "abc': (1, 5, "this string is not terminated", "end it with the quotation mark it began with"),
-    "terminate after 5 seconds": (1, 1, "`terminate after` belongs to dialects scenic-2.1 and scenic-3", "write `terminate when ...`"),
-    "record ego.speed": (1, 1, "`record` belongs to dialects scenic-2.1 and scenic-3", NOT_RECORDED),
+    "terminate after 5 seconds": (
+        1, 1, "`terminate after` belongs to dialects scenic-2.1 and scenic-3",
+        f"write `terminate when simulation.currentTime >= 5`, or {BY_DIALECT}",
+    ),
+    "record ego.speed": (1, 1, "`record` belongs to dialects scenic-2.1 and scenic-3", f"{NOT_RECORDED}, or {BY_DIALECT}"),
     "require 0.5 x > 3": (1, 9, "the probability of a soft requirement stands in brackets", "write `require[0.5] ...`"),
     "mutate x, by 2": (1, 14, "there is no comma before `by`", "remove the comma"),
     "param x: 3": (1, 8, "a parameter is set with `=`", "write `param name = value`"),
@@ -70,7 +76,7 @@ MISTAKES: dict[str, tuple[int, int, str, str]] = {
     "  x = 3": (1, 3, "unexpected indentation", "begin the first statement in the first column"),
     "if x:\n    y\n  z": (3, 1, "this line's indentation matches no enclosing block", "align it with the block it belongs to"),
     "x = “a”": (1, 5, "these quotation marks are not those of the language", "write \" or '"),
-    "do X() for 5": (1, 12, "a time limit needs a unit", "write `for ... seconds` or `for ... steps`"),
+    "do X() for 5": (1, 12, "a time limit needs a unit", "write `for 5 seconds` or `for 5 steps`"),
     "f() = 3": (1, 1, "this cannot be assigned to", "write == to compare"),
     "behavior B():\n  x = 3\n  precondition: x": (
         3,
@@ -115,10 +121,10 @@ def test_who_follows_the_hint_about_a_statement_with_a_name_meets_no_other_error
     followed, hint, construct = NAMED[text]
     with pytest.raises(ParseError) as caught:
         parse(text, "f")
-    assert caught.value.hint == hint
+    assert caught.value.hint.partition(", or begin the program with ")[0] == hint
     assert caught.value.message.startswith(f"`{construct}` belongs to dialect")
     parse(followed, "f")
-    parse(text, "f", "scenic-3")  # "or choose that dialect"
+    parse(text, "f", "scenic-3")  # "or begin the program with ..."
 
 
 ODD = ["\x01", "x = \u2028", "\ud800", "x = \U0001f600", "é = 1\nx = ﬁ + ?", "\\", "x \\ y", "(", "'", "f'{'", "#", "@", "param '\\x' = 3"]
@@ -188,3 +194,45 @@ def test_orientations_in_space_are_refused(text: str) -> None:
 def test_what_is_in_space_is_refused_by_name(text: str) -> None:
     with pytest.raises(ProgramError, match="three-dimensional; this reference is two-dimensional"):
         loads(f"ego = new Object\no = new Object at 9 @ 9, {text}\n".replace("at 9 @ 9, in", "in"), dialect="scenic-3").rehearse()
+
+
+ALONE = ("a property is a name alone", "write `name: default`; elements and attributes are assigned with `=`")
+COMMA = ("a comma too many stands in the attributes of this property", "write `name[dynamic]: default`")
+EQUALS = ("the default of a property stands behind `:`, not `=`", "write `name[dynamic]: default`")
+
+
+@pytest.mark.parametrize("dialect", ["scenic-2.1", "scenic-3"])
+@pytest.mark.parametrize(
+    ("line", "error"),
+    [
+        ("width[dynamc]: 3", ("`dynamc` is not an attribute of properties", "did you mean dynamic?")),
+        ("width[DYNAMIC]: 3", ("`DYNAMIC` is not an attribute of properties", "did you mean dynamic?")),
+        ("width[additive, finl]: 3", ("`finl` is not an attribute of properties", "did you mean final?")),
+        ("width[constant]: 3", ("`constant` is not an attribute of properties", "there are additive, dynamic, final")),
+        ("width[dynamic,]: 3", COMMA), ("width[dynamic] = 3", EQUALS), ("wheel.size: 4", ALONE), ("self.size: 4", ALONE), ("x[1]: 4", ALONE),
+        ("x['dynamic']: 4", ALONE), ("x[1:2]: 4", ALONE), ("if True:\n        x[1]: 4", ALONE), ("for i in [1]:\n        x.y: 4", ALONE),
+    ],
+)
+def test_no_line_of_a_class_is_an_annotation_that_loses_its_default(line: str, error: tuple[str, str], dialect: str) -> None:
+    with pytest.raises(ParseError) as raised:
+        parse(f"class Car:\n    {line}\n", dialect=dialect)
+    assert (raised.value.message, raised.value.hint) == error
+
+
+@pytest.mark.parametrize("line", ["wheel.size: 4", "x[1]: 4", "width[dynamc]: 3", "width[dynamic]: 3"])
+def test_no_line_of_a_class_is_an_annotation_in_the_dialect_of_the_paper(line: str) -> None:
+    with pytest.raises(ParseError):
+        parse(f"class Car:\n    {line}\n")
+
+
+def test_annotations_elsewhere_stay_what_they_are_in_python() -> None:
+    assert parse("x[1]: int\ndef f(y):\n    y.z: float\nclass A:\n    def g(self):\n        self.x: int\n        self.y: int = 3\n").statements
+
+
+@pytest.mark.parametrize("word", ["toward", "away from"])
+def test_directly_is_a_word_of_scenic_3_alone(word: str) -> None:
+    assert parse(f"ego = new Car facing directly {word} V\n", dialect="scenic-3").statements
+    for dialect in ("paper", "pldi19", "scenic-2.1"):
+        with pytest.raises(ParseError) as raised:
+            parse(f"ego = Car facing directly {word} V\n", dialect=dialect)
+        assert (raised.value.message, raised.value.hint) == (f"`facing directly {word}` belongs to dialect scenic-3", f"write `facing {word} ...`")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from scenic_ref.conformance import load_vectors
-from scenic_ref.interpreter.warnings import DEGREES, ONE_VALUE, UNKNOWN, UNUSED
+from scenic_ref.interpreter.warnings import DEGREES, NO_EFFECT, ONE_VALUE, UNKNOWN, UNUSED
 from scenic_ref.scenario import load, loads
 from scenic_ref.scenario.loading import scenario_of
 from scenic_ref.scenario.noticing import warnings_about
@@ -150,6 +150,7 @@ def test_vectors_are_warned_about_imports_that_they_do_not_use_and_what_they_are
     assert others == {
         ("refused-a-local-variable-before-it-is-bound", UNKNOWN), ("uniform-of-one-list", ONE_VALUE),
         ("uniform-of-an-unpacked-list", ONE_VALUE), ("headings-as-properties-wrapped", DEGREES),
+        ("behavior-without-do", NO_EFFECT), ("reading-take-in-monitor", NO_EFFECT),
     }  # fmt: skip
 
 
@@ -194,3 +195,26 @@ def test_python_warns_the_caller_of_parameters_that_nothing_reads_and_the_scene_
         warnings.simplefilter("error")
         loads(PARAMS, params={"weight": 3})
         loads("model nosuch\n", params={"weight": 3})  # the error comes with the first scene
+
+
+@pytest.mark.parametrize("dialect", ["paper", "scenic-2.1", "scenic-3"])
+def test_names_of_conditions_and_values_of_simulations_are_looked_at(dialect: str) -> None:
+    new, released = ("new " if dialect == "scenic-3" else ""), dialect != "paper"
+    record = "record gapp\n" if released else ""
+    text = f"ego = {new}Object\nterminate when speedd > 3\nrequire eventually nosuch\n{record}"
+    found = [w.message for w in warnings_about(loads(text, file="p.scenic", dialect=dialect))]
+    assert found == [f"{name} is not defined" for name in ("speedd", "nosuch", "gapp")[: 2 + released]]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "param maps = 3\nego = Object\n",  # no module of the program reads `map`
+        "param Map = 3\nego = Object with width globalParameters.Map\n",
+        "model scenic.domains.driving.model\nparam weather = 3, timestep = 0.1, render = True, lap = 3\nego = Car\n",
+        "behavior A():\n    take 1\nbehavior A():\n    take 2\nbehavior B(f):\n    f()\nego = Object with behavior B(print)\n",
+        "monitor M:\n    wait\nego = Object\n",
+    ],
+)
+def test_what_is_read_or_run_is_not_warned_about(text: str) -> None:
+    assert warned(text) == []

@@ -12,9 +12,10 @@ import pytest
 import scenic_ref
 import shapely
 from scenic_ref.errors import AttemptsExhausted, ProgramError, UsageError
-from scenic_ref.formats.geodata import in_metres, of_geojson, read_site
+from scenic_ref.formats.geodata import in_metres, of_geojson, read_site, without_files
 from scenic_ref.formats.site_pictures import site_picture
 from scenic_ref.maps.sites import SiteMap
+from scenic_ref.maps.xml import MapError
 from scenic_ref.scenario.noticing import warnings_about
 
 ROOT = Path(__file__).parents[2]
@@ -331,3 +332,37 @@ def test_a_map_that_is_most_likely_in_other_coordinates_is_doubted(site, tmp_pat
 def test_python_warns_of_a_map_in_degrees_that_is_saved_as_metres(tmp_path: Path) -> None:
     with pytest.warns(UserWarning, match="if they are longitude and latitude, set crs to 'EPSG:4326'"):
         scenic_ref.save_map(shapely.box(13.4, 52.5, 13.401, 52.501), tmp_path / "site.geojson")
+
+
+@pytest.mark.parametrize(
+    "crs",
+    [
+        "EPSG:4326", "OGC:CRS84", "EPSG:4326+5773", "urn:ogc:def:crs:OGC:1.3:CRS84", "http://www.opengis.net/def/crs/EPSG/0/4326",
+        "WGS 84 / UTM zone 32N", "+proj=utm +zone=32 +ellps=GRS80 +units=m +no_defs", "proj=longlat datum=WGS84",
+        "+proj=merc +a=6378137 +b=6378137 +nadgrids=@null +wktext +no_defs",
+        'PROJCS["Web",GEOGCS["WGS 84"],EXTENSION["PROJ4","+proj=merc +a=6378137 +nadgrids=@null"]]',
+    ],
+)  # fmt: skip
+def test_a_reference_system_is_said_by_a_code_a_name_or_settings(crs: str) -> None:
+    assert without_files(crs)
+
+
+@GEO
+@pytest.mark.parametrize(
+    "crs",
+    [
+        "+init=/etc/passwd:root +type=crs", "init=/etc/passwd:root", "+proj=longlat +nadgrids=/etc/passwd", "+nadgrids=@null,/etc/passwd",
+        "+proj=pipeline +step +proj=hgridshift +grids=/etc/passwd +type=crs", "+proj=utm +geoidgrids=/etc/passwd", "/etc/passwd",
+        'GEOGCS["x",EXTENSION["PROJ4","+proj=longlat +nadgrids=/etc/passwd"]]', 'GEOGCS["x",EXTENSION ["PROJ4_GRIDS","/etc/passwd"]]',
+        'BOUNDCRS[ABRIDGEDTRANSFORMATION["a",PARAMETERFILE["b","/etc/passwd"]]]', "EPSG:4326\n+init=/etc/passwd:x", '{"type": "GeographicCRS"}',
+        'GEOGCS["x",EXTENSION["PROJ4","a""b"]]',
+    ],
+)  # fmt: skip
+def test_a_reference_system_that_names_a_file_is_refused(crs: str, tmp_path: Path) -> None:
+    (tmp_path / "p.geojson").write_text(json.dumps(
+        {"type": "Point", "coordinates": [8.0, 49.0], "crs": {"type": "name", "properties": {"name": crs}}}
+    ))  # fmt: skip
+    with pytest.raises(MapError, match="may name files: say it as an authority does"):
+        read_site(tmp_path / "p.geojson")
+    with pytest.raises(MapError, match="may name files: say it as an authority does"):
+        read_site(tmp_path / "p.geojson", crs)

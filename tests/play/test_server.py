@@ -6,13 +6,16 @@ import http.client
 import json
 import os
 import re
+import select
 import signal
+import socket
 import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
+from urllib.parse import urlsplit
 
 import pytest
 import scenic_ref
@@ -451,6 +454,21 @@ def test_the_file_is_what_the_page_begins_with_and_is_not_written(serve, tmp_pat
         page = server.request("GET", server.path).body
         given = json.loads(page.split('id="given">')[1].split("</script>")[0])
         assert (given["file"], given["program"], given["seed"]) == ("mine.scenic", "ego = Object at (1, 2)  # </script><b>\n", 7)
-        assert next(r["selected"] for r in given["readings"] if r["id"] == "soft") == "scene"
+        under = {r["id"]: r["under"] for r in given["readings"]}
+        assert set(under["soft"].values()) == {"scene"}  # the command line's, whatever the profile
+        assert (under["time-unit"]["paper"], under["time-unit"][given["dialects"]["scenic-3"]]) == ("seconds", "steps")
+        assert (given["profile"], given["dialect"]) == (None, None)
         server.ask("scenes", "ego = Object at (5, 5)\n", count=1)
     assert (tmp_path / "mine.scenic").read_text() == "ego = Object at (1, 2)  # </script><b>\n"
+
+
+def test_connections_on_which_nobody_asks_leave_room_for_those_who_do(served):
+    parts = urlsplit(served.address)
+    idle = [socket.create_connection((parts.hostname, parts.port)) for _ in range(200)]
+    try:
+        for _ in range(3):
+            assert served.request("GET", served.path).status == 200
+        assert select.select(idle, [], [], 100)[0]  # one that was idle is closed
+    finally:
+        for connection in idle:
+            connection.close()

@@ -15,7 +15,7 @@ INTERNAL = frozenset({
 })  # fmt: skip
 """How the released implementation draws and keeps values."""
 MISSING = frozenset({
-    "AABB", "buffer", "containsRegion", "dimensionality", "footprint", "inradius", "orient", "points", "polygons", "projectVector", "show",
+    "AABB", "buffer", "containsRegion", "dimensionality", "footprint", "inradius", "orient", "points", "projectVector", "show",
     "size", "uniformPointIn", "unionAll",
 })  # fmt: skip
 """Of regions of 3.1.1, in space or as shapes of the library shapely."""
@@ -55,7 +55,7 @@ lane = Uniform(*network.lanes)
 line = lane.centerline.lineString
 param areas = [lane.polygon.area, lane.area, PolygonalRegion(polygon=lane.polygon).area]
 param lengths = [line.length, lane.centerline.length]
-param inside = lane.polygon.containsPoint(line[0])
+param inside = lane.polygon.containsPoint(line.coords[0])
 """
     for backend in ("interpreter", "batch"):
         for scene in scenic_ref.loads(text).sample_many(10, seed=3, backend=backend):

@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 import scenic_ref
 from scenic_ref.cli import answer
-from scenic_ref.errors import UncaughtException, UsageError
+from scenic_ref.errors import AttemptsExhausted, UncaughtException, UsageError
 from scenic_ref.formats.recordings import to_line
+from scenic_ref.inference import simulation
 from scenic_ref.simulators import by_name
 
 PROGRAM = """from scenic.domains.driving.actions import *
@@ -85,3 +86,38 @@ def test_what_cannot_be_is_said_before_anything_runs() -> None:
     with pytest.raises(UsageError, match="workers is a whole number of at least 1"):
         program.simulate_many(3, workers=0)
     assert list(program.simulate_many(0)) == []
+
+
+SELDOM = """
+behavior Go():
+    require Range(0, 1) < 0.5
+    take Range(0, 1)
+x = Range(0, 1)
+ego = Object at (x, 0), with behavior Go()
+require x < 0.002
+"""
+"""A scene in 500 attempts, and every other one of its simulations is rejected."""
+
+
+@pytest.mark.parametrize("reading", ["discard", "retry"])
+def test_scenes_of_simulations_that_columns_find_are_those_of_the_machine(reading: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    def runs(patience: int) -> list[tuple[object, ...]]:
+        monkeypatch.setattr(simulation, "PATIENCE", patience)
+        scenario = scenic_ref.loads(SELDOM, readings={"rejected-simulation": reading})
+        told: list[int] = []
+        found = [scenario.simulate("still", 2, 3, index, on_attempt=told.append) for index in range(3)]
+        return [(run.attempts, run.stuck, str(run.simulation)) for run in found] + [(len(told), max(told))]
+
+    one_by_one, by_columns = runs(10**9), runs(20)
+    assert one_by_one == by_columns
+    assert max(attempts for attempts, *_ in one_by_one) > 300
+
+
+def test_a_simulation_without_a_scene_is_given_up_after_as_many_attempts(monkeypatch: pytest.MonkeyPatch) -> None:
+    def error(patience: int) -> tuple[object, ...]:
+        monkeypatch.setattr(simulation, "PATIENCE", patience)
+        with pytest.raises(AttemptsExhausted) as found:
+            scenic_ref.loads(SELDOM.replace("0.002", "0.0000001")).simulate("still", 2, 3, max_attempts=700)
+        return found.value.message, found.value.attempts, found.value.stuck
+
+    assert error(10**9) == error(20)

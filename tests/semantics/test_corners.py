@@ -74,7 +74,7 @@ def test_lines_left_over_by_clipping_are_widened_by_less_than_a_boundary_is_wide
 
 
 def test_nothing_has_no_area():
-    assert TriangleSampler(Polygon()).area == 0
+    assert TriangleSampler(Polygon()).total == 0
 
 
 def test_a_coin_has_a_probability():

@@ -91,7 +91,7 @@ REFUSALS = [
     (
         'a random number of elements',
         'x = Uniform([1], [2, 3])\nparam r = sum(y for y in x)',
-        errors.RandomBranch, 'the number of its elements',
+        errors.RandomBranch, 'how many elements this has',
     ),
     (
         'without an end',

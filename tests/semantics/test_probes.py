@@ -167,6 +167,8 @@ EXPECTED: Mapping[str, Mapping[str, Expectation]] = {
     "field-dependency": {"position": Gives([1.25])},
     "follow": {"appendix": Gives([Vector(-3, 1), math.pi / 2])},
     "region-sampling": {"measure": Chance(1 / 4, lambda s: s.ego.position.y == 0, rivals=(1 / 2,))},
+    "ego-of-modules": {"own": Gives([False])},
+    "retraced-polyline": {"once": Chance(1 / 2, lambda s: s.ego.position.x > 1, rivals=(2 / 3,))},
     "visible-clip": {"no": Chance(1 / math.pi, lambda s: s.params["inside"] is True, rivals=(1,))},
     "region-contained": {
         "both": Chance(

@@ -9,7 +9,7 @@ from __future__ import annotations
 import enum
 import gc
 import random
-from collections import Counter, OrderedDict, defaultdict, deque
+from collections import defaultdict
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
@@ -26,13 +26,14 @@ from scenic_ref.semantics.kernel import budget, scopes, versions
 from scenic_ref.semantics.kernel.allowed import ATTRIBUTES, is_user_made
 from scenic_ref.semantics.kernel.budget import Metered
 from scenic_ref.semantics.kernel.config import Config, State
+from scenic_ref.semantics.kernel.containers import Counter, OrderedDict, deque
+from scenic_ref.semantics.kernel.errors import without_addresses
 from scenic_ref.semantics.kernel.generators import Generator
 from scenic_ref.semantics.kernel.outcome import Draw, Outcome
 from scenic_ref.semantics.kernel.scopes import Scope
 from scenic_ref.semantics.kernel.sets import Set
 from scenic_ref.semantics.kernel.values import Bound, Dynamic, Function, Method, Module, Random
 from scenic_ref.semantics.kernel.versions import STORED, content_of
-from scenic_ref.semantics.python.texts import without_addresses
 from scenic_ref.semantics.step import step
 
 from .stepping import stepping
@@ -70,10 +71,8 @@ def told(value: Any, seen: dict[int, tuple[int, object]]) -> object:
             return (value.name, told(value.subject, seen))
         case type() if is_user_made(value):
             return (value.__name__, [(n, told(v, seen)) for n, v in vars(value).items() if not (n.startswith("_") and n.endswith("_"))])
-        case OrderedDict():
-            parts: object = [(told(k, seen), told(v, seen)) for k, v in OrderedDict.items(value)]
         case dict():
-            parts = [(told(k, seen), told(v, seen)) for k, v in dict.items(value)]
+            parts: object = [(told(k, seen), told(v, seen)) for k, v in dict.items(value)]
         case Set():
             parts = [told(v, seen) for v in value.order]
         case list():

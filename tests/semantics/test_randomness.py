@@ -192,7 +192,7 @@ REFUSALS = {
     "an element of a random list": ("u = Uniform([1], [2])\nu[0] = 3\n", "which list"),
     "del in a random list": ("u = Uniform([1], [2])\ndel u[0]\n", "which list"),
     "+= on a random list": ("u = Uniform([1], [2])\nu += [9]\n", "which list"),
-    "extend by a random number of elements": ("xs = [1]\nxs.extend(Uniform([1], [2, 3]))\n", "the number of its elements"),
+    "extend by a random number of elements": ("xs = [1]\nxs.extend(Uniform([1], [2, 3]))\n", "how many elements this has"),
     "** with random names": ("def f(x): return x\nparam r = f(**Uniform({'x': 1}, {'x': 2}))\n", "which arguments"),
     "iteration over what is random": (
         "u = Uniform([1], [2])\nclass A(object):\n    def __iter__(self): return iter(u)\nfor v in A():\n    pass\n", "what its iterator gives",
@@ -276,3 +276,43 @@ def test_an_element_that_says_itself_what_it_equals_is_asked_as_in_python() -> N
 def test_a_parameter_by_two_names_is_an_error() -> None:
     with pytest.raises(errors.RunError, match=r"the parameters of Normal are \(mean, stdDev\)"):
         scenic_ref.loads("ego = Object\nx = Normal(mean=0, stddev=1, stdDev=100)\n").sample(seed=0)
+
+
+RESAMPLED = """import collections
+P = collections.namedtuple('P', ['x', 'y'])
+behavior B(x): wait
+class Drawn(object):
+    def __init__(self): self.x = Range(0, 1)
+class Fixed(object):
+    def __init__(self): self.x = 1
+"""
+OPERATION, NO_DRAW = "resample needs one of the built-in distributions", "resample needs a value drawn from a distribution"
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        ("(Range(0, 1), Range(0, 1))", OPERATION), ("(1, (2, Range(0, 1)))", OPERATION), ("Range(0, 1) @ 3", OPERATION),
+        ("P(Range(0, 1), 2)", OPERATION), ("frozenset([Range(0, 1)])", OPERATION), ("[Range(0, 1)]", OPERATION),
+        ("collections.deque([Range(0, 1)])", OPERATION), ("{1: Range(0, 1)}.values()", OPERATION), ("ValueError(Range(0, 1))", OPERATION),
+        ("Drawn()", OPERATION), ("B(Range(0, 1))", OPERATION), ("CircularRegion(0 @ 0, Range(1, 2))", OPERATION),
+        ("ego", NO_DRAW), ("Point at 1 @ 2", NO_DRAW), ("OrientedPoint at 1 @ 2", NO_DRAW), ("(ego, 1)", NO_DRAW), ("(1, [2])", NO_DRAW),
+        ("[1]", NO_DRAW), ("collections.deque([1])", NO_DRAW), ("{1: 2}.values()", NO_DRAW), ("(i for i in [1])", NO_DRAW),
+    ],
+)  # fmt: skip
+def test_resample_refuses_what_no_distribution_gave(value: str, message: str) -> None:
+    """Readings `resample` and `resample-constant`: it would be the same value again, though that is random or can change."""
+    with pytest.raises(errors.RunError) as raised:
+        result_of(f"{RESAMPLED}v = {value}\nparam r = resample(v)\n")
+    assert raised.value.message.startswith(message)
+    assert (raised.value.rule, raised.value.span.line) == ("E-Resample", 10)
+
+
+@pytest.mark.parametrize("value", ["3", "'a'", "None", "(1, 2)", "(1, ('a', frozenset([2])))", "P(1, 2)", "1 @ 2", "B(1)", "Fixed()", "everywhere"])
+def test_resample_of_a_value_that_cannot_vary_is_that_value(value: str) -> None:
+    assert result_of(f"{RESAMPLED}v = {value}\nparam r = resample(v) == v\n") is True
+
+
+@pytest.mark.parametrize("value", ["(Range(0, 1), 3)[0]", "[Range(0, 1)][0]", "Uniform((Range(0, 1), 2), (Range(0, 1), 4))"])
+def test_resample_of_a_draw_that_stood_in_a_container_is_another_draw(value: str) -> None:
+    assert any(not scenic_ref.loads(f"{EGO}v = {value}\nparam r = resample(v) == v\n").sample(seed=n).params["r"] for n in range(9))

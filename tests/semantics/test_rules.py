@@ -19,7 +19,7 @@ BY_NAME = {v.name: v for v in VECTORS}
 
 MESSAGES = {
     "ego-is-undefined": "never assigns ego",
-    "reading-ego-late": "ego is used before",
+    "reading-ego-late": "this is seen from ego, which is not assigned yet",
     "undefined-variable": "Objet is not defined",
     "two-positions": "position is specified twice",
     "default-needs-a-property-that-is-missing": "needs the property nothing",

@@ -23,7 +23,7 @@ BIG = 2**90_000
         ("x = DiscreteRange(1, 100001)", "between 1 and 100,000 numbers"),
         ("class Car(Object, ValueError):\n    pass", "cannot be derived from the Python class ValueError as well"),
         ("class Car(Object, 'fast'):\n    pass", "cannot be derived from a string as well"),
-        ("def f():\n    return f()\nx = f()", "f calls itself too deeply (3000 calls are open)"),
+        ("def f():\n    return f()\nx = f()", "f is called too deeply (3000 calls are open)"),
         ("x = '{0.real}'.format(1)", "a format string reads no attributes"),
         ("x = '{0[0]real}'.format('ab')", "a format string reads no attributes"),
         ("p = property(lambda self: 1)\nq = p.setter(p)", "setter does not hold another of its kind"),

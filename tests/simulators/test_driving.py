@@ -234,7 +234,7 @@ def test_what_is_beside_a_road_without_lanes_belongs_to_none() -> None:
 
 FORBIDDEN = {
     "network.lanes[0].road = None": "road|immutable", "x = Lane(uid='a')": "a Lane is made by reading a map", "x = network.by_uid": "by_uid",
-    "x = network.lanes[0].polygon.wkt": "a Lane has no attribute wkt",
+    "x = network.lanes[0].polygon.wkt": "a shape has no attribute wkt",
 }  # fmt: skip
 
 
@@ -355,3 +355,17 @@ require ego.position in line
 """
     ego = scenic_ref.loads(text).sample().ego
     assert ego.length == pytest.approx(ego["all"])
+
+
+def test_a_program_without_a_map_is_told_that_it_is_on_the_default_one(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    from scenic_ref.scenario.loading import load
+    from scenic_ref.simulators.worlds.driving import ON_DEFAULT_MAP, notes
+
+    del capsys
+    program = tmp_path / "p.scenic"
+    program.write_text("model scenic.domains.driving.model\nego = Car\n")
+    scenario = load(program)
+    assert notes(scenario.settings.library, scenario.program, {}) == [f"note: {ON_DEFAULT_MAP}"]
+    assert notes(scenario.settings.library, scenario.program, {"map": "town.xodr"}) == []

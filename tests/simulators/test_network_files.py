@@ -95,6 +95,7 @@ param there = network.roadAt(off) is not None, also = other.roadAt(off) is not N
     [
         ("", "network", (False, False, [0.05, 0.05])),
         ("param map_options = {'tolerance': 0.5, 'ref_points': 40, 'fill_gaps': False}\n", "network", (True, True, [0.5, 0.5])),
+        ("param map_options = dict(useCache=True, tolerance=0.5)\n", "network", (True, True, [0.5, 0.5])),
         ("", "Network.fromFile(localPath('maps/bare.xodr'), tolerance=0.5)", (False, True, [0.05, 0.5])),
         ("", "Network.fromOpenDrive(localPath('maps/bare.xodr'), 20, tolerance=0.5, elide_short_roads=True)", (False, True, [0.05, 0.5])),
         ("param map_options = {'tolerance': 0.5}\n", "Network.fromFile(globalParameters.map)", (True, True, [0.5, 0.5])),

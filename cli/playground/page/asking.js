@@ -8,9 +8,10 @@ const state = {
   version: 0,  // of the program with its seed and readings
   tab: "scenes", typing: false,
   scenes: [], base: [], selected: null, features: [], names: {}, tally: null, dynamic: false, problem: null,
-  readings: Object.fromEntries(given.readings.map(r => [r.id, r.selected])),
+  readings: {},
 };
-const defaults = {...state.readings};
+const defaults = {};  // the readings of the profile
+followDialect(given.program);
 const asking = {};
 
 function make(tag, properties = {}, ...children) {
@@ -49,6 +50,18 @@ function told(value) {  // a value of the scene format in a few words
   if (value === null || value === undefined) return "None";
   if (typeof value === "boolean") return value ? "True" : "False";
   return typeof value === "string" ? value : JSON.stringify(value);
+}
+
+// The readings that the program's dialect brings, unless the command line chose a profile; those that were switched stay as they are.
+function followDialect(text) {
+  const named = /^\ufeff?[ \t]*#[ \t]*dialect[ \t]*:[ \t]*(\S+)/.exec(text), dialect = given.dialect ?? (named ? named[1] : "paper");
+  const profile = given.profile ?? (Object.hasOwn(given.dialects, dialect) ? given.dialects[dialect] : "paper");
+  let moved = false;
+  for (const r of given.readings) {
+    if (state.readings[r.id] === defaults[r.id]) { moved ||= state.readings[r.id] !== r.under[profile]; state.readings[r.id] = r.under[profile]; }
+    defaults[r.id] = r.under[profile];
+  }
+  return moved;
 }
 
 function switchedReadings() { return given.readings.filter(r => state.readings[r.id] !== defaults[r.id]); }

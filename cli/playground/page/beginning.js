@@ -14,6 +14,7 @@ function edited() {  // colours follow before the next frame is painted: many ed
 
 // Something that decides the scenes has changed: nothing that was drawn before counts any more.
 function changed(pause) {
+  if (followDialect(program.value)) showReadings();
   state.version++;
   cancelAll();
   clearTimeout(timer);
@@ -135,6 +136,7 @@ async function openLink(text) {
   at("expression").value = "";
   at("seed").value = found.seed;
   at("slider").value = Math.min(Math.max(found.seed, 0), 200);
+  followDialect(found.program);
   takeReadings(found.readings);
   showReadings();
   colour();

@@ -19,10 +19,27 @@ from ....semantics.space.regions import PolygonalRegion
 from ....semantics.space.symbols import NotLifted
 from ....semantics.space.vectors import Vector
 from ..evaluate.clipped import curve_tests, largest_radius
+from ..evaluate.column_calls import is_polygon_test
 from ..evaluate.components import Stage
-from ..evaluate.polygons import tests_of
-from ..evaluate.rows import constant_cells, field_of, has_columns, is_clipped
-from ..trace.graph import AsFloat, Crowd, GraphEvent, GraphNode, Lookup, Macro, Part, RowCall, RowDraw, Search, Site
+from ..evaluate.polygons import constant_cells, field_of, tests_of
+from ..evaluate.rows import is_clipped
+from ..trace.graph import (
+    AsFloat,
+    Crowd,
+    GraphEvent,
+    GraphNode,
+    HasValue,
+    ItemOf,
+    Lookup,
+    Macro,
+    Part,
+    PositionOf,
+    RowCall,
+    RowDraw,
+    Search,
+    SearchPart,
+    Site,
+)
 from ..trace.macros import graph_of
 from ..trace.symbols import Traced
 from . import crowds, kernels
@@ -94,6 +111,8 @@ class Writer:
                 self.add(f"{name} = {self.macro(function)}({', '.join(operands)})")
             case Crowd(closed=closed):
                 self.crowd(name, operands, closed)
+            case SearchPart() | ItemOf() | HasValue() | PositionOf():
+                raise NotCompiled("what is asked of something that is drawn from a list")
             case RowCall():
                 self.call(name, function)
             case RowDraw():
@@ -178,8 +197,7 @@ class Writer:
 
     def call(self, name: str, call: RowCall) -> None:
         """A test on a polygon or the value of a field."""
-        rule = has_columns(call)
-        if rule is None:
+        if not is_polygon_test(call):
             raise NotCompiled(call.text)
         subject, *rest = call.structure
         parts = [v for part in rest for v in (part if isinstance(part, Vector) else (part,))]

@@ -15,13 +15,32 @@ from ....semantics.space.crowds import crowd_meets
 from ....semantics.space.numeric import Elementary
 from ....semantics.space.symbols import NotLifted
 from ....semantics.syntax.nodes import NOWHERE
-from ..trace.graph import AsFloat, Crowd, Graph, GraphEvent, GraphNode, Lookup, Macro, Part, RowCall, RowDraw, Search, Site
+from ..trace.graph import (
+    AsFloat,
+    Crowd,
+    Graph,
+    GraphEvent,
+    GraphNode,
+    HasValue,
+    ItemOf,
+    Lookup,
+    Macro,
+    Part,
+    PositionOf,
+    RowCall,
+    RowDraw,
+    Search,
+    SearchPart,
+    Site,
+)
 from ..trace.structures import row_maker, symbols_in
+from ..trace.symbols import Choice
 from .clipped import Clipped, curve_tests, largest_radius
+from .column_calls import Owned, call_by_owner, column_methods
 from .numbers import Numbers
 from .plan import PlanStep, cone, roots_of
 from .proposed import Proposed, proposed_in, proposed_points
-from .rows import Columns, FailedRows, has_columns, is_clipped, values_of
+from .rows import Columns, FailedRows, is_clipped, values_of
 
 ACCEPTED, LEFT = -1, -2
 """What became of a run: one that is left must be done by the interpreter; one that is rejected has the number of the step that did it."""
@@ -150,14 +169,23 @@ def column(node: GraphNode, columns: Columns, numbers: Numbers, failed: dict[int
             return values[operands[0]]
         case Search(cumulative=cumulative):
             return np.searchsorted(cumulative, operands[0], side="right")
+        case SearchPart():
+            return search_parts(function, *operands)
+        case ItemOf(items=items, starts=starts):
+            return items[starts[operands[0]] + operands[1].astype(np.int64)]
+        case HasValue(rejected=rejected, left=left, reasons=reasons):
+            failed[node.number] = FailedRows(rejected[operands[0]], left[operands[0]], reasons[operands[0]])
+            return operands[0]
+        case PositionOf(positions=positions):
+            return np.fromiter((positions[id(value)] for value in operands[0]), dtype=np.int64, count=len(numbers))
         case AsFloat():
             return operands[0].astype(float)  # type: ignore[union-attr]
         case Part(name=name):
             return part_of(operands[0], name)  # type: ignore[arg-type]
         case RowCall():
-            fast = has_columns(function)
-            if fast is not None:
-                return fast(node, function, columns, failed, len(numbers))
+            methods = column_methods(function)
+            if methods is not None:
+                return call_column(node, function, methods, columns, failed, len(numbers))
             return rows_of(node, _calling(function), columns, failed, len(numbers))
         case RowDraw():
             found = is_clipped(function)
@@ -201,6 +229,36 @@ def _proposed(node: GraphNode, draw: RowDraw, found: Proposed, columns: Columns,
         drawn = rows_of(node, _drawing(draw, numbers), columns, failed, len(points), rest)
         points[rest] = [(v.x, v.y) for v in drawn[rest]]
     return points
+
+
+def call_column(
+    node: GraphNode, call: RowCall, methods: Sequence[Owned], columns: Columns, failed: dict[int, FailedRows], count: int
+) -> np.ndarray:
+    """Return the results of a call in all rows. Rows outside of a field are rejected: by the field's own name if fields differ."""
+    owner, *rest = call.structure
+    values = values_of(rest, columns, count)
+    if isinstance(owner, Choice):
+        result = call_by_owner(methods, columns[owner.node.number], values, node.kind)
+    else:
+        [(owner, method)] = methods
+        result = method(owner, *values)
+    missing = np.isnan(result)
+    if missing.any() and len(methods) == 1:
+        failed[node.number] = FailedRows(missing, np.zeros(count, dtype=bool))
+    elif missing.any():
+        rows = np.flatnonzero(missing)
+        result[rows] = rows_of(node, _calling(call), columns, failed, count, rows)[rows]
+    return result
+
+
+def search_parts(search: SearchPart, part: np.ndarray, value: np.ndarray) -> np.ndarray:
+    """Search each value in its part by bisection, in all rows at a time; return positions in the whole array."""
+    low, high = search.starts[part], search.starts[part + 1] - 1
+    while (low < high).any():
+        middle = (low + high) // 2
+        beyond = (search.values[middle] <= value) & (low < high)
+        low, high = np.where(beyond, middle + 1, low), np.where(beyond, high, np.minimum(middle, high))
+    return low
 
 
 InRow = Callable[[Callable[[GraphNode], object], int], object]

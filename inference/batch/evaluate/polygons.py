@@ -13,6 +13,7 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
+from ....semantics.space.fields import PolygonalVectorField
 from ....semantics.space.regions import PolygonalRegion
 
 TIE = 1e-9
@@ -169,7 +170,7 @@ class PolygonTests:
         return self.near[step]
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=4096)  # a program may draw from all lanes of a map
 def tests_of(region: PolygonalRegion) -> PolygonTests:
     """The tests of a region, made once."""
     return PolygonTests(region.closed)
@@ -234,3 +235,17 @@ class FieldTests:
         if tie.any():
             inside[tie] = shapely.intersects_xy(self.polygons[polygon[tie]], x[tie], y[tie])
         return inside
+
+
+@lru_cache(maxsize=64)
+def constant_cells(field: object) -> bool:
+    """Whether a polygonal field has a constant heading in each cell and none outside."""
+    return isinstance(field, PolygonalVectorField) and bool(field.cells) and all(isinstance(h, (int, float)) for _, h in field.cells)
+
+
+@lru_cache(maxsize=64)
+def field_of(field: PolygonalVectorField) -> tuple[FieldTests, np.ndarray]:
+    """The cells of a field and their headings."""
+    headings = [float(h) for _, h in field.cells]  # type: ignore[arg-type]
+    outside = np.nan if field.defaultHeading is None else field.defaultHeading
+    return FieldTests(tuple(field.closed)), np.array([*headings, outside])

@@ -84,12 +84,10 @@ def point_of(region: Region, uniform: Callable[[], Any]) -> Vector:
     """`region.sample`, for as many rows as there are numbers."""
     if not isinstance(region, PolygonalRegion):
         return region.sample(uniform)
-    sampler = region.triangulation
-    chosen = np.searchsorted(sampler.cumulative[:-1], uniform() * sampler.area, side="right")
-    root, share = np.sqrt(uniform()), uniform()
-    a, b, c = 1.0 - root, root * (1.0 - share), root * share
-    ax, ay, bx, by, cx, cy = sampler.triangles[chosen].reshape(-1, 6).T
-    return Vector(a * ax + b * bx + c * cx, a * ay + b * by + c * cy)  # type: ignore[arg-type]
+    sampler = region.sampler
+    along = uniform() * sampler.total
+    chosen = np.searchsorted(sampler.cumulative[:-1], along, side="right")
+    return sampler.point(sampler.triangles[chosen].reshape(-1, 6).T, along, uniform)
 
 
 def contains(region: Region, point: Vector) -> np.ndarray:

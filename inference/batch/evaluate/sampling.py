@@ -20,7 +20,7 @@ import numpy as np
 from ....formats.scenes import Scene, scene_of
 from ....interpreter.choosers import AS_THEY_ARE, Draws, from_stream
 from ....interpreter.extras import why_missing
-from ....interpreter.running import Accepted, run
+from ....interpreter.running import Accepted, Beginnings, run
 from ....semantics.kernel.config import Config
 from ....semantics.kernel.errors import ScenicError
 from ....semantics.kernel.outcome import Requirement
@@ -167,8 +167,10 @@ class Batch:
         """The seconds of a processor that compiling is expected to take."""
         return COMPILE_LEAST + COMPILE_NODE * len(self.graph.nodes)
 
-    def block(self, seed: int, start: int, stop: int, *, max_attempts: int = DEFAULT_ATTEMPTS, ahead: int = 0) -> Block:
-        """Scenes `start` to `stop - 1`; about `ahead` more will be asked for, as far as is known.
+    def block(
+        self, seed: int, start: int, stop: int, *, max_attempts: int = DEFAULT_ATTEMPTS, ahead: int = 0, first: int = 0
+    ) -> Block:
+        """Scenes `start` to `stop - 1`, by attempts from number `first` on; about `ahead` more will be asked for, as far as is known.
 
         Once the columns have taken as long as compiling is expected to take, or will by what is known of their pace, the compiled evaluator
         does the rest. Small blocks, which come first, tell little of the pace.
@@ -177,7 +179,7 @@ class Batch:
         if self.may_compile and self.tensors is None and self.spent > PACE_KNOWN * compiling and self.spent + self.pace * ahead > compiling:
             self.compile()
         begun = time.thread_time()
-        self.drawing = drawing = BlockDrawing(self, seed, start, stop, max_attempts)
+        self.drawing = drawing = BlockDrawing(self, seed, start, stop, max_attempts, first)
         while len(drawing.pending):
             if self.compiled is None and self.may_compile and self.tensors is None and self.spent + time.thread_time() - begun > compiling:
                 self.compile()
@@ -194,12 +196,13 @@ class Batch:
 class BlockDrawing:
     """The drawing of a block: which scenes are pending, at which attempt they are, and what is done."""
 
-    def __init__(self, batch: Batch, seed: int, start: int, stop: int, max_attempts: int) -> None:
+    def __init__(self, batch: Batch, seed: int, start: int, stop: int, max_attempts: int, first: int = 0) -> None:
         self.batch, self.seed, self.start, self.stop, self.max_attempts = batch, seed, start, stop, max_attempts
+        self.begin = Beginnings(batch.start, batch.fuel)
         self.stages = batch.stage.all
         self.done = np.zeros(stop - start, dtype=bool)
         self.pending = np.arange(stop - start)
-        self.next = np.zeros((len(self.stages), stop - start), dtype=np.int64)  # by stage: the attempt that comes next, or that was accepted
+        self.next = np.full((len(self.stages), stop - start), first, dtype=np.int64)  # by stage: the attempt that comes next, or that was accepted
         self.exhausted = np.zeros(stop - start, dtype=bool)  # a part of the scene has had all attempts
         self.stuck: Counter[Requirement] = Counter()
         self.others: dict[int, Scene] = {}
@@ -334,7 +337,7 @@ class BlockDrawing:
         self.left += 1
         index, attempt = place + self.start, int(self.next[0, place])
         try:
-            ended = run(self.batch.start(), from_stream(self.seed, index, attempt, self.batch.draws), fuel=self.batch.fuel)
+            ended = run(self.begin(), from_stream(self.seed, index, attempt, self.batch.draws), fuel=self.batch.fuel)
         except ScenicError as problem:
             self.fail(problem, index)
             return

@@ -14,10 +14,25 @@ from ....semantics.kernel.errors import UsageError
 from ....semantics.space.fields import PolygonalVectorField
 from ....semantics.space.regions import PolygonalRegion
 from ....semantics.space.vectors import Vector
+from ..evaluate.column_calls import is_polygon_test
 from ..evaluate.plan import cone
-from ..evaluate.polygons import FieldTests, PolygonTests, tests_of
-from ..evaluate.rows import field_of, has_columns
-from ..trace.graph import AsFloat, Graph, GraphNode, Lookup, Macro, Part, RowCall, RowDraw, Search, Site
+from ..evaluate.polygons import FieldTests, PolygonTests, field_of, tests_of
+from ..trace.graph import (
+    AsFloat,
+    Graph,
+    GraphNode,
+    HasValue,
+    ItemOf,
+    Lookup,
+    Macro,
+    Part,
+    PositionOf,
+    RowCall,
+    RowDraw,
+    Search,
+    SearchPart,
+    Site,
+)
 from ..trace.macros import graph_of
 from ..trace.structures import children
 from ..trace.symbols import Choice, Opaque, Traced
@@ -157,10 +172,12 @@ def why_not(node: GraphNode) -> str | None:
             return None
         case Part():
             return "a part of an object"
+        case SearchPart() | ItemOf() | HasValue() | PositionOf():
+            return "what is asked of something that is drawn from a list"
         case RowDraw():
             return "a point that is drawn in a region which differs from run to run"
         case RowCall(text=text):
-            return None if has_columns(function) and all(map(is_number, operands_of(function))) else text
+            return None if is_polygon_test(function) and all(map(is_number, operands_of(function))) else text
         case _ if function is int or function is np.where:
             return None
         case _ if function in NUMERIC and all(isinstance(a, GraphNode) and a.kind == "bool" for a in node.arguments):

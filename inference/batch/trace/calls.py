@@ -6,10 +6,16 @@ from collections.abc import Mapping
 
 from ....semantics.kernel.values import Bound, Native
 from ....semantics.space.fields import OutsideField, PolygonalVectorField, VectorField
+from ....semantics.space.symbols import Listed
 from ....semantics.space.vectors import Vector
 from .symbols import Choice, Traced
 
 PLAIN = (bool, int, float, str, type(None))
+
+
+def siblings_of(value: object) -> tuple[object, ...]:
+    """Return all values of the same kind, such as all lanes of a network; none where they cannot be listed."""
+    return value.siblings if isinstance(value, Listed) else ()
 
 
 def name_of(function: object) -> str:

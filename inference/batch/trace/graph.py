@@ -58,6 +58,45 @@ class Search:
     cumulative: np.ndarray
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class SearchPart:
+    """Search(k, x): the position in `values` of the first number of part k that is greater than x.
+
+    Part k is values[starts[k] : starts[k + 1]]; its numbers increase, and the last one is infinite.
+    """
+
+    values: np.ndarray
+    starts: np.ndarray
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ItemOf:
+    """ItemOf(k, x): the number items[starts[k] + int(x)] of an item of container k."""
+
+    items: np.ndarray
+    starts: np.ndarray
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class HasValue:
+    """HasValue(k) = k, an event of kind "call" that decides runs by tables over k.
+
+    Runs with rejected[k] are rejected, by the requirement reasons[k]; runs with left[k] are left to the interpreter.
+    """
+
+    rejected: np.ndarray
+    left: np.ndarray
+    reasons: np.ndarray
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class PositionOf:
+    """PositionOf(object): its position among `values`, found by identity; `positions` maps `id` to position."""
+
+    values: tuple[object, ...]
+    positions: dict[int, int]
+
+
 class AsFloat:
     """Truth values or whole numbers as floats."""
 
@@ -88,7 +127,7 @@ class RowCall:
 
     `result` is the type that every row must give, or None where that is `optional`; else, or if an exception is raised, the row is left
     to the interpreter. With `converts`, numbers are made floats first. Functions of the program that it calls pay from `budget`, which is
-    that of one row.
+    that of one row. If there are values `among` which every row's must be, these are their identities.
     """
 
     function: Callable[..., object]
@@ -99,9 +138,12 @@ class RowCall:
     text: str
     budget: Budget
     optional: bool = False
+    among: frozenset[int] = frozenset()
 
     def gives(self, value: object) -> bool:
         """Whether a row may have this value. Where the run that was traced has None, nothing was done that depends on what others have."""
+        if self.among:
+            return id(value) in self.among
         return type(value) is self.result or (self.optional and (value is None or self.result is type(None)))
 
 
@@ -207,6 +249,18 @@ _RULES: dict[object, Callable[..., Bounds]] = {
     np.minimum: lambda a, b: (min(a[0], b[0]), min(a[1], b[1])),
     np.where: lambda condition, a, b: (min(a[0], b[0]), max(a[1], b[1])),
 }
+
+
+def between(arguments: tuple[object, ...]) -> str:
+    """What the two sides of a comparison that `decided` has decided can be, in words."""
+
+    def side(argument: object) -> str:
+        found = argument.bounds if isinstance(argument, GraphNode) else _constant_bounds(argument)
+        if found is None:
+            return "infinite"
+        return f"{found[0]:.6g}" if found[0] == found[1] else f"between {found[0]:.6g} and {found[1]:.6g}"
+
+    return f"its left side is {side(arguments[0])}, its right side {side(arguments[1])}"
 
 
 def decided(function: object, arguments: tuple[object, ...]) -> bool | None:

@@ -36,7 +36,8 @@ LIFTED: dict[Callable[..., object], Callable[..., object]] = {
 EXAMINES = (operator.is_, operator.is_not, operator.eq, operator.ne, bool, UNARY["not"])
 """Operations by which a program asks, among other things, whether a value is None."""
 ZERO_DIVIDES = (operator.truediv, operator.mod)
-FEW = 64
+FEW, MANY = 64, 1 << 14
+"""What is done for every combination of values of several choices, or for every value of one, is done for no more than these."""
 DIRECT = (CircularRegion, SectorRegion, RectangularRegion, Workspace)
 STATEFUL = (Function, Method, Dynamic, Module, Instance, ScenicClass, BaseException)
 
@@ -67,19 +68,13 @@ def lift(trace: Recorder, operation: Callable[..., object], arguments: list[obje
         if all(map(_is_number_or_choice, compared)):
             return reduce(partial(extreme, trace, operation), compared)
     if basic is not None and all(map(_is_number_or_choice, arguments)) and not (basic in ZERO_DIVIDES and symbols_in(list(_entries(arguments[1])))):
-        try:
-            mapped = trace.over_choices(basic, arguments)
-        except ZeroDivisionError:  # for some of the values: found row by row
-            mapped = NotImplemented
+        mapped = trace.over_choices(basic, arguments)
         if mapped is not NotImplemented:
             return mapped
     choices = {s.node.number: s for s in found if isinstance(s, Choice)}
     only_choices = choices and len(choices) == len({s.node.number for s in found}) and _few(choices)
     if only_choices and not keywords and all(isinstance(a, Choice) or not symbols_in(a) for a in arguments):
-        try:
-            mapped = trace.over_choices(operation, arguments)
-        except Exception:  # some combination is the program's mistake: row by row, it is found where it is drawn
-            mapped = NotImplemented
+        mapped = trace.over_choices(operation, arguments)
         if mapped is not NotImplemented:
             return mapped
     if basic is not None and all(isinstance(a, Vector) or _is_number(a) for a in arguments) and any(isinstance(a, Vector) for a in arguments):
@@ -130,7 +125,7 @@ def _few(choices: dict[int, Choice]) -> bool:
     total = 1
     for choice in choices.values():
         total *= len(choice.values)
-    return total <= FEW
+    return total <= (MANY if len(choices) == 1 else FEW)
 
 
 def _is_number(value: object) -> bool:

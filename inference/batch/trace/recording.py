@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from functools import partial
+from typing import Any, TypeGuard
 
 import numpy as np
 
@@ -12,24 +13,50 @@ from ....semantics.kernel.budget import Budget
 from ....semantics.kernel.errors import ScenicError
 from ....semantics.kernel.host import DoorStuck, HostException
 from ....semantics.kernel.outcome import Requirement
-from ....semantics.kernel.unmet import UNMET
+from ....semantics.kernel.unmet import UNMET, unmet
 from ....semantics.python.calls import invoke
 from ....semantics.space.crowds import crowd_meets
 from ....semantics.space.numeric import Elementary, is_macro, position_in
 from ....semantics.space.symbols import NotLifted
 from ....semantics.space.vectors import Vector
 from ....semantics.syntax.nodes import NOWHERE
-from .calls import PLAIN, bounds_of_field, key_of, name_of, premise_of
-from .graph import AsFloat, Crowd, Graph, GraphEvent, GraphNode, Kind, Lookup, Macro, Part, PartialRun, RowCall, Search, Site, bounds_of, decided
+from .calls import PLAIN, bounds_of_field, key_of, name_of, premise_of, siblings_of
+from .graph import (
+    AsFloat,
+    Crowd,
+    Graph,
+    GraphEvent,
+    GraphNode,
+    HasValue,
+    Kind,
+    Lookup,
+    Macro,
+    Part,
+    PartialRun,
+    PositionOf,
+    RowCall,
+    Search,
+    Site,
+    between,
+    bounds_of,
+    decided,
+)
 from .structures import in_row, symbols_in
 from .symbols import OPERATORS, Choice, Mistaken, Opaque, Retry, Scalar, Traced
 
 AS_FLOAT = AsFloat()
+MOST_NESTED = 16
+"""A choice among more values than this stays nested if some of them are choices."""
 LARGEST_PRODUCT = 256
 """Operations on two choices among few values are done once for every pair of values."""
 TRUTH = frozenset({
     np.equal, np.not_equal, np.less, np.less_equal, np.greater, np.greater_equal, np.logical_and, np.logical_or, np.logical_xor, np.logical_not,
 })  # fmt: skip
+
+
+def is_constant_choice(value: object) -> TypeGuard[Choice]:
+    """Return whether a value is a choice among values that are the same in all runs."""
+    return isinstance(value, Choice) and not symbols_in(list(value.values))
 
 
 class Recorder:
@@ -46,6 +73,8 @@ class Recorder:
         self.examined: set[int] = set()  # nodes of which the program has asked whether they are None
         self.place: Callable[[str], Requirement] = lambda text: Requirement("", NOWHERE, text)
         self.open = True
+        self.decision = ""
+        """What the sides can be of the last comparison whose result was the same whatever is drawn, in words."""
 
     # Nodes
 
@@ -91,6 +120,7 @@ class Recorder:
             return result.item() if isinstance(result, np.generic) else result
         constant = decided(function, tuple(operands))
         if constant is not None:
+            self.decision = between(tuple(operands))
             return constant
         if function in (np.logical_and, np.logical_or) and not all(isinstance(a, GraphNode) for a in operands):
             fixed = operands[0] if not isinstance(operands[0], GraphNode) else operands[1]
@@ -137,19 +167,21 @@ class Recorder:
             total *= len(choice.values)
         if len(choices) > 1 and total > LARGEST_PRODUCT:
             return NotImplemented
-        results: list[object] = []
+        functions: list[Callable[[], object]] = []
         index: Any = None
         for combination in range(total):
             rest, at = combination, {}
             for number, choice in choices.items():
                 rest, at[number] = divmod(rest, len(choice.values))
-            results.append(operation(*(a.values[at[a.node.number]] if isinstance(a, Choice) else a for a in arguments)))
+            values = (a.values[at[a.node.number]] if isinstance(a, Choice) else a for a in arguments)
+            functions.append(partial(operation, *values))
         stride: float = 1.0
         for choice in choices.values():
             part = self.apply_ufunc(np.multiply, (self.as_float_node(choice.node), stride))
             index = part if index is None else self.apply_ufunc(np.add, (index, part))
             stride *= len(choice.values)
-        return self.merge(next(iter(choices.values())).node if len(choices) == 1 else self.whole(index), results)
+        position = next(iter(choices.values())).node if len(choices) == 1 else self.whole(index)
+        return self.tabulate(position, functions, operation)
 
     def whole(self, index: Scalar) -> GraphNode:
         """A float that is a whole number as a position."""
@@ -207,7 +239,84 @@ class Recorder:
             return first
         if all(isinstance(r, Vector) for r in results):
             return Vector(self.numbers(index, [r.x for r in results]), self.numbers(index, [r.y for r in results]))
+        if len(results) <= MOST_NESTED and any(map(is_constant_choice, results)):
+            return self.flat_choice(index, results)
         return Choice(self, index, results)
+
+    def flat_choice(self, index: GraphNode, results: Sequence[object]) -> Choice:
+        """Return one choice in place of a choice among constant choices and other values.
+
+        Otherwise a question to one of the inner choices would decide runs in which another one is chosen.
+        """
+        values: list[object] = []
+        starts: list[int] = []
+        for result in results:
+            starts.append(len(values))
+            values += result.values if is_constant_choice(result) else (result,)
+        position: Any = self.table(index, np.array(starts, dtype=float))
+        for number, result in enumerate(results):
+            if is_constant_choice(result):
+                here = self.apply_ufunc(np.equal, (self.as_float_node(index), float(number)))
+                inner = self.apply_ufunc(np.add, (self.as_float_node(result.node), float(starts[number])))
+                position = self.where(here, inner, position)
+        return Choice(self, self.whole(position), values)
+
+    def tabulate(self, index: GraphNode, functions: Sequence[Callable[[], object]], operation: object) -> Any:
+        """Call all functions once, and return the result of the one that the index chooses.
+
+        A function that fails decides the runs in which it is chosen. Returns NotImplemented where one of them makes an
+        event of its own, and where some fail and others give symbols.
+        """
+        events = len(self.graph.events)
+        results: list[Any] = []
+        failures: dict[int, Requirement | Exception] = {}
+        for position, function in enumerate(functions):
+            try:
+                results.append(function())
+            except UNMET as problem:
+                failures[position] = unmet(problem, NOWHERE)
+            except Exception as problem:
+                failures[position] = problem
+            except (Mistaken, Retry):
+                self.forget(events)
+                return NotImplemented
+            if position in failures:
+                results.append(None)
+        if len(self.graph.events) > events or (failures and symbols_in(results)):
+            self.forget(events)
+            return NotImplemented
+        if failures:
+            self.note_failures(index, failures, len(results), name_of(operation))
+            instead = results[index.example]  # type: ignore[call-overload]
+            results = [instead if position in failures else result for position, result in enumerate(results)]
+        return self.merge(index, results)
+
+    def note_failures(
+        self, index: GraphNode, failures: Mapping[int, Requirement | Exception], count: int, text: str
+    ) -> None:
+        """Make an event of the failures at some of the `count` positions of an index.
+
+        A requirement rejects the runs, and any other failure leaves them to the interpreter. Raises `Retry` or `Mistaken`
+        where the traced run has such a position.
+        """
+        here = failures.get(index.example)  # type: ignore[call-overload]
+        if isinstance(here, Requirement):
+            raise Retry(here.text)
+        if here is not None:
+            raise Mistaken(f"{text}: {here}")
+        rejected, left, reasons = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool), np.full(count, None)
+        for position, failure in failures.items():
+            rejects = isinstance(failure, Requirement)
+            rejected[position], left[position], reasons[position] = rejects, not rejects, failure if rejects else None
+        key = ("known", index, rejected.tobytes(), left.tobytes(), tuple(reasons))
+        node = self.node(HasValue(rejected, left, reasons), (index,), "int", index.example, key)
+        self.note_call(node, text)
+
+    def note_call(self, node: GraphNode, text: str) -> None:
+        """Make an event of a node that may have no value, unless there is one already for the runs that come here."""
+        if not self.counted & {(node.number, None), *((node.number, condition) for condition in self.conditions)}:
+            self.counted.add((node.number, self.condition))
+            self.graph.events.append(GraphEvent("call", node, condition=self.condition, requirement=self.place(text)))
 
     def numbers(self, index: GraphNode, results: Sequence[Any]) -> Any:
         """The number that the index chooses."""
@@ -282,17 +391,23 @@ class Recorder:
         text = name_of(arguments[0] if function is invoke else function)
         kind: Kind = "float" if type(example) is float else "bool" if type(example) is bool else "object"
         optional = kind == "object" and not isinstance(example, Vector)
-        call = RowCall(function, arguments, dict(keywords), type(example), result is float, text, self.budget, optional)
+        among = (*siblings_of(example), None) if optional and siblings_of(example) else ()
+        call = RowCall(
+            function, arguments, dict(keywords), type(example), result is float, text, self.budget, optional,
+            frozenset(map(id, among)),
+        )  # fmt: skip
         key = key_of(function, arguments, keywords)
         before = len(self.graph.nodes)
         node = self.node(call, (), kind, example, key)
         if node.number == before:
             node.bounds = bounds_of_field(*arguments) if kind == "float" else None
-        if not self.counted & {(node.number, None), *((node.number, condition) for condition in self.conditions)}:
-            self.counted.add((node.number, self.condition))
-            self.graph.events.append(GraphEvent("call", node, condition=self.condition, requirement=self.place(premise_of(arguments, text))))
+        self.note_call(node, premise_of(arguments, text))
         if isinstance(example, Vector):
             return self.vector(node, example)
+        if among:
+            found = PositionOf(among, {id(value): position for position, value in enumerate(among)})
+            index = self.node(found, (node,), "int", found.positions[id(example)], ("position", node))
+            return Choice(self, index, among)
         return Opaque(self, node, example) if kind == "object" else Scalar(self, node, example)
 
     def vector(self, node: GraphNode, example: Vector) -> Vector:

@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
+import itertools
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any, NamedTuple
 
-from ....interpreter.choosers import AS_THEY_ARE, PER_SCENE, Draws, replaced
+import numpy as np
+
+from ....interpreter.choosers import AS_THEY_ARE, PER_SCENE, Draws, from_stream, replaced
 from ....interpreter.printer import to_source
+from ....interpreter.running import Accepted, Beginnings, run
 from ....interpreter.streams import Stream
 from ....interpreter.walls import within
 from ....semantics.kernel.callers import frames_of
 from ....semantics.kernel.config import Abrupt, Config, State, Value
 from ....semantics.kernel.driving import End, drive_machine
-from ....semantics.kernel.errors import RandomBranch
+from ....semantics.kernel.errors import RandomBranch, ScenicError
 from ....semantics.kernel.outcome import Done, Draw, Fault, Next, Outcome, Requirement, Stuck
 from ....semantics.kernel.scopes import target_names
-from ....semantics.kernel.unmet import NothingToDraw
+from ....semantics.kernel.unmet import KINDS_OF_UNMET, NothingToDraw
 from ....semantics.kernel.values import unwrap
 from ....semantics.kernel.versions import STORED
 from ....semantics.python.assignment import written
@@ -42,14 +46,17 @@ from ....semantics.syntax import python_expressions as p
 from ....semantics.syntax import statements as s
 from ....semantics.syntax.nodes import Node, Statement
 from ..evaluate.plan import only_rejects
+from .choices import draw_from_choice
 from .graph import Graph, GraphEvent, RowDraw, Site
 from .lifting import lift
 from .recording import Recorder
 from .structures import in_row
 from .symbols import Mistaken, Retry, Traced
 
-TRIES = 200
-"""Runs that are tried until one is found in which all vector fields and regions have values."""
+TRIES, LOOKED_AT, MOST_STEPS = 20, 4000, 1_000_000
+"""The first runs are traced until one is found in which all fields, regions and lists have values. If there is none, the machine
+makes more runs, up to so many or so many steps, and those in which it finds all values are traced.
+"""
 MAPPED = (Range, Normal, TruncatedNormal, Uniform, Discrete, Coin)
 MAPPED_REGIONS = (CircularRegion, SectorRegion, RectangularRegion, PolygonalRegion, PolylineRegion, PointSetRegion)
 PURE = (s.Return, s.If, s.While, s.For)
@@ -63,9 +70,10 @@ FEW, SOME = 5, 40
 class Impossible(NotLifted):
     """A requirement fails whatever is drawn: there are no scenes."""
 
-    def __init__(self, requirement: Requirement) -> None:
+    def __init__(self, requirement: Requirement, decision: str) -> None:
         super().__init__(requirement.text)
         self.requirement = requirement
+        self.decision = decision
 
 
 class Lifted(NamedTuple):
@@ -78,7 +86,7 @@ class Lifted(NamedTuple):
 def trace(start: Callable[[], Config], fuel: int, draws: Draws = AS_THEY_ARE) -> Lifted:
     """The graph of a program. Raises `NotLifted` with the reason if it has none, `Impossible` if it has no scenes."""
     reason, errors = "", {FEW: 0, SOME: 0}
-    for attempt in range(TRIES):
+    for attempt in itertools.chain(range(TRIES), promising_attempts(start, fuel, draws)):
         try:
             return trace_run(start(), attempt, fuel, draws)
         except Retry as retry:
@@ -88,7 +96,26 @@ def trace(start: Callable[[], Config], fuel: int, draws: Draws = AS_THEY_ARE) ->
             errors[most] += 1
             if errors[most] == most:
                 raise
-    raise NotLifted(f"in {TRIES} runs this always failed: {reason}")
+    raise NotLifted(f"no run with all values was found; in the last one that was traced, this failed: {reason}")
+
+
+def promising_attempts(start: Callable[[], Config], fuel: int, draws: Draws) -> Iterator[int]:
+    """Yield attempts at scene 0 of seed 0 in which no value is missing, at most `TRIES` of them.
+
+    The machine itself looks for them, which is much faster than tracing. It stops at the first error of the program.
+    """
+    begin, found, steps = Beginnings(start, fuel), 0, 0
+    for attempt in range(TRIES, LOOKED_AT):
+        try:
+            ended = run(begin(), from_stream(0, 0, attempt, draws), fuel=fuel)
+        except ScenicError:
+            return
+        if isinstance(ended, Accepted) or ended.requirement.kind not in KINDS_OF_UNMET:
+            found += 1
+            yield attempt
+        steps += ended.steps - begin.shared_steps
+        if found == TRIES or steps > MOST_STEPS:
+            return
 
 
 @within
@@ -230,10 +257,20 @@ class SymbolicRun:
 
 
 def never_holds(requirement: Requirement, made: Recorder) -> None:
-    """A requirement fails whatever is drawn: no run is accepted, or of a soft one those whose coin shows tails. Raises `Impossible`, `Retry`."""
-    if made.condition is None:
-        raise Impossible(requirement) if all(map(only_rejects, made.graph.events)) else Retry(requirement.text)
-    made.graph.events.append(GraphEvent("require", made.condition, False, requirement))
+    """Make an event of a requirement that fails whatever is drawn: it rejects all runs that come here.
+
+    Raises `Impossible` where all runs come here or are rejected before, `Retry` where nothing is drawn.
+    """
+    if made.condition is not None:
+        made.graph.events.append(GraphEvent("require", made.condition, False, requirement))
+        return
+    if all(map(only_rejects, made.graph.events)):
+        raise Impossible(requirement, made.decision)
+    number = next((node for node in made.graph.nodes if isinstance(node.function, Site)), None)
+    if number is None:
+        raise Retry(requirement.text)
+    never = made.node(np.less, (number, 0.0), "bool", False)  # what is drawn is in [0, 1)
+    made.graph.events.append(GraphEvent("require", never, True, requirement))
 
 
 def check_pure(outcome: Next) -> None:
@@ -274,12 +311,9 @@ def numbers_of(draw: Draw, made: Recorder) -> Callable[[], Any]:
 def draw_symbol(draw: Draw, made: Recorder) -> object:
     """What a draw gives: the distribution's own map of numbers, on symbols; or row by row where it takes no fixed number of them."""
     try:
-        if has_spread(draw.distribution):
-            drawn = made.call(one_of, (draw.distribution, numbers_of(draw, made)()), {})
-        elif is_mapped(draw.distribution):
-            drawn = draw.distribution.sample(numbers_of(draw, made))
-        else:
-            drawn = draw_by_rows(draw, made)
+        drawn = draw_from_choice(draw.distribution, numbers_of(draw, made), made)
+        if drawn is NotImplemented:
+            drawn = draw_in_general(draw, made)
     except EmptyRegion as empty:
         raise Retry(str(empty)) from None
     except UnboundedRegion as unbounded:
@@ -287,6 +321,15 @@ def draw_symbol(draw: Draw, made: Recorder) -> object:
     if isinstance(draw.distribution, PointIn):
         made.graph.points[draw.address] = (draw.distribution.region, drawn)
     return drawn
+
+
+def draw_in_general(draw: Draw, made: Recorder) -> object:
+    """Draw by the distribution's own map of numbers on symbols, or row by row where it takes no fixed number of them."""
+    if has_spread(draw.distribution):
+        return made.call(one_of, (draw.distribution, numbers_of(draw, made)()), {})
+    if is_mapped(draw.distribution):
+        return draw.distribution.sample(numbers_of(draw, made))
+    return draw_by_rows(draw, made)
 
 
 def has_spread(distribution: Distribution) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -207,15 +208,8 @@ class Choice(Traced):
         return self.trace.table(self.node, np.array([v is not None for v in self.values]))
 
     def each(self, function: Callable[[Any], object]) -> Any:
-        events = len(self.trace.graph.events)
-        try:
-            results = [function(v) for v in self.values]
-        except (Exception, Mistaken, Retry):  # of some of them, perhaps of none that is chosen: found row by row
-            results = None
-        if results is None or len(self.trace.graph.events) > events:  # what becomes of one value decides only the runs in which that is chosen
-            self.trace.forget(events)
-            return self.trace.call(function, (self,), {})
-        return self.trace.merge(self.node, results)
+        found = self.trace.tabulate(self.node, [partial(function, value) for value in self.values], function)
+        return self.trace.call(function, (self,), {}) if found is NotImplemented else found
 
     def cases(self) -> Sequence[tuple[Any, object]]:
         found: list[tuple[Any, object]] = []

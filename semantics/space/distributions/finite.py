@@ -44,11 +44,13 @@ class Discrete(Named):
     def __post_init__(self) -> None:
         pairs = tuple((value, weight) for value, weight in self.weighted)
         object.__setattr__(self, "weighted", pairs)
-        for value, weight in pairs:
+        for number, (value, weight) in enumerate(pairs):
             if not (isinstance(weight, (int, float, Fraction)) and math.isfinite(weight)):
-                raise BadParameters(self.name, "weight", f"of {value!r} must be a finite number, not {weight!r}")
+                reason = f"of {value!r} must be a finite number, not {weight!r}"
+                raise BadParameters(self.name, "weight", reason, number)
             if weight < 0:
-                raise BadParameters(self.name, "weight", f"of {value!r} must not be negative, but it is {weight}")
+                reason = f"of {value!r} must not be negative, but it is {weight}"
+                raise BadParameters(self.name, "weight", reason, number)
         if not pairs:
             raise NoValues(self.name, "weights", "must not be empty")
         if not any(weight > 0 for _, weight in pairs):

@@ -1,19 +1,22 @@
 """Regions: sets of points that can be sampled uniformly, tested for points and boxes, and combined."""
 
 from .combined import DifferenceRegion, IntersectionRegion, UnionRegion
-from .curves import PointSetRegion, PolylineRegion
+from .curves import AlongCurve, PointSetRegion, PolylineRegion
 from .errors import BadRegion, EmptyRegion, UnboundedRegion
+from .plane_shapes import PlaneShape
 from .polygons import PolygonalRegion
 from .region import Region, everywhere, nowhere
 from .shapes import CircularRegion, RectangularRegion, SectorRegion
 from .workspace import Workspace
 
 __all__ = [
+    "AlongCurve",
     "BadRegion",
     "CircularRegion",
     "DifferenceRegion",
     "EmptyRegion",
     "IntersectionRegion",
+    "PlaneShape",
     "PointSetRegion",
     "PolygonalRegion",
     "PolylineRegion",

@@ -88,6 +88,7 @@ def share_a_point(first: Region, second: Region) -> bool:
 class _Combination(Region):
     """A region made of two others. Points are sampled from a close cover, and those outside the region drawn again."""
 
+    scenic_made = True
     first: Region
     second: Region
 
@@ -96,7 +97,7 @@ class _Combination(Region):
 
     def measure(self) -> float | None:
         if self.dimension < 2:
-            return self._segment_sampler.length if self.dimension == 1 else float(len(self._points))
+            return self._segment_sampler.total if self.dimension == 1 else float(len(self._points))
         return None if self.bounds() is None else self._area
 
     @cached_property
@@ -119,7 +120,7 @@ class _Combination(Region):
         raise EmptyRegion(self, "it is too small for its coordinates")
 
     def _sample_curve(self, uniform: Numbers) -> Vector:
-        if self._segment_sampler.length == 0:
+        if self._segment_sampler.total == 0:
             raise EmptyRegion(self, "it has no length")
         return self._segment_sampler.sample(uniform)
 
@@ -172,7 +173,7 @@ class IntersectionRegion(_Combination):
     @property
     def dimension(self) -> int:  # pyright: ignore[reportIncompatibleVariableOverride]
         least = min(self.first.dimension, self.second.dimension)
-        return 0 if least == 1 and self._crossings and self._segment_sampler.length == 0 else least
+        return 0 if least == 1 and self._crossings and self._segment_sampler.total == 0 else least
 
     @cached_property
     def _crossings(self) -> tuple[Vector, ...]:

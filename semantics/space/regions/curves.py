@@ -21,6 +21,7 @@ from .approximation import NO_BOUNDS, Approximation, Bounds, window_around
 from .checking import field, vectors
 from .errors import BadRegion, EmptyRegion
 from .intervals import Intervals
+from .plane_shapes import PlaneShape
 from .polygons import intervals_within
 from .region import Region
 from .sampling import Numbers, Segment, SegmentSampler
@@ -56,7 +57,7 @@ class PolylineRegion(Region):
             raise BadRegion("a polyline needs at least 2 different points")
         self.polyline = MultiLineString([[(v.x, v.y) for v in path] for path in paths])
         shapely.prepare(self.polyline)
-        along = VectorField(f"along {name or 'polyline'}", self.heading_at)
+        along = AlongCurve(f"along {name or 'polyline'}", self)
         self.orientation = along if orientation is True else field("PolylineRegion", orientation or None)
 
     def __repr__(self) -> str:
@@ -70,7 +71,7 @@ class PolylineRegion(Region):
 
     def nearestSegmentTo(self, point: Vector | Sequence[float]) -> Segment:
         """The two ends of the segment that is nearest, the first of several (of the released implementations)."""
-        nearest = self._tree.query_nearest(Point(*point), all_matches=True)
+        nearest = self.segment_tree.query_nearest(Point(*point), all_matches=True)
         return self._all_segments[int(min(nearest))]
 
     @lifted(float)
@@ -107,7 +108,19 @@ class PolylineRegion(Region):
         return (point for line in self.lines for point in line)
 
     @cached_property
-    def _tree(self) -> shapely.STRtree:
+    def headings(self) -> list[float]:
+        """The headings of the segments, in order."""
+        return [angle_of(end - start) for start, end in self._all_segments]
+
+    @cached_property
+    def plane_shape(self) -> PlaneShape:
+        """The line as programs meet it: one LineString where it is in one piece."""
+        parts = shapely.get_parts(self.polyline)
+        return PlaneShape(parts[0] if len(parts) == 1 else self.polyline)
+
+    @cached_property
+    def segment_tree(self) -> shapely.STRtree:
+        """The segments, in order."""
         return shapely.STRtree([LineString([(a.x, a.y), (b.x, b.y)]) for a, b in self._all_segments])
 
     @lifted(bool)
@@ -151,14 +164,25 @@ class PolylineRegion(Region):
         return tuple(self._disjoint_segments[int(i)] for i in near)
 
     @cached_property
-    def _sampler(self) -> SegmentSampler:
+    def sampler(self) -> SegmentSampler:
+        """The line cut into segments that overlap nowhere."""
         return SegmentSampler(self._disjoint_segments)
 
     def measure(self) -> float:
-        return self._sampler.length
+        return self.sampler.total
 
     def sample(self, uniform: Numbers) -> Vector:
-        return self._sampler.sample(uniform)
+        return self.sampler.sample(uniform)
+
+
+class AlongCurve(VectorField):
+    """The field that has the heading of a curve at its nearest point."""
+
+    scenic_made = True
+
+    def __init__(self, name: str, curve: PolylineRegion) -> None:
+        super().__init__(name, curve.heading_at)
+        self.curve = curve
 
 
 class PointSetRegion(Region):
@@ -218,6 +242,7 @@ class PointSetRegion(Region):
 
 def _paths(polyline: object) -> list[tuple[Vector, ...]]:
     """The corner points of the lines that `polyline` is or holds."""
+    polyline = polyline.geometry if isinstance(polyline, PlaneShape) else polyline
     if isinstance(polyline, LineString):
         return [vectors("polyline", polyline.coords)] if not polyline.is_empty else []
     members = polyline.geoms if isinstance(polyline, MultiLineString) else polyline

@@ -19,6 +19,7 @@ from .approximation import Approximation, Bounds, box_shape
 from .checking import field, vectors
 from .errors import BadRegion
 from .intervals import Intervals
+from .plane_shapes import PlaneShape
 from .region import Region
 from .sampling import Numbers, TriangleSampler
 
@@ -82,7 +83,12 @@ class PolygonalRegion(Region):
         return float(self.polygon.area)
 
     def sample(self, uniform: Numbers) -> Vector:
-        return self.triangulation.sample(uniform)
+        return self.sampler.sample(uniform)
+
+    @cached_property
+    def plane_shape(self) -> PlaneShape:
+        """The polygon as programs meet it."""
+        return PlaneShape(self.polygon)
 
     @cached_property
     def closed(self) -> BaseGeometry:
@@ -92,7 +98,7 @@ class PolygonalRegion(Region):
         return shape
 
     @cached_property
-    def triangulation(self) -> TriangleSampler:
+    def sampler(self) -> TriangleSampler:
         """The union cut into disjoint triangles, with their areas."""
         return TriangleSampler(self.polygon)
 
@@ -124,7 +130,7 @@ def _from_points(points: Sequence[Vector | Sequence[float]]) -> Polygon:
 
 def _parts(polygon: object) -> list[Polygon]:
     """The polygons that `polygon` is or holds; a region with straight edges stands for its own."""
-    inside = getattr(polygon, "polygon", None) if isinstance(polygon, Region) else polygon
+    inside = getattr(polygon, "polygon", None) if isinstance(polygon, Region) else polygon.geometry if isinstance(polygon, PlaneShape) else polygon
     if isinstance(inside, Polygon):
         return [inside]
     members = inside.geoms if isinstance(inside, MultiPolygon) else inside

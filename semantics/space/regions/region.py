@@ -8,11 +8,11 @@ from collections.abc import Iterable
 from shapely.geometry import Polygon
 
 from ..fields import VectorField
-from ..numeric import lifted
+from ..numeric import is_one, lifted
 from ..vectors import Vector
 from . import intervals
 from .approximation import NO_BOUNDS, Approximation, Bounds, box_shape, contains, distance, hull, meets, window_around
-from .errors import EmptyRegion, UnboundedRegion
+from .errors import BadRegion, EmptyRegion, UnboundedRegion
 from .intervals import Intervals
 from .sampling import Numbers, Segment
 
@@ -85,38 +85,57 @@ class Region(ABC):
         """The points of a region of dimension 0."""
         return ()
 
-    def intersect(self, other: Region) -> Region:
-        """The points in both regions, oriented as this one if it is oriented, else as `other`."""
+    def intersect(self, other: Region, triedReversed: bool = False) -> Region:
+        """The points in both regions, oriented as this one if it is oriented, else as `other`; `triedReversed`, of the releases, changes nothing."""
         from .combined import intersection  # a region and its combinations know each other
 
-        return intersection(self, other)
+        return intersection(self, _other("intersect", other))
 
-    def union(self, other: Region) -> Region:
-        """The points in either region, oriented if both are."""
+    def union(self, other: Region, triedReversed: bool = False, buf: float = 0) -> Region:
+        """The points in either region, oriented if both are; `triedReversed`, of the releases, changes nothing.
+
+        Raises TypeError for another `buf` than 0.
+        """
+        if buf != 0:
+            raise TypeError("buf= is outside this reference: regions are put together as they are; leave it out")
         from .combined import union
 
-        return union(self, other)
+        return union(self, _other("union", other))
 
     def difference(self, other: Region) -> Region:
         """The points of this region that are not in `other`, oriented as this region."""
         from .combined import difference
 
-        return difference(self, other)
+        return difference(self, _other("difference", other))
 
-    def intersects(self, other: Region) -> bool:
-        """Whether the regions share a point, boundaries included; arcs that miss by less than 1.2e-9 of their radius count as sharing."""
+    def intersects(self, other: Region, triedReversed: bool = False) -> bool:
+        """Whether the regions share a point, boundaries included; arcs that miss by less than 1.2e-9 of their radius count as sharing.
+
+        `triedReversed`, of the releases, changes nothing.
+        """
         from .combined import share_a_point
 
-        return share_a_point(self, other)
+        return share_a_point(self, _other("intersects", other))
 
     def containsPoint(self, point: Vector | tuple[float, float]) -> bool:
         """`contains_point` under the released library's name."""
+        if not (isinstance(point, (Vector, tuple, list)) and len(point) == 2):
+            raise BadRegion(f"containsPoint() takes a vector, not {point!r:.80}")
         x, y = point
         return self.contains_point(Vector(x, y))
 
 
+def _other(method: str, value: object) -> Region:
+    """The argument of a method that takes a region. Raises `BadRegion` for anything else."""
+    if not is_one(value, Region):
+        raise BadRegion(f"{method}() takes a region, not {value!r:.80}")
+    return value  # type: ignore[return-value]
+
+
 class Everywhere(Region):
     """The whole plane."""
+
+    scenic_made = True
 
     def __reduce__(self) -> str:
         """There is one."""
@@ -150,6 +169,7 @@ class Everywhere(Region):
 class Nowhere(Region):
     """The empty set."""
 
+    scenic_made = True
     dimension = 0
 
     def contains_point(self, v: Vector) -> bool:

@@ -5,7 +5,8 @@ The batch backend evaluates the same formulas on the arrays `triangles` and `cum
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Sequence
 from itertools import accumulate
 
 import numpy as np
@@ -19,7 +20,25 @@ Numbers = Callable[[], float]  # the next number of a draw's own stream, uniform
 Segment = tuple[Vector, Vector]
 
 
-class TriangleSampler:
+class PieceSampler(ABC):
+    """Uniform points of `pieces` that overlap nowhere. `ends` are the measures of all but the last, added up; `total` is the measure of all."""
+
+    pieces: Sequence[tuple[float, ...]]
+    ends: list[float]
+    total: float
+
+    def sample(self, uniform: Numbers) -> Vector:
+        """A uniform point: the first number chooses the piece."""
+        along = uniform() * self.total
+        return self.point(pick(self.pieces, search(self.ends, along)), along, uniform)
+
+    @staticmethod
+    @abstractmethod
+    def point(piece: Iterable[float], along: float, uniform: Numbers) -> Vector:
+        """A uniform point of a piece; `along` is what chose it."""
+
+
+class TriangleSampler(PieceSampler):
     """Uniform points of a polygonal shape. `triangles` is (n, 3, 2), disjoint but for edges; `cumulative` their areas added up."""
 
     def __init__(self, shape: BaseGeometry) -> None:
@@ -28,36 +47,37 @@ class TriangleSampler:
         edges = self.triangles[:, 1:] - self.triangles[:, :1]
         areas = np.abs(edges[:, 0, 0] * edges[:, 1, 1] - edges[:, 0, 1] * edges[:, 1, 0]) / 2
         self.cumulative: np.ndarray = np.cumsum(areas)
-        self.area = float(self.cumulative[-1]) if len(areas) else 0.0
-        self._corners: list[tuple[float, ...]] = [tuple(corners) for corners in self.triangles.reshape(-1, 6).tolist()]
-        self._ends: list[float] = self.cumulative[:-1].tolist()
+        self.total = float(self.cumulative[-1]) if len(areas) else 0.0
+        self.pieces = [tuple(corners) for corners in self.triangles.reshape(-1, 6).tolist()]
+        self.ends = self.cumulative[:-1].tolist()
 
-    def sample(self, uniform: Numbers) -> Vector:
-        """A uniform point; of the three numbers used, one chooses the triangle by area, two the point in it."""
-        ax, ay, bx, by, cx, cy = pick(self._corners, search(self._ends, uniform() * self.area))
+    @staticmethod
+    def point(piece: Iterable[float], along: float, uniform: Numbers) -> Vector:
+        """A uniform point of a triangle, by two more numbers."""
+        ax, ay, bx, by, cx, cy = piece
         root, share = square_root(uniform()), uniform()
         a, b, c = 1.0 - root, root * (1.0 - share), root * share
         return Vector(a * ax + b * bx + c * cx, a * ay + b * by + c * cy)
 
 
-class SegmentSampler:
+class SegmentSampler(PieceSampler):
     """Uniform points of a set of segments that overlap nowhere, by length; one number is used."""
 
     def __init__(self, segments: Sequence[Segment]) -> None:
         self.segments = tuple(segments)
         lengths = np.hypot([end.x - start.x for start, end in self.segments], [end.y - start.y for start, end in self.segments]).tolist()
         self.cumulative: list[float] = list(accumulate(lengths))
-        self.length = self.cumulative[-1] if self.cumulative else 0.0
-        self._ends = self.cumulative[:-1]
+        self.total = self.cumulative[-1] if self.cumulative else 0.0
+        self.ends = self.cumulative[:-1]
         before = (0.0, *self.cumulative)
-        self._rows = [
+        self.pieces = [
             (start.x, start.y, end.x - start.x, end.y - start.y, low, high - low)
             for (start, end), low, high in zip(self.segments, before, self.cumulative, strict=False)
         ]
 
-    def sample(self, uniform: Numbers) -> Vector:
-        """A uniform point."""
-        along = uniform() * self.length
-        x, y, dx, dy, before, length = pick(self._rows, search(self._ends, along))
+    @staticmethod
+    def point(piece: Iterable[float], along: float, uniform: Numbers) -> Vector:
+        """The point of a segment that is so far along all of them."""
+        x, y, dx, dy, before, length = piece
         share = smaller((along - before) / length, 1.0)
         return Vector(x + dx * share, y + dy * share)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import cache
+from functools import cache, lru_cache
 from importlib.resources import files
 from pathlib import Path
 
@@ -79,7 +79,11 @@ def tolerance_of(program: Program, params: Mapping[str, object]) -> float:
 
 
 def modules(program: Program, params: Mapping[str, object], directory: Path | None) -> Mapping[str, World]:
-    """The modules that depend on the maps of a program."""
+    """The modules that depend on the maps of a program, each of which is read once, also if that fails."""
+
+    @lru_cache(maxsize=None, typed=True)  # 1 is a tolerance, True is none
+    def read_once(path: Path, tolerance: float) -> Network | ImportRefused:
+        return read(path, tolerance, directory)
 
     def of_map() -> Mapping[str, object] | Exception:
         named = map_of(program, params, directory)
@@ -87,7 +91,12 @@ def modules(program: Program, params: Mapping[str, object], directory: Path | No
             tolerance = tolerance_of(program, params)
         except ImportRefused as wrong:
             return wrong
-        found = default_network(tolerance) if named is None else read(*named[1:], tolerance, directory) if isinstance(named, tuple) else named
+        if isinstance(named, Exception):
+            return named
+        found = default_network(tolerance) if named is None else read_once(named[1], tolerance)
+        if isinstance(found, ImportRefused) and named is not None:
+            found.span = named[2]
+            found.hint = found.hint or ON_DEFAULT
         return found if isinstance(found, Exception) else {"network": found}
 
     def of_roads() -> Mapping[str, object]:
@@ -96,7 +105,7 @@ def modules(program: Program, params: Mapping[str, object], directory: Path | No
             tolerance = tolerance_of(program, params)
         except ImportRefused:  # which the module of the map says
             tolerance = TOLERANCE
-        return {**FIXED_ROADS, MAPS[1]: maps_of(program, directory, {own[0]: (own[1], tolerance)} if isinstance(own, tuple) else {})}
+        return {**FIXED_ROADS, MAPS[1]: maps_of(program, directory, {own[0]: (own[1], tolerance)} if isinstance(own, tuple) else {}, read_once)}
 
     return {MAP: of_map, MAPS[0]: of_roads}
 
@@ -108,13 +117,15 @@ FIXED: Mapping[str, Callable[[], str | Mapping[str, object]]] = {
     "scenic.domains.driving.paths": lambda: {"Trajectory": paths.Trajectory},
     "scenic.domains.driving.controllers": lambda: text("controllers"),
     "scenic.domains.driving.lights": lambda: text("lights"),
+    "scenic.domains.driving.kinds": lambda: text("kinds"),
     "scenic.domains.driving.behaviors": lambda: text("behaviors"),
     "scenic.domains.driving.scenarios": lambda: text("scenarios"),
     "scenic.domains.driving.model": lambda: text("model"),
     "scenic.domains.driving.missing": lambda: text("missing"),
     "scenic.simulators.carla.model": lambda: text("carla"),
     "scenic.simulators.lgsvl.model": lambda: text("lgsvl"),
-    **dict.fromkeys(("scenic.simulators.newtonian.driving_model", "scenic.simulators.metadrive.model"), lambda: SAME),
+    "scenic.simulators.newtonian.driving_model": lambda: text("newtonian"),
+    "scenic.simulators.metadrive.model": lambda: SAME,
 }
 """The modules that do not depend on a map."""
 
@@ -125,15 +136,21 @@ STAND_INS = {
     "scenic.simulators.metadrive.model": "the driving library without MetaDrive",
 }
 """What the models of other simulators are here."""
+ON_DEFAULT_MAP = "the program names no map: the default map is used, and `param map = ...` names another"
+ON_DEFAULT = "leave the parameter out to use the default map"
 MOST_NOTES = 3
 """So many notes about a map are told where it is used."""
 
 
-def notes(library: Mapping[str, object]) -> list[str]:
-    """What is to be known of the modules that a program may import: what a model stands for, what is strange about the map."""
+def notes(library: Mapping[str, object], program: Program, params: Mapping[str, object]) -> list[str]:
+    """What to know about the modules that a program may import: what a model stands for, that the map is the default one,
+    what is strange about it.
+    """
     found = [f"note: {name} stands for {what}" for name, what in STAND_INS.items() if name in library]
     roads = library.get(MAP)
     network = roads.get("network") if isinstance(roads, Mapping) else None
+    if isinstance(network, Network) and map_of(program, params, None) is None:
+        found.append(f"note: {ON_DEFAULT_MAP}")
     if isinstance(network, Network) and network.warnings:
         more = len(network.warnings) - MOST_NOTES
         found += [f"note: the map has {line}" for line in network.warnings[:MOST_NOTES]]

@@ -6,6 +6,7 @@ from scenic.domains.driving.actions import *
 from scenic.domains.driving.arguments import check_arguments
 from scenic.domains.driving.paths import Trajectory
 from scenic.domains.driving.lights import *
+from scenic.domains.driving.kinds import *
 
 road = network.drivableRegion
 roadOrShoulder = network.roadOrShoulder
@@ -119,12 +120,24 @@ behavior WalkAlongSidewalkBehavior(speed=1.4):
         place = path.along(self.position, place)
     take SetWalkingSpeedAction(0)
 
-# A pedestrian who begins to walk when another object comes near.
+# The actions with which a pedestrian or a vehicle moves ahead at a speed.
+def moving(one, speed):
+    if isinstance(one, Walks):
+        return (SetWalkingDirectionAction(one.heading), SetWalkingSpeedAction(speed))
+    return (SetSpeedAction(speed),)
+
+# Across the way of another object when that comes near, so fast (but not slower than `min_speed`) that both meet; when the other one has passed,
+# with the final speed.
 behavior CrossingBehavior(reference_actor, min_speed=1, threshold=10, final_speed=None):
     check_arguments('CrossingBehavior', reference_actor, min_speed, threshold, final_speed)
     while (distance from self to reference_actor) > threshold:
-        take SetWalkingSpeedAction(0)
-    do WalkForwardBehavior(min_speed if final_speed is None else final_speed)
+        take moving(self, 0)
+    apart = (self.position - reference_actor.position).rotatedBy(-reference_actor.heading)
+    while apart.y > 0:
+        take moving(self, max(min_speed, apart.x * reference_actor.speed / apart.y))
+        apart = (self.position - reference_actor.position).rotatedBy(-reference_actor.heading)
+    while True:
+        take moving(self, final_speed if final_speed else min_speed)
 
 # Past what is ahead: over to the next lane for passing (of the other direction, if there is no other), and back.
 behavior PassingBehavior(target_speed=12):

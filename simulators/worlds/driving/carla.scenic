@@ -4,6 +4,7 @@ from scenic.domains.driving.model import *
 from scenic.domains.driving.missing import refused
 
 class Motorcycle(Vehicle):
+    walks: True
     width: 1
     length: 2
 

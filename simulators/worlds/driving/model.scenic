@@ -8,6 +8,7 @@ from scenic.simulators.utils.colors import Color
 from scenic.domains.driving.actions import *
 from scenic.domains.driving.controllers import *
 from scenic.domains.driving.lights import *
+from scenic.domains.driving.kinds import *
 from scenic.domains.driving.behaviors import *
 from scenic.domains.driving.arguments import check_arguments
 
@@ -131,13 +132,6 @@ def reach(object, direction):
     turned = direction - object.heading
     return (abs(math.cos(turned)) * object.length + abs(math.sin(turned)) * object.width) / 2
 
-# What makes an object take the actions of vehicles, or of pedestrians, as a further superclass.
-class Steers:
-    drives: True
-
-class Walks:
-    walks: True
-
 class Vehicle(DrivingObject, Steers):
     drives: True
     regionContainedIn: roadOrShoulder
@@ -168,6 +162,7 @@ class Pedestrian(DrivingObject, Walks):
     length: 0.75
 
 class Bicycle(Vehicle):
+    walks: True
     width: 1
     length: 2
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 from ....maps.network import Network
 from ....maps.reading import TOLERANCE, read_map
@@ -20,14 +21,14 @@ LARGEST_TOLERANCE = 10.0
 """Metres by which a point may miss an element at most."""
 
 
-def read(path: Path, span: Span = NOWHERE, tolerance: float = TOLERANCE, directory: Path | None = None) -> Network | Exception:
+def read(path: Path, tolerance: object, directory: Path | None) -> Network | ImportRefused:
     """The map of a file, which a program in the directory names there, or why it cannot be had."""
     if path.suffix.lower() != ".xodr":
-        return ImportRefused(f"the map of a program is an OpenDRIVE file (.xodr), not {path.name}", span)
+        return ImportRefused(f"the map of a program is an OpenDRIVE file (.xodr), not {path.name}")
     try:
-        return read_map(path, checked(tolerance, span))
+        return read_map(path, checked(tolerance, NOWHERE))
     except ScenicError as problem:
-        return ImportRefused(problem.message, span, hint=problem.hint or beside(path, directory))
+        return ImportRefused(problem.message, hint=problem.hint or beside(path, directory))
 
 
 def beside(path: Path, directory: Path | None) -> str:
@@ -71,8 +72,14 @@ def constant(node: object) -> object:
 
 
 def constants(node: object) -> object:
-    """What a dictionary of constants that is written in a program holds; UNKNOWN for other expressions."""
-    items = {constant(k): constant(v) for k, v in node.items} if isinstance(node, DictDisplay) else {UNKNOWN: None}
+    """What a dictionary of constants that is written in a program holds, also by `dict(name=...)`; UNKNOWN for other expressions."""
+    match node:
+        case DictDisplay():
+            items = {constant(k): constant(v) for k, v in node.items}
+        case Call(function=Name(name="dict"), arguments=()):
+            items = {k.name or UNKNOWN: constant(k.value) for k in node.keywords}
+        case _:
+            return UNKNOWN
     return UNKNOWN if UNKNOWN in items or UNKNOWN in items.values() else items
 
 
@@ -101,7 +108,9 @@ def named(program: Program, directory: Path | None) -> Iterator[tuple[object, tu
                     pass
 
 
-def maps_of(program: Program, directory: Path | None, own: Mapping[object, tuple[Path, object]]) -> dict[object, Network | str]:
+def maps_of(
+    program: Program, directory: Path | None, own: Mapping[object, tuple[Path, object]], read_once: Callable[[Path, Any], Network | ImportRefused]
+) -> dict[object, Network | str]:
     """The maps that a program may read by `fromFile`, its `own` one among them, by the texts that it gives, or why they cannot be had."""
-    found = {key: read(path, NOWHERE, tolerance) for key, (path, tolerance) in {**dict(named(program, directory)), **own}.items()}  # type: ignore[arg-type]
+    found = {key: read_once(path, tolerance) for key, (path, tolerance) in {**dict(named(program, directory)), **own}.items()}
     return {text: str(one) if isinstance(one, Exception) else one for text, one in found.items()}
