@@ -360,7 +360,7 @@ STREAMS = ("jsonl", "arrow")
 
 
 def prepare_output(path: str | None, stream: str = "jsonl") -> None:
-    """Load the library that writes the output, before the memory of the process is limited. Raises `UsageError` if it is not installed."""
+    """Load the library that writes the output, before the memory of the process is limited."""
     if stream == "arrow" or (path is not None and path.lower().endswith((".parquet", ".arrow"))):
         from ..formats.arrow import prepare_arrow
 

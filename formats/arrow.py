@@ -98,16 +98,17 @@ def arrow_for(what: str) -> None:
 
 
 def prepare_arrow() -> None:
-    """Load pyarrow for a process whose memory will be limited, and write a little with it. Raises `UsageError` if it is not installed.
+    """Load pyarrow, if it is installed, for a process whose memory will be limited, and write a little with it.
 
     It reserves a gigabyte of address space and starts threads, and may end the process where it gets neither. Hence it is loaded before there is a
     limit, gets its memory from the system piece by piece, and has one thread of each kind.
     """
     os.environ.setdefault("ARROW_DEFAULT_MEMORY_POOL", "system")
-    arrow_for("a table of Arrow or Parquet")
-    import pyarrow
-    from pyarrow import parquet
-
+    try:
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError:
+        return  # `arrow_for` tells it, where what is asked for can be had at all
     pyarrow.set_cpu_count(1)
     pyarrow.set_io_thread_count(1)
     batch = pyarrow.record_batch({"texts": pyarrow.array(["a"]).take(pyarrow.array([0])), "numbers": pyarrow.array([1.0])})

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
+import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -60,8 +61,10 @@ class Started(subprocess.Popen):
     stderr: IO[str]
 
     def until(self, condition: Callable[[], bool]) -> None:
-        """Wait until something is so, or the process has ended: how long that takes does not matter."""
+        """Wait until something is so, or the process has ended: how long that takes does not matter, but for ever is too long."""
+        begun = time.monotonic()
         while not condition():
+            assert time.monotonic() < begun + 300, "what is waited for does not come"
             with suppress(subprocess.TimeoutExpired):
                 self.wait(0.001)
                 return

@@ -289,9 +289,10 @@ def test_of_an_interrupted_table_nothing_is_written(ask, monkeypatch):
 
 
 def processor_time(pid: int) -> float:
-    """Seconds of a processor that a process has used."""
+    """Seconds of a processor that a process and those below it have used."""
     fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+    below = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK") + sum(processor_time(int(child)) for child in below)
 
 
 def test_a_reader_that_goes_away_is_no_error(ask, start):
