@@ -26,13 +26,23 @@ try:
 except ImportError:  # a system without limits on processes
     resource = None
 
+
+
+class Running(threading.local):
+    """How many runs of programs the thread is in: what another thread does meanwhile, no program of this one did."""
+
+    depth = 0
+
+
+RUNNING = Running()
+
+
 class Wall:
-    """What is in force in this process, and whether a program is running; there is one wall, since limits belong to processes."""
+    """What is in force in this process; there is one wall, since limits belong to processes."""
 
     def __init__(self) -> None:
         self.limits = Limits(None, None)
         self.guarded = False
-        self.running = 0
         self.timing = ""
         self.tasks = 0
         self.hooked = False
@@ -82,7 +92,7 @@ class Wall:
 
     def hear(self, event: str, arguments: tuple[object, ...]) -> None:
         """Hear what Python reports of itself, and refuse what a running program must not do. Raises `PermissionError`."""
-        if not self.running or not self.guarded or event in ORDINARY:
+        if not RUNNING.depth or not self.guarded or event in ORDINARY:
             return
         if event == "open":
             self.check_open(*arguments[:3])
@@ -177,16 +187,16 @@ def within(run: Callable[P, R]) -> Callable[P, R]:
     def guarded(*arguments: P.args, **options: P.kwargs) -> R:
         if not WALL.guarded:
             return run(*arguments, **options)
-        before = WALL.running
+        before = RUNNING.depth
         try:
-            WALL.running = before + 1
+            RUNNING.depth = before + 1
             return run(*arguments, **options)
         except Exception as problem:
             if is_out_of_memory(problem):
                 raise out_of_memory() from None
             raise
         finally:
-            WALL.running = before
+            RUNNING.depth = before
 
     return timed("one run of the program", 0)(guarded)
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import select
 import signal
+import sys
 import time
 import zlib
 from collections import Counter
@@ -102,6 +103,10 @@ def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> 
     finally:
         folder = item.path.relative_to(Path(__file__).parent).parts[0]
         item.config.stash[SECONDS][folder] += sum(os.times()[:4]) - begun  # type: ignore[assignment]
+        walls = sys.modules.get("scenic_ref.interpreter.walls")
+        if walls is not None and walls.WALL.guarded:
+            walls.WALL.open()
+            item.config.stash[PROBLEMS].append(f"{item.nodeid} left this process limited and guarded, as `run` makes it")
 
 
 @pytest.hookimpl(wrapper=True)

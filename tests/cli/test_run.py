@@ -12,7 +12,7 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
-from scenic_ref.cli import outputs
+from scenic_ref.cli import open_wall, outputs
 from scenic_ref.cli.drawing import drawing_of
 from scenic_ref.cli.options import Source
 from scenic_ref.cli.outputs import write_all
@@ -244,6 +244,7 @@ def test_what_other_processes_found_behind_a_missing_scene_is_told_of():
     """Scenes 1 to 4 are there when the run is interrupted, scene 0 is not."""
     source = Source("p.scenic", "ego = Object at Range(0, 1) @ 0\nrequire ego.position.x > 0.9\n")
     drawing = drawing_of(source)
+    open_wall()
     printed: list[str] = []
     behind = [[drawing.draw(0, index, 1000, printed)] for index in (1, 2)]
     portion = next(portions(source, Job(source, 0, 3, 5, 1000), "lines", None))

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import os
 import random
 import signal
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from threading import Barrier
 
 import pytest
 from scenic_ref.interpreter.limits import DEFAULT_LIMITS, Limits, bytes_of, seconds_of
-from scenic_ref.interpreter.walls import WALL, within
+from scenic_ref.interpreter.walls import RUNNING, WALL, within
 from scenic_ref.semantics.kernel.errors import UsageError
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="this system has no limits of processes")
@@ -126,6 +129,22 @@ def test_the_api_has_no_wall_of_its_own():
     assert not WALL.guarded
 
 
+def test_what_a_program_runs_in_one_thread_is_no_fault_of_another():
+    WALL.build(Limits(None, None))
+    try:
+        with ThreadPoolExecutor(2) as threads:
+            met = Barrier(2)
+            running = threads.submit(within(lambda: (met.wait(60), met.wait(60))))
+            met.wait(60)
+            assert threads.submit(os.putenv, "SCENIC_REF_A_TEST", "1").result() is None
+            met.wait(60)
+            running.result()
+        with pytest.raises(PermissionError, match=r"os\.putenv"):
+            within(os.putenv)("SCENIC_REF_A_TEST", "1")
+    finally:
+        WALL.open()
+
+
 @posix
 def test_the_guard_is_as_before_wherever_an_interrupt_comes():
     """What is caught holds the frames that it went through, as the commands do that finish their files after Ctrl-C."""
@@ -142,8 +161,8 @@ def test_the_guard_is_as_before_wherever_an_interrupt_comes():
             except KeyboardInterrupt as interrupt:
                 signal.setitimer(signal.ITIMER_REAL, 0)
                 caught.append(interrupt)
-                left += WALL.running + (signal.getitimer(signal.ITIMER_PROF)[0] > 0)
-                WALL.running = 0
+                left += RUNNING.depth + (signal.getitimer(signal.ITIMER_PROF)[0] > 0)
+                RUNNING.depth = 0
     finally:
         WALL.open()
         signal.signal(signal.SIGALRM, before)
