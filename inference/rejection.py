@@ -70,10 +70,15 @@ def sample(
         if on_attempt is not None:
             on_attempt(attempt + 1)
         if not drawn:
-            raise exhausted(f"no scene is possible: {result.requirement.failure}, and nothing is drawn before that", attempt + 1, stuck)
+            raise exhausted(f"no scene is possible: {result.requirement.failure}, whatever is drawn", attempt + 1, stuck)
     worst, count = stuck.most_common(1)[0]
-    text = f"no scene in {max_attempts:,} attempts: most often ({count:,} times) this failed: {worst.text}"
+    text = f"no scene in {max_attempts:,} attempts: {how_often(count, max_attempts)} this failed: {worst.text}"
     raise exhausted(text, max_attempts, stuck, seldom=True)
+
+
+def how_often(count: int, attempts: int) -> str:
+    """How often, of so many attempts that all failed, the most frequent reason was it."""
+    return f"most often ({count:,} times)" if count < attempts else "each time"
 
 
 def acceptance(scenes: int, attempts: int, level: float = LEVEL) -> Probability:
@@ -110,6 +115,8 @@ def exhausted(message: str, attempts: int, stuck: Counter[Requirement], *, seldo
     hints: list[str] = []
     if worst.kind == "collision":
         hints.append("boxes that only touch also intersect (reading touching); leave a gap, or give one of them allowCollisions True")
+    if worst.kind == "visibility" or "can see" in worst.text:
+        hints.append("what an object can see is at most 50 metres away, unless it is given another distance")
     if seldom and attempts >= SELDOM:
         hints.append("if all requirements hold together, but seldom, try --backend smc, or more --max-attempts")
     error.hint = "; ".join(hints)

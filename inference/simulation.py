@@ -20,7 +20,7 @@ from ..simulators.simulating import Failed, simulate_once
 from .dynamics.code import Library
 from .dynamics.leaving import LeftToMachine
 from .dynamics.policy import CompiledPolicy
-from .rejection import DEFAULT_ATTEMPTS, PATIENCE, counting
+from .rejection import DEFAULT_ATTEMPTS, PATIENCE, counting, how_often
 
 RETRIES = 100
 """Simulations of one scene under the reading `rejected-simulation=retry`, as in the released implementations."""
@@ -85,10 +85,10 @@ def sample_simulation(
         if isinstance(found, NextScene):
             continue
         if not drawn and (found.step is None or not simulator.random):
-            text = f"no simulation is possible, since nothing is drawn before this fails {found.place}: {found.requirement.text}"
+            text = f"no simulation is possible, since this fails {found.place} whatever is drawn: {found.requirement.text}"
             raise exhausted(text, attempt + 1, stuck)
     worst, often = stuck.most_common(1)[0]
-    text = f"no simulation in {max_attempts:,} attempts: most often ({often:,} times) this failed {worst.place}: {worst.requirement.text}"
+    text = f"no simulation in {max_attempts:,} attempts: {how_often(often, max_attempts)} this failed {worst.place}: {worst.requirement.text}"
     raise exhausted(text, max_attempts, stuck)
 
 

@@ -103,7 +103,7 @@ def _misplaced(statement: Statement, place: StatementPlace) -> Iterator[CheckErr
     """Faults of where `statement` stands."""
     word, homes = HOMES.get(type(statement), ("", ()))
     if homes and place.home not in homes:
-        hint = f"`{word}` belongs {within(*homes)}"
+        hint = "; ".join(filter(None, [f"`{word}` belongs {within(*homes)}", _instead(statement, place.home)]))
         yield CheckError(f"`{word}` cannot stand {within(place.home)}", statement.span, hint=hint)
         return
     match statement:
@@ -125,6 +125,15 @@ def _misplaced(statement: Statement, place: StatementPlace) -> Iterator[CheckErr
             yield CheckError(text, statement.span, hint="name what you import")
         case _:
             pass
+
+
+def _instead(statement: Statement, home: Home) -> str:
+    """What is written where a statement of behaviors stands in `home`, if that is likely to be meant."""
+    if home == "a function" and isinstance(statement, d.Take | d.Wait | d.Do | d.DoChoose | d.DoShuffle):
+        return "write `behavior` in place of `def`, and run it by `do NAME()`"
+    if home in DECLARATIVE and isinstance(statement, d.Do) and statement.invocations:
+        return "an object is given a behavior by `with behavior NAME()`"
+    return ""
 
 
 def within(*homes: Home) -> str:

@@ -118,6 +118,15 @@ TABLE: tuple[tuple[str, str, str], ...] = (
     (r"\boffset\s*(?!by\b|along\b)(?=[\s(]).", "`offset` needs `by` or `along`", "write `offset by ...`"),
     (r"\b(?:distance|angle)\s+(?P<here>between)\b.*", "there is no `between`", "write `from ... to ...`"),
     (r"\[\s*(?P<here>[\d.]+\s*%)\s*\]", "a probability is a number from 0 to 1, without `%`", "write `require[0.5] ...` for 50 %"),
+    (
+        r"^\s*require\s*(?P<here>\(\s*(?P<p>\d*\.?\d+)\s*\))\s*[^\W\d]\w*", "the probability of a soft requirement stands in square brackets",
+        r"write `require[\g<p>] ...`",
+    ),
+    (
+        r"\b(?P<word>and|or)\s+(?P<here>(?:[<>]=?|==|!=)\s*[\w.-]+)", r"`\g<word>` stands between two whole conditions",
+        r"say again what is compared, as in `x < -3 \g<word> x > 3`",
+    ),
+    (r"^\s*(?P<here>(?:stop|end|finish|exit|quit|halt)\s+(?P<word>when|if|after))\b", r"`\g<here>` is not a statement", "write `terminate when ...`"),
     (r"^\s*require\s+(?P<here>\d*\.?\d+)\s+\S*", "the probability of a soft requirement stands in brackets", r"write `require[\g<here>] ...`"),
     (r"^\s*mutate\b.*,\s*by\b.*", "there is no comma before `by`", "remove the comma"),
     (r"^\s*param\s+\w+\s*(?P<here>:)", "a parameter is set with `=`", "write `param name = value`"),
@@ -142,14 +151,25 @@ TABLE: tuple[tuple[str, str, str], ...] = (
     (r"(?P<n>[\d.]*\d)\s*(?P<here>(?:ft|feet)\b)", "lengths are in metres and have no unit", r"write `\g<n> * 0.3048`"),
     (r"\d\s*(?P<here>m\b)", "lengths are in metres and have no unit", "leave out the unit"),
     (r"\b(?:metres?|meters?)\b", "lengths are in metres and have no unit", "leave out the unit"),
+    (
+        r",\s*(?P<here>(?P<word>width|length|height|color|name|speed|behavior|model|viewAngle|allowCollisions|requireVisible))\s+[^\s=]\S*",
+        r"`\g<here>` is a property, and a specifier is needed", r"write `with \g<word> ...`",
+    ),
+    (r",\s*(?P<here>heading)\s+[^\s=]\S*", "`heading` is a property, and a specifier is needed", "write `facing ...`"),
+    (r",\s*(?P<here>position)\s+[^\s=]\S*", "`position` is a property, and a specifier is needed", "write `at ...`"),
     (r"\b(left\s+of|right\s+of|ahead\s+of|behind)\s+(\S+)\s+(-?[\d.]+)", "the distance needs `by`", r"write `\1 \2 by \3`"),
     (r"\b(?P<here>left|right)\s+by\b", r"`\g<here>` needs `of`", r"write `\g<here> of X by S`"),
     (r"\bbeyond\s+\S+\s+\(", "the offset needs `by`", "write `beyond ... by ...`"),
     (r"^\s*(?P<here>print)\s+\S.*", "`print` is a function", "write `print(...)`"),
     (r"^\s*(?P<here>var|let|const|function|func)\s+\w.*", "there are no declarations", "write `name = value` or `def name():`"),
     (r"^\s*(behavior|monitor|scenario)\s+(\w+)\s*$", "a `:` is missing at the end of the line", r"write `\1 \2():`"),
-    (r"\b(?P<here>in\s+front\s+of)\s.*", "`in front of` is spelt `ahead of`", "write `ahead of X by S`"),
+    (r"\b(?P<here>in\s*front\s+of)\s.*", "`in front of` is spelt `ahead of`", "write `ahead of X by S`"),
     (r"\b(?P<here>(?:next|close|near)\s*to)\b", r"there is no `\g<here>`", "write `left of X by S`, `ahead of X by S`, ..."),
+    (r"\b(?P<here>(?P<word>behind|beyond|following|facing|visible)\s+of)\b\s*", r"`\g<word>` takes no `of`", r"write `\g<word> ...`"),
+    (
+        r"(?P<what>[\w.]+)\s+(?P<here>can\s+be\s+seen)\b(?:\s+(?:by|from)\s+(?P<who>\w+))?",
+        "`can be seen` is not an operator", r"the one that sees stands first: write `ego can see \g<what>`",
+    ),
     (r"(?<=[\w)\]])\s+(?P<here>can\s+(?!see\b)se\w{0,3})\b", r"`\g<here>` is not an operator", "write `can see`"),
     (r"\b(?P<here>(?P<first>left|right|ahead|front|back)of)\b\s*", r"`\g<here>` is two words", r"write `\g<first> of`"),
     (r"\b(?P<here>distance|angle)\s+(?!(?:from|to|of|past)\b)[\w(]\S*", r"`\g<here>` needs `from` or `to`", r"write `\g<here> from ... to ...`"),
@@ -186,7 +206,7 @@ def find(place: Situation) -> Repair | None:
             if match.start() <= place.column <= match.end():
                 said, repair = (match.expand(text) if "\\" in text else text for text in (message, hint))
                 return Repair(said, repair, _here(match))
-    return _ended(place) or _unknown_statement(place) or _unknown_specifier(place)
+    return _ended(place) or _second_condition(place) or _unknown_statement(place) or _unknown_specifier(place)
 
 
 def _here(match: re.Match[str]) -> tuple[int, int] | None:
@@ -204,6 +224,15 @@ def _ended(place: Situation) -> Repair | None:
     if found:
         return Repair(f"`{' '.join(found.group(1).split())}` needs an argument", f"write `{' '.join(found.group(1).split())} ...`")
     return None
+
+
+def _second_condition(place: Situation) -> Repair | None:
+    """A comma behind the condition of a statement that takes one."""
+    found = re.match(r"\s*(require|terminate\s+when|assert)\b", place.before)
+    if place.word != "," or found is None:
+        return None
+    word = " ".join(found[1].split())
+    return Repair(f"`{word}` takes one condition", f"write `{word}` once for each, or join them with `and`")
 
 
 def _unknown_statement(place: Situation) -> Repair | None:

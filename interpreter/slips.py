@@ -14,10 +14,14 @@ from ..semantics.kernel.suggestions import meant
 from ..semantics.python.expression_statements import RUN_BY
 from ..semantics.syntax import Node, Program
 from ..semantics.syntax import dynamics as d
+from ..semantics.syntax import expressions as e
 from ..semantics.syntax import statements as s
 from ..semantics.syntax.expressions import ObjectOrValue
 from ..semantics.syntax.python_expressions import (
+    Attribute,
+    BooleanOperation,
     Call,
+    Comparison,
     Comprehension,
     ComprehensionClause,
     Constant,
@@ -50,6 +54,8 @@ def slips(
     yield from _unknown_names(program, nodes, library, model, built_in, elsewhere)
     yield from _taken_in_vain(nodes)
     yield from _not_run(program, nodes, library, model)
+    yield from _timeless_loops(nodes)
+    yield from _from_ego_to_ego(program)
     lists = _lists(nodes)
     for node in nodes:
         match node:
@@ -61,6 +67,12 @@ def slips(
                         text = f"a weight must not be negative, and this one is {_constant(weight):g}"
                         hint = "write 0 for what is never to be chosen, or leave it out"
                         yield ProgramWarning(BAD_WEIGHT, text, weight.span, hint)
+            case Comparison():
+                yield from _compared_in_degrees(node)
+            case s.Handler(type=Comparison() | BooleanOperation() | UnaryOperation(operator="not") as condition):
+                source = to_source(condition, program.dialect)
+                text = "behind `except` stands an exception, and this is a condition"
+                yield ProgramWarning(NO_EFFECT, text, condition.span, f"write `interrupt when {source}:`")
             case Call(function=Name(name="Uniform"), arguments=(ListDisplay() | TupleDisplay() | Name() as values,), keywords=()):
                 if isinstance(values, Name) and values.name not in lists:
                     continue
@@ -90,15 +102,34 @@ def _one_by_one(values: Node) -> str:
 # Angles
 
 
-def _in_degrees(angle: Node) -> Iterator[ProgramWarning]:
-    """A heading beyond a full turn, as a number or as the limits of `Range`."""
+def _in_degrees(angle: Node, what: str = "headings") -> Iterator[ProgramWarning]:
+    """A heading or another angle beyond a full turn, as a number or as the limits of `Range`."""
     limits = angle.arguments if isinstance(angle, Call) and isinstance(angle.function, Name) and angle.function.name == "Range" else (angle,)
     numbers = [number for one in limits if (number := _constant(one)) is not None]
     largest = max(numbers, key=abs, default=0.0)
     if abs(largest) > FULL_TURN:
         meant_so = f"Range({', '.join(f'{number:g}' for number in numbers)}) deg" if len(numbers) > 1 else f"{largest:g} deg"
-        text = f"headings are in radians, and {largest:g} is more than a full turn"
+        text = f"{what} are in radians, and {largest:g} is more than a full turn"
         yield ProgramWarning(DEGREES, text, angle.span, f"for degrees write {meant_so}")
+
+
+def _compared_in_degrees(node: Comparison) -> Iterator[ProgramWarning]:
+    """An angle that is compared with a number beyond a full turn."""
+    parts = (node.left, *node.operands)
+    if any(_is_angle(part) for part in parts):
+        for part in parts:
+            yield from _in_degrees(part, "angles")
+
+
+def _is_angle(node: Node) -> bool:
+    """Whether an expression is an angle, by the operator or the property that it is of."""
+    match node:
+        case e.RelativeHeading() | e.ApparentHeading() | e.Angle() | Attribute(name="heading"):
+            return True
+        case Call(function=Name(name="abs"), arguments=(inner,)) | UnaryOperation(operand=inner):
+            return _is_angle(inner)
+        case _:
+            return False
 
 
 def _constant(node: Node) -> float | None:
@@ -124,6 +155,40 @@ def _taken_in_vain(nodes: list[Node]) -> Iterator[ProgramWarning]:
                     text = "`take` in a monitor has no effect: a monitor has no agent"
                     hint = "put it into a behavior; in a monitor `wait` lets a time step pass"
                     yield ProgramWarning(NO_EFFECT, text, node.span, hint)
+
+
+def _timeless_loops(nodes: list[Node]) -> Iterator[ProgramWarning]:
+    """A loop of a behavior or monitor that nothing ends, and in which no time passes."""
+    for body in nodes:
+        if isinstance(body, d.BehaviorDefinition | d.MonitorDefinition):
+            for node in _inside(body):
+                if not isinstance(node, s.While) or not isinstance(node.test, Constant) or not node.test.value:
+                    continue
+                if not any(isinstance(inner, LEAVING) for inner in _outside(node)):
+                    text = "nothing ends this loop, and no time passes in it"
+                    yield ProgramWarning(NO_EFFECT, text, node.test.span, "let a time step pass in it: `wait`, or `take` an action")
+
+
+LEAVING = (
+    d.Take | d.Wait | d.Do | d.DoChoose | d.DoShuffle | d.Abort | d.Terminate | s.Return | s.Break | s.Raise | s.Assert | s.Try
+)  # fmt: skip
+"""What ends a loop, or takes time in it."""
+
+
+def _from_ego_to_ego(program: Program) -> Iterator[ProgramWarning]:
+    """The distance or angle from ego to ego, where the other object of an operator is left out."""
+    shared = (node for statement in program.statements for node in _outside(statement))
+    for node in shared:
+        match node:
+            case (
+                e.Distance(origin=None, target=Name(name="ego")) | e.Distance(origin=Name(name="ego"), target=None)
+                | e.Angle(origin=None, target=Name(name="ego")) | e.Angle(origin=Name(name="ego"), target=None)
+                | e.RelativeHeading(heading=Name(name="ego"), origin=None) | e.ApparentHeading(oriented_point=Name(name="ego"), origin=None)
+            ):
+                text = "the object that is left out is ego, so that this is always 0"
+                yield ProgramWarning(ONE_VALUE, text, node.span, "name the other object: `from ego to X`, or `of X from ego`")
+            case _:
+                pass
 
 
 # Behaviors, scenarios and monitors that are called as functions, or taken as actions

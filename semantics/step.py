@@ -6,6 +6,7 @@ A `Draw` asks for a value, and whoever runs the machine answers.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 
 from shapely.errors import ShapelyError
@@ -382,8 +383,16 @@ def said(exception: BaseException) -> str:
 
 
 def notes(exception: BaseException) -> Sequence[str]:
-    """What was noted on an exception that nothing caught: a suggested repair."""
-    return getattr(exception, "__notes__", ())
+    """What was noted on an exception that nothing caught, or is known of its text: a suggested repair."""
+    noted = getattr(exception, "__notes__", ())
+    if not noted and type(exception) is TypeError and TEXT_AND_NUMBER.match(str(exception)):
+        return ["write str(x) for a number x as a text, or f'...{x}...'"]
+    return noted
+
+
+TEXT_AND_NUMBER = re.compile(
+    r"can only concatenate str \(not \"(?:int|float)\"\) to str|unsupported operand type\(s\) for \+: '(?:int|float)' and 'str'"
+)
 
 
 def place(config: Config, exception: Exception | None = None) -> Span:

@@ -122,7 +122,8 @@ def check_kinds(task: Begin, runs: str) -> None:
     wanted, word = (d.ScenarioDefinition, "scenario") if runs == "compose" else (d.BehaviorDefinition, "behavior")
     for one in task.invocations:
         if not isinstance(one.definition, wanted):
-            raise RunError(f"{one!r} is not a {word}: here `do` invokes {word}s", task.node.span, rule="D-Do")
+            hint = f"give it to an object: `with behavior {one!r}`" if isinstance(one.definition, d.BehaviorDefinition) else ""
+            raise RunError(f"{one!r} is not a {word}: here `do` invokes {word}s", task.node.span, rule="D-Do", hint=hint)
 
 
 def run_behavior(node: Node, behavior: Dynamic, who: Who, stack: Stack, state: State, *, enabled: bool = False) -> Outcome:

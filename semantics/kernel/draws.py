@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from ..space.distributions import BadParameters, Distribution, NoValues
 from ..syntax.nodes import Node, Span
-from ..syntax.python_expressions import Call, DictDisplay
+from ..syntax.python_expressions import Call, DictDisplay, Name, Starred
 from .config import Abrupt, Config, Stack, State, Value
 from .errors import RunError
 from .outcome import Draw, Next, Outcome, Requirement, Stuck
@@ -27,7 +27,7 @@ def draw(node: Node, constructor: Constructor, arguments: tuple[object, ...], ke
     except NoValues as bad:
         if any(type(a) is Random for a in arguments):
             return of_nothing(constructor, node.span)
-        return invalid("E-Distributions", bad, node.span, state)
+        return invalid("E-Distributions", bad, place_of_values(node), state, missing_values(node, constructor.name))
     except BadParameters as bad:
         return invalid("E-Distributions", bad, place_of_weight(node, arguments, bad.number), state)
     except TypeError:
@@ -38,6 +38,20 @@ def draw(node: Node, constructor: Constructor, arguments: tuple[object, ...], ke
 
 
 STEPS = "Range draws any number in between; a whole number is drawn by DiscreteRange(low, high), one of several by Uniform(*range(low, high, step))"
+
+
+def place_of_values(node: Node) -> Span:
+    """Where the list stands that a distribution draws from, if it is the only argument, else the whole call."""
+    return node.arguments[0].span if isinstance(node, Call) and len(node.arguments) == 1 else node.span
+
+
+def missing_values(node: Node, distribution: str) -> str:
+    """The sentence that a distribution has nothing to draw; it names the list, where that has a name."""
+    match node:
+        case Call(arguments=(Name(name=name) | Starred(value=Name(name=name)),)):
+            return f"{distribution} has nothing to draw: {name} is empty"
+        case _:
+            return f"{distribution} has nothing to draw: it is given no values"
 
 
 def renamed(keywords: Mapping[str, object], constructor: Constructor) -> dict[str, object]:
@@ -72,11 +86,12 @@ def of_nothing(constructor: Constructor, span: Span) -> Stuck:
     return Stuck("E-Distributions", unmet(NothingToDraw(constructor.name), span))
 
 
-def invalid(rule: str, bad: BadParameters, span: Span, state: State) -> Stuck:
-    """No rule fires for a θ that is none (reading `invalid-parameters`): an error, or the run is stuck."""
+def invalid(rule: str, bad: BadParameters, span: Span, state: State, text: str = "") -> Stuck:
+    """No rule fires for a θ that is none (reading `invalid-parameters`): an error, or the run is stuck; `text` says it better than `bad`."""
+    text = text or str(bad)
     if state.reading("invalid-parameters") == "error":
-        raise RunError(str(bad), span, rule=rule)
-    return Stuck(rule, Requirement("parameters", span, str(bad)))
+        raise RunError(text, span, rule=rule)
+    return Stuck(rule, Requirement("parameters", span, text))
 
 
 def ask(node: Node, distribution: Distribution, rule: str, stack: Stack, state: State, text: str) -> Draw:

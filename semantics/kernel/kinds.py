@@ -268,6 +268,11 @@ def unfit(
     return RunError(f"{name} expects {expected}, not ({found})", place, rule=rule, hint=hint)
 
 
+def is_pair_of_numbers(value: object) -> bool:
+    """Return whether the value is a tuple or list of two numbers."""
+    return isinstance(value, tuple | list) and len(value) == 2 and all(map(is_scalar, value))
+
+
 def repair(value: object, kinds: Collection[str]) -> str:
     """What to write where one of these kinds is expected and a value is none of them; "" where nothing is likely."""
     match value:
@@ -279,6 +284,8 @@ def repair(value: object, kinds: Collection[str]) -> str:
             return "write a vector without quotation marks, as in `(1, 2)`"
         case str() if SCALAR in kinds:
             return "write a number without quotation marks"
+        case (_, _) if VECTOR in kinds and (pair := next((one for one in value if is_pair_of_numbers(one)), None)) is not None:
+            return f"a coordinate is one number: for a random one write `Range({pair[0]}, {pair[1]})`"
         case (low, high) if SCALAR in kinds and is_scalar(low) and is_scalar(high):
             return f"for a random number write `Range({low}, {high})`" if isinstance(value, tuple) else "for one of them write `Uniform(*values)`"
         case list() if SCALAR in kinds:
@@ -314,12 +321,25 @@ SPATIAL_ATTRIBUTES = frozenset({"z", *SPATIAL_PROPERTIES})
 FLAT = "is three-dimensional; this reference is two-dimensional"
 
 
+INSTEAD_OF_ATTRIBUTES: Mapping[str, str] = {
+    **dict.fromkeys(("leftlane", "lanetoleft", "laneleft"), "the lane to the left is that of a section: ego.laneSection.laneToLeft"),
+    **dict.fromkeys(("rightlane", "lanetoright", "laneright"), "the lane to the right is that of a section: ego.laneSection.laneToRight"),
+    **dict.fromkeys(("pose", "transform"), "an object has a position and a heading"),
+    **dict.fromkeys(("location", "loc", "point", "coordinates"), "ask for its position"),
+    **dict.fromkeys(("rotation", "angle", "theta", "direction"), "ask for its heading"),
+    **dict.fromkeys(("size", "dimensions", "extent"), "an object has a width and a length"),
+}
+"""Attributes that people expect of objects and lanes, by their letters alone, and what to write for them."""
+
+
 def no_attribute(subject: str, name: str, known: Iterable[str], what: str = "attribute") -> AttributeError:
     """The exception where a value has no such attribute or property, with the nearest of those that it has."""
     error = AttributeError(f"{subject} has no {what} {name}" + (f", which {FLAT}" if name in SPATIAL_ATTRIBUTES else ""))
     hint = "" if name in SPATIAL_ATTRIBUTES else did_you_mean(name, sorted(known))
     if hint:
         error.add_note(hint)
+    if not hint and (instead := INSTEAD_OF_ATTRIBUTES.get(name.lower().replace("_", ""))) is not None:
+        error.add_note(instead)
     if subject == "None" and name not in SPATIAL_ATTRIBUTES:
         error.add_note(OF_NONE)
     if name == "yaw":

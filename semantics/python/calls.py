@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 from collections import Counter, deque
 from collections.abc import Callable, Iterator, Mapping
 from types import BuiltinFunctionType, FunctionType, MethodType
@@ -220,7 +221,7 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
         result = host(state.settings.door, state, invoke, vector if function is Vector else function, *arguments, **keywords)
     except HostException as problem:
         if isinstance(problem.exception, (BadField, BadRegion, BadParameters)):
-            raise RunError(str(problem.exception), node.span, rule="E-Call-Host") from None
+            raise RunError(str(problem.exception), node.span, rule="E-Call-Host", hint=swapped(function, arguments)) from None
         class_ = plain(function)
         if isinstance(problem.exception, TypeError) and isinstance(class_, type) and issubclass(class_, NAMED):
             raise misapplied_class(class_, keywords, problem) from None
@@ -263,11 +264,26 @@ COMPARING = (sorted, min, max)
 """Functions that compare what they go through."""
 
 
+def swapped(function: object, arguments: tuple[object, ...]) -> str:
+    """How a region is called whose first argument, a vector, seems to stand behind a number."""
+    class_, first = plain(function), [plain(a) for a in arguments[:2]]
+    if isinstance(class_, type) and issubclass(class_, Region) and len(first) > 1 and is_scalar(first[0]) and not is_scalar(first[1]):
+        return f"write {class_.__name__}({', '.join(inspect.signature(class_).parameters)})"
+    return ""
+
+
+MISSING_ARGUMENTS = re.compile(r"missing \d+ required (?:positional|keyword-only) arguments?: (.+)")
+
+
 def misapplied_class(class_: type, keywords: Mapping[str, object], problem: HostException) -> HostException:
     """The error in the arguments of a class of the library: the keyword that it does not have, else how it is called."""
     parameters = inspect.signature(class_).parameters
     unknown = next((name for name in keywords if name not in parameters), None)
     if unknown is None or any(one.kind is one.VAR_KEYWORD for one in parameters.values()):
+        missing = MISSING_ARGUMENTS.search(str(problem.exception))
+        if missing is not None:
+            names = " and ".join(re.findall(r"'(\w+)'", missing[1]))
+            problem = Misapplied(TypeError(f"{class_.__name__}() needs a value for {names}"))
         problem.exception.add_note(f"write {class_.__name__}({', '.join(parameters)})")
         return problem
     error = TypeError(f"{class_.__name__}() has no parameter {unknown}")

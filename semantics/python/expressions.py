@@ -321,8 +321,20 @@ def get_item(node: p.Subscript, values: list[object], state: State) -> object:
         result = raw(state.settings.door, state, python.getitem, container, index)
     except HostException as problem:
         note_keys(problem.exception, container, index)
+        if isinstance(problem.exception, IndexError) and isinstance(container, SEQUENCES):
+            problem.exception.add_note(numbered(len(container)))
         raise
     return result if origin is None else wrap(unwrap(result)[0], origin)
+
+
+SEQUENCES = (list, tuple, str)
+
+
+def numbered(length: int) -> str:
+    """Which elements a sequence of that length has."""
+    if length < 2:
+        return "its only element has the number 0" if length else "it is empty"
+    return f"its {length:,} elements are numbered from 0 to {length - 1:,}"
 
 
 # Arithmetic

@@ -192,11 +192,14 @@ def conclude_mutate(node: s.Mutate, values: list[object], stack: Stack, state: S
     scale = 1 if node.scale is None else scale
     inner = plain(scale)
     if not is_scalar(inner) or inner < 0 or not is_finite_number(inner):  # type: ignore[operator]
-        raise RunError(f"`mutate ... by` expects a number that is at least 0, not {inner}", node.span, rule="S-Mutate")
+        place = node.span if node.scale is None else node.scale.span
+        hint = "it scales the noise of the position and of the heading alike: give one number"
+        raise RunError(f"`mutate ... by` expects a number that is at least 0, not {inner}", place, rule="S-Mutate", hint=hint)
     targets = [plain(v) for v in listed] if node.objects else list(state.scene[first:])
     for i, target in enumerate(targets):
         if not (isinstance(target, Instance) and is_object(target)):
-            raise RunError(f"only Objects can be mutated, not {kind_name(target)}", node.objects[i].span, rule="S-Mutate")
+            hint = "for a number that varies write Normal(mean, stdDev)" if is_scalar(target) else ""
+            raise RunError(f"only Objects can be mutated, not {kind_name(target)}", node.objects[i].span, rule="S-Mutate", hint=hint)
         if target not in state.scene[first:]:
             raise RunError(f"{target!r} is in the scene already: a scenario that runs mutates the objects that it makes", node.span, rule="S-Mutate")
         state = state.with_properties(target, {"mutationScale": scale})

@@ -23,7 +23,7 @@ from typing import TypeVar
 
 from ....interpreter.extras import needed
 from ....semantics.kernel.errors import AttemptsExhausted, InternalError, UsageError
-from ...rejection import DEFAULT_ATTEMPTS, exhausted
+from ...rejection import DEFAULT_ATTEMPTS, exhausted, how_often
 from ..evaluate.sampling import Batch, Block
 
 Asked = TypeVar("Asked")
@@ -70,7 +70,7 @@ def block_of(batch: Batch, seed: int, start: int, stop: int, max_attempts: int =
     index = block.start + len(block.attempts)
     alone = batch.block(seed, index, index + 1, max_attempts=max_attempts)
     worst, count = alone.stuck.most_common(1)[0]
-    told = f"no scene in {max_attempts:,} attempts: most often ({count:,} times) this failed: {worst.text}"
+    told = f"no scene in {max_attempts:,} attempts: {how_often(count, max_attempts)} this failed: {worst.text}"
     return block._replace(error=exhausted(told, max_attempts, alone.stuck, seldom=True))
 
 
