@@ -36,8 +36,8 @@ from ..semantics.kernel.outcome import GivenValues
 from ..semantics.kernel.scopes import descendants
 from ..semantics.programs import definitions, initial, make_settings
 from ..semantics.readings import select
-from ..semantics.syntax import Program, Span
-from ..semantics.syntax.python_expressions import Comparison
+from ..semantics.syntax import Node, Program, Span
+from ..semantics.syntax.python_expressions import Call, Comparison, Name
 from ..semantics.syntax.statements import Require
 from ..simulators.worlds import modules_of
 from ..simulators.worlds.names import MODELS_BY_NAME
@@ -55,6 +55,11 @@ if TYPE_CHECKING:
 
     from ..inference.batch.tensors.margins import Margins
     from ..inference.with_pyro import NumberModel, SceneKernel
+
+
+def calls(node: Node) -> bool:
+    """Return whether a node calls a function, which may compare other values, but for `abs`."""
+    return isinstance(node, Call) and not (isinstance(node.function, Name) and node.function.name == "abs")
 
 
 class Scenario(Portable, Shown, OverTime):
@@ -240,19 +245,21 @@ class Scenario(Portable, Shown, OverTime):
         except Impossible as never:
             text = f"no scene is possible: {never.requirement.failure}, whatever is drawn"
             error = exhausted(text, 1, Counter([never.requirement]))
-            if never.decision and self._is_comparison(never.requirement.span):
-                error.hint = "; ".join(filter(None, (f"whatever is drawn, {never.decision}", error.hint)))
+            operator, _, sides = never.decision.partition(": ")
+            if operator and operator == self._compared(never.requirement.span):
+                error.hint = "; ".join(filter(None, (sides, error.hint)))
             return error
         except NotLifted as reason:
             return str(reason)
         except NoEgo as none:
             return none
 
-    def _is_comparison(self, span: Span) -> bool:
-        """Return whether the statement at a place requires one comparison, which is then what was decided last."""
+    def _compared(self, span: Span) -> str:
+        """The operator where the statement at a place requires one comparison of what calls no functions, which was then decided last, else ""."""
         nodes = (node for statement in self.program.statements for node in descendants(statement) if node.span == span)
         required = next((node.condition for node in nodes if isinstance(node, Require)), None)
-        return isinstance(required, Comparison) and len(required.operators) == 1
+        operators = required.operators if isinstance(required, Comparison) and not any(map(calls, descendants(required))) else ()
+        return operators[0] if len(operators) == 1 else ""
 
     @property
     def share(self) -> float:

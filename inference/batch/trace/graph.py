@@ -7,7 +7,7 @@ choose among values, or anything at all ("object"). An event is a node that deci
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
@@ -251,8 +251,13 @@ _RULES: dict[object, Callable[..., Bounds]] = {
 }
 
 
-def between(arguments: tuple[object, ...]) -> str:
-    """What the two sides of a comparison that `decided` has decided can be, in words."""
+OPERATORS: Mapping[object, str] = {
+    np.less: "<", np.less_equal: "<=", np.greater: ">", np.greater_equal: ">=", np.equal: "==", np.not_equal: "!=",
+}
+
+
+def between(function: object, arguments: tuple[object, ...]) -> str:
+    """The operator of a comparison that `decided` has decided, and what its two sides can be, in words."""
 
     def side(argument: object) -> str:
         found = argument.bounds if isinstance(argument, GraphNode) else _constant_bounds(argument)
@@ -260,7 +265,7 @@ def between(arguments: tuple[object, ...]) -> str:
             return "infinite"
         return f"{found[0]:.6g}" if found[0] == found[1] else f"between {found[0]:.6g} and {found[1]:.6g}"
 
-    return f"its left side is {side(arguments[0])}, its right side {side(arguments[1])}"
+    return f"{OPERATORS[function]}: its left side is {side(arguments[0])}, its right side {side(arguments[1])}"
 
 
 def decided(function: object, arguments: tuple[object, ...]) -> bool | None:

@@ -120,7 +120,7 @@ class Recorder:
             return result.item() if isinstance(result, np.generic) else result
         constant = decided(function, tuple(operands))
         if constant is not None:
-            self.decision = between(tuple(operands))
+            self.decision = between(function, tuple(operands)) if constant is False else ""
             return constant
         if function in (np.logical_and, np.logical_or) and not all(isinstance(a, GraphNode) for a in operands):
             fixed = operands[0] if not isinstance(operands[0], GraphNode) else operands[1]
