@@ -47,6 +47,8 @@ def main() -> None:
     """The command `scenic-ref`: answers the command line that the process was given, then exits."""
     if sys.stdout is None:  # the caller closed it
         sys.stdout = open(os.devnull, "w")  # noqa: SIM115 (for as long as the process lives)
+    if sys.stderr is None:
+        sys.stderr = open(os.devnull, "w")  # noqa: SIM115 (likewise)
     supervise(sys.argv[1:])
     warnings.filterwarnings("ignore", category=RuntimeWarning, module="shapely")  # what overflows there is far away, and the answer says so
     try:

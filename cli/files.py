@@ -46,7 +46,10 @@ def same(path: str, other: str) -> bool:
     """Whether two paths lead to one file, which need not be there yet."""
     if Path(path).exists() and Path(other).exists():
         return Path(path).samefile(other)
-    return Path(path).absolute() == Path(other).absolute()
+    try:
+        return Path(path).absolute() == Path(other).absolute()
+    except FileNotFoundError:  # the current folder was deleted: nothing relative can be written there
+        return path == other
 
 
 def write(path: str, content: str | bytes) -> None:

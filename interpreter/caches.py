@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import sys
+import tempfile
+from contextlib import suppress
 from pathlib import Path
+
+from .regular_file import read_regular_file
+
+DIGEST = hashlib.blake2b().digest_size
+"""Bytes at the beginning of a kept file that tell whether the others are as they were written."""
+PART = ".part"
 
 
 def cache_place() -> Path:
     """The folder of this project in the user's cache directory, there or not. Raises `RuntimeError` where the user has no home."""
     if sys.platform == "win32":
         return Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local", "scenic-ref")
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache", "scenic-ref")
+    chosen = Path(os.environ.get("XDG_CACHE_HOME", ""))
+    return (chosen if chosen.is_absolute() else Path.home() / ".cache") / "scenic-ref"
 
 
 def cache_folder() -> Path | None:
@@ -22,3 +32,33 @@ def cache_folder() -> Path | None:
     except (OSError, RuntimeError):
         return None
     return folder if os.access(folder, os.W_OK) else None
+
+
+def read_kept(place: Path, largest: int) -> memoryview | None:
+    """Return what `write_kept` wrote; None if there is no such file, or a damaged one."""
+    try:
+        written = read_regular_file(place, largest)
+    except OSError:
+        return None
+    data = memoryview(written)[DIGEST:]
+    return data if written[:DIGEST] == hashlib.blake2b(data).digest() else None
+
+
+def write_kept(place: Path, data: bytes | memoryview) -> bool:
+    """Write a file whole, in place of what other processes may be reading or writing; return whether that was possible."""
+    temporary = None
+    try:
+        place.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile(dir=place.parent, suffix=PART, delete=False) as file:
+            temporary = file.name
+            file.write(hashlib.blake2b(data).digest())
+            file.write(data)
+        os.replace(temporary, place)
+        temporary = None
+    except OSError:
+        return False
+    finally:
+        if temporary is not None:
+            with suppress(OSError):
+                os.unlink(temporary)
+    return True

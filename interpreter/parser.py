@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
+import sys
 from functools import cache
 from importlib.resources import files
+from pathlib import Path
 from typing import Literal
 
+import lark
 from lark import Lark, Token, Tree
 from lark.exceptions import UnexpectedInput
+from lark.grammar import Rule
+from lark.lexer import TerminalDef
 
 from ..semantics.kernel.errors import ParseError
 from ..semantics.syntax import Expression, Program, Span
@@ -17,7 +24,7 @@ from .builder_dynamics import DynamicsBuilder
 from .builder_expressions import ExpressionBuilder
 from .builder_scenic import ScenicBuilder
 from .builder_statements import StatementBuilder
-from .caches import cache_folder
+from .caches import cache_folder, read_kept, write_kept
 from .dialects import Dialect
 from .indentation import Layout
 from .nesting import check_nesting
@@ -26,6 +33,8 @@ from .walls import timed
 
 Start = Literal["program", "interpolation"]
 INTERPOLATION_LIMIT = 4
+LARGEST_TABLES = 1 << 24
+"""Bytes of the file that keeps the parser's tables; they take one million."""
 
 
 def parse(text: str, file: str = "<string>", dialect: str | None = None) -> Program:
@@ -73,22 +82,46 @@ def parse_tree(source: str, start: Start, origin: TextOrigin, dialect: Dialect) 
 def tables(released: bool) -> Lark:
     """The parser's tables, built once per process or loaded from the user's cache directory, with the layout of the releases or without."""
     grammar = files("scenic_ref.interpreter").joinpath("grammar.lark").read_text("utf-8")
-    return Lark(
-        grammar,
-        parser="lalr",
-        lexer="contextual",
-        start=["program", "interpolation"],
-        propagate_positions=True,
-        maybe_placeholders=True,
-        postlex=Layout(released),
-        cache=cache_file() or False,
-    )
+    key = hashlib.blake2b(f"{lark.__version__} {sys.version_info[:2]} {grammar}".encode()).hexdigest()
+    layout, place = Layout(released), cache_file()
+    kept = None if place is None else tables_in(place, key, layout)
+    if kept is not None:
+        return kept
+    made = Lark(
+        grammar, parser="lalr", lexer="contextual", start=["program", "interpolation"], propagate_positions=True, maybe_placeholders=True,
+        postlex=layout,
+    )  # fmt: skip
+    if place is not None:
+        data, memo = made.memo_serialize([TerminalDef, Rule])
+        data["options"] = {name: value for name, value in data["options"].items() if name != "postlex"}
+        write_kept(place, json.dumps({"key": key, "data": data, "memo": memo}).encode())
+    return made
 
 
-def cache_file() -> str | None:
+def tables_in(place: Path, key: str, layout: Layout) -> Lark | None:
+    """The tables that a file keeps, as JSON, which holds nothing that could be run; None if they are damaged, or made of another grammar."""
+    written = read_kept(place, LARGEST_TABLES)
+    if written is None:
+        return None
+    try:
+        kept = json.loads(bytes(written), object_hook=with_numbers)
+        if kept["key"] != key:
+            return None
+        kept["data"]["options"]["postlex"] = layout
+        return Lark.load(kept)
+    except Exception:  # whoever wrote the file may have written anything
+        return None
+
+
+def with_numbers(entries: dict[str, object]) -> dict[str | int, object]:
+    """The entries, with those keys as numbers that JSON has made texts."""
+    return {int(key) if key.isdecimal() else key: value for key, value in entries.items()}
+
+
+def cache_file() -> Path | None:
     """The file that keeps the tables between processes, or None where none can be written."""
     folder = cache_folder()
-    return None if folder is None else str(folder / "grammar.tables")
+    return None if folder is None else folder / "grammar.tables"
 
 
 class TreeBuilder(ExpressionBuilder, ScenicBuilder, StatementBuilder, DynamicsBuilder):

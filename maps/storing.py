@@ -11,7 +11,6 @@ import io
 import os
 import struct
 import sys
-import tempfile
 import time
 import zipfile
 import zlib
@@ -25,8 +24,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
-from ..interpreter.caches import cache_folder
-from ..interpreter.regular_file import read_regular_file
+from ..interpreter.caches import PART, cache_folder, read_kept, write_kept
 from ..semantics.space.fields import Cell
 
 Arrays: TypeAlias = Mapping[str, NDArray[Any]]
@@ -41,9 +39,7 @@ FAULTS = (
     shapely.errors.ShapelyError,
 )  # fmt: skip
 """What comes of a file that is whole but was not written by this."""
-DIGEST = hashlib.blake2b().digest_size
-"""Bytes at the beginning of a file that tell whether the others are as they were written."""
-ENDING, PART = ".map", ".part"
+ENDING = ".map"
 
 
 def code_there() -> bytes:
@@ -76,14 +72,11 @@ def arrays_in(place: Path | None) -> Arrays | None:
     """What a file keeps; None if there is none, or if it is damaged."""
     if place is None:
         return None
-    try:
-        written = read_regular_file(place, MOST_BYTES)
+    data = read_kept(place, MOST_BYTES)
+    if data is None:
+        return None
+    with suppress(OSError):
         os.utime(place)
-    except OSError:
-        return None
-    digest, data = written[:DIGEST], memoryview(written)[DIGEST:]
-    if digest != hashlib.blake2b(data).digest():
-        return None
     try:
         with np.load(io.BytesIO(data), allow_pickle=False) as file:
             return {name: file[name] for name in file.files}
@@ -97,23 +90,8 @@ def keep(place: Path, arrays: Arrays) -> None:
         return
     buffer = io.BytesIO()
     np.savez(buffer, **arrays)  # type: ignore[arg-type]  # none is named allow_pickle
-    data = buffer.getbuffer()
-    temporary = None
-    try:
-        place.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile(dir=place.parent, suffix=PART, delete=False) as file:
-            temporary = file.name
-            file.write(hashlib.blake2b(data).digest())
-            file.write(data)
-        os.replace(temporary, place)
-        temporary = None
+    if write_kept(place, buffer.getbuffer()):
         forget(place.parent)
-    except OSError:
-        pass
-    finally:
-        if temporary is not None:
-            with suppress(OSError):
-                os.unlink(temporary)
 
 
 def forget(folder: Path) -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import signal
+import subprocess
+import sys
 import threading
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor, wait
@@ -209,6 +211,40 @@ def test_an_error_in_a_job_is_raised_in_its_place_and_ends_the_rest():
         assert [next(found) for _ in range(3)] == [0, 0, 1]
         with pytest.raises(ZeroDivisionError):
             next(found)
+
+
+DYING = """
+import os, signal, threading
+from scenic_ref.inference.batch.jobs.blocks import processes
+from scenic_ref.semantics.kernel.errors import InternalError
+
+def work(job):
+    if job == 3:
+        threading.Thread(target=die, args=[threading.main_thread().native_id]).start()
+        return bytes(1 << 28)
+    return job
+
+def die(thread):
+    while not open(f"/proc/self/task/{thread}/syscall").read().startswith(WRITING): pass
+    os.kill(os.getpid(), signal.SIGKILL)
+
+WRITING = {"x86_64": "1 ", "aarch64": "64 "}[os.uname().machine]
+if __name__ == "__main__":
+    try:
+        with processes(2) as workers:
+            print(list(workers.draw(work, range(40))))
+    except InternalError as error:
+        print(error.message)
+"""
+
+
+def test_a_worker_that_dies_while_it_sends_a_result_is_told_of(tmp_path):
+    """The result is larger than a pipe: what was sent of it says that more will come, and the other worker waits until it may write."""
+    if not Path("/proc/self/syscall").exists():
+        pytest.skip("this system has no /proc/self/syscall")
+    (tmp_path / "dying.py").write_text(DYING)
+    found = subprocess.run([sys.executable, "dying.py"], cwd=tmp_path, capture_output=True, text=True, timeout=300, check=True)
+    assert found.stdout == "a worker process ended without an answer\n"
 
 
 @pytest.fixture

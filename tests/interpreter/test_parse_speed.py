@@ -1,12 +1,20 @@
-"""How much work parsing is."""
+"""How much work parsing is, and the tables that are kept between processes."""
 
 from __future__ import annotations
 
+import hashlib
+import json
+import os
+import pickle
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
-from scenic_ref.interpreter.parser import cache_file, parse
+from lark import Lark
+from scenic_ref.interpreter import parser
+from scenic_ref.interpreter.caches import DIGEST, read_kept
+from scenic_ref.interpreter.parser import LARGEST_TABLES, cache_file, parse, tables
 
 BLOCK = """class Foo{i}(Car):
     position: Point on road
@@ -42,3 +50,56 @@ def test_unusable_cache_directory_is_tolerated(tmp_path: Path, monkeypatch: pyte
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
     assert cache_file() is None
+
+
+class Planted:
+    """A pickle of it makes a file where it is read."""
+
+    def __init__(self, marker: Path) -> None:
+        self.marker = marker
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return Path.touch, (self.marker,)
+
+
+def without_parts(data: bytes) -> bytes:
+    """The tables as JSON, and their digest, with nothing in them but the right key."""
+    text = json.dumps({"key": json.loads(data[DIGEST:])["key"], "data": [], "memo": {}}).encode()
+    return hashlib.blake2b(text).digest() + text
+
+
+def test_tables_that_somebody_else_wrote_are_never_run_and_made_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    text = "ego = Object at Range(0, 1) @ 2\n"
+    tables.cache_clear()
+    first, place = parse(text), cache_file()
+    assert place is not None
+    written = place.read_bytes()
+    tables.cache_clear()
+    monkeypatch.setattr(parser, "Lark", SimpleNamespace(load=Lark.load))  # nothing is made anew
+    assert parse(text) == first
+    monkeypatch.setattr(parser, "Lark", Lark)
+    marker = tmp_path / "marker"
+    pickled = pickle.dumps(Planted(marker))
+    altered = bytearray(written)
+    altered[len(written) // 2] ^= 1
+    for data in (
+        b"0" * 64 + b"\n" + pickled, hashlib.blake2b(pickled).digest() + pickled, bytes(altered), written[:100], b"", without_parts(written),
+    ):  # fmt: skip
+        place.write_bytes(data)
+        tables.cache_clear()
+        assert parse(text) == first
+        assert read_kept(place, LARGEST_TABLES) is not None
+    assert not marker.exists()
+    place.unlink()
+    os.mkfifo(place)
+    tables.cache_clear()
+    assert parse(text) == first
+
+
+def test_a_relative_cache_directory_is_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    monkeypatch.setenv("XDG_CACHE_HOME", "here")
+    assert cache_file() == tmp_path / "home" / ".cache" / "scenic-ref" / "grammar.tables"
+    assert not Path("here").exists()

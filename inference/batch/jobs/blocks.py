@@ -13,11 +13,12 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator
-from concurrent.futures import CancelledError, Executor, Future, InvalidStateError, ProcessPoolExecutor
+from concurrent.futures import CancelledError, Executor, Future, InvalidStateError, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing import connection, resource_tracker
+from multiprocessing.process import BaseProcess
 from types import FrameType
 from typing import TypeVar
 
@@ -90,11 +91,12 @@ def jobs(batch: Batch, n: int, seed: int, start: int, max_attempts: int) -> Gene
 
 
 def in_order(
-    pool: Executor, work: Callable[[Asked], Given], jobs: Iterable[Asked], most: int, unread: list[object] | None = None
-) -> Generator[Given]:
+    pool: Executor, work: Callable[[Asked], Given], jobs: Iterable[Asked], most: int, unread: list[object] | None = None,
+    look: Callable[[], object] = bool,
+) -> Generator[Given]:  # fmt: skip
     """The results of the jobs, in order; at most `most` of them run at a time. Raises `InternalError` if a worker dies, and what `work` raises.
 
-    `unread` gets the results that are there when no more are asked for.
+    `unread` gets the results that are there when no more are asked for; `look` is called once a second while one is waited for.
     """
     waiting: deque[Future[Given]] = deque()
     try:
@@ -102,9 +104,9 @@ def in_order(
             with uninterrupted():  # the process that this may start inherits the mask: only this one answers Ctrl-C
                 waiting.append(pool.submit(work, job))
             if len(waiting) >= most:
-                yield waiting.popleft().result()
+                yield answer(waiting.popleft(), look)
         while waiting:
-            yield waiting.popleft().result()
+            yield answer(waiting.popleft(), look)
     except (BrokenProcessPool, CancelledError):
         raise InternalError("a worker process ended without an answer", hint="was there enough memory? try fewer --workers") from None
     finally:
@@ -113,21 +115,32 @@ def in_order(
                 unread.append(future.result())
 
 
+def answer(future: Future[Given], look: Callable[[], object]) -> Given:
+    """The result of a job, once it is there; `look` is called once a second until then."""
+    while not wait([future], LOOK).done:
+        look()
+    return future.result()
+
+
+LOOK = 1.0
+
+
 @dataclass(frozen=True)
 class Workers:
     """What does jobs, and how many at a time; `here` where all of it are processes of this machine.
 
-    `unread` gets the results that are there when no more are asked for.
+    `unread` gets the results that are there when no more are asked for; `look` is called once a second while one is waited for.
     """
 
     pool: Executor
     count: int
     here: bool = False
     unread: list[object] | None = None
+    look: Callable[[], object] = bool
 
     def draw(self, work: Callable[[Asked], Given], jobs: Iterable[Asked]) -> Generator[Given]:
         """The results of the jobs, in order."""
-        return in_order(self.pool, work, jobs, 2 * self.count + 1, self.unread)
+        return in_order(self.pool, work, jobs, 2 * self.count + 1, self.unread, self.look)
 
 
 # Who does them
@@ -139,8 +152,18 @@ def processes(count: int, unread: list[object] | None = None) -> Iterator[Worker
     pool = ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"), initializer=end_with_parent)
     before = set(multiprocessing.active_children())
     finished = False
+    started = set[BaseProcess]()
+
+    def end_the_others() -> None:
+        """End all processes if one has ended: where it did so while it sent a result, the pool would wait for the rest, and they for the pool."""
+        started.update(set(multiprocessing.active_children()) - before)
+        if any(process.exitcode is not None for process in started):
+            for process in started:
+                process.terminate()
+            give_up_reading(getattr(pool, "_result_queue", None))
+
     try:
-        yield Workers(pool, count, here=True, unread=unread)
+        yield Workers(pool, count, here=True, unread=unread, look=end_the_others)
         finished = True
     finally:
         results = getattr(pool, "_result_queue", None)
