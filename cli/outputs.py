@@ -159,6 +159,7 @@ class LinesFile(LineByLine):
         with open(self.path, "rb") as file:
             for line in file:
                 if not line.endswith(b"\n"):
+                    self._check_torn(count, line)
                     break
                 last = self._earlier(count, line[:-1], seed)
                 count += 1
@@ -167,6 +168,13 @@ class LinesFile(LineByLine):
                     first.append((last.index, last.attempts))
         self.cut()
         return Resumed(count, tuple(first), last)
+
+    def _check_torn(self, number: int, data: bytes) -> None:
+        """Refuse to cut off what is no part of a line of ours. Raises `UsageError`."""
+        wanted, _, word = self.kind
+        begins = f'{{"schema": "{wanted}"'.encode()
+        if not (begins.startswith(data) or data.startswith(begins)):
+            raise UsageError(f"{self.path} cannot be resumed: its line {number + 1} is not a {word}")
 
     def _earlier(self, number: int, data: bytes, seed: int) -> Earlier:
         wanted, key, word = self.kind

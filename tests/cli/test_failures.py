@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -159,3 +161,25 @@ def test_the_version_is_the_package_s(ask):
     from scenic_ref import __version__
 
     assert ask("--version") == (0, f"scenic-ref {__version__}\n", "")
+
+
+def test_a_file_of_something_else_is_not_cut_off_by_resuming(ask):
+    Path("other.jsonl").write_bytes(b"\x80\x04not a line of ours")
+    found = ask("run", "ok.scenic", "--resume", "-o", "other.jsonl")
+    assert found.code == 2 and "its line 1 is not a scene" in found.err
+    assert Path("other.jsonl").read_bytes() == b"\x80\x04not a line of ours"
+    for torn in (b"", b'{"sch', b'{"schema": "scenic-ref/scene/1", "seed": 0, "sce'):
+        Path("torn.jsonl").write_bytes(torn)
+        assert ask("run", "ok.scenic", "--resume", "-o", "torn.jsonl").code == 0
+        assert Path("torn.jsonl").read_text() == ask("run", "ok.scenic").out
+
+
+def test_a_folder_that_is_gone_and_a_closed_standard_error_are_no_internal_errors(ask, tmp_path):
+    program = tmp_path / "ok.scenic"
+    (tmp_path / "gone").mkdir()
+    script = f"cd gone && rmdir ../gone && exec {sys.executable} -m scenic_ref run {program} -o x.jsonl"
+    found = subprocess.run(["sh", "-c", script], capture_output=True, text=True, check=False)
+    assert (found.returncode, "x.jsonl cannot be written" in found.stderr) == (2, True)
+    script = f"exec {sys.executable} -m scenic_ref run {program} 2>&-"
+    found = subprocess.run(["sh", "-c", script], capture_output=True, text=True, check=False)
+    assert (found.returncode, found.stdout) == (0, ask("run", program).out)
