@@ -113,8 +113,8 @@ def draw_importance(
             if not weighing.stuck:  # only the interpreter knows
                 weighing.stuck[target.rejected_by(states, int(np.argmin(weights)))] += 1
             worst, count = weighing.stuck.most_common(1)[0]
-            often = f"{count:,} of all {target.evaluations:,} runs"
-            text = f"no scene in {target.evaluations - last:,} runs: most often ({often}) this failed: {worst.text}"
+            often, runs = f"{count:,} of {target.evaluations:,} runs", f"{target.evaluations - last:,} runs"
+            text = f"no scene in {f'the last {runs}' if last else runs}: most often ({often}{' in all' * bool(last)}) this failed: {worst.text}"
             raise exhausted(text, target.evaluations, weighing.stuck)
     acceptance = mean_weight(*totals.tolist(), share=share, is_simple=is_simple)
     effective = float(totals[1] ** 2 / totals[2])

@@ -225,7 +225,7 @@ def get_attribute(subject: object, node: p.Attribute, state: State) -> object:
                 raise HostException(AttributeError(f"class {subject.name} has no attribute {name}; a property needs an instance"))
             return member_of(found, None, subject, state)
         case Dynamic(space=Scope() as space) if BEGUN not in space.bindings and (name == "ego" or name in function_names(subject.definition).local):
-            missing = NotBegun(f"{subject!r} has not begun: its {name} is there once `do` has set it up")
+            missing = NotBegun(f"{subject!r} was asked for its {name} before it began: ask once `do` has set it up")
             if state.reading("names-not-begun") == "waits":
                 return wait(node, (subject,), conclude_attribute, state, missing)
             raise HostException(missing)

@@ -291,7 +291,7 @@ def compose(body: str, ego: str = "") -> str:
 def test_names_of_a_scenario_that_has_not_begun_are_an_error_that_says_so(name: str, ego: str) -> None:
     with pytest.raises(UncaughtException) as raised:
         simulated(compose(f"x = a.{name}\ndo a", ego))
-    assert raised.value.message == f"AttributeError: Sub(1) has not begun: its {name} is there once `do` has set it up"
+    assert raised.value.message == f"AttributeError: Sub(1) was asked for its {name} before it began: ask once `do` has set it up"
     caught = f"try:\n    x = a.{name}\ninterrupt when False: pass\nexcept AttributeError:\n    x = 'none'\nrequire x == 'none'\n"
     assert isinstance(simulated(compose(f"{caught}require not hasattr(a, '{name}')\ndo a\ny = a.{name}", ego)), Simulated)
 
@@ -345,13 +345,13 @@ def test_names_that_wait_are_known_to_what_begins_after_their_scenario(inside: s
     if inside.startswith("Object"):  # the behavior begins later than both scenarios
         assert isinstance(waits(inside, f"do Given({argument}), a"), Simulated)
         return
-    with pytest.raises(UncaughtException, match=r"Sub\(1\) has not begun: its"):
+    with pytest.raises(UncaughtException, match=r"Sub\(1\) was asked for its "):
         waits(inside, f"do Given({argument}), a")
 
 
 @pytest.mark.parametrize("use", ["a.lead.x == 1", "print(a.lead)", "Given(a.v + 1)", "a.seen[0]", "[x for x in a.seen]", "a.lead in [1]", "abs(a.v)"])
 def test_other_uses_of_names_that_wait_are_errors_that_say_so(use: str) -> None:
-    with pytest.raises(UncaughtException, match=r"AttributeError: Sub\(1\) has not begun: its (lead|v|seen) is there once `do` has set it up"):
+    with pytest.raises(UncaughtException, match=r"AttributeError: Sub\(1\) was asked for its (lead|v|seen) before it began"):
         waits("pass", f"y = {use}\ndo a")
 
 

@@ -44,9 +44,11 @@ def nonnegative(kind: str, name: str, value: float) -> float:
 def vector(kind: str, name: str, value: Vector | Sequence[float]) -> Vector:
     """`value`, a vector or a pair of numbers, as a vector of finite floats; otherwise `BadRegion`."""
     try:
-        x, y, *_ = value
+        x, y, *more = value
     except (TypeError, ValueError):
         raise BadRegion(f"the {name} of a {kind} must be a vector, not {value!r}") from None
+    if any(more):
+        raise BadRegion(f"the {name} of a {kind} is three-dimensional, {value!r}; this reference is two-dimensional")
     return Vector(finite(kind, f"x coordinate of the {name}", x), finite(kind, f"y coordinate of the {name}", y))
 
 

@@ -199,3 +199,6 @@ def geometry_of(value: object) -> BaseGeometry:
     if isinstance(value, Vector) or (isinstance(value, Sequence) and len(value) == 2 and all(isinstance(c, (int, float)) for c in value)):
         return Point(*value)
     raise TypeError(f"a shape of the plane is compared with another one, a region or a point, not with {value!r:.40}")
+
+
+PlaneShape.__name__ = "shape"  # as Python's own messages call its values, as in "'shape' object is not iterable"
