@@ -64,6 +64,10 @@ class JoinedText:
         return row, offset - self.starts[row - 1] + 1
 
 
+AS_WRITTEN = JoinedText("")
+"""Places in it are those in the text of the user."""
+
+
 def join_text(source: str, *, apart: bool = True) -> JoinedText:
     """Return `source` with its logical lines joined and, if words are to stand `apart` from brackets, with blanks where the grammar needs them."""
     joined, plain = join_lines(source)

@@ -18,7 +18,7 @@ from . import literals
 from .chains import is_dotted_name, join
 from .definition_parts import PARTS
 from .dialects import Dialect, having
-from .joined_text import JoinedText
+from .joined_text import AS_WRITTEN, JoinedText
 
 Parts = list[Any]  # What the children of a rule were turned into: nodes, tokens, tuples of nodes, or None.
 
@@ -32,7 +32,7 @@ class TextOrigin:
     file: str
     line: int = 0
     column: int = 0
-    joined: JoinedText = JoinedText("")
+    joined: JoinedText = AS_WRITTEN
 
     def span(self, line: int, column: int, end_line: int, end_column: int) -> Span:
         """The place in the file of a stretch of the joined text."""

@@ -38,7 +38,7 @@ OF_RELEASES = [
 @pytest.mark.parametrize("line", [*(f"behavior B():\n    {line}" for line in IN_BEHAVIORS), *STATEMENTS, *OF_RELEASES])
 def test_no_blank_is_needed_before_or_behind_a_bracket(line: str, dialect: str) -> None:
     if line in OF_RELEASES and dialect not in RELEASES:
-        with pytest.raises(ParseError, match="belongs? to dialects"):
+        with pytest.raises(ParseError, match=r"belongs? to dialects"):
             parse(without_blanks(line), dialect=dialect)
     else:
         assert parse(without_blanks(line), dialect=dialect).statements == parse(line, dialect=dialect).statements
@@ -96,7 +96,8 @@ LINES = [
     "x = [distance|to (3, 4)]", "x = (angle|to (3, 4))", "x = (ego can|see (1, 2))", "x = (ego|can|see|(1, 2))", "x = (Object|left|of (3, 4))",
     "x = (Object facing|toward (3, 4))", "x = (Object at (3, 3), facing away|from (9, 9))", "x = (relative|heading of b)",
     "x = [apparent|heading|of b]", "x = (a offset|by b)", "x = (a offset|along b|by c)", "x = (a relative|to b)", "x = f(a visible|from b)",
-    "x = (visible|r)", "x = (Object at a, with|width|3)", "x = (a is|not b)", "x = (a not|in b)", "x = (front|left|of a)", "x = (in|initial|scenario)",
+    "x = (visible|r)", "x = (Object at a, with|width|3)", "x = (a is|not b)", "x = (a not|in b)",
+    "x = (front|left|of a)", "x = (in|initial|scenario)",
     "x = (Object|ahead|of b|by 3)", "x = (Object apparently|facing 3)", "x = {follow|f from a|for 3}", "x = (distance|of a past|b)",
     "require (a can|see b)", "x = (Object at a,|facing|(directly|))", "x = (Object at a, visible|from b)", "x = f'{(a|can|see b)}'",
 ]  # fmt: skip

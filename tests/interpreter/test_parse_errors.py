@@ -26,8 +26,6 @@ MISTAKES: dict[str, tuple[int, int, str, str]] = {
     "if x\n  y": (1, 5, "a `:` is missing at the end of the line", "end the line with `:`"),
     "behavior Foo\n  wait": (1, 10, "a `:` is missing at the end of the line", "write `behavior Foo():`"),
     "x = (1, 2\ny = 3": (1, 5, "this `(` is never closed", "add `)`"),
-    "x = (Car at V, facing\n3)": (2, 1, "unexpected `3`; expected `,` or a specifier or an operator", ""),
-    "x = (a is\nnot b)": (2, 1, "unexpected `not`; expected an expression", ""),
     "x = 1, 2)": (1, 9, "`)` closes no bracket", "remove it, or open a bracket before it"),
     "x = (1, 2]": (1, 10, "`]` does not close the `(` of line 1", "write `)`"),
     "if x:\n\ty = 3\n        z = 4": (3, 1, "tabs and spaces are mixed in the indentation", "indent with spaces only"),
