@@ -154,8 +154,8 @@ def absent(
 ) -> ModuleNotFoundError:
     """The error that there is no such module, with the nearest name that there is, and the world models.
 
-    A module that the released implementations have is named as theirs; `chosen` are the world models that the program has, and `imported` are the modules
-    that it imports, which are no world models.
+    A module that the released implementations have is named as theirs; `chosen` are the world models that the program has, and
+    `imported` are the modules that it imports, which are no world models.
     """
     models = [key for key in worlds if key.endswith(".model") or "." not in key]
     short = {key.split(".")[-2]: key for key in models if key.endswith(".model")}

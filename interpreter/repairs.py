@@ -209,7 +209,7 @@ TABLE: tuple[tuple[str, str, str], ...] = (
 )
 
 NEEDS_ARGUMENT = re.compile(
-    r"(visible\s+from|left\s+of|right\s+of|ahead\s+of|front\s+of|back\s+of|behind|beyond|facing\s+toward|facing\s+away\s+from|facing|following"
+    r"\b(visible\s+from|left\s+of|right\s+of|ahead\s+of|front\s+of|back\s+of|behind|beyond|facing\s+toward|facing\s+away\s+from|facing|following"
     r"|offset\s+by|offset\s+along|relative\s+to|can\s+see|at|on|by|with(?:\s+\w+)?|distance\s+(?:from|to|past)|angle\s+(?:from|to)|from|to)\s*$"
 )
 
@@ -224,6 +224,8 @@ def find(place: Situation) -> Repair | None:
         said = time_conditions.message(word, time)
         hint = time_conditions.instead(word, time, found["amount"], released=place.released)
         return Repair(said, hint, found.span("time"))
+    if (words := _without_argument(place)) is not None:
+        return _needs_argument(words)
     for pattern, message, hint in TABLE:
         for match in re.finditer(pattern, place.line):
             if match.start() <= place.column <= match.end():
@@ -245,8 +247,23 @@ def _ended(place: Situation) -> Repair | None:
         return Repair("a `:` is missing at the end of the line", "end the line with `:`")
     found = NEEDS_ARGUMENT.search(place.before)
     if found:
-        return Repair(f"`{' '.join(found.group(1).split())}` needs an argument", f"write `{' '.join(found.group(1).split())} ...`")
+        return _needs_argument(found[1])
     return None
+
+
+def _without_argument(place: Situation) -> str | None:
+    """The operator or specifier with nothing behind it but a comma or the end of the brackets; a word alone may be a name."""
+    found = NEEDS_ARGUMENT.search(place.before) if place.word in (",", ")", "]", "}") else None
+    if found is None:
+        return None
+    follows = re.search(r"[\w)\]]\s+$", place.before[: found.start()]) is not None
+    return found[1] if follows or found[1] == "with" or len(found[1].split()) > 1 else None
+
+
+def _needs_argument(words: str) -> Repair:
+    """The repair of an operator or specifier, in `words`, with nothing behind it."""
+    word = " ".join(words.split())
+    return Repair(f"`{word}` needs an argument", f"write `{word} ...`")
 
 
 def _second_condition(place: Situation) -> Repair | None:
