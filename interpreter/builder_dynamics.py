@@ -256,11 +256,21 @@ class DynamicsBuilder(BuilderBase):
         return parts[0]
 
     def make_duration(self, span: Span, parts: Parts) -> TimeLimit:
+        return self.time_limit(span, parts, "for")
+
+    def make_delay(self, span: Span, parts: Parts) -> TimeLimit:
+        return self.time_limit(span, parts, "after")
+
+    def make_period(self, span: Span, parts: Parts) -> TimeLimit:
+        return self.time_limit(span, parts, "every")
+
+    def time_limit(self, span: Span, parts: Parts, word: str) -> TimeLimit:
+        """The time behind `word`. Raises `ParseError` where it has no unit and the dialect wants one."""
         amount, steps = parts
         if steps is not None:
             return TimeLimit(span=span, amount=amount, unit="steps")
         implied = self.dialect.released and not self.dialect.explicit_new  # in 2.1.0 a number alone is one of seconds
-        return TimeLimit(span=span, amount=without_seconds(amount, implied=implied), unit="seconds")
+        return TimeLimit(span=span, amount=without_seconds(amount, word, implied=implied), unit="seconds")
 
     def make_until(self, span: Span, parts: Parts) -> Until:
         return Until(span=span, condition=refuse_time("until", condition(parts[0]), self.dialect))
@@ -287,8 +297,11 @@ def weighted(invocations: tuple[Expression, ...]) -> tuple[tuple[Expression, ...
     return keys, tuple(weight for _, weight in only.items)
 
 
-def without_seconds(amount: Expression, *, implied: bool = False) -> Expression:
-    """The expression whose last word `seconds` was read as a postfix operator of its last operand, without that word; which may be `implied`."""
+def without_seconds(amount: Expression, word: str, *, implied: bool = False) -> Expression:
+    """The expression whose last word `seconds` was read as a postfix operator of its last operand, without that word; which may be `implied`.
+
+    Raises `ParseError` for a time behind `word` that has no unit.
+    """
     path: list[BinaryOperation | UnaryOperation] = []
     node = amount
     while isinstance(node, BinaryOperation) or (isinstance(node, UnaryOperation) and node.operator != "not"):
@@ -299,7 +312,7 @@ def without_seconds(amount: Expression, *, implied: bool = False) -> Expression:
             return amount
         number = amount.value if isinstance(amount, Constant) else None
         written = f"{number:g}" if isinstance(number, int | float) else "..."
-        hint = f"write `for {written} seconds` or `for {written} steps`"
+        hint = f"write `{word} {written} seconds` or `{word} {written} steps`"
         raise ParseError("a time limit needs a unit", amount.span, hint=hint)
     tree = node.value
     for outer in reversed(path):

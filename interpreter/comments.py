@@ -14,8 +14,9 @@ from dataclasses import dataclass
 from ..semantics.kernel.scopes import descendants
 from ..semantics.syntax import Node, Program, Statement
 from ..semantics.syntax.statements import PropertyDefault
-from .dialects import DIALECTS, MARK
+from .dialects import DIALECTS, MARK, Dialect
 from .indentation import TAB
+from .joined_text import join_text
 from .parser import normal, tables
 from .tree_builder import TextOrigin
 
@@ -51,7 +52,7 @@ class Comments:
         source = normal(program.text, TextOrigin(program.file))
         self.source = source.split("\n")[:-1]
         released = DIALECTS[program.dialect].released
-        self.code = list(self.code_lines(source, released))
+        self.code = list(self.code_lines(source, DIALECTS[program.dialect]))
         self.pending = deque(self.comments(source, released))
         self.last = {self.code_at(place): place for place in sorted(map(place_of, parts_of(program)))}
         """Where the last statement (or property) of a line of code begins."""
@@ -66,14 +67,16 @@ class Comments:
             self.pending.popleft()
             self.mark, self.told = self.source[0][mark.end() :].rstrip(), 1
 
-    def code_lines(self, source: str, released: bool) -> Iterator[CodeLine]:
+    def code_lines(self, source: str, dialect: Dialect) -> Iterator[CodeLine]:
         """The lines of code, as the layout tells them."""
         first = last = None
-        for token in tables(released).parse_interactive(source, start="program").iter_parse():
+        joined = join_text(source, apart=not dialect.intervals)
+        for token in tables(dialect.released).parse_interactive(joined.text, start="program").iter_parse():
             if token.type not in LAYOUT:
                 first, last = first or token, token
             elif token.type == "_NEWLINE" and first is not None and last is not None:
-                start, end = (first.line or 0, first.column or 0), (last.end_line or 0, last.end_column or 0)
+                start = joined.place(first.line or 0, first.column or 0)
+                end = joined.place(last.end_line or 0, last.end_column or 0)
                 yield CodeLine(start, end, self.width(start))
                 first = None
 

@@ -9,8 +9,8 @@ from ..semantics.kernel.scopes import OPAQUE, Names, bound_by, function_names
 from ..semantics.syntax import Node, Program
 from ..semantics.syntax import dynamics as d
 from ..semantics.syntax import statements as s
-from ..semantics.syntax.expressions import ObjectOrValue
-from ..semantics.syntax.python_expressions import Name, Parameter
+from ..semantics.syntax.expressions import ObjectDefinition, ObjectOrOperator, ObjectOrValue
+from ..semantics.syntax.python_expressions import Call, Name, Parameter, Subscript, TupleDisplay
 from .nesting import children
 
 NEEDS = {
@@ -78,9 +78,17 @@ def nodes_of_scope(blocks: tuple[Node, ...]) -> Iterator[Node]:
             pending.extend(reversed(list(children(node))))
 
 
+SPECIFIERS = ("at", "on", "behind", "beyond", "following", "facing")
+"""Specifiers whose keyword may as well be a name."""
+
+
 def incomplete_statements(program: Program) -> Iterator[CheckError]:
-    """Return a fault for each statement that is only its keyword, where the program has no variable of that name."""
+    """Return a fault for each statement or specifier that is only its keyword, and each `mutate` with brackets, where the program has no variable
+    of that name.
+    """
     words: list[tuple[str, Node]] = []
+    specifiers: list[Name] = []
+    mutations: list[Node] = []
     bound: set[str] = set()
     pending: list[Node] = list(program.statements)
     while pending:
@@ -88,12 +96,21 @@ def incomplete_statements(program: Program) -> Iterator[CheckError]:
         match node:
             case s.ExpressionStatement(value=Name(name=name) | ObjectOrValue(value=Name(name=name))):
                 words.append((name, node))
+            case s.ExpressionStatement(value=Call(function=Name(name="mutate")) | Subscript(value=Name(name="mutate"))):
+                mutations.append(node)
+            case TupleDisplay(items=(first, *others)):
+                if isinstance(first, ObjectDefinition | ObjectOrOperator):
+                    specifiers += [item for item in others if isinstance(item, Name) and item.name in SPECIFIERS]
             case d.Do(invocations=(Name(name=name),)):
                 words.append((f"do {name}", node))
             case s.Require(condition=Name(name=name)):
                 words.append((f"require {name}", node))
             case s.ImportFrom(names=(), as_model=False):
                 return  # which names that brings is not known
+            case s.Model(name=name) if not name.startswith("scenic.") and name not in ("gtaLib", "mars"):
+                bound.add("mutate")  # it may have a function of that name
+            case s.Import() if program.dialect == "pldi19":
+                bound.add("mutate")
             case Parameter(name=name):
                 bound.add(name)
             case _:
@@ -102,3 +119,9 @@ def incomplete_statements(program: Program) -> Iterator[CheckError]:
     for word, node in words:
         if word in NEEDS and word.split()[-1] not in bound:
             yield CheckError(f"`{word}` needs {NEEDS[word]}", node.span, hint=f"write it behind `{word}`")
+    for name in specifiers:
+        if name.name not in bound:
+            yield CheckError(f"`{name.name}` needs an argument", name.span, hint=f"write `{name.name} ...`")
+    if "mutate" not in bound:
+        for node in mutations:
+            yield CheckError("`mutate` takes names without brackets", node.span, hint="write `mutate a, b`, or `mutate` alone for all objects")

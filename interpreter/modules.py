@@ -112,7 +112,8 @@ def located(
     if found is None and is_program(key, directory, program.file):
         return key, not_itself(name)
     chosen = {node.name for statement in program.statements for node in descendants(statement) if isinstance(node, s.Model)}
-    return key, absent(name, worlds, chosen) if found is None and asked.needed else found
+    imported = set(imported_modules(program)) - chosen
+    return key, absent(name, worlds, chosen, imported) if found is None and asked.needed else found
 
 
 def imported_names(program: Program, package: str) -> Iterator[Asked]:
@@ -131,6 +132,16 @@ def imported_names(program: Program, package: str) -> Iterator[Asked]:
                     pass
 
 
+def imported_modules(program: Program) -> Iterator[str]:
+    """The modules that `import` and `from` name in a program, wherever they stand; `model` is no such statement."""
+    for statement in program.statements:
+        for node in descendants(statement):
+            if isinstance(node, s.Import):
+                yield from (one.name for one in node.names)
+            elif isinstance(node, s.ImportFrom):
+                yield node.module
+
+
 THEIRS = re.compile(
     r"scenic\.(?:core|syntax|formats)\b|scenic\.domains\.driving\b|scenic\.contracts\b"
     r"|scenic\.simulators\.(?:airsim|carla|gta|lgsvl|metadrive|newtonian|sumo|unity|utils|webots|xplane)\b"
@@ -138,10 +149,13 @@ THEIRS = re.compile(
 """Names of modules and packages that the released implementations have."""
 
 
-def absent(name: str, worlds: Mapping[str, World], chosen: Collection[str] = ()) -> ModuleNotFoundError:
+def absent(
+    name: str, worlds: Mapping[str, World], chosen: Collection[str] = (), imported: Collection[str] = ()
+) -> ModuleNotFoundError:
     """The error that there is no such module, with the nearest name that there is, and the world models.
 
-    A module that the released implementations have is named as theirs; `chosen` are the world models that the program has.
+    A module that the released implementations have is named as theirs; `chosen` are the world models that the program has, and
+    `imported` are the modules that it imports, which are no world models.
     """
     models = [key for key in worlds if key.endswith(".model") or "." not in key]
     short = {key.split(".")[-2]: key for key in models if key.endswith(".model")}
@@ -149,7 +163,12 @@ def absent(name: str, worlds: Mapping[str, World], chosen: Collection[str] = ())
         error = ModuleNotFoundError(f"there is no module {name}: the Python package of that simulator is not installed here")
         error.add_note(f"leave the import out: {short[name]} gives what it stands for without that package")
         return error
-    near = nearest(name, [*worlds, *HARMLESS]) or (name if name in short else nearest(name, short))
+    if name in short and name in imported:
+        error = ModuleNotFoundError(f"there is no module {name}: the Python package of that simulator is not installed here")
+        error.add_note(f"leave the import out; the objects of that simulator come with `model {short[name]}`, without that package")
+        return error
+    model = f"{name}.model" if f"{name}.model" in worlds else None
+    near = model or nearest(name, [*worlds, *HARMLESS]) or (name if name in short else nearest(name, short))
     theirs = THEIRS.match(name) is not None and near is None
     outside = f"the module {name} of the released implementations is outside this reference: {why_outside(name)}"
     error = ModuleNotFoundError(outside if theirs else f"there is no module {name}")

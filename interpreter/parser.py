@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import sys
+from dataclasses import replace
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -27,6 +28,7 @@ from .builder_statements import StatementBuilder
 from .caches import cache_folder, read_kept, write_kept
 from .dialects import Dialect
 from .indentation import Layout
+from .joined_text import join_text
 from .nesting import check_nesting
 from .tree_builder import Parts, TextOrigin
 from .walls import timed
@@ -52,6 +54,7 @@ def parse_within(text: str, file: str, dialect: Dialect) -> Program:
     """As `parse`, in the time that the program has."""
     origin = TextOrigin(file)
     source = normal(text, origin)
+    origin = replace(origin, joined=join_text(source, apart=not dialect.intervals))  # there, `import` brings names
     tree = parse_tree(source, "program", origin, dialect)
     statements = TreeBuilder(origin, dialect).build(tree)
     check_nesting(statements)
@@ -69,9 +72,9 @@ def normal(text: str, origin: TextOrigin) -> str:
 
 
 def parse_tree(source: str, start: Start, origin: TextOrigin, dialect: Dialect) -> Tree[Token]:
-    """Lark's tree of `source`. Raises ParseError, with its place in the file."""
+    """Lark's tree of `source`, which `origin` has joined. Raises ParseError, with its place in the file."""
     try:
-        return tables(dialect.released).parse(source, start=start)
+        return tables(dialect.released).parse(origin.joined.text, start=start)
     except UnexpectedInput as fault:
         raise syntax_errors.explain(fault, source, origin, released=dialect.released) from None
     except ParseError as fault:  # from the post-lexer
@@ -168,8 +171,8 @@ class TreeBuilder(ExpressionBuilder, ScenicBuilder, StatementBuilder, DynamicsBu
         breaks = before.count("\n")
         column = len(before) - before.rfind("\n") if breaks else column + piece.offset
         start = self.origin.span(line + breaks, column, line + breaks, column)
-        origin = TextOrigin(self.origin.file, start.line - 1, start.column - 2)  # the added "(" has column 1
         source = f"({piece.expression})"
+        origin = TextOrigin(self.origin.file, start.line - 1, start.column - 2, join_text(source, apart=False))  # the added "(" has column 1
         builder = TreeBuilder(origin, self.dialect, self.interpolated + 1)
         value = builder.build(parse_tree(source, "interpolation", origin, self.dialect))
         layout = None

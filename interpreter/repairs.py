@@ -75,6 +75,8 @@ RESERVED = (
     "and|as|assert|async|await|break|class|continue|def|del|elif|else|except|finally|for|from|global|if|import|in|is|lambda|nonlocal|not|or|pass"
     "|raise|return|try|while|with|yield|True|False|None"
 )
+AMOUNT = r"(?P<n>[^\W\d][\w.]*\([^()]*\)|\([^()]*\)|[\d.]*\d)"
+"""What stands before a unit: a number, or a distribution such as `Range(3, 5)`."""
 # (pattern, message, hint): the pattern is looked for in the line, and must touch the place where parsing stopped; its group `here` is the mistake.
 TABLE: tuple[tuple[str, str, str], ...] = (
     (
@@ -128,9 +130,21 @@ TABLE: tuple[tuple[str, str, str], ...] = (
     ),
     (r"^\s*(?P<here>(?:stop|end|finish|exit|quit|halt)\s+(?P<word>when|if|after))\b", r"`\g<here>` is not a statement", "write `terminate when ...`"),
     (r"^\s*require\s+(?P<here>\d*\.?\d+)\s+\S*", "the probability of a soft requirement stands in brackets", r"write `require[\g<here>] ...`"),
+    (
+        r"^\s*param\s+(?P<name>[^\W\d]\w*)\s*(?P<here>\[)", "a parameter is set as a whole, not an element of it",
+        r"write `param \g<name> = ...` with the whole list or dictionary",
+    ),
+    (
+        r"^\s*param\s+(?P<name>[^\W\d]\w*)(?P<here>\.)(?P<rest>[\w.]*)", "the name of a parameter has no dot",
+        r'write another name, such as `\g<name>_\g<rest>`, or `param "\g<name>.\g<rest>" = ...`',
+    ),
     (r"^\s*mutate\b.*,\s*by\b.*", "there is no comma before `by`", "remove the comma"),
     (r"^\s*param\s+\w+\s*(?P<here>:)", "a parameter is set with `=`", "write `param name = value`"),
     (r"^\s*param\s+\w+\s+(?P<here>[\w.\"'(]+)", "a parameter is set with `=`", "write `param name = value`"),
+    (
+        r"\bwith\s*(?P<here>\()\s*(?P<name>[^\W\d]\w*)", "`with` is followed by the property and its value, without brackets around them",
+        r"write `with \g<name> ...`",
+    ),
     (r"\bwith\s+(\w+)\s*(?P<here>[=:])", "specifiers take no `=`: `with` is followed by the property and its value", r"write `with \1 ...`"),
     (
         r"^\s*(?P<here>interrupt\s+when)\b.*", "`interrupt when` stands without a `try` above it",
@@ -140,16 +154,25 @@ TABLE: tuple[tuple[str, str, str], ...] = (
     (CONDITION_START + r"[^=]*[^=!<>]=(?!=)", "`=` assigns", "write `==` to compare"),
     (r"\b(?:degrees?|degs)\b", "the unit of angles is spelt `deg`", "write `deg`"),
     (r"\b(?:secs?|second)\b", "the unit of time is spelt `seconds`", "write `seconds`"),
+    (rf"\b(?:for|after|every)\s+{AMOUNT}\s*(?P<here>s)\b", "the unit of time is spelt `seconds`", "write `seconds`"),
+    (
+        rf"\b(?:for|after|every)\s+{AMOUNT}\s*(?P<here>m(?:in(?:ute)?s?)?)\b", "times are in seconds or in time steps",
+        r"write `\g<n> * 60 seconds`",
+    ),
+    (
+        rf"\b(?:for|after|every)\s+{AMOUNT}\s*(?P<here>ms|milliseconds?)\b", "times are in seconds or in time steps",
+        r"write `\g<n> / 1000 seconds`",
+    ),
     (r"\bstep\b", "the unit of time steps is spelt `steps`", "write `steps`"),
     (r"(?P<here>°)", "the unit of angles is spelt `deg`", "write `deg`"),
-    (r"(?P<n>[\d.]*\d)\s*(?P<here>(?:km/?h|kmph)\b)", "speeds are in metres per second and have no unit", r"write `\g<n> / 3.6`"),
-    (r"(?P<n>[\d.]*\d)\s*(?P<here>mph\b)", "speeds are in metres per second and have no unit", r"write `\g<n> * 0.44704`"),
-    (r"\d\s*(?P<here>m/s\b)", "speeds are in metres per second and have no unit", "leave out the unit"),
-    (r"(?P<n>[\d.]*\d)\s*(?P<here>km\b)", "lengths are in metres and have no unit", r"write `\g<n> * 1000`"),
-    (r"(?P<n>[\d.]*\d)\s*(?P<here>cm\b)", "lengths are in metres and have no unit", r"write `\g<n> / 100`"),
-    (r"(?P<n>[\d.]*\d)\s*(?P<here>mm\b)", "lengths are in metres and have no unit", r"write `\g<n> / 1000`"),
-    (r"(?P<n>[\d.]*\d)\s*(?P<here>(?:ft|feet)\b)", "lengths are in metres and have no unit", r"write `\g<n> * 0.3048`"),
-    (r"\d\s*(?P<here>m\b)", "lengths are in metres and have no unit", "leave out the unit"),
+    (rf"{AMOUNT}\s*(?P<here>(?:km\s*/?\s*h|kmph|kph)\b)", "speeds are in metres per second and have no unit", r"write `\g<n> / 3.6`"),
+    (rf"{AMOUNT}\s*(?P<here>mph\b)", "speeds are in metres per second and have no unit", r"write `\g<n> * 0.44704`"),
+    (r"[\d)]\s*(?P<here>m\s*/\s*s\b)", "speeds are in metres per second and have no unit", "leave out the unit"),
+    (rf"{AMOUNT}\s*(?P<here>km\b)", "lengths are in metres and have no unit", r"write `\g<n> * 1000`"),
+    (rf"{AMOUNT}\s*(?P<here>cm\b)", "lengths are in metres and have no unit", r"write `\g<n> / 100`"),
+    (rf"{AMOUNT}\s*(?P<here>mm\b)", "lengths are in metres and have no unit", r"write `\g<n> / 1000`"),
+    (rf"{AMOUNT}\s*(?P<here>(?:ft|feet)\b)", "lengths are in metres and have no unit", r"write `\g<n> * 0.3048`"),
+    (r"[\d)]\s*(?P<here>m\b)", "lengths are in metres and have no unit", "leave out the unit"),
     (r"\b(?:metres?|meters?)\b", "lengths are in metres and have no unit", "leave out the unit"),
     (
         r",\s*(?P<here>(?P<word>width|length|height|color|name|speed|behavior|model|viewAngle|allowCollisions|requireVisible))\s+[^\s=]\S*",
@@ -186,7 +209,7 @@ TABLE: tuple[tuple[str, str, str], ...] = (
 )
 
 NEEDS_ARGUMENT = re.compile(
-    r"(visible\s+from|left\s+of|right\s+of|ahead\s+of|front\s+of|back\s+of|behind|beyond|facing\s+toward|facing\s+away\s+from|facing|following"
+    r"\b(visible\s+from|left\s+of|right\s+of|ahead\s+of|front\s+of|back\s+of|behind|beyond|facing\s+toward|facing\s+away\s+from|facing|following"
     r"|offset\s+by|offset\s+along|relative\s+to|can\s+see|at|on|by|with(?:\s+\w+)?|distance\s+(?:from|to|past)|angle\s+(?:from|to)|from|to)\s*$"
 )
 
@@ -201,6 +224,8 @@ def find(place: Situation) -> Repair | None:
         said = time_conditions.message(word, time)
         hint = time_conditions.instead(word, time, found["amount"], released=place.released)
         return Repair(said, hint, found.span("time"))
+    if (words := _without_argument(place)) is not None:
+        return _needs_argument(words)
     for pattern, message, hint in TABLE:
         for match in re.finditer(pattern, place.line):
             if match.start() <= place.column <= match.end():
@@ -222,8 +247,23 @@ def _ended(place: Situation) -> Repair | None:
         return Repair("a `:` is missing at the end of the line", "end the line with `:`")
     found = NEEDS_ARGUMENT.search(place.before)
     if found:
-        return Repair(f"`{' '.join(found.group(1).split())}` needs an argument", f"write `{' '.join(found.group(1).split())} ...`")
+        return _needs_argument(found[1])
     return None
+
+
+def _without_argument(place: Situation) -> str | None:
+    """The operator or specifier with nothing behind it but a comma or the end of the brackets; a word alone may be a name."""
+    found = NEEDS_ARGUMENT.search(place.before) if place.word in (",", ")", "]", "}") else None
+    if found is None:
+        return None
+    follows = re.search(r"[\w)\]]\s+$", place.before[: found.start()]) is not None
+    return found[1] if follows or found[1] == "with" or len(found[1].split()) > 1 else None
+
+
+def _needs_argument(words: str) -> Repair:
+    """The repair of an operator or specifier, in `words`, with nothing behind it."""
+    word = " ".join(words.split())
+    return Repair(f"`{word}` needs an argument", f"write `{word} ...`")
 
 
 def _second_condition(place: Situation) -> Repair | None:

@@ -73,11 +73,17 @@ def slips(
                 source = to_source(condition, program.dialect)
                 text = "behind `except` stands an exception, and this is a condition"
                 yield ProgramWarning(NO_EFFECT, text, condition.span, f"write `interrupt when {source}:`")
-            case Call(function=Name(name="Uniform"), arguments=(ListDisplay() | TupleDisplay() | Name() as values,), keywords=()):
+            case Call(
+                function=Name(name="Uniform"),
+                arguments=(ListDisplay() | TupleDisplay() | Comprehension() | Call() | Name() as values,),
+                keywords=(),
+            ):
                 if isinstance(values, Name) and values.name not in lists:
                     continue
+                if isinstance(values, Call) and not _is_range(values, nodes):
+                    continue
                 text = "Uniform draws one of its arguments, and this is one: always the whole list"
-                yield ProgramWarning(ONE_VALUE, text, values.span, _one_by_one(values))
+                yield ProgramWarning(ONE_VALUE, text, values.span, _one_by_one(values, program.dialect))
             case _:
                 pass
 
@@ -94,9 +100,17 @@ def _is_list(value: Node) -> bool:
     return isinstance(value, ListDisplay | TupleDisplay) or (isinstance(value, Comprehension) and value.kind == "list")
 
 
-def _one_by_one(values: Node) -> str:
+def _is_range(call: Call, nodes: list[Node]) -> bool:
+    """Whether a call is one of Python's `range`, or of `list`, `tuple` or `sorted`, which no name of the program hides."""
+    function = call.function
+    return isinstance(function, Name) and function.name in ("range", "list", "tuple", "sorted") and function.name not in set(_bound(nodes))
+
+
+def _one_by_one(values: Node, dialect: str) -> str:
     """How `Uniform` is given the values themselves."""
-    return f"write Uniform(*{values.name})" if isinstance(values, Name) else "write the values themselves: Uniform(1, 2, 3), or Uniform(*values)"
+    if isinstance(values, Name | Call):
+        return f"write Uniform(*{to_source(values, dialect)})"
+    return "write the values themselves: Uniform(1, 2, 3), or Uniform(*values)"
 
 
 # Angles

@@ -45,17 +45,17 @@ HUMAN: dict[str, tuple[str, ...]] = {
 
 def explain(fault: UnexpectedInput, source: str, origin: TextOrigin, *, released: bool = False) -> ParseError:
     """The error for Lark's `fault` in `source`, which stands at `origin`; `released`: in a dialect of the releases."""
-    line, column = place_of(fault, source)
+    line, column = place_of(fault, source, origin)
     lines = source.split("\n")
     text = lines[line - 1] if line <= len(lines) else ""
     found = WORD.match(text, column - 1)
     word = found.group() if found and not found.group().startswith("#") else ""
     end = column + max(1, len(word))
-    span = origin.span(line, column, line, end)
+    span = origin.written(line, column, line, end)
     unclosed = bracket_fault(source, line, column, word, ended=getattr(getattr(fault, "token", None), "type", "") == "$END")
     if unclosed is not None:
         (at_line, at_column), message, hint = unclosed
-        return ParseError(message, origin.span(at_line, at_column, at_line, at_column + 1), hint=hint)
+        return ParseError(message, origin.written(at_line, at_column, at_line, at_column + 1), hint=hint)
     expected = expected_names(fault)
     if isinstance(fault, UnexpectedCharacters) and re.match(r"(?i)(?:[rbuf]{0,2})['\"]", text[column - 1 :]):
         return ParseError("this string is not terminated", span, hint="end it with the quotation mark it began with")
@@ -72,7 +72,7 @@ def explain(fault: UnexpectedInput, source: str, origin: TextOrigin, *, released
     )
     if repair is not None and repair.place is not None:
         start, stop = repair.place
-        return ParseError(repair.message, origin.span(line, start + 1, line, stop + 1), hint=repair.hint)
+        return ParseError(repair.message, origin.written(line, start + 1, line, stop + 1), hint=repair.hint)
     if repair is not None:
         return ParseError(repair.message, span, expected=expected, hint=repair.hint)
     if expected == ("an indented block",):
@@ -86,15 +86,15 @@ def unexpected(word: str, kind: str, expected: tuple[str, ...]) -> str:
     return what + (f"; expected {' or '.join(expected[-3:] if len(expected) > 3 else expected)}" if expected else "")
 
 
-def place_of(fault: UnexpectedInput, source: str) -> tuple[int, int]:
-    """The 1-based line and column where parsing stopped."""
+def place_of(fault: UnexpectedInput, source: str, origin: TextOrigin) -> tuple[int, int]:
+    """The 1-based line and column in `source` where parsing stopped."""
     if isinstance(fault, UnexpectedToken) and isinstance(fault.token, Token) and fault.token.type in ("$END", "_NEWLINE", "_DEDENT"):
         line, column = fault.token.end_line, fault.token.end_column
     else:
         line, column = getattr(fault, "line", None), getattr(fault, "column", None)
     if not isinstance(line, int) or not isinstance(column, int) or line < 1:
         return source.count("\n") or 1, 1
-    return line, max(1, column)
+    return origin.joined.place(line, max(1, column))
 
 
 def expected_names(fault: UnexpectedInput) -> tuple[str, ...]:

@@ -18,20 +18,28 @@ from . import literals
 from .chains import is_dotted_name, join
 from .definition_parts import PARTS
 from .dialects import Dialect, having
+from .joined_text import AS_WRITTEN, JoinedText
 
 Parts = list[Any]  # What the children of a rule were turned into: nodes, tokens, tuples of nodes, or None.
 
 
 @dataclass(frozen=True, slots=True)
 class TextOrigin:
-    """Where the parsed text stands: its file, and what to add to its lines and to the columns of its first line."""
+    """Where the parsed text stands: its file, and what to add to its lines and to the columns of its first line; `joined` is what the
+    grammar reads of it.
+    """
 
     file: str
     line: int = 0
     column: int = 0
+    joined: JoinedText = AS_WRITTEN
 
     def span(self, line: int, column: int, end_line: int, end_column: int) -> Span:
-        """The place in the file of a stretch of the parsed text."""
+        """The place in the file of a stretch of the joined text."""
+        return self.written(*self.joined.place(line, column), *self.joined.place(end_line, end_column))
+
+    def written(self, line: int, column: int, end_line: int, end_column: int) -> Span:
+        """The place in the file of a stretch of the text as it was written."""
         return Span(
             self.file,
             line + self.line,

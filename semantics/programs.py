@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from .dynamics.initial import Finishing
+from .dynamics.initial import Finishing, unassigned_ego
 from .kernel.config import Config, Settings, State
 from .kernel.errors import NoEgo
 from .kernel.host import Door
@@ -74,7 +74,8 @@ def initial(program: Program, settings: Settings) -> Config:
             statements = (Model(name=chosen), *statements)
     whole = If(test=Constant(value=True), then=statements)
     empty = None if statements else Span(program.file, 1, 1, 1, 1)
-    return Config(whole, (Finishing(empty), ()), State(scope, settings, budget.versions.current, params=dict(settings.params)))
+    finishing = Finishing(empty, unassigned_ego(program.statements))
+    return Config(whole, (finishing, ()), State(scope, settings, budget.versions.current, params=dict(settings.params)))
 
 
 def ego_of(state: State, *, simulated: bool = False) -> Instance | None:

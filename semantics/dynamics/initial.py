@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 from ..kernel.conditions import holding
@@ -9,7 +10,7 @@ from ..kernel.config import Stack, State
 from ..kernel.errors import RunError, UsageError
 from ..kernel.kinds import Reader
 from ..kernel.outcome import Outcome, Requirement
-from ..kernel.scopes import Scope
+from ..kernel.scopes import Scope, bound_by, descendants
 from ..kernel.suggestions import nearest
 from ..kernel.values import Dynamic, Instance, plain
 from ..python.calls import invocation
@@ -18,6 +19,7 @@ from ..scenes.statements import observed, require
 from ..scenes.termination import apply_termination_rules
 from ..syntax import dynamics as d
 from ..syntax.nodes import NOWHERE, Node, Span
+from ..syntax.statements import ClassDefinition, Delete, For, FunctionDefinition, Handler
 from .scenarios import setup
 
 MAIN = "Main"
@@ -101,9 +103,10 @@ def enter_initial(frame: OpeningGuards, definition: d.ScenarioDefinition, stack:
 
 class Finishing(NamedTuple):
     """Frame at the bottom of the program: when its statements are reduced to `pass`, the termination rules begin. `empty` is the place of a
-    program without any."""
+    program without any, and `unassigned` is the statement that gives its name ego to something else, where nothing assigns ego."""
 
     empty: Span | None = None
+    unassigned: Node | None = None
 
 
 def resume_finishing(frame: Finishing, result: object, stack: Stack, state: State) -> Outcome:
@@ -113,11 +116,26 @@ def resume_finishing(frame: Finishing, result: object, stack: Stack, state: Stat
         if main is not None:
             return begin_initial(main, (frame, stack), state)
     if state.ego is None and not may_come_later(state):
-        check_without_ego(state, frame.empty)
+        check_without_ego(state, frame.empty, frame.unassigned)
     return apply_termination_rules(stack, in_order(state))
 
 
-def check_without_ego(state: State, empty: Span | None) -> None:
+def unassigned_ego(statements: Iterable[Node]) -> Node | None:
+    """The statement that gives the name ego to what is no object of the scene, if no other one binds it."""
+    found = [node for st in statements for node in descendants(st) if not isinstance(node, Delete) and "ego" in bound_by(node)]
+    return found[0] if found and all(isinstance(node, tuple(EGO_BY)) for node in found) else None
+
+
+EGO_BY: Mapping[type[Node], str] = {
+    For: "a `for` loop gives values to the name ego", Handler: "an `except` clause gives an exception the name ego",
+    FunctionDefinition: "ego is the name of a function", ClassDefinition: "ego is the name of a class",
+    d.BehaviorDefinition: "ego is the name of a behavior", d.MonitorDefinition: "ego is the name of a monitor",
+    d.ScenarioDefinition: "ego is the name of a scenario",
+}  # fmt: skip
+"""What binds the name ego, but makes nothing the ego object."""
+
+
+def check_without_ego(state: State, empty: Span | None, unassigned: Node | None = None) -> None:
     """Reading `no-ego`: it is an error, or only where an object must be visible from it."""
     if state.reading("no-ego") == "allowed":
         seen = next((o for o in state.scene if Reader(state).property(o, "requireVisible")), None)
@@ -129,6 +147,9 @@ def check_without_ego(state: State, empty: Span | None) -> None:
     text = "the program never assigns ego, the object from whose point of view the scene is"
     if empty is not None:
         raise RunError(f"the program is empty, and so {text.removeprefix('the program ')}", empty, rule="T-Mutate", hint="write ego = Object ...")
+    if unassigned is not None:
+        text = f"{EGO_BY[type(unassigned)]}, and no assignment makes an object the ego object"
+        raise RunError(text, unassigned.span, rule="T-Mutate", hint="write ego = Object ..., and give the other one another name")
     near = nearest("ego", [name for name, found in state.sigma.bindings.items() if isinstance(plain(found), Instance)])
     hint = f"write ego in place of {near}" if near else "write ego = Object ..."
     place = state.scene[0].span if state.scene else NOWHERE
