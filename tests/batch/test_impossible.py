@@ -27,6 +27,18 @@ def test_what_can_never_hold_is_an_error_at_once(text):
         scenario.sample(max_attempts=50)
 
 
+@pytest.mark.parametrize(("text", "hint"), [
+    ("x = Range(0, 1)\nrequire x > 5", "its left side is between 0 and 1, its right side 5"),
+    ("x = Range(0, 1)\nrequire 5 < abs(x)", "its left side is 5, its right side between 0 and 1"),
+    ("x = Uniform(1, 2, 3)\nrequire x == 5", ""), ("x = Uniform(1, 2, 3)\nrequire x in [4, 5]", ""),
+    ("x = Range(0, 1)\nrequire x @ 0 in CircularRegion((50, 50), 3)", ""), ("x = Range(0, 1)\nrequire x > 5 or x < -1", ""),
+    ("x = Range(0, 1)\nrequire max(x, 9 if 1 > 2 else 0) > 3", ""),
+])  # fmt: skip
+def test_the_sides_of_a_comparison_are_told_where_they_are_those_that_the_program_wrote(text: str, hint: str) -> None:
+    impossible = scenic_ref.loads(f"{EGO}{text}").impossible
+    assert impossible is not None and impossible.hint == hint
+
+
 @pytest.mark.parametrize("text", [
     "x = Range(0, 1)\nrequire[0.5] x > 2", "x = Range(0, 1)\nrequire x > 0.99999", "x = Uniform(0, 1)\nrequire x > 0.5\nrequire x == 1",
 ])  # fmt: skip

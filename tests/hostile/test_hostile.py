@@ -76,9 +76,9 @@ def test_region_with_bad_coordinates():
 
 
 def test_empty_uniform():
-    assert refused("ego = Object\nx = Uniform()\n", errors.RunError, "must not be empty").span.line == 2
-    refused("ego = Object\nx = Uniform(*[])\n", errors.RunError, "must not be empty")
-    refused("ego = Object\nx = Discrete({})\n", errors.RunError, "must not be empty")
+    assert refused("ego = Object\nx = Uniform()\n", errors.RunError, "has nothing to draw").span.line == 2
+    refused("ego = Object\nx = Uniform(*[])\n", errors.RunError, "has nothing to draw")
+    refused("ego = Object\nx = Discrete({})\n", errors.RunError, "has nothing to draw")
 
 
 @pytest.mark.parametrize("number", ["float('nan')", "float('inf')", "1e308 * 10"])

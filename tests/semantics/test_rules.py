@@ -28,7 +28,7 @@ MESSAGES = {
     "random-loop": "random",
     "oriented-points-relative-to-each-other": "oriented points",
     "at-needs-a-vector": "expects (vector)",
-    "uniform-over-nothing": "empty",
+    "uniform-over-nothing": "nothing to draw",
     "range-with-one-end": "low, high",
     "resample-of-an-operation": "operation on one",
     "a-negative-width": "at least 0",
