@@ -31,10 +31,12 @@ ego = Object at (0, 0), with p p, with behavior Toss
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("profile", "share"), [("paper", 0.75), ("scenic-3", 0.5)])
-def test_a_rejected_simulation_discards_the_scene_as_well_or_under_retry_does_not(profile, share):
+@pytest.mark.parametrize(("profile", "readings", "share"), [
+    ("paper", {}, 0.75), ("scenic-2.1", {}, 0.75), ("scenic-3", {}, 0.75), ("scenic-3", {"rejected-simulation": "retry"}, 0.5),
+])  # fmt: skip
+def test_a_rejected_simulation_discards_the_scene_as_well_or_under_retry_does_not(profile, readings, share):
     """Among 600 simulations the counts are binomial: 6 standard deviations are 64 and 74; the other reading is 150 away (false alarm below 1e-8)."""
-    scenario = scenic_ref.loads(TOSS, profile=profile)
+    scenario = scenic_ref.loads(TOSS, profile=profile, readings=readings)
     count = 600
     high = sum(scenario.simulate("still", 1, 5, k).simulation.scene.ego.properties["p"] == 0.75 for k in range(count))
     assert abs(high - share * count) < 75
