@@ -14,6 +14,7 @@ import struct
 import sys
 import threading
 import time
+from types import FrameType
 from typing import NoReturn
 
 LAYOUT = struct.Struct("=dddd")
@@ -29,6 +30,10 @@ PATIENCE = 0.7
 ON_THE_CLOCK = 10.0
 """A task may take so many times its processor time on the clock, and half a minute: other processes take theirs."""
 LOOK = 0.1
+HEARD = mmap.mmap(-1, 1)
+"""How many interrupts the child has heard of, modulo 256."""
+HEARING = 0.3
+"""Seconds in which a child hears an interrupt that its whole group got; after that, it is sent one."""
 TOLD_ON = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGUSR1", "SIGUSR2")
 DEADLY = ("SIGSEGV", "SIGBUS", "SIGABRT", "SIGILL", "SIGFPE")
 SUPERVISED = ("run", "simulate", "trace", "check")
@@ -56,17 +61,29 @@ def supervise(arguments: list[str]) -> None:
     ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG: a child whose parent is killed does not go on
     if os.getppid() != parent:
         os._exit(1)
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, interrupted)
     signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def interrupted(number: int, frame: FrameType | None) -> None:
+    """Count the interrupt, so that it does not come twice, and raise `KeyboardInterrupt`."""
+    HEARD[0] = (HEARD[0] + 1) % 256
+    signal.default_int_handler(number, frame)
 
 
 def watch(child: int, heard: set[signal.Signals]) -> None:
     """Wait for the child, tell it what signals come, and end it when it is late; never returns."""
-    begun = ChildTask()
+    begun, told = ChildTask(), 0
     while True:
         found = signal.sigtimedwait(heard, LOOK)
         if found is not None and found.si_signo != signal.SIGCHLD:
+            if found.si_signo == signal.SIGINT and has_heard_since(told):
+                told = HEARD[0]
+                continue
             if found.si_code <= 0:  # somebody sent it to this process; what a terminal sends, the child gets as well
                 os.kill(child, found.si_signo)
+            told = (told + (found.si_signo == signal.SIGINT)) % 256
             continue
         done, status = os.waitpid(child, os.WNOHANG)
         if done:
@@ -76,6 +93,14 @@ def watch(child: int, heard: set[signal.Signals]) -> None:
             os.kill(child, signal.SIGKILL)
             os.waitpid(child, 0)
             end(f"error: what the program does took {reason}", "  = hint: --limit-seconds allows more", 1)
+
+
+def has_heard_since(told: int) -> bool:
+    """Return whether the child has heard of an interrupt that it was not sent from here, as where its whole group got one."""
+    ended = time.monotonic() + HEARING
+    while not (ahead := 0 < (HEARD[0] - told) % 256 < 128) and time.monotonic() < ended:
+        time.sleep(LOOK / 10)
+    return ahead
 
 
 class ChildTask:

@@ -150,7 +150,7 @@ def test_vectors_are_warned_about_imports_that_they_do_not_use_and_what_they_are
     assert others == {
         ("refused-a-local-variable-before-it-is-bound", UNKNOWN), ("uniform-of-one-list", ONE_VALUE),
         ("uniform-of-an-unpacked-list", ONE_VALUE), ("headings-as-properties-wrapped", DEGREES),
-        ("behavior-without-do", NO_EFFECT), ("reading-take-in-monitor", NO_EFFECT),
+        ("behavior-without-do", NO_EFFECT), ("scenario-without-do", NO_EFFECT), ("reading-take-in-monitor", NO_EFFECT),
     }  # fmt: skip
 
 
