@@ -28,13 +28,13 @@ except ImportError:  # a system without limits on processes
 
 
 
-class Running(threading.local):
+class RunDepth(threading.local):
     """How many runs of programs the thread is in: what another thread does meanwhile, no program of this one did."""
 
     depth = 0
 
 
-RUNNING = Running()
+RUNNING = RunDepth()
 
 
 class Wall:
