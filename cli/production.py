@@ -260,9 +260,9 @@ def produce_few(
     drawing: Drawing, job: Job, request: SceneRequest, output: Output, tally: Tally, progress: Progress, known: list[tuple[int, int]],
     unread: list[object], stack: ExitStack, interpreted: str,
 ) -> str | None:
-    """The same by the interpreter, as long as each scene needs few attempts and little time; the others by the batch backend, if it can.
+    """Write the scenes by the interpreter while each needs few attempts and little time, and those that are left by the batch backend, if it can.
 
-    Gives why it did not.
+    Return why the batch backend drew none of them, or None.
     """
     try:
         first = job._replace(max_attempts=min(job.max_attempts, PATIENCE))

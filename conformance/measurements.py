@@ -47,7 +47,7 @@ class Measurements:
 
 
 def measurements() -> Measurements:
-    """Those that ship. Raises `ValueError` for a file of another kind."""
+    """Return the measurements that come with the package. Raises `ValueError` for a file of another schema."""
     found = json.loads(files("scenic_ref.conformance").joinpath("results", "profiles.json").read_text("utf-8"))
     if found["schema"] != SCHEMA:
         raise ValueError(f"profiles.json is {found['schema']}, and not {SCHEMA}")

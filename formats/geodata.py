@@ -237,7 +237,7 @@ def of_shapefile(data: bytes, path: Path) -> Read:
 
 
 def beside(path: Path, suffix: str) -> BytesIO | None:
-    """What is in a file beside a shapefile; None if there is none. Raises `OSError`."""
+    """Return the file beside a shapefile with that suffix, such as its .prj, as a stream; None if there is none. Raises `OSError`."""
     try:
         return BytesIO(read_regular_file(path.with_suffix(suffix), LARGEST))
     except FileNotFoundError:

@@ -61,7 +61,7 @@ def nameless_file(folder: Path) -> IO[bytes] | None:
 
 
 def by_number(file: IO[bytes]) -> str:
-    """Where Linux shows an open file."""
+    """Return the path under /proc by which Linux shows an open file of this process."""
     return f"/proc/self/fd/{file.fileno()}"
 
 

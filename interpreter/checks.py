@@ -128,7 +128,7 @@ def _misplaced(statement: Statement, place: StatementPlace) -> Iterator[CheckErr
 
 
 def _instead(statement: Statement, home: Home) -> str:
-    """What is written where a statement of behaviors stands in `home`, if that is likely to be meant."""
+    """Return what to write in place of `take`, `wait` or `do` in `home`, a place where none may stand; "" where nothing is likely."""
     if home == "a function" and isinstance(statement, d.Take | d.Wait | d.Do | d.DoChoose | d.DoShuffle):
         return "write `behavior` in place of `def`, and run it by `do NAME()`"
     if home in DECLARATIVE and isinstance(statement, d.Do) and statement.invocations:

@@ -31,7 +31,7 @@ from scenic_ref.conformance.vector import ConformanceVector
 from scenic_ref.semantics.readings import READINGS, Reading
 
 HERE = Path(__file__).resolve().parent
-ADAPTER, OWN = HERE / "released_as_used.py", HERE / "profile_vectors.toml"
+ADAPTER, OWN = HERE / "release_by_its_defaults.py", HERE / "profile_vectors.toml"
 SCHEMA = "scenic-ref/profiles/1"
 PROFILES = ("scenic-2.1", "scenic-3")
 WAYS: tuple[str, ...] = ("command line", "API")

@@ -74,7 +74,7 @@ class Recorder:
         self.place: Callable[[str], Requirement] = lambda text: Requirement("", NOWHERE, text)
         self.open = True
         self.decision = ""
-        """What the sides can be of the last comparison whose result was the same whatever is drawn, in words."""
+        """The operator and the bounds of both sides, in words, of the last comparison that is false whatever is drawn; "" if it is true."""
 
     # Nodes
 

@@ -1,7 +1,7 @@
 """A released Scenic as its users run it, in the words of the harness protocol: by its API, or by its command line.
 
-    PYTHON tools/released_as_used.py api
-    PYTHON tools/released_as_used.py command-line
+    PYTHON tools/release_by_its_defaults.py api
+    PYTHON tools/release_by_its_defaults.py command-line
 
 Where `conformance/adapters/released.py` says how many attempts a scene or simulation may take, here nothing is said: each function
 has the defaults of the release. The command line is the real code of `python -m scenic`; only its simulator is replaced, by one that
