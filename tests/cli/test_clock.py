@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
+from scenic_ref.interpreter.supervisor import HEARING
 
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="other systems have no such clocks")
 
@@ -107,3 +108,32 @@ def test_a_program_does_not_go_on_when_its_supervisor_is_killed(tmp_path):
         process.wait()
         while Path(f"/proc/{child}").exists() and "Z" not in Path(f"/proc/{child}/stat").read_text().split()[2]:
             time.sleep(0.01)
+
+
+COUNTING = """
+import sys
+from scenic_ref.interpreter.supervisor import supervise
+
+supervise(["run"])
+print("ready", flush=True)
+while True:
+    try:
+        sys.stdin.readline()
+        break
+    except KeyboardInterrupt:
+        print("interrupted", flush=True)
+"""
+
+
+@pytest.mark.parametrize("send", [os.kill, os.killpg])
+def test_an_interrupt_reaches_the_program_once_whether_its_process_or_the_whole_group_gets_it(send):
+    """A supervisor that sends on whatever it gets, as it must where it alone is told, would make two of one for the group."""
+    command = [sys.executable, "-c", COUNTING]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, start_new_session=True) as process:
+        assert process.stdout is not None and process.stdout.readline() == "ready\n"
+        for _ in range(2):
+            send(process.pid, signal.SIGINT)
+            assert process.stdout.readline() == "interrupted\n"
+            time.sleep(2 * HEARING)  # for a second one, which must not come
+        assert process.communicate("\n")[0] == ""
+        assert process.returncode == 0
