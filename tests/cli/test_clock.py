@@ -115,13 +115,14 @@ import sys
 from scenic_ref.interpreter.supervisor import supervise
 
 supervise(["run"])
-print("ready", flush=True)
+word = "ready"
 while True:
     try:
+        print(word, flush=True)
         sys.stdin.readline()
         break
     except KeyboardInterrupt:
-        print("interrupted", flush=True)
+        word = "interrupted"
 """
 
 
