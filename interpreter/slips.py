@@ -1,5 +1,5 @@
 """Warnings about what a run need not come to, or takes as it is: names that nothing binds, `take` in a monitor,
-behaviors that are called as functions, negative weights, headings in degrees, `Uniform` of one list.
+behaviors that are called as functions, loops in which no time passes, negative weights, angles in degrees, `Uniform` of one list.
 """
 
 from __future__ import annotations
@@ -184,7 +184,7 @@ def _timeless_loops(nodes: list[Node]) -> Iterator[ProgramWarning]:
 
 
 LEAVING = (
-    d.Take | d.Wait | d.Do | d.DoChoose | d.DoShuffle | d.Abort | d.Terminate | s.Return | s.Break | s.Raise | s.Assert | s.Try
+    d.Take | d.Wait | d.WaitFor | d.Do | d.DoChoose | d.DoShuffle | d.Abort | d.Terminate | s.Return | s.Break | s.Raise | s.Assert | s.Try
 )  # fmt: skip
 """What ends a loop, or takes time in it."""
 
@@ -197,7 +197,7 @@ def _from_ego_to_ego(program: Program) -> Iterator[ProgramWarning]:
             case (
                 e.Distance(origin=None, target=Name(name="ego")) | e.Distance(origin=Name(name="ego"), target=None)
                 | e.Angle(origin=None, target=Name(name="ego")) | e.Angle(origin=Name(name="ego"), target=None)
-                | e.RelativeHeading(heading=Name(name="ego"), origin=None) | e.ApparentHeading(oriented_point=Name(name="ego"), origin=None)
+                | e.RelativeHeading(heading=Name(name="ego"), origin=None)
             ):
                 text = "the object that is left out is ego, so that this is always 0"
                 yield ProgramWarning(ONE_VALUE, text, node.span, "name the other object: `from ego to X`, or `of X from ego`")

@@ -43,10 +43,10 @@ KINDS = {
     UNREAD: "nothing reads a property, and its name is nearly that of one that is read",
     UNKNOWN: "nothing binds a name that a function, behavior, monitor or scenario uses, or a condition or value of a"
     " simulation",
-    NO_EFFECT: "a statement does nothing where it stands, such as `take` in a monitor",
+    NO_EFFECT: "a statement does nothing where it stands, such as `take` in a monitor or a loop in which no time passes",
     BAD_WEIGHT: "a weight of `do choose` or `do shuffle` is a negative number",
-    DEGREES: "a heading is more than a full turn in radians",
-    ONE_VALUE: "Uniform is given one list, in place of the values in it",
+    DEGREES: "a heading, or a number that an angle is compared with, is more than a full turn in radians",
+    ONE_VALUE: "Uniform is given one list, in place of the values in it; or a distance or angle is that from ego to ego",
     IMPLAUSIBLE: "a map of one's own is so large or so small that its coordinates are most likely others than those that are read",
     UNUSED: "nothing uses what an import gives, and the module does nothing else",
 }

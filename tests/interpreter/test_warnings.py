@@ -214,6 +214,12 @@ def test_names_of_conditions_and_values_of_simulations_are_looked_at(dialect: st
         "model scenic.domains.driving.model\nparam weather = 3, timestep = 0.1, render = True, lap = 3\nego = Car\n",
         "behavior A():\n    take 1\nbehavior A():\n    take 2\nbehavior B(f):\n    f()\nego = Object with behavior B(print)\n",
         "monitor M:\n    wait\nego = Object\n",
+        "behavior B():\n    while True:\n        if self.speed > 3: take 1\n        else: wait\nego = Object with behavior B(), with speed 1\n",
+        "behavior B():\n    while True:\n        try: do C()\n        interrupt when self.speed > 3: take 1\nbehavior C(): take 2\n"
+        "ego = Object with behavior B(), with speed 1\n",
+        "# dialect: scenic-3\nbehavior B():\n    while True:\n        wait for 2 steps\nego = new Object with behavior B()\n",
+        "def f(x):\n    while True: x += 1\nego = Object facing 6\nb = Object at (9, 9)\nrequire (apparent heading of ego) < 6\n",
+        "ego = Object\nb = Object at (9, 9)\nrequire (distance from ego to b) < 90 and (relative heading of b) < 6\n",
     ],
 )
 def test_what_is_read_or_run_is_not_warned_about(text: str) -> None:
