@@ -18,6 +18,7 @@ from scenic_ref.cli.workers import Job
 from scenic_ref.inference.batch.jobs import shelves
 from scenic_ref.inference.batch.jobs.blocks import processes
 from scenic_ref.inference.batch.jobs.shelves import Shelf, lay
+from scenic_ref.interpreter.walls import WALL
 from scenic_ref.semantics.kernel.errors import UsageError
 
 with Shelf() as tried:
@@ -58,7 +59,8 @@ def test_nothing_is_laid_where_nobody_lent_a_file():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("how", ["by files", "no such files", "files that cannot be opened"])
-def test_the_lines_of_other_processes_are_the_same_however_they_are_sent(how, monkeypatch):
+def test_the_lines_of_other_processes_are_the_same_however_they_are_sent(how, monkeypatch, request):
+    request.addfinalizer(WALL.open)  # what draws the scenes here is what a process of `run` does
     source = Source("p.scenic", "ego = Object at Range(0, 1) @ 0, with tag Uniform('ä', 2)\nrequire ego.position.x > 0.5\n")
     if how == "no such files":
         monkeypatch.setattr(Shelf, "lend", lambda _: None)

@@ -330,7 +330,6 @@ def test_a_population_without_states_counts_as_0() -> None:
 
 ISLANDS = """
 import math
-import re
 point = OrientedPoint in PolygonalRegion([0 @ 0, 1 @ 0, 1 @ 1, 0 @ 1]).union(PolygonalRegion([9 @ 0, 10 @ 0, 10 @ 1, 9 @ 1]))
 ego = Object at point, with requireVisible False
 z = math.exp(point.position.x / 10)

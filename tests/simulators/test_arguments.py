@@ -151,7 +151,7 @@ def test_every_action_checks_its_arguments() -> None:
 LINES = {
     "of an object": ("ego = Car with behavior FollowLaneBehavior('fast')\n", 3),
     "that a behavior invokes": ("behavior B():\n    wait\n    do PassingBehavior(-1)\nego = Car with behavior B\n", 5),
-    "that another of the library's invokes": ("behavior B():\n    do CrossingBehavior(self, 1, 99)\nego = Car with behavior B\n", 4),
+    "that another of the library's invokes": ("behavior B():\n    do CrossInFrontOf(self, 1 @ 2, 3, 1)\nego = Car with behavior B\n", 4),
     "an action": ("behavior B():\n    x = 2\n    take SetBrakeAction(x)\nego = Car with behavior B\n", 5),
     "a controller": ("behavior B():\n    c = PIDLateralController(dt=0)\n    wait\nego = Car with behavior B\n", 4),
     "a step of a controller": ("behavior B():\n    c = PIDLateralController()\n    c.run_step(None)\n    wait\nego = Car with behavior B\n", 5),

@@ -134,7 +134,9 @@ behavior PullOutBehavior(lane, target_speed=8):
 # A pedestrian waits until a vehicle comes near, and walks to the other side.
 behavior CrossInFrontOf(vehicle, other, speed, threshold):
     check_arguments('CrossInFrontOf', vehicle, other, speed, threshold)
-    do CrossingBehavior(vehicle, speed, threshold) until (distance from self to other) < 0.5
+    while (distance from self to vehicle) > threshold:
+        take SetWalkingSpeedAction(0)
+    do WalkForwardBehavior(speed) until (distance from self to other) < 0.5
     take SetWalkingSpeedAction(0)
 
 # Ego follows a car, too closely at first, also through intersections. Near the end of ego's lane that car is on one of the lanes after it.
