@@ -4,16 +4,22 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 from ...semantics.kernel.errors import GuardViolation, InvariantViolation, PreconditionViolation
-from ...semantics.kernel.scopes import ByIdentity, Scope, function_names
-from ...semantics.kernel.values import Dynamic
+from ...semantics.kernel.host import HostException
+from ...semantics.kernel.scopes import ByIdentity, Names, Scope, function_names
+from ...semantics.kernel.values import Dynamic, Function
+from ...semantics.python.functions import bind
 from ...semantics.syntax import dynamics as d
 from ...semantics.syntax.nodes import Expression, Node
+from ...semantics.syntax.python_expressions import Parameter
 from ...semantics.syntax.statements import Block
+from .expressions import size_of
 from .leaving import Untranslated
-from .statements import condition, coroutine
+from .statements import OF_METHOD, SCOPES, condition, coroutine, function_body
 
 
 class CompiledGuard(NamedTuple):
@@ -33,15 +39,89 @@ class Code(NamedTuple):
     invariants: tuple[CompiledGuard, ...] = ()
 
 
+class FunctionCode(NamedTuple):
+    """A function or lambda: what its body does in a scope, how large it is, and the names of its parameters where each is one of its own."""
+
+    run: Callable[[Any, Scope], Any]
+    size: int
+    names: tuple[str, ...] | None
+
+    def bindings(
+        self, function: Function, arguments: tuple[Any, ...], names: tuple[str, ...], named: tuple[Any, ...]
+    ) -> dict[str, Any] | None:
+        """The variables of a call, whose keywords have these `names` and values; None where arguments do not fit."""
+        known = self.names
+        if known is None:
+            try:
+                return bind(function.name, function.parameters, function.defaults, arguments, dict(zip(names, named)))
+            except HostException:
+                return None
+        if len(arguments) > len(known):
+            return None
+        bound = dict(zip(known, arguments))
+        for name, value in zip(names, named):
+            if name in bound or name not in known:
+                return None
+            bound[name] = value
+        if len(bound) < len(known):
+            for name in known:
+                if name not in bound:
+                    if name not in function.defaults:
+                        return None
+                    bound[name] = function.defaults[name]
+        return bound
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FunctionKey:
+    """What a function or lambda says, as a key of a cache: two keys are equal if it is the same that says it."""
+
+    body: Block | Node
+    parameters: tuple[Parameter, ...]
+    names: Names
+
+    @property
+    def first(self) -> Node:
+        """The first node of the body."""
+        return self.body[0] if isinstance(self.body, tuple) else self.body
+
+    def __hash__(self) -> int:
+        return object.__hash__(self.first)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, FunctionKey) and other.first is self.first
+
+
+@lru_cache(maxsize=16_384)
+def function_code(key: FunctionKey, scopes: str, readings: tuple[tuple[str, str], ...]) -> FunctionCode | Untranslated:
+    """The code of a function or lambda, made once for a process: the functions of world models are the same in every program."""
+    try:
+        run = function_body(key.body, key.names, dict(readings), scopes)
+    except Untranslated as problem:
+        return problem
+    simple = all(q.kind == "positional" for q in key.parameters)
+    size = size_of(*(key.body if isinstance(key.body, tuple) else (key.body,)))
+    return FunctionCode(run, size, tuple(q.name for q in key.parameters) if simple else None)
+
+
+def scopes_of(scope: Scope) -> str:
+    """Where the variables are that a function sees whose scope is within this one (`statements.function_body`)."""
+    if scope.kind == "module":
+        return SCOPES
+    return OF_METHOD if scope.kind == "class" and scope.parent is not None and scope.parent.kind == "module" else ""
+
+
 class Library:
-    """What is compiled of a program under its `readings`, and what is left to the machine, with the reason: coroutines (`left`), whole simulations
-    (`wholes`, with how many). It is not `usable` under readings that only the machine follows.
+    """What is compiled of a program under its `readings`, and what is left to the machine, with the reason: coroutines (`left`), functions
+    (`functions_left`), whole simulations (`wholes`, with how many). It is not `usable` under readings that only the machine follows.
     """
 
     def __init__(self, readings: Mapping[str, str]) -> None:
         self.readings = readings
         self.codes: dict[ByIdentity, Code | Untranslated] = {}
         self.conditions: dict[ByIdentity, Callable[[Any, Scope], Any]] = {}
+        self.functions: dict[int, tuple[object, FunctionCode | None]] = {}
+        self.functions_left: dict[str, str] = {}
         self.left: dict[ByIdentity, str] = {}
         self.wholes: Counter[str] = Counter()
         self.usable = readings["invariant-of-caller"] == "on-return"
@@ -91,6 +171,18 @@ class Library:
         run = coroutine(definition.body, function_names(definition), self.readings, plain_scope=plain_scope, has_agent=True)
         before = guards("precondition", PreconditionViolation, definition.preconditions)
         return Code(run, before, guards("invariant", InvariantViolation, definition.invariants))
+
+    def function(self, function: Function) -> FunctionCode | None:
+        """The code of a function of the program; None where the machine runs it."""
+        found = self.functions.get(id(function.body))
+        if found is None:
+            key = FunctionKey(function.body, function.parameters, function.names)
+            code = function_code(key, scopes_of(function.scope), tuple(sorted(self.readings.items())))
+            if isinstance(code, Untranslated):
+                self.functions_left[f"{function.name} (line {function.span.line})"] = code.reason
+                code = None
+            found = self.functions[id(function.body)] = function.body, code  # which is kept, so that nothing else gets its number
+        return found[1]
 
     def condition(self, node: Node, scope: Scope, *, decides: bool) -> Callable[[Any, Scope], Any]:
         """A condition, or value to record, that a scenario declared, as a function of the `Equations` and its scope."""

@@ -25,8 +25,9 @@ from ...semantics.space.vectors import Vector
 from ...semantics.syntax import dynamics as d
 from ...semantics.syntax import statements as s
 from ...semantics.syntax.nodes import Node
-from .code import Code, CompiledGuard, Library
-from .equations import MOST_DEPTH, Equations, Raised, RunRejected
+from .calls import Calls
+from .code import Code, CompiledGuard
+from .equations import MOST_DEPTH, Raised, RunRejected
 from .leaving import LeftToMachine
 from .statements import ExceptClause
 
@@ -88,10 +89,9 @@ def given_to(behavior: Dynamic) -> Iterator[Any]:
     yield from named.values()
 
 
-class Courses(Equations):
+class Courses(Calls):
     """The coroutines of a simulation. `leaf` and `node` are the invocation and the statement in which the one that ran last waits."""
 
-    library: Library
     leaf: Invocation
     node: Node | None
 
@@ -120,12 +120,6 @@ class Courses(Equations):
         """`abort`."""
         self.tell("D-Abort", node)
         raise Aborted
-
-    def elements(self, iterable: Any) -> Iterator[Any]:
-        """What a loop goes through: a list or tuple, which may grow, or a range."""
-        if type(iterable) not in (list, tuple, range):
-            raise LeftToMachine("a loop over something else than a list, tuple or range")
-        return iter(iterable)
 
     def deadline(self, node: Node, amount: Any) -> Callable[[], bool]:
         """Whether the limit of `for T` has passed, of a statement that begins in this time step."""

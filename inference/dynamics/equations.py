@@ -15,12 +15,10 @@ from ...semantics.kernel.driving import Arrived, Chooser, Machine, Unfinished, W
 from ...semantics.kernel.errors import NeedsElements, OutOfTime
 from ...semantics.kernel.outcome import Draw, Fault, Next, Outcome, Requirement, Stuck
 from ...semantics.kernel.premises import SHARED, Conclusion, Premises, variable
-from ...semantics.kernel.queries import CLOCK, Clock, attribute_of_clock
 from ...semantics.kernel.scopes import MISSING, Scope
 from ...semantics.kernel.simulation import Who
-from ...semantics.kernel.values import Dynamic, Instance, Random, plain
-from ...semantics.python.calls import conclude_call, invocation
-from ...semantics.python.expressions import conclude_attribute, conclude_binary, conclude_unary
+from ...semantics.kernel.values import Instance, plain
+from ...semantics.python.expressions import conclude_binary, conclude_unary
 from ...semantics.python.functions import InScope
 from ...semantics.scenes.comparisons import conclude_comparison
 from ...semantics.scenes.operations import apply_operator
@@ -33,18 +31,20 @@ from ...semantics.syntax.expressions import Distance
 from ...semantics.syntax.nodes import Expression, Node
 from ...simulators.actions import ACTIONS
 from .leaving import LeftToMachine
+from .natives import NUMBERS, SMALL
 
 PLAIN = frozenset({float, int, bool, type(None)})
 """Types of values that actions are given and that are compared as they are: the machine takes nothing off the run's budget for them."""
 ACTION_TYPES = frozenset(ACTIONS.values())
 MOST_DEPTH = 50
 """So many behaviors may be inside each other here; each costs some of Python's stack."""
-MOST_TURNS = 5_000
-"""So many turns of loops, and beginnings of behaviors and handlers, may a time step have here; whether it has an end is for the machine to say.
+STEPS = 20
+"""A node of the syntax tree that is evaluated here, in turns of loops, functions, behaviors and handlers, counts for so many steps of the fuel.
 
-A turn of more than `TURN` nodes of the syntax tree counts as several. So what is compiled takes the machine less than half of its fuel.
+Whether a time step has an end is for the machine to say: all this takes less than half of its fuel.
 """
-TURN = 50
+OF_BEHAVIOR = 50
+"""As many nodes does the beginning of a behavior or handler count for."""
 VERY_LONG = "a time step of very many turns"
 
 
@@ -73,7 +73,8 @@ class Equations:
 
     `prefix` and `draws` are the address of the next draw of the coroutine that runs, whose `who` it is; `handling` are the exceptions that it
     handles. `now` is the time, as `simulation.currentTime` says it. `spent` are the steps of the machine in this time step: half of its fuel is for
-    what compiled code does without it.
+    what compiled code does without it: it has evaluated `nodes`, each of which counts for `price`.
+    `calls` of compiled functions are open.
     """
 
     def __init__(self, state: State, choose: Chooser, fuel: int, witness: Witness) -> None:
@@ -85,7 +86,8 @@ class Equations:
         self.prefix: tuple[int, ...] = ()
         self.draws = 0
         self.handling: tuple[BaseException, ...] = ()
-        self.turns = 0
+        self.nodes, self.price = 0, 1
+        self.calls = 0
         self.spent = 0
         self.now: float = 0
 
@@ -93,7 +95,7 @@ class Equations:
 
     def here(self, scope: Scope) -> State:
         """The state in which the coroutine that runs goes on; as many behaviors are inside each other there as may be here at most."""
-        return self.state._replace(sigma=scope, prefix=self.prefix, draws=self.draws, handling=self.handling, depth=MOST_DEPTH)
+        return self.state._replace(sigma=scope, prefix=self.prefix, draws=self.draws, handling=self.handling, depth=MOST_DEPTH + self.calls)
 
     def driven(self, control: Node | Value, scope: Scope) -> Any:
         """What the machine reduces a node to. Raises `LeftToMachine`, `RunRejected`."""
@@ -167,15 +169,6 @@ class Equations:
             return found
         return variable(node, self.here(scope))
 
-    def attribute(self, scope: Scope, subject: Any, node: p.Attribute, name: str) -> Any:
-        """⟨E.name⟩ of anything but a property that an instance has; `name` is the canonical one."""
-        kind = type(subject)
-        if kind is Vector and name in ("x", "y"):
-            return getattr(subject, name)
-        if kind is Clock and name in CLOCK:  # that is what it is on roads, too
-            return attribute_of_clock(name, node, self.state)
-        return plain(self.concluded(scope, conclude_attribute, node, [subject]))
-
     def binary(self, scope: Scope, node: p.BinaryOperation, left: Any, right: Any) -> Any:
         """⟨E1 ⊕ E2⟩ → v1 ⊕ v2."""
         if type(left) in NUMBERS and type(right) in NUMBERS and -SMALL < left < SMALL and -SMALL < right < SMALL:
@@ -187,7 +180,23 @@ class Equations:
                 return left * right
             if node.operator == "/" and right:
                 return left / right
+            if node.operator == "**" and type(left) is float and type(right) is float and left > 0:
+                return self.power(scope, node, left, right)
+        elif type(left) is Vector and type(right) is Vector:
+            if node.operator == "+":
+                return left + right
+            if node.operator == "-":
+                return left - right
+        elif type(left) is Vector and type(right) is float and node.operator == "*":
+            return left * right
         return plain(self.concluded(scope, conclude_binary, node, [left, right]))
+
+    def power(self, scope: Scope, node: p.BinaryOperation, base: float, exponent: float) -> Any:
+        """x ** y of positive floats."""
+        try:
+            return base**exponent
+        except OverflowError:
+            return plain(self.concluded(scope, conclude_binary, node, [base, exponent]))
 
     def unary(self, scope: Scope, node: p.UnaryOperation, operand: Any) -> Any:
         """⟨⊖E⟩ → ⊖v."""
@@ -218,19 +227,6 @@ class Equations:
         """The position of an instance; other values as they are."""
         return self.state.objects[value.number].get("position") if type(value) is Instance else value
 
-    def call(self, scope: Scope, node: p.Call, function: Any, arguments: tuple[Any, ...], named: tuple[Any, ...] = ()) -> Any:
-        """⟨f(E_1, ..., E_n)⟩; arguments keep what they were drawn from. `named` are the values of the keywords of the call."""
-        if type(function) is Random:
-            function = function.value
-        if type(function) is Dynamic:
-            return invocation(function, arguments, {k.name: v for k, v in zip(node.keywords, named)} if named else {})  # type: ignore[misc]
-        if type(function) is type and function in ACTION_TYPES:
-            given: list[Any] = [plain(a) for a in arguments]
-            more: dict[str, Any] = {k.name or "": plain(v) for k, v in zip(node.keywords, named)}
-            if all(type(a) in PLAIN for a in (*given, *more.values())):
-                return function(*given, **more)
-        return self.concluded(scope, conclude_call, node, [function, *arguments, *named])
-
     def action(self, known: dict[type, Any], kind: type, arguments: tuple[Any, ...]) -> Any:
         """An action of constants in a `take` statement, which is made once: it is nobody's but the simulator's."""
         made = known[kind] = kind(*arguments)
@@ -249,14 +245,12 @@ class Equations:
             return inner
         return bool(holding(inner, node.span, self.here(scope), "a condition", ""))
 
-    def turn(self, weight: int = 1) -> None:
-        """A loop goes back, or a behavior or handler begins. Raises `LeftToMachine` where that may be without end."""
-        self.turns += weight
-        if self.turns > MOST_TURNS:
+    def turn(self, nodes: int = OF_BEHAVIOR) -> None:
+        """A loop goes back, or a function, behavior or handler begins. Raises `LeftToMachine` where that may be without end."""
+        self.nodes += nodes * self.price
+        if self.nodes * STEPS > self.fuel:
             raise LeftToMachine(VERY_LONG)
 
 
-NUMBERS = frozenset({int, float})
 SHORT = 200
 """Characters of two texts that are compared without a word to the run's budget."""
-SMALL = 1 << 62

@@ -7,10 +7,11 @@ from. A node without translation is reduced by the machine.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from ...semantics.kernel.classes import canonical
 from ...semantics.kernel.premises import SHARED
-from ...semantics.kernel.scopes import Names
+from ...semantics.kernel.scopes import NO_NAMES, Names, descendants, target_names
 from ...semantics.scenes.released import EQUATIONS, REWRITINGS
 from ...semantics.syntax import expressions as e
 from ...semantics.syntax import python_expressions as p
@@ -26,16 +27,31 @@ class Expressions:
     """The source of expressions in a scope with these own `names`; what the source refers to is collected in `constants`.
 
     In the source, `q` are the `Courses`, `S` is σ, `B` its own variables, `M` those of the module right around it (`plain_scope`), and `U` those that
-    are built in. `self` is one of the variables where there is an agent.
+    are built in. `self` is one of the variables where there is an agent. `scopes` are the scopes that are open, the innermost last, each with the
+    name of its variables in the source: those of comprehensions stand within the one that is translated. What an expression needs beside itself, a
+    function for each comprehension, stands in the `lines` before it.
     """
 
     def __init__(self, names: Names, readings: Mapping[str, str], *, plain_scope: bool, has_agent: bool) -> None:
         self.names = names
+        self.scopes: list[tuple[str, Names]] = [("B", names)]
         self.has_agent = has_agent
         self.readings = readings
         self.plain_scope = plain_scope
         self.constants: dict[str, object] = {}
         self.temporaries = 0
+        self.functions = 0
+        self.lines: list[str] = []
+        self.indent = 1
+
+    def line(self, text: str) -> None:
+        """A line of the source."""
+        self.lines.append("    " * self.indent + text)
+
+    def new_name(self, kind: str) -> str:
+        """The name of a function in the source."""
+        self.functions += 1
+        return f"{kind}{self.functions}"
 
     def constant(self, value: object) -> str:
         """The name of a value in the source."""
@@ -65,12 +81,21 @@ class Expressions:
                 return f"q.unary(S, {self.constant(node)}, {self.value(inner)})"
             case p.BooleanOperation():
                 return self.boolean(node)
-            case p.Comparison(operators=(_,), operands=(_,)):
+            case p.Comparison():
                 return self.comparison(node)
             case p.Conditional(test=test, then=then, otherwise=otherwise):
                 return f"({self.value(then)} if {self.truth(test)} else {self.value(otherwise)})"
             case p.Call():
                 return self.without_origin(self.call(node)) if self.is_translated_call(node) else self.reduced(node)
+            case p.TupleDisplay(items=items) | p.ListDisplay(items=items) if not any(isinstance(item, p.Starred) for item in items):
+                shown = "".join(f"{self.value(item)}, " for item in items)
+                return f"({shown})" if isinstance(node, p.TupleDisplay) else f"[{shown}]"
+            case p.Subscript(value=container, index=index) if not isinstance(index, p.Slice):
+                return f"q.item(S, {self.constant(node)}, {self.value(container)}, {self.value(index)})"
+            case p.Comprehension(kind="list" | "set" | "dict"):
+                return self.comprehension(node)
+            case p.Lambda(parameters=parameters) if not any(q.default is not None for q in parameters):
+                return f"q.function(S, {self.constant(node)})"
             case _ if (rewriting := REWRITINGS.get(type(node))) is not None and rewriting.applies(node):
                 return self.value(rewriting.rewrite(node))
             case _ if type(node) in EQUATIONS and not isinstance(node, e.SideOf):
@@ -97,6 +122,38 @@ class Expressions:
             case _:
                 return f"q.reduced(S, {self.constant(node)})"
 
+    def comprehension(self, node: p.Comprehension, *, lazily: bool = False) -> str:
+        """`[E for x in I if B]`: a function of its scope and its first iterable; one that yields the elements, if it is asked for them `lazily`."""
+        first = self.value(node.clauses[0].iterable)
+        name, variables, source, found = self.new_name("g"), f"B{len(self.scopes)}", self.temporary(), self.temporary()
+        names = NO_NAMES._replace(local=frozenset(n for clause in node.clauses for n in target_names(clause.target)))
+        self.line(f"def {name}(S, {source}):")
+        self.scopes.append((variables, names))
+        outer, self.indent = self.indent, self.indent + 1
+        self.line(f"S = q.inner_scope({self.constant(node)}, S)")
+        self.line(f"{variables}, {found} = S.bindings, []")
+        size = size_of(node)
+        for clause in node.clauses:
+            items = source if clause is node.clauses[0] else self.value(clause.iterable)
+            element = self.temporary()
+            self.line(f"for {element} in q.elements(S, {self.constant(clause.iterable)}, {items}):")
+            self.indent += 1
+            self.line(f"q.turn({size})")
+            if isinstance(clause.target, p.Name):
+                self.line(f"{variables}[{clause.target.name!r}] = {element}")
+            else:
+                self.line(f"q.bind(S, {self.constant(clause.target)}, {element})")
+            for condition in clause.conditions:
+                self.line(f"if not {self.truth(condition)}: continue")
+        shown = self.value(node.element) if node.key is None else f"({self.value(node.key)}, {self.value(node.element)})"
+        self.line(f"yield {shown}" if lazily else f"{found}.append({shown})")
+        self.indent = outer + 1
+        if not lazily:
+            self.line(f"return {found}" if node.kind == "list" else f"return q.container(S, {node.kind!r}, {found})")
+        self.indent = outer
+        self.scopes.pop()
+        return f"{name}(S, {first})"
+
     def reduced(self, node: Node) -> str:
         """What the machine reduces a node to."""
         return self.without_origin(f"q.reduced(S, {self.constant(node)})")
@@ -113,10 +170,11 @@ class Expressions:
     def name(self, node: p.Name) -> str:
         """⟨x⟩ → σ(x), with what it was drawn from."""
         name = node.name
-        if name in self.names.local and name not in SHARED:
-            return f"B[{name!r}]"
         if name in SHARED:
             return f"q.variable(S, {self.constant(node)})"
+        for variables, names in reversed(self.scopes):
+            if name in names.local:
+                return f"{variables}[{name!r}]"
         if name == "self" and self.has_agent:
             return "B['self']"
         t = self.temporary()
@@ -145,18 +203,33 @@ class Expressions:
         return f"({a} {node.operator} {b} if {floats} else q.binary(S, {self.constant(node)}, {a}, {b}))"
 
     def comparison(self, node: p.Comparison) -> str:
-        """One link: numbers are compared in the source itself."""
-        (operator,), (operand,) = node.operators, node.operands
+        """`E1 < E2 <= E3`: each link as long as the ones before it hold; what stands between two links is evaluated once."""
+        *before, last = zip(node.operators, node.operands, strict=True)
+        left = self.value(node.left)
+        source, closing = "", ""
+        for operator, operand in before:
+            right, held = self.temporary(), self.temporary()
+            single = replace(node, operators=(operator,), operands=(operand,))
+            link = self.link(single, left, f"({right} := {self.value(operand)})")
+            whether = f"({held} if ({held} := {link}) is True or {held} is False else q.is_true(S, {held}, {self.constant(single)}))"
+            source, closing, left = f"{source}(", f" if {whether} else {held}){closing}", right
+        operator, operand = last
+        single = node if not before else replace(node, operators=(operator,), operands=(operand,))
+        return f"{source}{self.link(single, left, self.value(operand))}{closing}"
+
+    def link(self, node: p.Comparison, left: str, right: str) -> str:
+        """One link, of the sources of its operands: numbers are compared in the source itself."""
+        (operator,) = node.operators
         a, b = self.temporary(), self.temporary()
-        left, right = f"({a} := {self.value(node.left)})", f"({b} := {self.value(operand)})"
+        one, other = f"({a} := {left})", f"({b} := {right})"
         otherwise = f"q.comparison(S, {self.constant(node)}, {a}, {b})"
         if operator in ("is", "is not"):
-            return f"({left} {operator} {right})"
+            return f"({one} {operator} {other})"
         if operator in ORDER:
-            return f"({a} {operator} {b} if (type{left} in NUMBERS) & (type{right} in NUMBERS) else {otherwise})"
+            return f"({a} {operator} {b} if (type{one} in NUMBERS) & (type{other} in NUMBERS) else {otherwise})"
         if operator in ("==", "!="):
-            return f"({a} {operator} {b} if (type{left} in PLAIN) & (type{right} in PLAIN) else {otherwise})"
-        return f"q.comparison(S, {self.constant(node)}, {self.value(node.left)}, {self.value(operand)})"
+            return f"({a} {operator} {b} if (type{one} in PLAIN) & (type{other} in PLAIN) else {otherwise})"
+        return f"q.comparison(S, {self.constant(node)}, {left}, {right})"
 
     def is_truth_value(self, node: Node) -> bool:
         """Whether the value of a translation is True or False."""
@@ -192,6 +265,12 @@ class Expressions:
             source = f"({source} if ({t} := {decides}) else {u})" if node.operator == "and" else f"({u} if ({t} := {decides}) else {source})"
         return source
 
+    def callee(self, node: Node) -> str:
+        """What is called: a method is not made where it can be known as its function and its subject."""
+        if isinstance(node, p.Attribute):
+            return f"q.method(S, {self.value(node.value)}, {self.constant(node)}, {canonical(node.name, self.readings)!r})"
+        return self.carried(node)
+
     def is_translated_call(self, node: p.Call) -> bool:
         """Whether all arguments are given one by one."""
         return not any(isinstance(a, p.Starred) for a in node.arguments) and all(k.name is not None for k in node.keywords)
@@ -201,11 +280,20 @@ class Expressions:
 
         `once`: an action of constants is made once, since nobody can tell it from another.
         """
+        match node:
+            case p.Call(function=p.Name() as function, arguments=(p.Comprehension(kind="generator") as given,), keywords=()):
+                f, k = self.temporary(), self.constant(node)
+                return (
+                    f"(q.quantified(S, {k}, {f}, {self.comprehension(given, lazily=True)}) if ({f} := {self.carried(function)}) in QUANTIFIERS"
+                    f" else q.call(S, {k}, {f}, (q.reduced(S, {self.constant(given)}), )))"
+                )
+            case _:
+                pass
         names = [self.temporary() for _ in node.arguments]
         arguments = "".join(f"{self.carried(a)}, " for a in node.arguments)
         if node.keywords or not isinstance(node.function, p.Name) or not (node.arguments or once):
             named = f", ({''.join(f'{self.carried(k.value)}, ' for k in node.keywords)})" if node.keywords else ""
-            return f"q.call(S, {self.constant(node)}, {self.carried(node.function)}, ({arguments}){named})"
+            return f"q.call(S, {self.constant(node)}, {self.callee(node.function)}, ({arguments}){named})"
         f, k = self.temporary(), self.constant(node)
         function = f"({f} := {self.carried(node.function)}) in ACTIONS"
         if once and all(isinstance(a, p.Constant) and type(a.value) in PLAIN for a in node.arguments):
@@ -219,5 +307,10 @@ class Expressions:
 BUILT_IN = frozenset({"simulation", "abs", "min", "max", "round", "len", "range", "int", "float", "str", "Range", "Uniform", "Discrete", "Normal"})
 """Names of the outermost scope that behaviors use most."""
 TRANSLATED = frozenset({
-    p.Attribute, p.BinaryOperation, p.UnaryOperation, p.BooleanOperation, p.Comparison,
+    p.Attribute, p.BinaryOperation, p.UnaryOperation, p.BooleanOperation, p.Comparison, p.TupleDisplay, p.ListDisplay, p.Comprehension, p.Lambda,
 })  # fmt: skip
+
+
+def size_of(*nodes: Node) -> int:
+    """How many nodes of the syntax tree stand in these."""
+    return sum(1 for node in nodes for _ in descendants(node))

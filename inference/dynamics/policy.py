@@ -90,7 +90,7 @@ class CompiledPolicy(Courses):
         simulation = simulation_of(state)
         same = not simulation.flag and simulation.limit == limit and simulation.active == active
         self.state = state if same else with_simulation(state, flag="", limit=limit, active=active)
-        self.turns = self.spent = 0
+        self.nodes = self.spent = 0
         self.now = simulation.step if self.in_steps else simulation.step * simulation.timestep
         state.settings.door.budget.renew()
         try:

@@ -7,7 +7,7 @@ which returns how it was left: None at its end, else "break", "continue" or "ret
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from ...semantics.kernel.premises import SHARED
 from ...semantics.kernel.queries import Clock
@@ -18,13 +18,14 @@ from ...semantics.syntax import dynamics as d
 from ...semantics.syntax import python_expressions as p
 from ...semantics.syntax import statements as s
 from ...semantics.syntax.nodes import Expression, Node
-from .equations import ACTION_TYPES, NUMBERS, PLAIN, TURN
-from .expressions import Expressions
+from .equations import ACTION_TYPES, PLAIN, Raised
+from .expressions import Expressions, size_of
 from .leaving import Untranslated
+from .natives import NUMBERS, QUANTIFIERS
 
 NAMES: Mapping[str, object] = {
     "Random": Random, "MISSING": MISSING, "Instance": Instance, "NUMBERS": NUMBERS, "PLAIN": PLAIN, "ACTIONS": ACTION_TYPES,
-    "WRAPPED": frozenset({Random, Waiting}), "Clock": Clock,
+    "WRAPPED": frozenset({Random, Waiting}), "Clock": Clock, "QUANTIFIERS": QUANTIFIERS, "Raised": Raised,
 }  # fmt: skip
 """What every source may refer to."""
 
@@ -44,23 +45,18 @@ TIMELESS = (
 
 
 class Statements(Expressions):
-    """The source of a coroutine's body, line by line.
+    """The source of a coroutine's body, line by line, by the `translations` of its statements.
 
     `loops` is how many loops of the generator that is being written are open; within a block of a statement with interrupts (`nested`) others are
     around it.
     """
 
+    translations: ClassVar[Mapping[type, Callable[[Any, Any], None]]]
+
     def __init__(self, names: Names, readings: Mapping[str, str], *, plain_scope: bool, has_agent: bool) -> None:
         super().__init__(names, readings, plain_scope=plain_scope, has_agent=has_agent)
-        self.lines: list[str] = []
-        self.indent = 1
         self.loops = 0
         self.nested = 0
-        self.functions = 0
-
-    def line(self, text: str) -> None:
-        """A line of the source."""
-        self.lines.append("    " * self.indent + text)
 
     def block(self, block: s.Block) -> None:
         """⟨s1; s2⟩, as an indented block."""
@@ -72,7 +68,7 @@ class Statements(Expressions):
 
     def statement(self, node: Node) -> None:
         """One statement. Raises `Untranslated`."""
-        translation = STATEMENTS.get(type(node))
+        translation = self.translations.get(type(node))
         if translation is not None:
             translation(self, node)
         elif isinstance(node, TIMELESS):
@@ -87,7 +83,9 @@ class Statements(Expressions):
 
     def expression(self, node: s.ExpressionStatement) -> None:
         """⟨E⟩ for its effect: a text, such as that which describes a behavior, has none."""
-        if not isinstance(node.value, p.Constant):
+        if isinstance(node.value, p.Call) and self.is_translated_call(node.value):
+            self.line(f"q.discarded(S, {self.constant(node)}, {self.carried(node.value)})")
+        elif not isinstance(node.value, p.Constant):
             self.line(f"q.reduced(S, {self.constant(node)})")
 
     def assignment(self, node: s.Assignment) -> None:
@@ -103,18 +101,19 @@ class Statements(Expressions):
         return name in self.names.local and name not in SHARED
 
     def augmented(self, node: s.AugmentedAssignment) -> None:
-        """`x += E` where both are numbers; else the machine changes or binds what it is."""
-        if not (isinstance(node.target, p.Name) and self.is_own(node.target.name) and node.operator in ("+", "-", "*")):
+        """`x += E`, where x is read before E is evaluated; what is no number the machine changes or binds."""
+        if not (isinstance(node.target, p.Name) and self.is_own(node.target.name)):
             self.line(f"q.reduced(S, {self.constant(node)})")
             return
         name, a, b = repr(node.target.name), self.temporary(), self.temporary()
-        if not isinstance(node.value, (p.Constant, p.Name)):  # whatever takes more steps is not evaluated twice
-            self.line(f"q.reduced(S, {self.constant(node)})")
-            return
-        self.line(f"{a}, {b} = B.get({name}), {self.value(node.value)}")
+        self.line(f"{a} = {self.value(node.target)}")
+        self.line(f"{b} = {self.value(node.value)}")
         small = f"type({a}) is int and type({b}) is int and -{LARGE} < {a} < {LARGE} and -{LARGE} < {b} < {LARGE}"
-        self.line(f"if (type({a}) is float and type({b}) is float) or ({small}): B[{name}] = {a} {node.operator} {b}")
-        self.line(f"else: q.reduced(S, {self.constant(node)})")
+        if node.operator in ("+", "-", "*"):
+            self.line(f"if (type({a}) is float and type({b}) is float) or ({small}): B[{name}] = {a} {node.operator} {b}")
+            self.line(f"else: q.augmented(S, {self.constant(node)}, {a}, {b})")
+        else:
+            self.line(f"q.augmented(S, {self.constant(node)}, {a}, {b})")
 
     def if_(self, node: s.If) -> None:
         """`if B: ... else: ...`."""
@@ -130,19 +129,20 @@ class Statements(Expressions):
         self.loop(node)
 
     def for_(self, node: s.For) -> None:
-        """`for x in I: ...` over a list, tuple or range."""
-        if not (isinstance(node.target, p.Name) and self.is_own(node.target.name)):
-            raise Untranslated("this loop variable", node.span.line)
-        t = self.temporary()
-        self.line(f"for {t} in q.elements({self.value(node.iterable)}):")
-        self.line(f"    B[{node.target.name!r}] = {t}")
+        """`for x in I: ...`."""
+        t, source = self.temporary(), self.value(node.iterable)
+        self.line(f"for {t} in q.elements(S, {self.constant(node.iterable)}, {source}):")
+        if isinstance(node.target, p.Name) and self.is_own(node.target.name):
+            self.line(f"    B[{node.target.name!r}] = {t}")
+        else:
+            self.line(f"    q.bind(S, {self.constant(node.target)}, {t})")
         self.loop(node)
 
     def loop(self, node: s.While | s.For) -> None:
         """The body of a loop, and what comes after its last turn; turns are counted where no time need pass in one."""
         self.loops += 1
         if not passes_time(node.body):
-            self.line(f"    q.turn({1 + sum(1 for statement in node.body for _ in descendants(statement)) // TURN})")
+            self.line(f"    q.turn({size_of(*node.body)})")
         self.block(node.body)
         self.loops -= 1
         if node.otherwise:
@@ -157,7 +157,7 @@ class Statements(Expressions):
     def return_(self, node: s.Return) -> None:
         """`return` ends a behavior; its value is nobody's, but is reduced."""
         if node.value is not None:
-            self.line(f"q.reduced(S, {self.constant(node.value)})")
+            self.line(self.value(node.value))
         self.line("return 'return'")
 
     # Dynamic statements
@@ -253,15 +253,23 @@ class Statements(Expressions):
         """A clause `except`."""
         kind = "None"
         if handler.type is not None:
-            kind = self.new_name("c")
-            self.line(f"def {kind}(): return {self.value(handler.type)}")
+            kind, type_ = self.new_name("c"), handler.type
+            self.line(f"def {kind}():")
+            self.returned(lambda: self.value(type_))
         return f"ExceptClause({kind}, {handler.name!r}, {self.function(handler.body)})"
 
     def condition(self, condition: Expression) -> str:
         """A condition that is looked at again and again, as a function."""
         name = self.new_name("c")
-        self.line(f"def {name}(): return {self.holds(condition)}")
+        self.line(f"def {name}():")
+        self.returned(lambda: self.holds(condition))
         return name
+
+    def returned(self, value: Callable[[], str]) -> None:
+        """The body of a function that gives a value, with what the value needs before it."""
+        self.indent += 1
+        self.line(f"return {value()}")
+        self.indent -= 1
 
     def function(self, block: s.Block) -> str:
         """A block as a generator of its own."""
@@ -274,11 +282,6 @@ class Statements(Expressions):
         self.loops, self.nested = loops, self.nested - 1
         return name
 
-    def new_name(self, kind: str) -> str:
-        """The name of a function in the source."""
-        self.functions += 1
-        return f"{kind}{self.functions}"
-
 
 def passes_time(body: s.Block) -> bool:
     """Whether each turn of a loop takes a time step: `take` or `wait` is one of its statements, before which nothing can leave the turn."""
@@ -290,19 +293,73 @@ def passes_time(body: s.Block) -> bool:
     return False
 
 
-STATEMENTS: Mapping[type, Callable[[Statements, Any], None]] = {
+OF_PYTHON: Mapping[type, Callable[[Any, Any], None]] = {
     s.Pass: Statements.passed, s.Global: Statements.passed, s.Nonlocal: Statements.passed, s.ExpressionStatement: Statements.expression,
     s.Assignment: Statements.assignment, s.AugmentedAssignment: Statements.augmented, s.If: Statements.if_, s.While: Statements.while_,
-    s.For: Statements.for_, s.Break: Statements.leave, s.Continue: Statements.leave, s.Return: Statements.return_, s.Try: Statements.try_,
+    s.For: Statements.for_, s.Break: Statements.leave, s.Continue: Statements.leave,
+}  # fmt: skip
+Statements.translations = {
+    **OF_PYTHON, s.Return: Statements.return_, s.Try: Statements.try_,
     d.Take: Statements.take, d.Wait: Statements.wait, d.WaitFor: Statements.wait_for, d.Terminate: Statements.terminate, d.Abort: Statements.abort,
     d.Do: Statements.do, d.DoChoose: Statements.pick, d.DoShuffle: Statements.pick,
 }  # fmt: skip
 WORDS: Mapping[type, str] = {d.BehaviorDefinition: "the definition of a behavior", d.Override: "`override`", s.Param: "`param`", s.Mutate: "`mutate`"}
 """What has no translation, in words."""
 LARGE = 1 << 40
-SCOPES = "B, M, U = S.bindings, S.parent.bindings, S.module.parent.bindings"
+SCOPES = "B, M, U = S.bindings, S.parent.bindings, S.parent.parent.bindings"
+OF_METHOD = "B, M, U = S.bindings, S.parent.parent.bindings, S.parent.parent.parent.bindings"
 OF_MODULE = "B = M = S.bindings; U = S.parent.bindings"
-"""The variables of a coroutine, of its module, and those that are built in."""
+"""The variables of a coroutine or function, of its module, and those that are built in."""
+
+
+class FunctionBody(Statements):
+    """The source of the body of a function, which takes no time: what leaves a block in Python leaves it here."""
+
+    def return_(self, node: s.Return) -> None:
+        """`return E`: a value that keeps what it was drawn from."""
+        self.line("return None" if node.value is None else f"return {self.carried(node.value)}")
+
+    def try_(self, node: s.Try) -> None:
+        """`try` with `except` and `else`."""
+        if node.final or node.interrupts:
+            raise Untranslated("`finally` or interrupts in a function", node.span.line)
+        problem, exception = self.temporary(), self.temporary()
+        self.line("try:")
+        self.block(node.body)
+        self.line(f"except Raised as {problem}:")
+        self.indent += 1
+        self.line(f"{exception} = {problem}.abrupt.value")
+        for handler in node.handlers:
+            if handler.type is not None:
+                self.line(f"if q.catches({self.value(handler.type)}, {exception}):")
+            else:
+                self.line("if True:")
+            self.indent += 1
+            self.handled(handler, exception)
+            self.indent -= 1
+            self.line("else:")
+            self.indent += 1
+        self.line("raise")
+        self.indent -= 1 + len(node.handlers)
+        if node.otherwise:
+            self.line("else:")
+            self.block(node.otherwise)
+
+    def handled(self, handler: s.Handler, exception: str) -> None:
+        """The block of a handler, while the exception is handled, whose name is then forgotten."""
+        outer = self.temporary()
+        self.line(f"{outer}, q.handling = q.handling, (*q.handling, {exception})")
+        if handler.name is not None:
+            self.line(f"S.home({handler.name!r}).bindings[{handler.name!r}] = {exception}")
+        self.line("try:")
+        self.block(handler.body)
+        self.line("finally:")
+        self.line(f"    q.handling = {outer}")
+        if handler.name is not None:
+            self.line(f"    S.home({handler.name!r}).bindings.pop({handler.name!r}, None)")
+
+
+FunctionBody.translations = {**OF_PYTHON, s.Return: FunctionBody.return_, s.Try: FunctionBody.try_}
 
 
 def coroutine(
@@ -316,7 +373,7 @@ def coroutine(
     source.block(body)
     source.line("    return")
     source.line("    yield")
-    return made("\n".join(source.lines), source, "coroutine", body[0])
+    return made(source, "coroutine", body[0])
 
 
 def condition(
@@ -327,15 +384,34 @@ def condition(
     The scope is that of a behavior, whose `definition` says what it binds, or of a scenario: then it is the module's where it is plain.
     """
     names = NO_NAMES if definition is None else function_names(definition)
-    source = Expressions(names, readings, plain_scope=plain_scope, has_agent=definition is not None)
-    value = source.holds(node) if decides else source.value(node)
-    scopes = SCOPES if definition is not None and plain_scope else OF_MODULE if plain_scope else "B = S.bindings"
-    return made(f"def condition(q, S):\n    {scopes}\n    return {value}", source, "condition", node)
+    source = Statements(names, readings, plain_scope=plain_scope, has_agent=definition is not None)
+    source.indent = 0
+    source.line("def condition(q, S):")
+    source.line(f"    {SCOPES if definition is not None and plain_scope else OF_MODULE if plain_scope else 'B = S.bindings'}")
+    source.returned(lambda: source.holds(node) if decides else source.value(node))
+    return made(source, "condition", node)
 
 
-def made(text: str, source: Expressions, name: str, node: Node) -> Callable[..., Any]:
+def function_body(body: s.Block | Node, names: Names, readings: Mapping[str, str], scopes: str) -> Callable[[Any, Any], Any]:
+    """The function of the `Courses` and a scope that does what the body of a function or lambda says. Raises `Untranslated`.
+
+    `scopes` is SCOPES or OF_METHOD where the scope around it is that of a module, or of a class in one, else "".
+    """
+    source = FunctionBody(names, readings, plain_scope=bool(scopes), has_agent=False)
+    source.indent = 0
+    source.line("def body(q, S):")
+    source.line(f"    {scopes or 'B = S.bindings'}")
+    if isinstance(body, tuple):
+        source.block(body)
+        return made(source, "body", body[0])
+    source.returned(lambda: source.carried(body))
+    return made(source, "body", body)
+
+
+def made(source: Expressions, name: str, node: Node) -> Callable[..., Any]:
     """The function of that name which a source defines. Raises `Untranslated` for nesting that Python does not have."""
     scope: dict[str, Any] = {**NAMES, "ExceptClause": ExceptClause, **source.constants}
+    text = "\n".join(source.lines)
     try:
         exec(compile(text, f"<compiled from line {node.span.line}>", "exec"), scope)  # the text is made from the syntax tree, by the functions above
     except (SyntaxError, RecursionError, MemoryError, ValueError):

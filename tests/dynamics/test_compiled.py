@@ -192,11 +192,11 @@ def test_a_wrong_policy_is_found_out(name: str, monkeypatch: pytest.MonkeyPatch)
 
 def test_a_coroutine_with_something_untranslated_is_left_alone() -> None:
     scenario = scenic_ref.loads(
-        "behavior Fine:\n    take 7\nbehavior Odd:\n    for a, b in [(1, 2)]:\n        take a, b\nbehavior Plain:\n    take 1\n    do Odd\n"
+        "behavior Fine:\n    take 7\nbehavior Odd:\n    for a, b in [(1, 2)]:\n        param x = a\n        take a, b\nbehavior Plain:\n    take 1\n    do Odd\n"
         "ego = Object with behavior Plain\nother = Object at 5 @ 0, with behavior Odd\nlast = Object at 9 @ 0, with behavior Fine\n"
     )
     assert not list(differences(scenario, range(2)))
-    assert sorted(scenario.compiled.left.values()) == ["this loop variable on line 4"] * 2
+    assert sorted(scenario.compiled.left.values()) == ["`param` on line 5"] * 2
     assert not scenario.compiled.wholes
 
 
@@ -235,7 +235,7 @@ ego = Object with behavior B"""
 
 
 def test_many_turns_that_end_are_the_machines_too() -> None:
-    scenario = scenic_ref.loads("behavior B:\n    n = 0\n    while n < 6000:\n        n += 1\n    take n\nego = Object with behavior B")
+    scenario = scenic_ref.loads("behavior B:\n    n = 0\n    while n < 100000:\n        n += 1\n    take n\nego = Object with behavior B")
     assert not list(differences(scenario, range(1), steps=2))
     assert scenario.compiled.wholes
 

@@ -211,7 +211,7 @@ def test_what_the_machine_does_for_compiled_code_has_half_of_the_fuel(monkeypatc
     monkeypatch.setattr(simulation, "DEFAULT_FUEL", 100)
     text = "behavior B:\n    for i in range(20):\n        x = [k for k in range(10)]\n    take len(x)\nego = Object with behavior B"
     verdicts = []
-    for fuel in range(500, 5_000, 500):
+    for fuel in range(500, 40_500, 2_500):
         scenario = scenic_ref.loads(text, fuel=fuel)
         verdicts.append((said(scenario, "compiled", 0, steps=2) == said(scenario, "interpreter", 0, steps=2), bool(scenario.compiled.wholes)))
     assert {same for same, _ in verdicts} == {True}

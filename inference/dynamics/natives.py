@@ -1,0 +1,150 @@
+"""Host code that compiled code calls without the machine: what changes nothing, cannot fail in another way, and gives a value of a known type.
+
+Each form gives `SLOWLY` where it does not know a value, or where host code raises: then the rule of the machine concludes, with the same value, or
+with the program's error. Nothing of it is taken off the run's budget: it goes through no container of the program's, and `turn` counts its calls.
+"""
+
+from __future__ import annotations
+
+import builtins
+import math
+from collections.abc import Callable, Mapping
+from functools import cache
+from types import BuiltinFunctionType, MethodType, NoneType
+from typing import Any
+
+from ...maps.fixed import Fixed
+from ...maps.paths import Trajectory
+from ...semantics.kernel.allowed import may_ask
+from ...semantics.kernel.errors import OutOfTime
+from ...semantics.kernel.queries import Clock
+from ...semantics.kernel.scenic_classes import ScenicClass
+from ...semantics.kernel.values import Instance
+from ...semantics.python.library import GIVEN, METHODS
+from ...semantics.space.regions import Region
+from ...semantics.space.vectors import Vector
+from ...simulators.worlds.driving.arguments import check_arguments
+
+SLOWLY: Any = object()
+NUMBERS = frozenset({int, float})
+SMALL = 1 << 62
+KNOWN = frozenset({float, int, bool, NoneType, Vector, str})
+"""Types of arguments and values that host code is given and gives as they are."""
+QUANTIFIERS = (any, all)
+
+
+def is_known(value: object) -> bool:
+    """Whether a value is one that host code gives as it is, whatever is in it."""
+    return type(value) in KNOWN or isinstance(value, (Fixed, Region)) or type(value) is tuple
+
+
+# Attributes
+
+
+@cache
+def is_open(class_: type, name: str) -> bool:
+    """Whether a value of a class of maps has an attribute of this name for programs, which is that of Python."""
+    renamed = any(name in GIVEN.get(kind, ()) or name in METHODS.get(kind, ()) for kind in class_.__mro__)
+    return not renamed and may_ask(class_.__new__(class_), name)
+
+
+def attribute(subject: object, name: str) -> Any:
+    """An attribute of a lane or another thing of a map."""
+    if not isinstance(subject, Fixed) or not is_open(type(subject), name):
+        return SLOWLY
+    try:
+        found = getattr(subject, name)
+    except OutOfTime:
+        raise
+    except Exception:
+        return SLOWLY
+    return found if type(found) is MethodType or is_known(found) else SLOWLY
+
+
+# Calls
+
+
+def given(value: object, objects: Mapping[int, Mapping[str, object]]) -> Any:
+    """An argument as host code of maps gets it: of an object its position; a list of places as it is."""
+    if type(value) is Instance:
+        value = objects[value.number].get("position")
+        return value if type(value) is Vector else SLOWLY
+    if type(value) in KNOWN or isinstance(value, (Fixed, Region)):
+        return value
+    if type(value) in (list, tuple) and all(type(v) is Vector or isinstance(v, (Fixed, Region)) for v in value):  # type: ignore[attr-defined]
+        return value
+    return SLOWLY
+
+
+def call(function: Any, arguments: tuple[Any, ...], named: Mapping[str, Any], objects: Mapping[int, Mapping[str, object]]) -> Any:
+    """The value of a call of host code."""
+    kind = type(function)
+    if kind is BuiltinFunctionType:
+        quick = None if named else BUILTINS.get(function)
+        return SLOWLY if quick is None else quick(function, arguments)
+    if kind is Clock:
+        return SLOWLY if arguments or named else function
+    if function is Trajectory or (kind is MethodType and isinstance(function.__self__, Fixed)):
+        taken = [given(a, objects) for a in arguments]
+        by_name = {name: given(a, objects) for name, a in named.items()}
+        if any(a is SLOWLY for a in (*taken, *by_name.values())):
+            return SLOWLY
+        return attempted(function, taken, by_name)
+    if function is check_arguments and not named and all(type(a) in KNOWN or type(a) is Instance or isinstance(a, Fixed) for a in arguments):
+        return attempted(function, arguments, named)
+    return SLOWLY
+
+
+def attempted(function: Callable[..., object], arguments: Any, named: Mapping[str, Any]) -> Any:
+    """What host code gives, or `SLOWLY` if it raises."""
+    try:
+        found = function(*arguments, **named)
+    except OutOfTime:
+        raise
+    except Exception:
+        return SLOWLY
+    return found if is_known(found) else SLOWLY
+
+
+def of_numbers(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+    """A function of numbers that are not large."""
+    for a in arguments:
+        if type(a) not in NUMBERS or not (-SMALL < a < SMALL or type(a) is float):
+            return SLOWLY
+    try:
+        found = function(*arguments)
+    except Exception:
+        return SLOWLY
+    return found if type(found) in NUMBERS else SLOWLY
+
+
+def least_or_most(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+    """`min(a, b, ...)`, `max(a, b, ...)` of numbers."""
+    return of_numbers(function, arguments) if len(arguments) > 1 else SLOWLY
+
+
+def length(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+    """`len(xs)`."""
+    return len(arguments[0]) if len(arguments) == 1 and type(arguments[0]) in (list, tuple) else SLOWLY
+
+
+def quantified(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+    """`any(xs)`, `all(xs)` of truth values."""
+    known = len(arguments) == 1 and type(arguments[0]) in (list, tuple) and all(type(a) is bool for a in arguments[0])
+    return function(arguments[0]) if known else SLOWLY
+
+
+def is_instance(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+    """`isinstance(o, C)` for a Scenic class C."""
+    if len(arguments) == 2 and type(arguments[0]) is Instance and type(arguments[1]) is ScenicClass:
+        return arguments[1] in arguments[0].class_.lineage
+    return SLOWLY
+
+
+BUILTINS: Mapping[Callable[..., object], Callable[[Callable[..., Any], tuple[Any, ...]], Any]] = {
+    **dict.fromkeys((builtins.abs, *(getattr(math, name) for name in (
+        "sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "hypot", "exp", "log", "degrees", "radians", "floor", "ceil", "fabs", "isinf",
+        "isnan", "copysign", "fmod",
+    ))), of_numbers),
+    min: least_or_most, max: least_or_most, len: length, any: quantified, all: quantified, isinstance: is_instance,
+}  # fmt: skip
