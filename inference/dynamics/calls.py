@@ -9,11 +9,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from ...semantics.kernel.config import Abrupt
+from ...semantics.kernel.config import Abrupt, Config, Value
 from ...semantics.kernel.driving import taken_over
 from ...semantics.kernel.generators import EXHAUSTED, Generator
 from ...semantics.kernel.host import HostException
 from ...semantics.kernel.queries import CLOCK, Clock, attribute_of_clock
+from ...semantics.kernel.scenic_classes import ScenicClass
 from ...semantics.kernel.scopes import MISSING, Scope
 from ...semantics.kernel.sets import Set
 from ...semantics.kernel.values import Dynamic, Function, Instance, Method, Module, Random, plain, unwrap
@@ -24,10 +25,12 @@ from ...semantics.python.expression_statements import Discard, resume_discard
 from ...semantics.python.expressions import conclude_attribute, conclude_subscript, container
 from ...semantics.python.functions import make_function
 from ...semantics.python.generators import Walk, pull, taken, walk
+from ...semantics.scenes.object_definitions import ClassOf
 from ...semantics.space.vectors import Vector
 from ...semantics.step import step
 from ...semantics.syntax import python_expressions as p
 from ...semantics.syntax import statements as s
+from ...semantics.syntax.expressions import ObjectOrValue
 from ...semantics.syntax.nodes import Node
 from . import natives
 from .equations import ACTION_TYPES, PLAIN, Equations, Raised
@@ -144,6 +147,13 @@ class Calls(Equations):
             if type(found) is Function:
                 return Method(found, subject, found.door)
         return self.attribute(scope, subject, node, name)
+
+    def object_or_value(self, scope: Scope, node: ObjectOrValue, head: Any) -> Any:
+        """The object of a Scenic class, made by the machine; any other value as it is."""
+        if type(plain(head)) is not ScenicClass:
+            return head
+        base = self.base(scope)
+        return self.settled(step, taken_over(Config(Value(plain(head)), (ClassOf(node), base), self.here(scope))), base)
 
     def discarded(self, scope: Scope, node: s.ExpressionStatement, result: Any) -> None:
         """⟨E⟩ for its effect. Raises `LeftToMachine` for what alone does nothing."""

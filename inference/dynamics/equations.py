@@ -6,6 +6,7 @@ node, driven by the machine from the values of its premises, or reduced by the m
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from ...semantics.dynamics.processes import Coroutine
@@ -13,6 +14,7 @@ from ...semantics.kernel.conditions import holding, truth
 from ...semantics.kernel.config import Abrupt, Config, Stack, State, Value
 from ...semantics.kernel.driving import Arrived, Chooser, Machine, Unfinished, Witness, drive_machine, taken_over
 from ...semantics.kernel.errors import NeedsElements, OutOfTime
+from ...semantics.kernel.kinds import Reader
 from ...semantics.kernel.outcome import Draw, Fault, Next, Outcome, Requirement, Stuck
 from ...semantics.kernel.premises import SHARED, Conclusion, Premises, variable
 from ...semantics.kernel.scopes import MISSING, Scope
@@ -21,17 +23,18 @@ from ...semantics.kernel.values import Instance, plain
 from ...semantics.python.expressions import conclude_binary, conclude_unary
 from ...semantics.python.functions import InScope
 from ...semantics.scenes.comparisons import conclude_comparison
-from ...semantics.scenes.operations import apply_operator
-from ...semantics.scenes.operators import distance
-from ...semantics.space.regions import EmptyRegion, UnboundedRegion
+from ...semantics.scenes.operations import apply_operator, apply_side, compute, new_oriented_point
+from ...semantics.scenes.operators import IN_EQUATIONS, SIDES, Equation, OrientedPointAt, distance
+from ...semantics.scenes.released import equations_of
+from ...semantics.space.regions import EmptyRegion, Region, UnboundedRegion
 from ...semantics.space.vectors import Vector
 from ...semantics.step import step, stopped, told
 from ...semantics.syntax import python_expressions as p
-from ...semantics.syntax.expressions import Distance
+from ...semantics.syntax.expressions import Distance, SideOf
 from ...semantics.syntax.nodes import Expression, Node
 from ...simulators.actions import ACTIONS
 from .leaving import LeftToMachine
-from .natives import NUMBERS, SMALL
+from .natives import NUMBERS, SMALL, equation
 
 PLAIN = frozenset({float, int, bool, type(None)})
 """Types of values that actions are given and that are compared as they are: the machine takes nothing off the run's budget for them."""
@@ -213,6 +216,10 @@ class Equations:
                 return left == right
             if node.operators[0] == "!=":
                 return left != right
+        if isinstance(right, Region) and node.operators[0] in ("in", "not in"):
+            found = self.equated(node, IN_EQUATIONS, (left, right))
+            if found is not MISSING:
+                return found if node.operators[0] == "in" else not found
         return plain(self.concluded(scope, conclude_comparison, node, [(), left, right]))
 
     def operator(self, scope: Scope, node: Node, *operands: Any) -> Any:
@@ -221,7 +228,29 @@ class Equations:
             one, other = map(self.position, operands)
             if type(one) is Vector and type(other) is Vector:
                 return distance(one, other)
-        return plain(self.concluded(scope, apply_operator, node, list(operands)))
+        found = self.equated(node, equations_of(node, self.state.reading("oriented-offset"), self.state.reading("angle")), operands)
+        return plain(self.concluded(scope, apply_operator, node, list(operands))) if found is MISSING else found
+
+    def side(self, scope: Scope, node: SideOf, subject: Any) -> Any:
+        """`front of O` and its seven siblings."""
+        found = self.equated(node, (SIDES[node.side],), (subject,))
+        return plain(self.concluded(scope, apply_side, node, [subject])) if found is MISSING else found
+
+    def equated(self, node: Node, equations: Sequence[Equation], operands: Sequence[Any]) -> Any:
+        """The right-hand side of the equation for operands of these kinds; MISSING where that is for the machine to say."""
+        found = equation(node, equations, operands)
+        if found is None:
+            return MISSING
+        reader = Reader(self.state)
+        try:
+            result = compute(found.function, [reader.read(operand, kind) for operand, kind in zip(operands, found.kinds)], reader)
+        except OutOfTime:
+            raise
+        except Exception:
+            return MISSING
+        if isinstance(result, OrientedPointAt):
+            result, self.state = new_oriented_point(result, reader, self.state)
+        return result
 
     def position(self, value: Any) -> Any:
         """The position of an instance; other values as they are."""

@@ -94,11 +94,15 @@ class Expressions:
                 return f"q.item(S, {self.constant(node)}, {self.value(container)}, {self.value(index)})"
             case p.Comprehension(kind="list" | "set" | "dict"):
                 return self.comprehension(node)
+            case e.ObjectOrValue():
+                return self.without_origin(self.object_or_value(node))
             case p.Lambda(parameters=parameters) if not any(q.default is not None for q in parameters):
                 return f"q.function(S, {self.constant(node)})"
             case _ if (rewriting := REWRITINGS.get(type(node))) is not None and rewriting.applies(node):
                 return self.value(rewriting.rewrite(node))
-            case _ if type(node) in EQUATIONS and not isinstance(node, e.SideOf):
+            case e.SideOf(object=subject):
+                return f"q.side(S, {self.constant(node)}, {self.value(subject)})"
+            case _ if type(node) in EQUATIONS:
                 operands = [getattr(node, name) for name in EQUATIONS[type(node)][0]]
                 if all(operand is not None for operand in operands):
                     return f"q.operator(S, {self.constant(node)}, {', '.join(map(self.value, operands))})"
@@ -115,6 +119,8 @@ class Expressions:
                 return self.value(node)
             case p.Call() if self.is_translated_call(node):
                 return self.call(node)
+            case e.ObjectOrValue():
+                return self.object_or_value(node)
             case p.Conditional(test=test, then=then, otherwise=otherwise):
                 return f"({self.carried(then)} if {self.truth(test)} else {self.carried(otherwise)})"
             case _ if type(node) in TRANSLATED or type(node) in EQUATIONS:
@@ -162,6 +168,11 @@ class Expressions:
         """A value without what it was drawn from."""
         t = self.temporary()
         return f"({t} if type({t} := {source}) is not Random else {t}.value)"
+
+    def object_or_value(self, node: e.ObjectOrValue) -> str:
+        """`E` where an object may stand: an object definition if it is a Scenic class, else its value."""
+        t = self.temporary()
+        return f"({t} if type({t} := {self.carried(node.value)}) not in CLASSES else q.object_or_value(S, {self.constant(node)}, {t}))"
 
     def literal(self, found: object) -> str:
         """A constant: the very value of the syntax tree, which `is` tells from equal ones."""

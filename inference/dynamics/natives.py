@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import builtins
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from types import BuiltinFunctionType, MethodType, NoneType
 from typing import Any
@@ -16,13 +16,19 @@ from typing import Any
 from ...maps.fixed import Fixed
 from ...maps.paths import Trajectory
 from ...semantics.kernel.allowed import may_ask
-from ...semantics.kernel.errors import OutOfTime
+from ...semantics.kernel.errors import OutOfTime, RunError
+from ...semantics.kernel.kinds import is_object, is_oriented
 from ...semantics.kernel.queries import Clock
 from ...semantics.kernel.scenic_classes import ScenicClass
-from ...semantics.kernel.values import Instance
+from ...semantics.kernel.scopes import MISSING
+from ...semantics.kernel.values import Instance, Random, Special, plain, wrap
 from ...semantics.python.library import GIVEN, METHODS
+from ...semantics.scenes.operations import select
+from ...semantics.scenes.operators import Equation
+from ...semantics.space.fields import VectorField
 from ...semantics.space.regions import Region
 from ...semantics.space.vectors import Vector
+from ...semantics.syntax.nodes import Node
 from ...simulators.worlds.driving.arguments import check_arguments
 
 SLOWLY: Any = object()
@@ -36,6 +42,34 @@ QUANTIFIERS = (any, all)
 def is_known(value: object) -> bool:
     """Whether a value is one that host code gives as it is, whatever is in it."""
     return type(value) in KNOWN or isinstance(value, (Fixed, Region)) or type(value) is tuple
+
+
+# Operators
+
+
+def equation(node: Node, equations: Sequence[Equation], operands: Sequence[object]) -> Equation | None:
+    """The equation for operands of the kinds that these have; None where their types do not tell these kinds."""
+    kinds: list[object] = []
+    for operand in operands:
+        kind = type(operand)
+        if kind is Instance:
+            kinds.append("object" if is_object(operand) else "oriented point" if is_oriented(operand) else "point")  # type: ignore[arg-type]
+        elif kind in (Vector, float, int) or isinstance(operand, (Region, VectorField)):
+            kinds.append(kind)
+        else:
+            return None
+    key = (equations[0].function, equations[-1].function, len(equations), *kinds)
+    found = EQUATIONS.get(key, MISSING)
+    if found is MISSING:
+        try:
+            found = select(node, equations, list(operands))
+        except RunError:
+            found = None
+        EQUATIONS[key] = found = None if found is None or found.needs_self else found  # type: ignore[union-attr]
+    return found  # type: ignore[return-value]
+
+
+EQUATIONS: dict[tuple[object, ...], object] = {}
 
 
 # Attributes
@@ -77,22 +111,28 @@ def given(value: object, objects: Mapping[int, Mapping[str, object]]) -> Any:
 
 
 def call(function: Any, arguments: tuple[Any, ...], named: Mapping[str, Any], objects: Mapping[int, Mapping[str, object]]) -> Any:
-    """The value of a call of host code."""
+    """The value of a call of host code; it is random if one of the arguments is."""
     kind = type(function)
-    if kind is BuiltinFunctionType:
-        quick = None if named else BUILTINS.get(function)
-        return SLOWLY if quick is None else quick(function, arguments)
-    if kind is Clock:
-        return SLOWLY if arguments or named else function
-    if function is Trajectory or (kind is MethodType and isinstance(function.__self__, Fixed)):
+    quick = BUILTINS.get(function) if kind is BuiltinFunctionType else SPECIALS.get(function.name) if kind is Special else None
+    if quick is None and kind is not MethodType and function is not Trajectory and function is not check_arguments:
+        return function if kind is Clock and not arguments and not named else SLOWLY
+    origin = None
+    if Random in map(type, (*arguments, *named.values())):
+        origin = next(a.origin for a in (*arguments, *named.values()) if type(a) is Random)
+        arguments = tuple(map(plain, arguments))
+        named = {name: plain(a) for name, a in named.items()}
+    if quick is not None:
+        found = SLOWLY if named else quick(function, arguments)
+    elif function is check_arguments:
+        known = not named and all(type(a) in KNOWN or type(a) is Instance or isinstance(a, Fixed) for a in arguments)
+        found = attempted(function, arguments, named) if known else SLOWLY
+    elif kind is MethodType and not isinstance(function.__self__, Fixed):
+        return SLOWLY
+    else:
         taken = [given(a, objects) for a in arguments]
         by_name = {name: given(a, objects) for name, a in named.items()}
-        if any(a is SLOWLY for a in (*taken, *by_name.values())):
-            return SLOWLY
-        return attempted(function, taken, by_name)
-    if function is check_arguments and not named and all(type(a) in KNOWN or type(a) is Instance or isinstance(a, Fixed) for a in arguments):
-        return attempted(function, arguments, named)
-    return SLOWLY
+        found = SLOWLY if any(a is SLOWLY for a in (*taken, *by_name.values())) else attempted(function, taken, by_name)
+    return found if origin is None or found is SLOWLY else wrap(found, origin)
 
 
 def attempted(function: Callable[..., object], arguments: Any, named: Mapping[str, Any]) -> Any:
@@ -146,5 +186,6 @@ BUILTINS: Mapping[Callable[..., object], Callable[[Callable[..., Any], tuple[Any
         "sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "hypot", "exp", "log", "degrees", "radians", "floor", "ceil", "fabs", "isinf",
         "isnan", "copysign", "fmod",
     ))), of_numbers),
-    min: least_or_most, max: least_or_most, len: length, any: quantified, all: quantified, isinstance: is_instance,
+    min: least_or_most, max: least_or_most, len: length, any: quantified, all: quantified,
 }  # fmt: skip
+SPECIALS: Mapping[str, Callable[[Callable[..., Any], tuple[Any, ...]], Any]] = {"isinstance": is_instance}

@@ -11,6 +11,7 @@ from typing import Any, ClassVar, NamedTuple
 
 from ...semantics.kernel.premises import SHARED
 from ...semantics.kernel.queries import Clock
+from ...semantics.kernel.scenic_classes import ScenicClass
 from ...semantics.kernel.scopes import MISSING, NO_NAMES, Names, descendants, function_names
 from ...semantics.kernel.values import Instance, Random
 from ...semantics.kernel.waiting import Waiting
@@ -26,6 +27,7 @@ from .natives import NUMBERS, QUANTIFIERS
 NAMES: Mapping[str, object] = {
     "Random": Random, "MISSING": MISSING, "Instance": Instance, "NUMBERS": NUMBERS, "PLAIN": PLAIN, "ACTIONS": ACTION_TYPES,
     "WRAPPED": frozenset({Random, Waiting}), "Clock": Clock, "QUANTIFIERS": QUANTIFIERS, "Raised": Raised,
+    "CLASSES": frozenset({ScenicClass, Random}),
 }  # fmt: skip
 """What every source may refer to."""
 
