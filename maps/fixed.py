@@ -10,7 +10,8 @@ from ..semantics.space.vectors import TakesPoints
 
 HIDDEN = frozenset({
     "polygon", "by_id", "by_uid", "first", "_tree", "strips", "gaps", "nearest", "connecting", "of", "scenic_names", "left", "right", "middle",
-    "outermost", "direction_cells", "across", "along", "siblings", "by_class", "source", "again", "turn", "turns",
+    "outermost", "direction_cells", "across", "along", "siblings", "by_class", "source", "again", "turn", "turns", "near",
+    "_near", "first_of", "_surfaces", "_directed",
 })  # fmt: skip
 """What is no matter of programs."""
 

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
+from typing import TypeVar
 
 import shapely
-from shapely.geometry import LineString, Point
+from shapely.geometry import LineString
 
 from ..semantics.kernel.values import Special
 from ..semantics.python.specials import NO_PICKLES
 from ..semantics.space.absence import Absent
+from ..semantics.space.boundaries import METRES
 from ..semantics.space.fields import Cell, VectorField
 from ..semantics.space.regions import Region, Workspace, everywhere, nowhere
+from ..semantics.space.vectors import Vector
 from .elements import (
     BikeLane,
     Lane,
@@ -24,7 +28,6 @@ from .elements import (
     RoadSection,
     Shoulder,
     Sidewalk,
-    T,
     vector,
 )
 from .fixed import Fixed
@@ -32,6 +35,13 @@ from .intersections import Intersection
 from .regions import NetworkCurve, NetworkField, fringe, region, region_along
 from .signals import Signal
 from .storing import keep_cells, load_cells
+
+Element = TypeVar("Element", bound=NetworkElement)
+
+CELL = 8.0
+"""Metres from one line to the next of the grid in which elements are looked up."""
+MOST_CELLS = 100_000
+"""So many cells are kept."""
 
 
 class MapWorkspace(Workspace):
@@ -189,28 +199,60 @@ class Network(Fixed):
     @cached_property
     def _tree(self) -> tuple[shapely.STRtree, tuple[NetworkElement, ...]]:
         found = tuple(self.by_uid.values())
+        for element in found:
+            shapely.prepare(element.polygon)
         return shapely.STRtree([element.polygon for element in found]), found
 
-    def first(self, among: Sequence[T], point: object, reject: bool | str = False) -> T | None:
+    @cached_property
+    def _near(self) -> dict[tuple[int, int, int], tuple[tuple[NetworkElement, ...], tuple[NetworkElement, ...]]]:
+        return {}
+
+    def near(self, among: tuple[Element, ...], v: Vector) -> tuple[Element, ...]:
+        """Those of some elements that may be within `tolerance` of a point, in their order: what comes near its cell of a grid, looked up once."""
+        if not (math.isfinite(v.x) and math.isfinite(v.y)):
+            return ()
+        column, row = math.floor(v.x / CELL), math.floor(v.y / CELL)
+        found = self._near.get((id(among), column, row))
+        if found is None:
+            tree, elements = self._tree
+            margin = 2 * self.tolerance + METRES
+            cell = shapely.box(CELL * column - margin, CELL * row - margin, CELL * (column + 1) + margin, CELL * (row + 1) + margin)
+            within = {elements[i] for i in tree.query(cell)}
+            if len(self._near) >= MOST_CELLS:
+                self._near.clear()
+            found = self._near[id(among), column, row] = among, tuple(element for element in among if element in within)
+        return found[1]  # type: ignore[return-value]
+
+    def first(self, among: tuple[Element, ...], point: object, reject: bool | str = False) -> Element | None:
         """The first of some elements that has a point, or, if none has it, that is within `tolerance` of it.
 
         If there is none: None, or, if `reject` is true, the run is rejected (`Absent`).
         """
         v = vector(point)
-        tree, elements = self._tree
+        return self.first_of(self.near(among, v), v, reject)
+
+    def first_of(self, candidates: Iterable[Element], v: Vector, reject: bool | str) -> Element | None:
+        """`first`, of some elements in their order, one of which is the first if there is one."""
+        place = shapely.points(v.x, v.y)
         for distance in (0.0, self.tolerance):
-            near = tree.query(Point(v.x, v.y), predicate="dwithin", distance=distance)
-            candidates = [elements[i] for i in near if elements[i] in among]
-            found = min(candidates, key=among.index, default=None)
-            if found is not None:
-                return found
+            for element in candidates:
+                if shapely.dwithin(element.polygon, place, distance):
+                    return element
         if reject:
             raise Absent(reject if isinstance(reject, str) else "there is no such element of the road network")
         return None
 
+    @cached_property
+    def _surfaces(self) -> tuple[NetworkElement, ...]:
+        return (*self.intersections, *self.roads, *self.shoulders, *self.sidewalks)
+
+    @cached_property
+    def _directed(self) -> tuple[NetworkElement, ...]:
+        return (*self.intersections, *self.roads, *self.shoulders)
+
     def elementAt(self, point: object, reject: bool | str = False) -> NetworkElement | None:
         """The intersection, road, shoulder or sidewalk at a point."""
-        return self.first((*self.intersections, *self.roads, *self.shoulders, *self.sidewalks), point, reject)
+        return self.first(self._surfaces, point, reject)
 
     def roadAt(self, point: object, reject: bool | str = False) -> Road | None:
         """The road at a point, or the connecting road."""
@@ -248,7 +290,7 @@ class Network(Fixed):
 
     def nominalDirectionsAt(self, point: object, reject: bool | str = False) -> tuple[float, ...]:
         """The directions of traffic at a point: several in an intersection, none away from roads."""
-        found = self.first((*self.intersections, *self.roads, *self.shoulders), point, reject)
+        found = self.first(self._directed, point, reject)
         return () if found is None else found.nominalDirectionsAt(point)
 
     def dumpPickle(self, path: object = None, digest: object = None, optionsDigest: object = None) -> None:
@@ -258,6 +300,8 @@ class Network(Fixed):
     def show(self, labelIncomingLanes: bool = False, showCurbArrows: bool = False) -> None:
         """Nothing: in a program nobody looks. `scenic-ref map FILE --plot PICTURE` draws a map (of the released library)."""
 
-    def findPointIn(self, point: object, elems: Sequence[T], reject: bool | str) -> T | None:
+    def findPointIn(self, point: object, elems: Sequence[Element], reject: bool | str) -> Element | None:
         """`first`, under the released library's name."""
-        return self.first(elems, point, reject)
+        v = vector(point)
+        there = [element for element in self.near(self._tree[1], v) if element in elems]
+        return self.first_of(sorted(there, key=elems.index), v, reject)  # type: ignore[arg-type]

@@ -109,8 +109,9 @@ class Calls(Equations):
         found = natives.SLOWLY
         if kind is Instance:
             member = None if name in self.state.objects[subject.number] else subject.class_.method(node.name)
-            if type(member) is property and type(member.fget) is Function:
-                found = self.property(subject, node, member.fget)
+            getter: Any = member.fget if type(member) is property else None
+            if type(getter) is Function:
+                found = self.property(subject, node, getter)
         elif kind is Module:
             found = subject.scope.bindings.get(node.name, natives.SLOWLY)
         else:

@@ -79,7 +79,7 @@ EQUATIONS: dict[tuple[object, ...], object] = {}
 def is_open(class_: type, name: str) -> bool:
     """Whether a value of a class of maps has an attribute of this name for programs, which is that of Python."""
     renamed = any(name in GIVEN.get(kind, ()) or name in METHODS.get(kind, ()) for kind in class_.__mro__)
-    return not renamed and may_ask(class_.__new__(class_), name)
+    return not renamed and may_ask(object.__new__(class_), name)
 
 
 def attribute(subject: object, name: str) -> Any:
@@ -126,7 +126,7 @@ def call(function: Any, arguments: tuple[Any, ...], named: Mapping[str, Any], ob
     elif function is check_arguments:
         known = not named and all(type(a) in KNOWN or type(a) is Instance or isinstance(a, Fixed) for a in arguments)
         found = attempted(function, arguments, named) if known else SLOWLY
-    elif kind is MethodType and not isinstance(function.__self__, Fixed):
+    elif isinstance(function, MethodType) and not isinstance(function.__self__, Fixed):
         return SLOWLY
     else:
         taken = [given(a, objects) for a in arguments]
