@@ -70,20 +70,21 @@ class PathTable:
         """
         xs, ys, along = self.xs, self.ys, self.along
         first, last = self.segment(low), self.segment(high)
-        guess = min(max(self.nearest, first), last)
-        bound = self.nearest_on(guess, x, y, low, high)[0] + ROUNDING
+        bound = self.nearest_on(min(max(self.nearest, first), last), x, y, low, high)[0] + ROUNDING
         best, found, at = math.inf, low, first
         k = first
         while k <= last:
+            free = math.hypot(x - xs[k], y - ys[k]) - bound
+            if free > STEP:
+                beyond = bisect_right(along, along[k] + free - ROUNDING, k) - 1
+                if beyond > k:
+                    k = beyond
+                    continue
             distance, place = self.nearest_on(k, x, y, low, high)
             if distance < best:
                 best, found, at = distance, place, k
                 bound = min(bound, best + ROUNDING)
             k += 1
-            if k <= last:
-                free = math.hypot(x - xs[k], y - ys[k]) - bound
-                if free > STEP:
-                    k = max(k, bisect_right(along, along[k] + free - ROUNDING, k) - 1)
         self.nearest = at
         return found
 
@@ -96,8 +97,9 @@ class PathTable:
         ax, ay, begin, end = self.xs[k], self.ys[k], self.along[k], self.along[k + 1]
         dx, dy = self.xs[k + 1] - ax, self.ys[k + 1] - ay
         length = end - begin
-        share = ((x - ax) * dx + (y - ay) * dy) / (dx * dx + dy * dy)
-        place = min(max(begin + share * length, begin, low), end, high)
+        place = begin + ((x - ax) * dx + (y - ay) * dy) / (dx * dx + dy * dy) * length
+        low, high = low if low > begin else begin, high if high < end else end
+        place = low if place < low else high if place > high else place
         share = (place - begin) / length
         return math.hypot(x - ax - share * dx, y - ay - share * dy), place
 

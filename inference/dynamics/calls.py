@@ -6,7 +6,7 @@ not draw, nor change the scene.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from ...semantics.kernel.config import Abrupt, Config, Value
@@ -46,6 +46,7 @@ OF_HOST = 2
 KEPT = ("scene", "params", "ego", "workspace", "late", "dynamic", "objects")
 """What a function that host code calls may not change."""
 NO_NAMES: tuple[str, ...] = ()
+NOTHING: Mapping[str, object] = {}
 
 
 class Calls(Equations):
@@ -136,7 +137,7 @@ class Calls(Equations):
             if all(type(a) in PLAIN for a in (*given, *more.values())):
                 return function(*given, **more)
         else:
-            found = natives.call(function, arguments, dict(zip(names, named)), self.state.objects)
+            found = natives.call(function, arguments, dict(zip(names, named)) if named else NOTHING, self.state.objects)
             if found is not natives.SLOWLY:
                 return found
         return self.concluded(scope, conclude_call, node, [function, *arguments, *named])

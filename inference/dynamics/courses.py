@@ -7,8 +7,10 @@ innermost behavior goes on, as in `interrupts.check_interrupts`.
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator, Sequence
+from operator import is_
 from typing import Any
 
+from ...maps.fixed import Fixed
 from ...semantics.dynamics.actions import actions_of
 from ...semantics.dynamics.frames import BODY
 from ...semantics.dynamics.guards import scope_of
@@ -49,10 +51,10 @@ class Terminated(Exception):
 class Invocation:
     """A behavior that runs for an agent, or a monitor (without agent): `path` are it and those around it, the outermost first.
 
-    `lines` are the texts that tell what the agent does at a statement, where these stay the same: arguments may be lists that change.
+    `lines` are the texts that tell what the agent does at a statement, where these stay the same as long as the `lists` among the arguments do.
     """
 
-    __slots__ = ("agent", "depth", "fixed", "invariants", "lines", "path", "scope")
+    __slots__ = ("agent", "depth", "fixed", "invariants", "lines", "lists", "path", "scope")
 
     def __init__(
         self, agent: Instance | None, path: tuple[Dynamic, ...], depth: int, scope: Scope | None = None, invariants: Sequence[CompiledGuard] = ()
@@ -63,10 +65,15 @@ class Invocation:
         self.scope = scope
         self.invariants = invariants
         self.lines: dict[int, str] = {}
-        self.fixed = all(type(value) in FIXED for one in path for value in given_to(one))
+        given = [value for one in path for value in given_to(one)]
+        self.lists: list[tuple[list[Any], list[Any]]] = [(value, list(value)) for value in given if type(value) is list]
+        self.fixed = all(is_fixed(value) or (type(value) is list and all(map(is_fixed, value))) for value in given)
 
     def doing(self, node: Node | None) -> str:
         """Which behaviors the agent is in, and on which line the innermost waits."""
+        if self.fixed and not all(len(now) == len(then) and all(map(is_, now, then)) for now, then in self.lists):
+            self.fixed = False
+            self.lines.clear()
         text = self.lines.get(id(node))
         if text is None:
             assert self.agent is not None
@@ -78,7 +85,11 @@ class Invocation:
 
 
 FIXED = frozenset({float, int, bool, str, type(None), Vector, Instance})
-"""Types of arguments that are always told in the same words."""
+
+
+def is_fixed(value: object) -> bool:
+    """Whether an argument is always told in the same words."""
+    return type(value) in FIXED or isinstance(value, Fixed)
 
 
 def given_to(behavior: Dynamic) -> Iterator[Any]:

@@ -21,8 +21,9 @@ from ...semantics.kernel.kinds import is_object, is_oriented
 from ...semantics.kernel.queries import Clock
 from ...semantics.kernel.scenic_classes import ScenicClass
 from ...semantics.kernel.scopes import MISSING
-from ...semantics.kernel.values import Instance, Random, Special, plain, wrap
+from ...semantics.kernel.values import Instance, Random, plain, wrap
 from ...semantics.python.library import GIVEN, METHODS
+from ...semantics.python.specials import SPECIAL_VALUES
 from ...semantics.scenes.operations import select
 from ...semantics.scenes.operators import Equation
 from ...semantics.space.fields import VectorField
@@ -113,26 +114,41 @@ def given(value: object, objects: Mapping[int, Mapping[str, object]]) -> Any:
 def call(function: Any, arguments: tuple[Any, ...], named: Mapping[str, Any], objects: Mapping[int, Mapping[str, object]]) -> Any:
     """The value of a call of host code; it is random if one of the arguments is."""
     kind = type(function)
-    quick = BUILTINS.get(function) if kind is BuiltinFunctionType else SPECIALS.get(function.name) if kind is Special else None
-    if quick is None and kind is not MethodType and function is not Trajectory and function is not check_arguments:
-        return function if kind is Clock and not arguments and not named else SLOWLY
-    origin = None
-    if Random in map(type, (*arguments, *named.values())):
-        origin = next(a.origin for a in (*arguments, *named.values()) if type(a) is Random)
-        arguments = tuple(map(plain, arguments))
-        named = {name: plain(a) for name, a in named.items()}
-    if quick is not None:
-        found = SLOWLY if named else quick(function, arguments)
-    elif function is check_arguments:
-        known = not named and all(type(a) in KNOWN or type(a) is Instance or isinstance(a, Fixed) for a in arguments)
-        found = attempted(function, arguments, named) if known else SLOWLY
-    elif isinstance(function, MethodType) and not isinstance(function.__self__, Fixed):
+    if kind is MethodType:
+        if not isinstance(function.__self__, Fixed):
+            return SLOWLY
+        if not named and KNOWN.issuperset(map(type, arguments)):
+            return attempted(function, arguments, named)
+    elif kind is BuiltinFunctionType:
+        quick = BUILTINS.get(function)
+        if quick is None or named:
+            return SLOWLY
+        if NUMBERS.issuperset(map(type, arguments)):
+            return quick(function, arguments)
+    elif kind is Clock:
+        return SLOWLY if arguments or named else function
+    elif function is not Trajectory and function is not check_arguments and function is not ISINSTANCE:
         return SLOWLY
-    else:
-        taken = [given(a, objects) for a in arguments]
-        by_name = {name: given(a, objects) for name, a in named.items()}
-        found = SLOWLY if any(a is SLOWLY for a in (*taken, *by_name.values())) else attempted(function, taken, by_name)
-    return found if origin is None or found is SLOWLY else wrap(found, origin)
+    every = (*arguments, *named.values())
+    origin = next((a.origin for a in every if type(a) is Random), None)
+    if origin is None:
+        return known_call(function, arguments, named, objects)
+    found = known_call(function, tuple(map(plain, arguments)), {name: plain(a) for name, a in named.items()}, objects)
+    return found if found is SLOWLY else wrap(found, origin)
+
+
+def known_call(function: Any, arguments: tuple[Any, ...], named: Mapping[str, Any], objects: Mapping[int, Mapping[str, object]]) -> Any:
+    """The value of a call of one of these functions, with plain arguments."""
+    if type(function) is BuiltinFunctionType:
+        return BUILTINS[function](function, arguments)
+    if function is ISINSTANCE:
+        return SLOWLY if named else is_instance(arguments)
+    if function is check_arguments:
+        known = not named and all(type(a) in KNOWN or type(a) is Instance or isinstance(a, Fixed) for a in arguments)
+        return attempted(function, arguments, named) if known else SLOWLY
+    taken = [given(a, objects) for a in arguments]
+    by_name = {name: given(a, objects) for name, a in named.items()}
+    return SLOWLY if any(a is SLOWLY for a in (*taken, *by_name.values())) else attempted(function, taken, by_name)
 
 
 def attempted(function: Callable[..., object], arguments: Any, named: Mapping[str, Any]) -> Any:
@@ -149,7 +165,7 @@ def attempted(function: Callable[..., object], arguments: Any, named: Mapping[st
 def of_numbers(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
     """A function of numbers that are not large."""
     for a in arguments:
-        if type(a) not in NUMBERS or not (-SMALL < a < SMALL or type(a) is float):
+        if type(a) is not float and (type(a) is not int or not -SMALL < a < SMALL):
             return SLOWLY
     try:
         found = function(*arguments)
@@ -174,7 +190,7 @@ def quantified(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
     return function(arguments[0]) if known else SLOWLY
 
 
-def is_instance(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+def is_instance(arguments: tuple[Any, ...]) -> Any:
     """`isinstance(o, C)` for a Scenic class C."""
     if len(arguments) == 2 and type(arguments[0]) is Instance and type(arguments[1]) is ScenicClass:
         return arguments[1] in arguments[0].class_.lineage
@@ -188,4 +204,4 @@ BUILTINS: Mapping[Callable[..., object], Callable[[Callable[..., Any], tuple[Any
     ))), of_numbers),
     min: least_or_most, max: least_or_most, len: length, any: quantified, all: quantified,
 }  # fmt: skip
-SPECIALS: Mapping[str, Callable[[Callable[..., Any], tuple[Any, ...]], Any]] = {"isinstance": is_instance}
+ISINSTANCE = SPECIAL_VALUES["isinstance"]

@@ -7,6 +7,7 @@ its radius (6e-8 m for 50 m). Regions with straight edges are their own core and
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Protocol
@@ -16,7 +17,6 @@ from shapely.geometry import GeometryCollection, LineString, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from ..boundaries import METRES, common, united, widened
-from ..geometry import corners
 from ..vectors import Vector
 
 Bounds = tuple[float, float, float, float]  # west, south, east, north
@@ -90,9 +90,15 @@ def distance(region: Approximable, v: Vector, window: Polygon) -> float:
 
 def box_shape(position: Vector, heading: float, width: float, length: float) -> BaseGeometry:
     """The box as a shape; a segment or a point if it is that thin."""
-    points = [(corner.x, corner.y) for corner in corners(position, heading, width, length)]
+    c, s = math.cos(heading), math.sin(heading)
+    across_x, across_y, along_x, along_y = width / 2 * c, width / 2 * s, -(length / 2 * s), length / 2 * c
+    front_x, front_y, back_x, back_y = position.x + along_x, position.y + along_y, position.x - along_x, position.y - along_y
+    points = [
+        (front_x + across_x, front_y + across_y), (front_x - across_x, front_y - across_y),
+        (back_x - across_x, back_y - across_y), (back_x + across_x, back_y + across_y),
+    ]  # fmt: skip
     if points[0] not in (points[1], points[3]):
-        return Polygon(points)
+        return shapely.polygons(shapely.linearrings(points))  # type: ignore[return-value]
     return LineString((points[0], points[2])) if points[0] != points[2] else Point(points[0])
 
 
