@@ -44,8 +44,8 @@ ROUNDING = 1e-6
 class PathTable:
     """The segments of a path, as lists: its points, how far along each begins (and the last one ends), the direction of each, and its middle.
 
-    `changes` are the segments that turn away from the one before. `nearest` is where the nearest point was found last: looking there first
-    makes the next search short, and changes nothing of what it finds.
+    `changes` are the segments that turn away from the one before. `nearest` are those that had the nearest points of the last two places: looking
+    there first makes the next search short, and changes nothing of what it finds.
     """
 
     __slots__ = ("along", "changes", "directions", "length", "middles", "nearest", "xs", "ys")
@@ -61,7 +61,7 @@ class PathTable:
         directions = np.unwrap(np.arctan2(ahead[:, 1], ahead[:, 0]))
         self.directions: list[float] = directions.tolist()
         self.changes: list[int] = (np.flatnonzero(np.abs(np.diff(directions)) > UNTURNED) + 1).tolist()
-        self.nearest = 0
+        self.nearest = 0, 0
 
     def project(self, x: float, y: float, low: float, high: float) -> float:
         """How many metres along the path, from `low` to `high` of them, the point nearest to a place is; the first one, if there are several.
@@ -70,7 +70,7 @@ class PathTable:
         """
         xs, ys, along = self.xs, self.ys, self.along
         first, last = self.segment(low), self.segment(high)
-        bound = self.nearest_on(min(max(self.nearest, first), last), x, y, low, high)[0] + ROUNDING
+        bound = ROUNDING + min(self.nearest_on(min(max(k, first), last), x, y, low, high)[0] for k in self.nearest)
         best, found, at = math.inf, low, first
         k = first
         while k <= last:
@@ -85,7 +85,7 @@ class PathTable:
                 best, found, at = distance, place, k
                 bound = min(bound, best + ROUNDING)
             k += 1
-        self.nearest = at
+        self.nearest = at, self.nearest[0]
         return found
 
     def segment(self, place: float) -> int:
@@ -125,14 +125,12 @@ class PathTable:
     def speed_limit(self, place: float) -> float:
         """The speed (m/s) from which one can slow down in time for every bend ahead; very high on straight paths."""
         least = SIDEWAYS / STRAIGHT
-        straight = self.straight_until(place - WINDOW / 2)
-        for ahead in range(LOOKED_AT):
+        bend = self.straight_until(place - WINDOW / 2) - WINDOW / 2 - place
+        for ahead in range(max(0, math.floor(min(bend, LOOKED_AT))), LOOKED_AT):
             slowing = 2 * SLOWING * ahead
             if slowing >= least:
                 break
             at = min(place + ahead, self.length)
-            if at + WINDOW / 2 < straight:
-                continue
             turned = abs(self.direction(at + WINDOW / 2) - self.direction(at - WINDOW / 2))
             least = min(least, SIDEWAYS / max(turned / WINDOW, STRAIGHT) + slowing)
         return math.sqrt(least)

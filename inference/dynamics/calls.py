@@ -26,7 +26,6 @@ from ...semantics.python.expressions import conclude_attribute, conclude_subscri
 from ...semantics.python.functions import make_function
 from ...semantics.python.generators import Walk, pull, taken, walk
 from ...semantics.scenes.object_definitions import ClassOf
-from ...semantics.space.vectors import Vector
 from ...semantics.step import step
 from ...semantics.syntax import python_expressions as p
 from ...semantics.syntax import statements as s
@@ -35,6 +34,7 @@ from ...semantics.syntax.nodes import Node
 from . import natives
 from .equations import ACTION_TYPES, PLAIN, Equations, Raised
 from .leaving import LeftToMachine
+from .natives import KNOWN, SLOWLY, NativeMethod, attempted, is_known
 
 if TYPE_CHECKING:
     from .code import Library
@@ -80,7 +80,7 @@ class Calls(Equations):
         code = self.library.function(function)
         bindings = None if code is None or self.calls >= MOST_CALLS else code.bindings(function, (subject,), NO_NAMES, ())
         if code is None or bindings is None:
-            return natives.SLOWLY
+            return SLOWLY
         self.turn(code.size * OF_HOST)
         before, choose, price = self.state, self.choose, self.price
         self.choose, self.price = refused, OF_HOST
@@ -94,7 +94,7 @@ class Calls(Equations):
             self.choose, self.price = choose, price
         if self.state is not before and any(getattr(self.state, name) is not getattr(before, name) for name in KEPT):
             raise LeftToMachine("a property that changes the scene")
-        if not natives.is_known(result) and type(result) is not Instance and unwrap(result)[1] is not None:
+        if not is_known(result) and type(result) is not Instance and unwrap(result)[1] is not None:
             raise LeftToMachine("a property that is random")
         return result
 
@@ -103,21 +103,19 @@ class Calls(Equations):
     def attribute(self, scope: Scope, subject: Any, node: p.Attribute, name: str) -> Any:
         """⟨E.name⟩ of anything but a property that an instance has; `name` is the canonical one."""
         kind = type(subject)
-        if kind is Vector and name in ("x", "y"):
-            return getattr(subject, name)
         if kind is Clock and name in CLOCK:  # that is what it is on roads, too
             return attribute_of_clock(name, node, self.state)
-        found = natives.SLOWLY
+        found = SLOWLY
         if kind is Instance:
             member = None if name in self.state.objects[subject.number] else subject.class_.method(node.name)
             getter: Any = member.fget if type(member) is property else None
             if type(getter) is Function:
                 found = self.property(subject, node, getter)
         elif kind is Module:
-            found = subject.scope.bindings.get(node.name, natives.SLOWLY)
+            found = subject.scope.bindings.get(node.name, SLOWLY)
         else:
             found = natives.attribute(subject, node.name)
-        return plain(self.concluded(scope, conclude_attribute, node, [subject]) if found is natives.SLOWLY else found)
+        return plain(self.concluded(scope, conclude_attribute, node, [subject]) if found is SLOWLY else found)
 
     def call(self, scope: Scope, node: p.Call, function: Any, arguments: tuple[Any, ...], named: tuple[Any, ...] = ()) -> Any:
         """⟨f(E_1, ..., E_n)⟩; arguments keep what they were drawn from. `named` are the values of the keywords of the call."""
@@ -138,9 +136,19 @@ class Calls(Equations):
                 return function(*given, **more)
         else:
             found = natives.call(function, arguments, dict(zip(names, named)) if named else NOTHING, self.state.objects)
-            if found is not natives.SLOWLY:
+            if found is not SLOWLY:
                 return found
         return self.concluded(scope, conclude_call, node, [function, *arguments, *named])
+
+    def called(self, scope: Scope, node: p.Call, function: Any, subject: Any, arguments: tuple[Any, ...]) -> Any:
+        """⟨E.name(E_1, ..., E_n)⟩, where ⟨E⟩ → `subject`."""
+        if type(function) is NativeMethod:
+            if KNOWN.issuperset(map(type, arguments)):
+                found = attempted(function.function, (subject, *arguments), NOTHING)
+                if found is not SLOWLY:
+                    return found
+            function = getattr(subject, function.name)
+        return self.call(scope, node, function, arguments)
 
     def method(self, scope: Scope, subject: Any, node: p.Attribute, name: str) -> Any:
         """What `E.name(...)` calls."""

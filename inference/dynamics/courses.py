@@ -29,7 +29,7 @@ from ...semantics.syntax import statements as s
 from ...semantics.syntax.nodes import Node
 from .calls import Calls
 from .code import Code, CompiledGuard
-from .equations import MOST_DEPTH, Raised, RunRejected
+from .equations import ACTION_TYPES, MOST_DEPTH, Raised, RunRejected
 from .leaving import LeftToMachine
 from .statements import ExceptClause
 
@@ -89,6 +89,7 @@ FIXED = frozenset({float, int, bool, str, type(None), Vector, Instance})
 
 def is_fixed(value: object) -> bool:
     """Whether an argument is always told in the same words."""
+    value = plain(value)
     return type(value) in FIXED or isinstance(value, Fixed)
 
 
@@ -114,6 +115,8 @@ class Courses(Calls):
 
     def taken(self, node: d.Take, actions: Actions) -> Actions:
         """The actions of `take`, those in lists and tuples one by one. Raises `RunError` for what is none."""
+        if len(actions) == 1 and type(actions[0]) is tuple and self.who.kind == "behavior" and ACTION_TYPES.issuperset(map(type, actions[0])):
+            return actions[0]
         return actions_of(node, actions) if self.who.kind == "behavior" else ()
 
     def tell(self, rule: str, node: Node) -> None:

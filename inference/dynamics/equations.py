@@ -14,7 +14,7 @@ from ...semantics.kernel.conditions import holding, truth
 from ...semantics.kernel.config import Abrupt, Config, Stack, State, Value
 from ...semantics.kernel.driving import Arrived, Chooser, Machine, Unfinished, Witness, drive_machine, taken_over
 from ...semantics.kernel.errors import NeedsElements, OutOfTime
-from ...semantics.kernel.kinds import Reader
+from ...semantics.kernel.kinds import Reader, is_object
 from ...semantics.kernel.outcome import Draw, Fault, Next, Outcome, Requirement, Stuck
 from ...semantics.kernel.premises import SHARED, Conclusion, Premises, variable
 from ...semantics.kernel.scopes import MISSING, Scope
@@ -192,6 +192,8 @@ class Equations:
                 return left - right
         elif type(left) is Vector and type(right) is float and node.operator == "*":
             return left * right
+        elif type(left) is list and type(right) is list and node.operator == "+" and len(left) + len(right) < SHORT:
+            return left + right
         return plain(self.concluded(scope, conclude_binary, node, [left, right]))
 
     def power(self, scope: Scope, node: p.BinaryOperation, base: float, exponent: float) -> Any:
@@ -217,10 +219,26 @@ class Equations:
             if node.operators[0] == "!=":
                 return left != right
         if isinstance(right, Region) and node.operators[0] in ("in", "not in"):
-            found = self.equated(node, IN_EQUATIONS, (left, right))
+            found = self.lies_in(left, right) if type(left) is Instance else MISSING
+            if found is MISSING:
+                found = self.equated(node, IN_EQUATIONS, (left, right))
             if found is not MISSING:
                 return found if node.operators[0] == "in" else not found
         return plain(self.concluded(scope, conclude_comparison, node, [(), left, right]))
+
+    def lies_in(self, one: Instance, region: Region) -> Any:
+        """Whether an object lies in a region, as `operators.object_is_in` says; MISSING where that is for the machine to say."""
+        properties = self.state.objects[one.number]
+        position = properties.get("position")
+        box = properties.get("heading"), properties.get("width"), properties.get("length")
+        if type(position) is not Vector or not NUMBERS.issuperset(map(type, box)) or not is_object(one):
+            return MISSING
+        try:
+            return region.contains_box(position, *box)  # type: ignore[arg-type]
+        except OutOfTime:
+            raise
+        except Exception:
+            return MISSING
 
     def operator(self, scope: Scope, node: Node, *operands: Any) -> Any:
         """An operator of the paper, by the equation for the kinds of its operands."""
@@ -282,4 +300,4 @@ class Equations:
 
 
 SHORT = 200
-"""Characters of two texts that are compared without a word to the run's budget."""
+"""Characters of two texts that are compared, and elements of two lists that are put together, without a word to the run's budget."""

@@ -196,13 +196,16 @@ class Expressions:
         return f"({t} if {found} else q.variable(S, {self.constant(node)}))"
 
     def attribute(self, node: p.Attribute) -> str:
-        """⟨E.name⟩: a property in the source itself."""
+        """⟨E.name⟩: a property, a coordinate, or what a lane or another thing of a map holds, in the source itself."""
         o, v, name = self.temporary(), self.temporary(), canonical(node.name, self.readings)
         there = f"({v} := q.state.objects[{o}.number].get({name!r}, MISSING)) is not MISSING and type({v}) not in WRAPPED"
-        subject = self.value(node.value)
+        first = f"type({o} := {self.value(node.value)})"
+        otherwise = f"q.attribute(S, {o}, {self.constant(node)}, {name!r})"
         if name == "currentTime":
-            return f"(q.now if type({o} := {subject}) is Clock else q.attribute(S, {o}, {self.constant(node)}, {name!r}))"
-        return f"({v} if type({o} := {subject}) is Instance and {there} else q.attribute(S, {o}, {self.constant(node)}, {name!r}))"
+            return f"(q.now if {first} is Clock else {otherwise})"
+        if name in ("x", "y"):
+            return f"({o}.{name} if {first} is Vector else {otherwise})"
+        return f"({v} if {first} is Instance and {there} else {o}.{name} if (type({o}), {name!r}) in OPEN else {otherwise})"
 
     def binary(self, node: p.BinaryOperation) -> str:
         """Arithmetic: of floats in the source itself."""
@@ -276,11 +279,11 @@ class Expressions:
             source = f"({source} if ({t} := {decides}) else {u})" if node.operator == "and" else f"({u} if ({t} := {decides}) else {source})"
         return source
 
-    def callee(self, node: Node) -> str:
-        """What is called: a method is not made where it can be known as its function and its subject."""
-        if isinstance(node, p.Attribute):
-            return f"q.method(S, {self.value(node.value)}, {self.constant(node)}, {canonical(node.name, self.readings)!r})"
-        return self.carried(node)
+    def method_call(self, node: p.Call, function: p.Attribute, arguments: str) -> str:
+        """`E.name(E_1, ..., E_n)`: a method of a lane or another thing of a map is known by the class of the subject."""
+        o, name = self.temporary(), canonical(function.name, self.readings)
+        method = f"(METHODS.get((type({o} := {self.value(function.value)}), {name!r})) or q.method(S, {o}, {self.constant(function)}, {name!r}))"
+        return f"q.called(S, {self.constant(node)}, {method}, {o}, ({arguments}))"
 
     def is_translated_call(self, node: p.Call) -> bool:
         """Whether all arguments are given one by one."""
@@ -302,9 +305,11 @@ class Expressions:
                 pass
         names = [self.temporary() for _ in node.arguments]
         arguments = "".join(f"{self.carried(a)}, " for a in node.arguments)
+        if isinstance(node.function, p.Attribute) and not node.keywords:
+            return self.method_call(node, node.function, arguments)
         if node.keywords or not isinstance(node.function, p.Name) or not (node.arguments or once):
             named = f", ({''.join(f'{self.carried(k.value)}, ' for k in node.keywords)})" if node.keywords else ""
-            return f"q.call(S, {self.constant(node)}, {self.callee(node.function)}, ({arguments}){named})"
+            return f"q.call(S, {self.constant(node)}, {self.carried(node.function)}, ({arguments}){named})"
         f, k = self.temporary(), self.constant(node)
         function = f"({f} := {self.carried(node.function)}) in ACTIONS"
         if once and all(isinstance(a, p.Constant) and type(a.value) in PLAIN for a in node.arguments):

@@ -9,9 +9,9 @@ from __future__ import annotations
 import builtins
 import math
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache
-from types import BuiltinFunctionType, MethodType, NoneType
-from typing import Any
+from functools import cache, cached_property
+from types import BuiltinFunctionType, FunctionType, MethodType, NoneType
+from typing import Any, NamedTuple
 
 from ...maps.fixed import Fixed
 from ...maps.paths import Trajectory
@@ -22,7 +22,8 @@ from ...semantics.kernel.queries import Clock
 from ...semantics.kernel.scenic_classes import ScenicClass
 from ...semantics.kernel.scopes import MISSING
 from ...semantics.kernel.values import Instance, Random, plain, wrap
-from ...semantics.python.library import GIVEN, METHODS
+from ...semantics.python.library import GIVEN
+from ...semantics.python.library import METHODS as OURS
 from ...semantics.python.specials import SPECIAL_VALUES
 from ...semantics.scenes.operations import select
 from ...semantics.scenes.operators import Equation
@@ -43,6 +44,13 @@ QUANTIFIERS = (any, all)
 def is_known(value: object) -> bool:
     """Whether a value is one that host code gives as it is, whatever is in it."""
     return type(value) in KNOWN or isinstance(value, (Fixed, Region)) or type(value) is tuple
+
+
+class NativeMethod(NamedTuple):
+    """A method of a class of maps."""
+
+    name: str
+    function: Callable[..., object]
 
 
 # Operators
@@ -76,11 +84,24 @@ EQUATIONS: dict[tuple[object, ...], object] = {}
 # Attributes
 
 
+OPEN: set[tuple[type, str]] = set()
+"""Classes of maps with names of what their objects hold, which compiled code reads by itself."""
+METHODS: dict[tuple[type, str], NativeMethod] = {}
+"""Their methods, which it calls by itself; both are filled when the first one is asked for (`learn`)."""
+
+
 @cache
 def is_open(class_: type, name: str) -> bool:
     """Whether a value of a class of maps has an attribute of this name for programs, which is that of Python."""
-    renamed = any(name in GIVEN.get(kind, ()) or name in METHODS.get(kind, ()) for kind in class_.__mro__)
-    return not renamed and may_ask(object.__new__(class_), name)
+    renamed = any(name in GIVEN.get(kind, ()) or name in OURS.get(kind, ()) for kind in class_.__mro__)
+    if renamed or not may_ask(object.__new__(class_), name):
+        return False
+    found = next((vars(kind)[name] for kind in class_.__mro__ if name in vars(kind)), None)
+    if isinstance(found, FunctionType):
+        METHODS[class_, name] = NativeMethod(name, found)
+    elif not isinstance(found, (property, cached_property, classmethod, staticmethod)):
+        OPEN.add((class_, name))
+    return True
 
 
 def attribute(subject: object, name: str) -> Any:

@@ -15,6 +15,7 @@ from ...semantics.kernel.scenic_classes import ScenicClass
 from ...semantics.kernel.scopes import MISSING, NO_NAMES, Names, descendants, function_names
 from ...semantics.kernel.values import Instance, Random
 from ...semantics.kernel.waiting import Waiting
+from ...semantics.space.vectors import Vector
 from ...semantics.syntax import dynamics as d
 from ...semantics.syntax import python_expressions as p
 from ...semantics.syntax import statements as s
@@ -22,12 +23,12 @@ from ...semantics.syntax.nodes import Expression, Node
 from .equations import ACTION_TYPES, PLAIN, Raised
 from .expressions import Expressions, size_of
 from .leaving import Untranslated
-from .natives import NUMBERS, QUANTIFIERS
+from .natives import METHODS, NUMBERS, OPEN, QUANTIFIERS
 
 NAMES: Mapping[str, object] = {
     "Random": Random, "MISSING": MISSING, "Instance": Instance, "NUMBERS": NUMBERS, "PLAIN": PLAIN, "ACTIONS": ACTION_TYPES,
     "WRAPPED": frozenset({Random, Waiting}), "Clock": Clock, "QUANTIFIERS": QUANTIFIERS, "Raised": Raised,
-    "CLASSES": frozenset({ScenicClass, Random}),
+    "CLASSES": frozenset({ScenicClass, Random}), "Vector": Vector, "OPEN": OPEN, "METHODS": METHODS,
 }  # fmt: skip
 """What every source may refer to."""
 

@@ -63,7 +63,7 @@ def test_of_several_points_that_are_as_near_the_first_is_found() -> None:
     square = shapely.get_coordinates(LineString([(0, 0), (8, 0), (8, 8), (0, 8), (0, 0)]).segmentize(1))
     for guess in range(len(square) - 1):
         table = PathTable(square)
-        table.nearest = guess
+        table.nearest = guess, guess
         assert table.project(4, 4, 0, 32) == 4
         assert table.project(4, 4, 6, 32) == 12
 

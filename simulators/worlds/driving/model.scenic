@@ -105,8 +105,10 @@ class DrivingObject:
             path = Trajectory([lane]) if way is lane else Trajectory([lane, way])
             here = path.along(self.position)
             for other in simulation().objects:
+                if other is self:
+                    continue
                 there = path.along(other.position)
-                if other is not self and there > here and (distance from other to path.point(there)) < 2:
+                if there > here and (distance from other to path.point(there)) < 2:
                     gap = min(gap, there - here - (self.length + other.length) / 2)
         return max(0, gap)
 
