@@ -12,7 +12,7 @@ from ..formats.table_files import SUFFIXES
 from ..inference.batch.evaluate.columns import leavers
 from ..inference.batch.jobs.blocks import Workers, cluster, processes
 from ..inference.batch.jobs.failures import FailedDraw
-from ..inference.rejection import PATIENCE, InterruptedDraw
+from ..inference.rejection import PATIENCE, InterruptedDraw, OutOfPatience
 from ..inference.smc import guess
 from ..scenario import FEW
 from ..semantics.kernel.errors import AttemptsExhausted, ScenicError, UsageError
@@ -238,11 +238,14 @@ def produce_by_batch(
 
 def produce_one_by_one(
     drawing: Drawing, job: Job, request: SceneRequest, output: Output, tally: Tally, progress: Progress, known: list[tuple[int, int]],
-    unread: list[object], stack: ExitStack,
+    unread: list[object], stack: ExitStack, *, patient: bool = True,
 ) -> None:
-    """Draw the scenes with the interpreter; `known` gets the attempts of the first ones. Raises the error that ends them."""
+    """Draw the scenes with the interpreter; `known` gets the attempts of the first ones.
+
+    Raises the error that ends them, and `OutOfPatience` unless it is `patient` (or other processes draw them).
+    """
     workers = workers_of(request.workers, request.cluster, job.stop - job.start, unread)
-    scenes = draw_here(drawing, job, progress.stuck) if workers is None else drawn_by(workers, job, request.workers)
+    scenes = draw_here(drawing, job, progress.stuck, patient=patient) if workers is None else drawn_by(workers, job, request.workers)
     stack.callback(scenes.close)
     for drawn in printed_first(scenes, progress):
         tally.add(drawn)
@@ -264,20 +267,24 @@ def produce_few(
 
     Return why the batch backend drew none of them, or None.
     """
+    here = request.workers == 1 and request.cluster is None
+    first = job if here else job._replace(max_attempts=min(job.max_attempts, PATIENCE))
     try:
-        first = job._replace(max_attempts=min(job.max_attempts, PATIENCE))
-        if request.workers == 1 and request.cluster is None and job.stop - job.start > 2:
+        if here and job.stop - job.start > 2:
             begun = time.process_time()
-            produce_one_by_one(drawing, first._replace(stop=job.start + 1), request, output, tally, progress, known, unread, stack)
+            one = first._replace(stop=job.start + 1)
+            produce_one_by_one(drawing, one, request, output, tally, progress, known, unread, stack, patient=False)
             slow = time.process_time() - begun > SLOW_RUN * tally.attempts
             first = first._replace(start=job.start + 1)
             if slow and drawing.scenario.batch is not None:
-                produce_by_batch(first._replace(max_attempts=job.max_attempts), request, output, tally, progress, known, unread, stack)
+                produce_by_batch(first, request, output, tally, progress, known, unread, stack)
                 return None
-        produce_one_by_one(drawing, first, request, output, tally, progress, known, unread, stack)
+        produce_one_by_one(drawing, first, request, output, tally, progress, known, unread, stack, patient=False)
         return interpreted
+    except OutOfPatience:
+        pass
     except AttemptsExhausted as error:
-        if error.attempts < PATIENCE or job.max_attempts == PATIENCE:
+        if here or error.attempts < PATIENCE or job.max_attempts == PATIENCE:
             raise
     if drawing.scenario.impossible is not None:
         raise drawing.scenario.impossible

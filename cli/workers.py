@@ -8,6 +8,7 @@ from typing import NamedTuple, TypeVar
 
 from ..inference.batch.jobs.blocks import Workers, processes
 from ..inference.batch.jobs.failures import FailedDraw, failed, parts
+from ..inference.rejection import patiently
 from ..semantics.kernel.errors import ScenicError
 from .drawing import Drawing, DrawnScene, drawing_of
 from .options import Source
@@ -32,12 +33,14 @@ def work(job: Job) -> list[DrawnScene | FailedDraw]:
     return list(draw_here(drawing_of(job.source), job))
 
 
-def draw_here(drawing: Drawing, job: Job, on_attempt: Listener | None = None) -> Generator[DrawnScene | FailedDraw]:
-    """The scenes of a job, in this process; a program's error is the last."""
+def draw_here(
+    drawing: Drawing, job: Job, on_attempt: Listener | None = None, *, patient: bool = True
+) -> Generator[DrawnScene | FailedDraw]:
+    """The scenes of a job, in this process; a program's error is the last. Raises `OutOfPatience`, unless it is `patient`."""
     printed: list[str] = []
     for index in range(job.start, job.stop):
         try:
-            yield drawing.draw(job.seed, index, job.max_attempts, printed, on_attempt)
+            yield drawing.draw(job.seed, index, job.max_attempts, printed, on_attempt if patient else patiently(on_attempt))
         except ScenicError as error:
             yield failed(error, printed)
             return

@@ -7,6 +7,7 @@ program, the seed and the index only (DESIGN, section 5).
 from __future__ import annotations
 
 import math
+import time
 from collections import Counter
 from collections.abc import Callable
 from typing import NamedTuple
@@ -26,6 +27,8 @@ SELDOM = 1_000
 """After so many attempts without a scene, another backend may do better."""
 PATIENCE = 300
 """So many attempts at a scene are made one by one before the batch backend is asked for the rest."""
+FEWEST, SECONDS = 10, 0.05
+"""Or so many, if they take more seconds of the processor than these: about what the batch backend takes to begin."""
 
 
 class Sampled(NamedTuple):
@@ -34,6 +37,23 @@ class Sampled(NamedTuple):
     scene: Scene
     stuck: Counter[Requirement]
     steps: int
+
+
+class OutOfPatience(Exception):
+    """So many attempts at a scene failed that the batch backend may do better."""
+
+
+def patiently(on_attempt: Callable[[int], None] | None = None) -> Callable[[int], None]:
+    """Is told how many attempts at a scene, which begins now, have failed; tells `on_attempt`, and raises `OutOfPatience` when that is enough."""
+    begun = time.process_time()
+
+    def told(attempts: int) -> None:
+        if on_attempt is not None:
+            on_attempt(attempts)
+        if attempts >= PATIENCE or (attempts >= FEWEST and time.process_time() - begun > SECONDS):
+            raise OutOfPatience
+
+    return told
 
 
 class InterruptedDraw(KeyboardInterrupt):

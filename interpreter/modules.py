@@ -14,6 +14,7 @@ import re
 import sys
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -246,7 +247,13 @@ def is_package(key: str, directory: Path | None) -> bool:
 def shipped(name: str, worlds: Mapping[str, World]) -> Program | Mapping[str, object] | Exception:
     """The module that comes with the project, or that every Python has and that is harmless."""
     found = worlds[name]() if name in worlds else HARMLESS[name]
-    return parse(found, f"<{name}>") if isinstance(found, str) else found
+    return parsed_once(found, f"<{name}>") if isinstance(found, str) else found
+
+
+@lru_cache(maxsize=64)
+def parsed_once(text: str, file: str) -> Program:
+    """A shipped module, parsed once for a process: what is made of its syntax tree is then made once as well."""
+    return parse(text, file)
 
 
 def find_python(key: str, *, trust: bool, directory: Path | None) -> Mapping[str, object] | Exception | None:

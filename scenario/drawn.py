@@ -15,9 +15,9 @@ from ..formats.tables import OWN, Columns, columns_of, pieces_of, together
 from ..inference.batch import Batch, Block
 from ..inference.batch.jobs.blocks import jobs
 from ..inference.batch.jobs.tables import Tables
-from ..inference.rejection import PATIENCE
+from ..inference.rejection import OutOfPatience, patiently
 from ..interpreter.extras import needed
-from ..semantics.kernel.errors import AttemptsExhausted, UsageError
+from ..semantics.kernel.errors import UsageError
 from .checking import no_backend
 
 if TYPE_CHECKING:
@@ -141,12 +141,10 @@ def few_scenes(scenario: Scenario, seed: int, start: int, stop: int, max_attempt
     """The same as long as each needs few attempts; the others by the batch backend, if it can."""
     for index in range(start, stop):
         try:
-            yield scenario.sample(seed, index, max_attempts=min(max_attempts, PATIENCE))
-        except AttemptsExhausted as error:
-            if error.attempts < PATIENCE or max_attempts == PATIENCE:
-                raise
-        else:
+            yield scenario.sampled(seed, index, max_attempts=max_attempts, on_attempt=patiently()).scene
             continue
+        except OutOfPatience:
+            pass
         if scenario.impossible is not None:
             raise scenario.impossible
         if scenario.batch is None:

@@ -71,7 +71,7 @@ class Invocation:
 
     def doing(self, node: Node | None) -> str:
         """Which behaviors the agent is in, and on which line the innermost waits."""
-        if self.fixed and not all(len(now) == len(then) and all(map(is_, now, then)) for now, then in self.lists):
+        if self.lists and self.fixed and not all(len(now) == len(then) and all(map(is_, now, then)) for now, then in self.lists):
             self.fixed = False
             self.lines.clear()
         text = self.lines.get(id(node))

@@ -359,7 +359,7 @@ class CompiledPolicy(Courses):
             process: Any = agent.process
             if type(process) is CompiledCourse:
                 leaf, node = process.leaf, process.node
-                found[number] = leaf.lines.get(id(node)) or leaf.doing(node)  # type: ignore[union-attr]
+                found[number] = leaf.doing(node)  # type: ignore[union-attr]
             elif text := doing(agent):
                 found[number] = text
         return found

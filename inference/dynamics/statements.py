@@ -7,6 +7,7 @@ which returns how it was left: None at its end, else "break", "continue" or "ret
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from typing import Any, ClassVar, NamedTuple
 
 from ...semantics.kernel.premises import SHARED
@@ -323,9 +324,41 @@ class FunctionBody(Statements):
         self.line("return None" if node.value is None else f"return {self.carried(node.value)}")
 
     def try_(self, node: s.Try) -> None:
+        """`try`."""
+        if node.interrupts:
+            raise Untranslated("`interrupt when` in a function", node.span.line)
+        if node.final:
+            self.at_last(node)
+        elif node.handlers:
+            self.handling(node)
+        else:
+            self.line("if True:")
+            self.block(node.body)
+
+    def at_last(self, node: s.Try) -> None:
+        """`finally`: however what stands before it is left, but not where the run ends in it."""
+        goes_on = self.temporary()
+        self.line(f"{goes_on} = True")
+        self.line("try:")
+        self.indent += 1
+        self.line("try:")
+        self.indent += 1
+        self.try_(replace(node, final=()))
+        self.line("pass")
+        self.indent -= 1
+        self.line("except Raised: raise")
+        self.line("except BaseException:")
+        self.line(f"    {goes_on} = False")
+        self.line("    raise")
+        self.indent -= 1
+        self.line("finally:")
+        self.line(f"    if {goes_on}:")
+        self.indent += 1
+        self.block(node.final)
+        self.indent -= 1
+
+    def handling(self, node: s.Try) -> None:
         """`try` with `except` and `else`."""
-        if node.final or node.interrupts:
-            raise Untranslated("`finally` or interrupts in a function", node.span.line)
         problem, exception = self.temporary(), self.temporary()
         self.line("try:")
         self.block(node.body)

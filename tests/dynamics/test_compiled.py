@@ -192,7 +192,8 @@ def test_a_wrong_policy_is_found_out(name: str, monkeypatch: pytest.MonkeyPatch)
 
 def test_a_coroutine_with_something_untranslated_is_left_alone() -> None:
     scenario = scenic_ref.loads(
-        "behavior Fine:\n    take 7\nbehavior Odd:\n    for a, b in [(1, 2)]:\n        param x = a\n        take a, b\nbehavior Plain:\n    take 1\n    do Odd\n"
+        "behavior Fine:\n    take 7\nbehavior Odd:\n    for a, b in [(1, 2)]:\n        param x = a\n        take a, b\n"
+        "behavior Plain:\n    take 1\n    do Odd\n"
         "ego = Object with behavior Plain\nother = Object at 5 @ 0, with behavior Odd\nlast = Object at 9 @ 0, with behavior Fine\n"
     )
     assert not list(differences(scenario, range(2)))
