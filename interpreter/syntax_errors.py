@@ -106,7 +106,7 @@ def specifiers_without_comma(above: list[str], text: str, origin: TextOrigin) ->
         first -= 1
     statement = " ".join(code_of(line) for line in above[first - 1 : number])
     head = OBJECT.match(statement)
-    if head is None or statement.endswith(";"):
+    if head is None or statement.endswith(";") or re.search(r"\b[A-Z_\d]{2,}$", head.group()):  # a constant, by its letters
         return None
     column = len(code_of(above[number - 1])) + 1
     if found["comma"]:

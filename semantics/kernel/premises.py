@@ -178,7 +178,9 @@ def unknown_variable(node: Name, state: State) -> RunError:
         hint = f"it is a property: write self.{node.name}"
     else:
         hint = meant(node.name, [name for name in known if not name.startswith("__")], state.settings.elsewhere)
-    return RunError(f"{node.name} is not defined", node.span, rule="E-Variable", hint=hint)
+    over_time = node.name in ("always", "eventually")
+    message = f"`{node.name}` stands only directly behind `require`" if over_time else f"{node.name} is not defined"
+    return RunError(message, node.span, rule="E-Variable", hint=hint)
 
 
 def line_below(node: Name, state: State) -> int:
