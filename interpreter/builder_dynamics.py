@@ -163,7 +163,7 @@ class DynamicsBuilder(BuilderBase):
     def without_formulas(self, word: str, node: Expression) -> Expression:
         """The condition `node` behind `word`. Raises `ParseError` for operators over time, and for a time."""
         part = refuse_time(word, condition(node), self.dialect)
-        refuse_formulas(part, self.dialect)
+        refuse_formulas(part, self.dialect, "")
         return part
 
     def make_require_monitor(self, span: Span, parts: Parts) -> RequireMonitor:

@@ -58,6 +58,8 @@ from ..semantics.syntax.specifiers import (
 from .chains import Link, as_vector, associate, is_dotted_name, join
 from .dialects import having
 from .nesting import children
+from .printer import to_source
+from .syntax_errors import inside_brackets
 from .tree_builder import BuilderBase, Parts, condition, is_number
 
 CHAIN_LIMIT = 50
@@ -196,6 +198,9 @@ class ScenicBuilder(BuilderBase):
 
     def make_object_definition(self, span: Span, parts: Parts) -> ObjectDefinition:
         class_, *specifiers = parts
+        if is_number(class_) and isinstance(specifiers[0], BesideSpecifier) and specifiers[0].gap is None:
+            hint = f"write `{to_source(specifiers[0], self.dialect.name)} by {to_source(class_, self.dialect.name)}`"
+            raise ParseError("the distance stands behind what it is measured from, with `by`", class_.span, hint=hint)
         self.require_class(class_)
         return self.defined(ObjectDefinition(span=span, class_=class_, specifiers=tuple(specifiers)))
 
@@ -205,7 +210,7 @@ class ScenicBuilder(BuilderBase):
             return replace(first, span=span, specifiers=tuple(specifiers))
         if not isinstance(first, ObjectOrOperator):
             lacks_new = self.dialect.explicit_new and isinstance(first, OPERATORS) and is_dotted_name(next(children(first)))  # type: ignore[arg-type]
-            self.stray[span] = self.needs_new(first.span) if lacks_new else stray(first, specifiers[0])
+            self.stray[span] = self.needs_new(first.span) if lacks_new else stray(first, specifiers[0], self.origin.source)
             return ObjectDefinition(span=span, class_=first, specifiers=tuple(specifiers))
         definition = first.as_object
         return self.defined(ObjectDefinition(span=span, class_=definition.class_, specifiers=definition.specifiers + tuple(specifiers)))
@@ -330,8 +335,10 @@ class ScenicBuilder(BuilderBase):
         return ApparentlyFacingSpecifier(span=span, heading=parts[0], origin=vector_or_none(parts[1]))
 
 
-def stray(first: Expression, specifier: Specifier) -> ParseError:
+def stray(first: Expression, specifier: Specifier, source: str) -> ParseError:
     """The error for a specifier behind a comma that follows no object."""
+    if (error := inside_brackets(source, specifier.span)) is not None:
+        return error
     if is_number(first):
         return ParseError("a vector needs parentheses", first.span, hint="write `(x, y)`")
     if isinstance(specifier, VisibleSpecifier) and specifier.viewer is None:

@@ -48,7 +48,7 @@ from . import literals
 from .builder_expressions import BareGenerator
 from .chains import join
 from .declarations import nodes_of_scope
-from .formulas import over_time, refuse_formulas
+from .formulas import operator_of, over_time, refuse_formulas, with_probability
 from .targets import deleted, single_target, target
 from .time_conditions import refuse_time
 from .tree_builder import BuilderBase, Parts, condition, names_of
@@ -278,8 +278,12 @@ class StatementBuilder(BuilderBase):
         return kinds[word](span=span, condition=part, name=parts[1] or "")
 
     def make_soft_require(self, span: Span, parts: Parts) -> SoftRequire:
-        refuse_formulas(refuse_time("require", condition(parts[1]), self.dialect), self.dialect)
-        return SoftRequire(span=span, probability=parts[0], condition=condition(parts[1]), name=parts[2] or "")
+        required = refuse_time("require", condition(parts[1]), self.dialect)
+        if (word := operator_of(required, self.dialect)) in ("always", "eventually"):
+            message, hint = with_probability(word)
+            raise ParseError(message, required.span, hint=hint)
+        refuse_formulas(required, self.dialect)
+        return SoftRequire(span=span, probability=parts[0], condition=required, name=parts[2] or "")
 
     def make_requirement_name(self, span: Span, parts: Parts) -> str:
         self.released("as", span, "leave out the name")

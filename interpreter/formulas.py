@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Literal
 
 from ..semantics.kernel.errors import ParseError
@@ -10,8 +11,47 @@ from ..semantics.syntax.python_expressions import BooleanOperation, Call, Condit
 from .dialects import Dialect
 from .tree_builder import condition
 
-MESSAGE = "over time there are `require always B` and `require eventually B` for a condition B, and no other formulas (`next`, `until`, `implies`)"
-HINT = "write `not B or C` for `B implies C`, and a monitor for what else is required"
+NO_OTHERS = "over time there are `require always B` and `require eventually B` for a condition B, and no other formulas"
+WHOLE = "write a monitor for the whole condition"
+DUAL = {"always": "eventually", "eventually": "always"}
+TEMPORAL = re.compile(r"\b(?:always|eventually|next|until)\b")
+
+
+def misplaced(word: str, before: str, after: str) -> tuple[str, str]:
+    """The message and hint about an operator over time, or `implies`, in a condition: behind `require` stands the text `before`, then the word."""
+    outer = re.sub(r"^[\s(]*(?:always|eventually)\b", "", before)
+    match word:
+        case "until":
+            return f"{NO_OTHERS} (`until`)", "for `B until C` write a monitor that requires B in each time step before C holds"
+        case "next":
+            return f"{NO_OTHERS} (`next`)", "for `next B` write a monitor that waits for one time step and then requires B"
+        case "implies" if TEMPORAL.search(outer + after):
+            return f"{NO_OTHERS} (`implies` around them)", WHOLE
+        case "implies":
+            return "`implies` is not part of the language", "write `not B or C` for `B implies C`"
+        case _:
+            return inside_condition(word, joined_by(before, after))
+
+
+def joined_by(before: str, after: str) -> str:
+    """The one word that makes a larger condition of an operator over time between these texts: "and" or "not"; "" where it is another."""
+    start = before.rstrip(" \t(")
+    joining = set(re.findall(r"\b(?:and|or|not|implies|until|if|else)\b", f"{before} {after}"))
+    if start.count("(") != start.count(")") or len(joining) != 1:
+        return ""
+    alone = "not" in joining and not start.replace("not", "", 1).strip(" (")
+    return "and" if "and" in joining else "not" if alone else ""
+
+
+def inside_condition(word: str, joined: str) -> tuple[str, str]:
+    """The message and hint about `always` or `eventually` in a condition that is larger by the word `joined`, "" for any other reason."""
+    hints = {"and": f"write two statements, one of them `require {word} B`", "not": f"for `not {word} B` write `require {DUAL[word]} not (B)`"}
+    return f"`{word}` stands directly behind `require`, not within a larger condition", hints.get(joined, WHOLE)
+
+
+def with_probability(word: str) -> tuple[str, str]:
+    """The message and hint about an operator over time behind a probability."""
+    return f"`{word}` stands directly behind `require`: a requirement over time has no probability", "leave out the brackets and the probability"
 
 
 def over_time(node: Expression, dialect: Dialect) -> tuple[Literal["", "always", "eventually"], Expression]:
@@ -24,7 +64,7 @@ def over_time(node: Expression, dialect: Dialect) -> tuple[Literal["", "always",
         refuse_formulas(node, dialect)
         return "", node
     assert isinstance(node, Call)
-    refuse_formulas(node.arguments[0], dialect)
+    refuse_formulas(node.arguments[0], dialect, "")
     return word, condition(node.arguments[0])
 
 
@@ -36,19 +76,23 @@ def operator_of(node: Expression, dialect: Dialect) -> str:
     return ""
 
 
-def refuse_formulas(node: Expression, dialect: Dialect) -> None:
-    """Raises `ParseError` at an operator over time among the parts of a condition that are truth values."""
-    pending = [node]
+def refuse_formulas(node: Expression, dialect: Dialect, joined: str = "whole") -> None:
+    """Raises `ParseError` at an operator over time among the parts of a condition that are truth values.
+
+    `joined` is the one word that the condition is joined by so far, "whole" for the whole condition of `require`, "" for what stands deeper.
+    """
+    pending = [(node, joined)]
     while pending:
-        part = pending.pop()
-        if operator_of(part, dialect):
-            raise ParseError(MESSAGE, part.span, hint=HINT)
+        part, joined = pending.pop()
+        if word := operator_of(part, dialect):
+            message, hint = misplaced("next", "", "") if word == "next" else inside_condition(word, joined)
+            raise ParseError(message, part.span, hint=hint)
         match part:
-            case BooleanOperation(operands=operands):
-                pending.extend(operands)
+            case BooleanOperation(operator=operator, operands=operands):
+                pending.extend((operand, operator if joined in ("whole", operator) else "") for operand in operands)
             case UnaryOperation(operator="not", operand=operand):
-                pending.append(operand)
+                pending.append((operand, "not" if joined == "whole" else ""))
             case Conditional(then=then, test=test, otherwise=otherwise):
-                pending.extend((then, test, otherwise))
+                pending.extend((inner, "") for inner in (then, test, otherwise))
             case _:
                 pass

@@ -54,7 +54,7 @@ def parse_within(text: str, file: str, dialect: Dialect) -> Program:
     """As `parse`, in the time that the program has."""
     origin = TextOrigin(file)
     source = normal(text, origin)
-    origin = replace(origin, joined=join_text(source, apart=not dialect.intervals))  # there, `import` brings names
+    origin = replace(origin, source=source, joined=join_text(source, apart=not dialect.intervals))  # there, `import` brings names
     tree = parse_tree(source, "program", origin, dialect)
     statements = TreeBuilder(origin, dialect).build(tree)
     check_nesting(statements)

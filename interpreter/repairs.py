@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ..semantics.kernel.suggestions import nearest
 from . import time_conditions
 from .definition_parts import PARTS
-from .formulas import HINT, MESSAGE
+from .formulas import misplaced, with_probability
 
 SPECIFIERS = (
     "with",
@@ -77,6 +77,9 @@ RESERVED = (
 )
 AMOUNT = r"(?P<n>[^\W\d][\w.]*\([^()]*\)|\([^()]*\)|[\d.]*\d)"
 """What stands before a unit: a number, or a distribution such as `Range(3, 5)`."""
+LENGTH = rf"{AMOUNT}(?:\s*(?:m|met(?:re|er)s?)\b)?"
+"""Such an amount, perhaps with a unit."""
+MEASURED = r"(?P<spec>(?:left|right|ahead)\s+of|behind|beyond)\s+(?P<o>[^\W\d][\w.]*)"
 # (pattern, message, hint): the pattern is looked for in the line, and must touch the place where parsing stopped; its group `here` is the mistake.
 TABLE: tuple[tuple[str, str, str], ...] = (
     (
@@ -102,13 +105,35 @@ TABLE: tuple[tuple[str, str, str], ...] = (
     (r"\busing\s+\w.*", "specifiers made in Python (`using`) are not part of the language", "write the specifiers that it stands for"),
     (r"^\s*record\b.*\bto\b.*", "values are recorded in the file of the simulation, not `to` another one", "leave out `to ...`"),
     (
-        r"^\s*require\b(?!.*\b(?:until|next|always|eventually)\b).*\bimplies\b.*",
-        "`implies` is not part of the language", "write `not B or C` for `B implies C`",
+        r"^\s*(?:require(?:\s*\[[^]]*\])?(?:\s+(?:always|eventually))?|(?:terminate|interrupt)\s+when)\s+(?P<here>that)\s+[\w(]",
+        "the condition follows at once, without `that`", "leave it out",
     ),
     (
-        r"^\s*require\b.*\b(?:until|implies|next|always|eventually)\b.*",
-        MESSAGE, HINT,
+        r"^\s*interrupt\s+(?P<here>if|while|once|on)\b.*:.*", "an interrupt begins with `interrupt when`",
+        "write `interrupt when ...:`",
     ),
+    (
+        r"^\s*(?P<here>interrupt)(?!\s+when\b)(?=\s|\(|:).*:\s*(?:#.*)?$", "an interrupt begins with `interrupt when`",
+        "write `interrupt when ...:`",
+    ),
+    (
+        rf"(?<=[\w)\]])\s+(?P<here>by\s+(?:{LENGTH}|(?P<v>[^\W\d][\w.]*)))(?=\s+{MEASURED})", "`by` stands behind what the distance is measured from",
+        r"write `\g<spec> \g<o> by \g<n>\g<v>`",
+    ),
+    (
+        rf"(?<=[\w)\]])\s+(?P<here>{LENGTH})(?=\s+{MEASURED})", "the distance stands behind what it is measured from, with `by`",
+        r"write `\g<spec> \g<o> by \g<n>`",
+    ),
+    (
+        r"^\s*do\b(?!\s+(?:choose|shuffle)\b).*[\w)\]},]\s+(?P<here>then|followed\s+by)\s+[^\W\d].*",
+        "what runs one after the other is written as two statements",
+        "write the second in a line of its own; a comma would run both at the same time",
+    ),
+    (
+        r"^\s*(?:take|wait|do\s+(?:choose|shuffle))\b.*\s(?P<here>then|followed\s+by)\s+[\w(].*",
+        "what runs one after the other is written as two statements", "write the second in a line of its own",
+    ),
+    (r"(?:^|;)\s*(?P<here>then)\s+[^\W\d]", "`then` is not part of the language: statements run one after the other", "leave it out"),
     (r"\belse\s+if\b", "`else if` is spelt `elif`", "write `elif`"),
     (r"^\s*(?:elsif|elseif)\b.*", "`elsif` is spelt `elif`", "write `elif`"),
     (r"(?P<here>&&)", "`&&` is not an operator", "write `and`"),
@@ -147,7 +172,7 @@ TABLE: tuple[tuple[str, str, str], ...] = (
     ),
     (r"\bwith\s+(\w+)\s*(?P<here>[=:])", "specifiers take no `=`: `with` is followed by the property and its value", r"write `with \1 ...`"),
     (
-        r"^\s*(?P<here>interrupt\s+when)\b.*", "`interrupt when` stands without a `try` above it",
+        r"^\s*(?P<here>interrupt\s+when)\b", "`interrupt when` stands without a `try` above it",
         "write `try:` above the statements that it interrupts, and indent them",
     ),
     (rf"\b(?P<specifier>{SPECIFIER_START})\s*(?P<here>=)(?!=)", "specifiers take no `=`", r"write `\g<specifier> ...`"),
@@ -226,6 +251,8 @@ def find(place: Situation) -> Repair | None:
         return Repair(said, hint, found.span("time"))
     if (words := _without_argument(place)) is not None:
         return _needs_argument(words)
+    if (repair := _comment(place) or _formula(place)) is not None:
+        return repair
     for pattern, message, hint in TABLE:
         for match in re.finditer(pattern, place.line):
             if match.start() <= place.column <= match.end():
@@ -237,6 +264,36 @@ def find(place: Situation) -> Repair | None:
 def _here(match: re.Match[str]) -> tuple[int, int] | None:
     """Where the pattern says that the mistake is."""
     return match.span("here") if "here" in match.re.groupindex and match["here"] is not None else None
+
+
+COMMENT = re.compile(r"//|/\*")
+AS_PROSE = re.compile(r"(?://|/\*)\s*[^\W\d]\w*\s+$")
+
+
+def _comment(place: Situation) -> Repair | None:
+    """A comment as in other languages: where no operator can stand, or with two words one behind the other."""
+    for found in COMMENT.finditer(place.line, 0, place.column + 2):
+        before, within = place.line[: found.start()].rstrip(), place.line[found.start() : place.column]
+        words = re.match(rf"(?!{SPECIFIER_START}|(?:{'|'.join(INFIX)})\b)[^\W\d]", place.after)
+        prose = AS_PROSE.match(within) is not None and words is not None
+        if not before or before[-1] in ",:([{=" or found.group() == "/*" or prose or not place.word:
+            message = "`//` divides, and a comment begins with `#`" if found.group() == "//" else "a comment begins with `#`"
+            return Repair(message, "write `# ...`", found.span())
+    return None
+
+
+def _formula(place: Situation) -> Repair | None:
+    """An operator over time, or `implies`, within the condition of a requirement: where parsing stopped, or right before."""
+    head = re.match(r"\s*require\b(?P<soft>\s*\[[^]]*\])?", place.line)
+    for found in re.finditer(r"\b(?:until|implies|next|always|eventually)\b", place.line) if head is not None else ():
+        near = found.start() == place.column or not place.line[found.end() : place.column].strip()
+        grouped = place.word in ("and", "or", "implies", "until") and re.search(r"\(\s*$", place.line[: found.start()]) is not None
+        if head is not None and found.start() <= place.column and (near or grouped):
+            if head["soft"] and not place.line[head.end() : found.start()].strip():
+                return Repair(*with_probability(found.group()), found.span())
+            before = place.line[head.end() : found.start()]
+            return Repair(*misplaced(found.group(), before, place.line[found.end() :]), found.span())
+    return None
 
 
 def _ended(place: Situation) -> Repair | None:
@@ -298,7 +355,7 @@ def _unknown_specifier(place: Situation) -> Repair | None:
         return Repair(f"`{before[1]}` is not an operator", f"did you mean `{near}`?", before.span(1))
     if not re.match(r"[^\W\d]\w*$", place.word) or not re.search(r"[\w)\]]\s*$|,\s*$", place.before):
         return None
-    if re.match(BLOCK_START, place.line) and place.line.lstrip().split()[0] not in ("if", "elif", "while", "for"):
+    if re.match(BLOCK_START, place.line) and place.line.lstrip().split()[0] not in ("if", "elif", "while", "for", "interrupt"):
         return Repair("the head of this definition is malformed", "write `name(parameters):`")
     near = _nearest(place.word) or nearest(place.word, INFIX)
     return Repair(f"`{place.word}` is not a specifier or operator", f"did you mean `{near}`?") if near else None

@@ -54,6 +54,7 @@ def slips(
     yield from _unknown_names(program, nodes, library, model, built_in, elsewhere)
     yield from _taken_in_vain(nodes)
     yield from _not_run(program, nodes, library, model)
+    yield from _joined(program, nodes, _definitions(program, nodes, library, model))
     yield from _timeless_loops(nodes)
     yield from _from_ego_to_ego(program)
     lists = _lists(nodes)
@@ -227,6 +228,40 @@ def _not_run(
                         text = f"{source} is a {_word(kind)}, not an action"
                         hint = to_run(kind, source if isinstance(action, Call) else f"{source}()")
                         yield ProgramWarning(NO_EFFECT, text, action.span, hint)
+
+
+def _joined(program: Program, nodes: list[Node], known: Mapping[str, type[Node]]) -> Iterator[ProgramWarning]:
+    """Actions, behaviors or scenarios that `and` or `or` joins, which gives one of them."""
+    functions = {node.name for node in nodes if isinstance(node, s.FunctionDefinition)}
+    for node in nodes:
+        match node:
+            case d.Take():
+                candidates, chance = tuple(_single_actions(node)), "`Uniform(...)`"
+            case d.Do(invocations=candidates):
+                chance = "`do choose`"
+            case _:
+                continue
+        for one in candidates:
+            if not isinstance(one, BooleanOperation):
+                continue
+            if isinstance(node, d.Take):
+                kinds = ["action" if _makes_action(operand, functions) else "" for operand in one.operands]
+            else:
+                kinds = ["" if (kind := _kind_of(operand, known)) is None else _word(kind) for operand in one.operands]
+            if all(kinds):
+                hint = "write `,` for all of them at once" + (f", or {chance} for one of them by chance" if one.operator == "or" else "")
+                yield ProgramWarning(ONE_VALUE, f"`{one.operator}` gives only one of these {kinds[0]}s", one.span, hint)
+
+
+def _makes_action(node: Node, functions: Collection[str]) -> bool:
+    """Whether an expression calls what is named like a class, and is no function of the program."""
+    match node:
+        case ObjectOrValue(value=inner):
+            return _makes_action(inner, functions)
+        case Call(function=Name(name=name)):
+            return name[:1].isupper() and name not in functions
+        case _:
+            return False
 
 
 def _single_actions(node: d.Take) -> Iterator[Node]:

@@ -9,6 +9,7 @@ from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedTok
 from lark.parsers.lalr_parser_state import ParserState
 
 from ..semantics.kernel.errors import ParseError
+from ..semantics.syntax import Span
 from . import repairs
 from .tree_builder import TextOrigin
 
@@ -17,6 +18,14 @@ WORD = re.compile(r"[^\W\d]\w*|\d[\w.]*|\S")
 BRACKET_OR_TEXT = re.compile(
     r"#[^\n]*|\"\"\"(?:[^\\]|\\[\s\S])*?\"\"\"|'''(?:[^\\]|\\[\s\S])*?'''|\"(?:[^\"\\\n]|\\[\s\S])*\"|'(?:[^'\\\n]|\\[\s\S])*'|[()\[\]{}]"
 )
+COMMA_OR_BRACKET = re.compile(
+    rf"{BRACKET_OR_TEXT.pattern}|(?<!,)\n|,\s*(?P<word>(?!visible\s*[,)\]]){repairs.SPECIFIER_START})(?=\s+[\w(.\-\"']|\()"
+)
+CODE = re.compile(r"(?:\"(?:[^\"\\]|\\.)*\"|'(?:[^'\\]|\\.)*'|[^#])*")
+OBJECT = re.compile(
+    r"\s*(?:return\s+|(?:[^\W\d][\w.]*\s*=\s*)+)?(?P<new>new\s+)?(?:[^\W\d]\w*\.)*[A-Z]\w*(?=\s*,?\s*$|\s+" + repairs.SPECIFIER_START + r")"
+)
+"""An object definition that is a statement, or the value of an assignment or `return`, up to its class."""
 PAIRS = {")": "(", "]": "[", "}": "{"}
 
 # The names that a user knows terminals by, the most telling first.
@@ -61,12 +70,12 @@ def explain(fault: UnexpectedInput, source: str, origin: TextOrigin, *, released
         return ParseError("this string is not terminated", span, hint="end it with the quotation mark it began with")
     kind = fault.token.type if isinstance(fault, UnexpectedToken) else ""
     if kind == "_INDENT":
-        return ParseError("unexpected indentation", span, hint="align the line with the one before")
+        return specifiers_without_comma(lines[: line - 1], text, origin) or ParseError(
+            "unexpected indentation", span, hint="align the line with the one before"
+        )
     above = lines[line - 2] if line > 1 else ""
-    indent = "indent the line, or write `pass`"
-    no_block = ParseError("expected an indented block", span, expected=expected, hint=indent)
     if expected == ("an indented block",) and not word:
-        return no_block
+        return no_block(lines[: line - 1], text, span)
     repair = repairs.find(
         repairs.Situation(text, column - 1 if word else len(text.rstrip()), word, above, released=released)
     )
@@ -76,8 +85,50 @@ def explain(fault: UnexpectedInput, source: str, origin: TextOrigin, *, released
     if repair is not None:
         return ParseError(repair.message, span, expected=expected, hint=repair.hint)
     if expected == ("an indented block",):
-        return no_block
+        return no_block(lines[: line - 1], text, span)
     return ParseError(unexpected(word, kind, expected), span, expected=expected)
+
+
+def code_of(line: str) -> str:
+    """A line of the text without its comment and the white space around it on the right."""
+    found = CODE.match(line)
+    return "" if found is None else found.group().rstrip()
+
+
+def specifiers_without_comma(above: list[str], text: str, origin: TextOrigin) -> ParseError | None:
+    """The error for an indented line of specifiers behind a line of an object that does not end with a comma; None for other lines."""
+    number = next((i for i in range(len(above), 0, -1) if code_of(above[i - 1])), 0)
+    found = re.match(rf"\s*(?P<comma>,\s*)?(?P<rest>{repairs.SPECIFIER_START}(?!\s*[=.,)\]]).*)", code_of(text))
+    if not number or found is None or text.rstrip().endswith(":"):
+        return None
+    first = number
+    while first > 1 and code_of(above[first - 2]).endswith(","):
+        first -= 1
+    statement = " ".join(code_of(line) for line in above[first - 1 : number])
+    head = OBJECT.match(statement)
+    if head is None or statement.endswith(";") or re.search(r"\b[A-Z_\d]{2,}$", head.group()):  # a constant, by its letters
+        return None
+    column = len(code_of(above[number - 1])) + 1
+    if found["comma"]:
+        place = origin.written(len(above) + 1, found.start("comma") + 1, len(above) + 1, found.start("comma") + 2)
+        return ParseError("a line of specifiers does not begin with a comma", place, hint="move it to the end of the line before")
+    if head.end() == len(statement) and not head["new"]:
+        place = origin.written(len(above) + 1, found.start("rest") + 1, len(above) + 1, found.end("rest") + 1)
+        return ParseError("the first specifier stands in the line of its class", place, hint="move it to the end of the line before")
+    hint = "end each line of specifiers but the last with `,`"
+    return ParseError("a comma is missing at the end of the line", origin.written(number, column, number, column + 1), hint=hint)
+
+
+def no_block(above: list[str], text: str, span: Span) -> ParseError:
+    """The error for `text`, a line that should be the first of a block and is not indented."""
+    expected, hint = ("an indented block",), "indent the line, or write `pass`"
+    number = next((i for i in range(len(above), 0, -1) if code_of(above[i - 1])), 0)
+    head = code_of(above[number - 1]).strip() if number else ""
+    if not head.endswith(":") or re.match(repairs.BLOCK_START, head) is None or not text.strip():
+        return ParseError("expected an indented block", span, expected=expected, hint=hint)
+    if head.startswith("class") and re.match(r"\s*[^\W\d]\w*\s*(?:\[[\w\s,]*\]\s*)?:|\s*def\b", text):
+        hint = "indent the lines of the class"
+    return ParseError(f"the block of `{head}` (line {number}) is not indented", span, expected=expected, hint=hint)
 
 
 def unexpected(word: str, kind: str, expected: tuple[str, ...]) -> str:
@@ -126,14 +177,7 @@ def acceptable(state: ParserState) -> set[str]:
 
 def bracket_fault(source: str, line: int, column: int, word: str, *, ended: bool) -> tuple[tuple[int, int], str, str] | None:
     """The place, message and hint for a bracket that is closed too often, wrongly, or never."""
-    stop = sum(len(text) + 1 for text in source.split("\n")[: line - 1]) + column - 1
-    stack: list[tuple[str, int]] = []
-    for match in BRACKET_OR_TEXT.finditer(source, 0, max(stop, 0) if not ended else len(source)):
-        char = match.group()
-        if char in PAIRS.values():
-            stack.append((char, match.start()))
-        elif char in PAIRS and stack:
-            stack.pop()
+    stack = open_brackets(source, len(source) if ended else offset_of(source, line, column))
     if word in PAIRS:
         if not stack:
             return (line, column), f"`{word}` closes no bracket", "remove it, or open a bracket before it"
@@ -148,8 +192,56 @@ def bracket_fault(source: str, line: int, column: int, word: str, *, ended: bool
         if ended or (opened < line and not is_closed(source, start)):
             message = f"this `{opening}` is never closed"
             closing = next(key for key, value in PAIRS.items() if value == opening)
-            return (opened, start - source.rfind("\n", 0, start)), message, f"add `{closing}`"
+            found = specifier_inside(source, start)
+            hint = f"add `{closing}`" if found is None else f"add `{closing}` before `, {found}`"
+            return (opened, start - source.rfind("\n", 0, start)), message, hint
     return None
+
+
+def offset_of(source: str, line: int, column: int) -> int:
+    """The offset of a place in a text."""
+    return max(0, sum(len(text) + 1 for text in source.split("\n")[: line - 1]) + column - 1)
+
+
+def open_brackets(source: str, stop: int) -> list[tuple[str, int]]:
+    """The brackets that are open at an offset, with the offsets where they stand, the innermost last."""
+    stack: list[tuple[str, int]] = []
+    for match in BRACKET_OR_TEXT.finditer(source, 0, stop):
+        char = match.group()
+        if char in PAIRS.values():
+            stack.append((char, match.start()))
+        elif char in PAIRS and stack:
+            stack.pop()
+    return stack
+
+
+def specifier_inside(source: str, start: int) -> str | None:
+    """The first word of a specifier behind a comma in the bracket at `start`, if it is one of the object outside: the bracket belongs before it."""
+    before = code_of(source[source.rfind("\n", 0, start) + 1 : start])
+    depth = 0
+    for match in COMMA_OR_BRACKET.finditer(source, start):
+        char = match.group()
+        depth += (char[0] in PAIRS.values()) - (char[0] in PAIRS)
+        if depth == 0 or char == "\n":
+            return None
+        if match["word"] and depth == 1:
+            outside = re.search(rf"[\w)\]]\s+{repairs.SPECIFIER_START}", before) is not None
+            inside = re.search(rf"\b{repairs.SPECIFIER_START}", source[start : match.start()]) is not None
+            return match["word"] if outside and not inside else None
+    return None
+
+
+def inside_brackets(source: str, specifier: Span) -> ParseError | None:
+    """The error for a specifier that stands inside brackets, and belongs to the object outside of them; None for others."""
+    stack = open_brackets(source, offset_of(source, specifier.line, specifier.column)) if source else []
+    word = specifier_inside(source, stack[-1][1]) if stack else None
+    if word is None:
+        return None
+    start = stack[-1][1]
+    line = source.count("\n", 0, start) + 1
+    where = "" if line == specifier.line else f"line {line}, "
+    message = f"a specifier stands inside the brackets that begin at {where}column {start - source.rfind(chr(10), 0, start)}"
+    return ParseError(message, specifier, hint=f"close them before `, {word}`")
 
 
 def is_closed(source: str, start: int) -> bool:

@@ -10,10 +10,10 @@ from lark import Token, Tree
 from ..semantics.kernel.classes import BUILT_IN_CLASSES
 from ..semantics.kernel.errors import ParseError
 from ..semantics.kernel.kinds import FLAT, SPATIAL_PROPERTIES
-from ..semantics.syntax import Expression, Span
+from ..semantics.syntax import Expression, Span, Statement
 from ..semantics.syntax.expressions import FieldAt, ObjectDefinition, ObjectOrOperator, ObjectOrValue, OffsetBy
 from ..semantics.syntax.python_expressions import Comparison, Constant, TupleDisplay, UnaryOperation
-from ..semantics.syntax.statements import PropertyDefault
+from ..semantics.syntax.statements import ClassDefinition, PropertyDefault
 from . import literals
 from .chains import is_dotted_name, join
 from .definition_parts import PARTS
@@ -26,13 +26,14 @@ Parts = list[Any]  # What the children of a rule were turned into: nodes, tokens
 @dataclass(frozen=True, slots=True)
 class TextOrigin:
     """Where the parsed text stands: its file, and what to add to its lines and to the columns of its first line; `joined` is what the
-    grammar reads of it.
+    grammar reads of it, `source` is the text as it was written, where that is a whole file.
     """
 
     file: str
     line: int = 0
     column: int = 0
     joined: JoinedText = AS_WRITTEN
+    source: str = ""
 
     def span(self, line: int, column: int, end_line: int, end_column: int) -> Span:
         """The place in the file of a stretch of the joined text."""
@@ -91,7 +92,9 @@ class BuilderBase:
             if node.name in PARTS:
                 home, hint = PARTS[node.name]
                 raise ParseError(f"`{node.name}` stands only in {home}", place, hint=hint)
-            raise ParseError("`name: default` lines belong in classes", place, hint="give the variable a value, as in `x: int = 3`")
+            raise below_class(node, values[0]) or ParseError(
+                "`name: default` lines belong in classes", place, hint="give the variable a value, as in `x: int = 3`"
+            )
         for place in self.without_new:
             raise self.needs_new(place)
         return values[0]
@@ -141,6 +144,20 @@ class BuilderBase:
         if isinstance(node, TupleDisplay):
             _refuse_split_vector(node)
         return node
+
+
+def below_class(line: PropertyDefault, statements: object) -> ParseError | None:
+    """The error for a `name: default` line right below a class, of whose block it was meant to be; None for others."""
+    block = statements if isinstance(statements, tuple) else ()
+    above = [node for node in block if isinstance(node, Statement) and node.span < line.span and not isinstance(node, PropertyDefault)]
+    last = above[-1] if above else None
+    if not isinstance(last, ClassDefinition):
+        return None
+    inside = min((node.span.line for node in (*last.properties, *last.body)), default=last.span.line)
+    if inside == last.span.line:
+        return None
+    message = f"`name: default` lines belong in classes, and this one is not in class {last.name}"
+    return ParseError(message, line.span, hint=f"indent it like line {inside}")
 
 
 BY_DIALECT = "begin the program with `# dialect: scenic-2.1`"

@@ -46,7 +46,8 @@ KINDS = {
     NO_EFFECT: "a statement does nothing where it stands, such as `take` in a monitor or a loop in which no time passes",
     BAD_WEIGHT: "a weight of `do choose` or `do shuffle` is a negative number",
     DEGREES: "a heading, or a number that an angle is compared with, is more than a full turn in radians",
-    ONE_VALUE: "Uniform is given one list, in place of the values in it; or a distance or angle is that from ego to ego",
+    ONE_VALUE: "Uniform is given one list, in place of the values in it; a distance or angle is that from ego to ego;"
+    " or `and` or `or` joins actions, behaviors or scenarios, of which it gives one",
     IMPLAUSIBLE: "a map of one's own is so large or so small that its coordinates are most likely others than those that are read",
     UNUSED: "nothing uses what an import gives, and the module does nothing else",
 }

@@ -61,6 +61,8 @@ class MapWorkspace(Workspace):
 class Network(Fixed):
     """All of a map."""
 
+    as_region = "the network is the whole map: write one of its regions, such as `road` or `network.lanes[0]`"
+    """What to write for it where a region is meant."""
     source: bytes
     """The file that it was read from."""
     again: Callable[[bytes], Network]

@@ -37,7 +37,7 @@ CLASSES: tuple[tuple[str, str], ...] = (
         r"there is no global parameter|several scenarios to begin with|argument|needs a value for",
         "a part of something larger, which gives it its parameters",
     ),
-    (r"no other formulas", "temporal formulas beyond `always` and `eventually`"),
+    (r"no other formulas|stands directly behind `require`", "temporal formulas beyond `always` and `eventually`"),
     (r"'NoneType' object is not subscriptable|KeyError: '(?:intersection|road|lane)\d", "a part of something larger, which gives it its parameters"),
     (r"is not part of the language|belongs to dialect", "statements that are outside the language, such as Python's `with`"),
     (r"no scene|no simulation", "no scene or simulation is found, on this map"),

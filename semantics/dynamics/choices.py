@@ -40,7 +40,7 @@ def conclude_pick(node: d.DoChoose | d.DoShuffle, values: list[object], stack: S
     """Look whose preconditions hold."""
     count = len(node.invocations)
     weights = [plain(w) for w in values[count:-1]] or [1] * count
-    options = tuple((with_arguments(v, node, state), w) for v, w in zip(values, weights))
+    options = tuple((with_arguments(v, one, state), w) for v, w, one in zip(values, weights, node.invocations))
     return limited(node, Picking(node, options), Beginning(begin_choice), values[-1], stack, state)
 
 

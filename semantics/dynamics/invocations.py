@@ -10,10 +10,10 @@ from typing import Any, NamedTuple
 
 from ..kernel.config import Abrupt, Config, Stack, State, Value
 from ..kernel.errors import RunError
-from ..kernel.kinds import kind_name
+from ..kernel.kinds import SCALAR, has_kind, kind_name
 from ..kernel.outcome import Next, Outcome
 from ..kernel.premises import premises
-from ..kernel.scopes import Scope
+from ..kernel.scopes import MISSING, Scope
 from ..kernel.simulation import Agent, Clause, Deadline, Suspended, Who, agent_of, flagged, line_of
 from ..kernel.values import Dynamic, plain
 from ..python.calls import invocation
@@ -22,6 +22,7 @@ from ..python.texts import stable_repr
 from ..syntax import dynamics as d
 from ..syntax import statements as s
 from ..syntax.nodes import Expression, Node
+from ..syntax.python_expressions import Name
 from .frames import Invoked, Picking, Together
 from .guards import guarded, guards_of, returned, scope_of
 from .interrupts import run_for_one_step, within
@@ -35,7 +36,11 @@ def with_arguments(value: object, node: Node, state: State) -> Dynamic:
     """A behavior or scenario that can run: one without parentheses has the default arguments (reading `bare-behavior`)."""
     found = plain(value)
     if not isinstance(found, Dynamic):
-        raise RunError(f"`do` invokes behaviors and scenarios, not {kind_name(found)}", node.span, rule="D-Do")
+        hint = ""
+        if has_kind(found, SCALAR):
+            name = "B" if state.sigma.lookup("FollowLaneBehavior") is MISSING else "FollowLaneBehavior"
+            hint = f"write a call, such as `do {name}({node.name if isinstance(node, Name) else '...'})`"
+        raise RunError(f"`do` invokes behaviors and scenarios, not {kind_name(found)}", node.span, rule="D-Do", hint=hint)
     return found if found.arguments is not None else invocation(found, (), {})
 
 
@@ -51,7 +56,8 @@ def do(node: d.Do, stack: Stack, state: State) -> Outcome:
 def conclude_do(node: d.Do, values: list[object], stack: Stack, state: State) -> Outcome:
     """Begin the invocations, inside a statement with an interrupt if there is a limit (Section "Dynamic Scenarios": they are short for one)."""
     *invocations, amount = values
-    return limited(node, Begin(node, tuple(with_arguments(v, node, state) for v in invocations)), Beginning(begin_all), amount, stack, state)
+    behaviors = tuple(with_arguments(v, one, state) for v, one in zip(invocations, node.invocations, strict=True))
+    return limited(node, Begin(node, behaviors), Beginning(begin_all), amount, stack, state)
 
 
 def limited(

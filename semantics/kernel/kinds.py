@@ -19,13 +19,16 @@ from ..space.regions import PlaneShape, Region
 from ..space.symbols import NotLifted, Spread, Symbol
 from ..space.vectors import Vector
 from ..syntax.nodes import NOWHERE, Node, Span
+from ..syntax.python_expressions import Call, Name
+from ..syntax.statements import Return
 from .budget import PLAIN
 from .classes import view_distance
 from .config import State
 from .errors import RunError
 from .scenic_classes import ScenicClass
+from .scopes import descendants
 from .suggestions import did_you_mean
-from .values import Dynamic, Instance, Origin, Random, each, plain, unwrap, wrap
+from .values import Dynamic, Function, Instance, Origin, Random, each, plain, unwrap, wrap
 from .waiting import Waiting
 
 SCALAR, VECTOR, HEADING, FIELD, REGION = "scalar", "vector", "heading", "vector field", "region"
@@ -255,17 +258,72 @@ def misfit(values: Sequence[object], kinds: Sequence[Sequence[str]]) -> int | No
 
 
 def unfit(
-    name: str, node: Node, nodes: Sequence[Node], operands: Sequence[object], kinds: Sequence[Sequence[str]], rule: str, hint: str = ""
+    name: str, node: Node, nodes: Sequence[Node], operands: Sequence[object], kinds: Sequence[Sequence[str]], rule: str, state: State, hint: str = ""
 ) -> RunError:  # fmt: skip
     """The error where operands have none of the rows of kinds; it speaks of those that the program wrote at `nodes`, not of what was added."""
     wrong = misfit(operands, kinds)
     written = [i for i in range(len(operands)) if i < len(nodes) and nodes[i].span != NOWHERE] or list(range(len(operands)))
     place = nodes[wrong].span if wrong is not None and wrong in written and wrong < len(nodes) else node.span
     refuse_third_dimension(name, operands, place, rule)
-    expected = " or ".join(dict.fromkeys("(" + ", ".join(row[i] for i in written) + ")" for row in kinds))
-    found = ", ".join(kind_name(operands[i]) for i in written)
-    hint = hint or ("" if wrong is None else repair(operands[wrong], {row[wrong] for row in kinds}))
-    return RunError(f"{name} expects {expected}, not ({found})", place, rule=rule, hint=hint)
+    if wrong is None or wrong not in written:
+        expected = " or ".join(dict.fromkeys("(" + ", ".join(row[i] for i in written) + ")" for row in kinds))
+        found = ", ".join(kind_name(operands[i]) for i in written)
+        hint = hint or ("" if wrong is None else repair(operands[wrong], {row[wrong] for row in kinds}))
+        return RunError(f"{name} expects {expected}, not ({found})", place, rule=rule, hint=hint)
+    fitting = [row for row in kinds if all(i == wrong or has_kind(operands[i], row[i]) for i in range(len(operands)))] or kinds
+    wanted = list(dict.fromkeys(row[wrong] for row in fitting))
+    value = operands[wrong]
+    if wrong < len(nodes):
+        hint = hint or instead_of_point(name, value, wanted) or (function_without_return(nodes[wrong], state) if value is None else "")
+    pair = is_pair_of_numbers(value) and VECTOR not in wanted and REGION in wanted
+    called, side = named_at(name, wrong, len(written))
+    message = f"{called} expects {one_of(wanted)}{side}, not {'a point' if pair else kind_name(value)}"
+    return RunError(message, place, rule=rule, hint=hint or repair(value, wanted))
+
+
+BEHIND: Mapping[str, tuple[str, ...]] = {
+    **dict.fromkeys(("`left of`", "`right of`", "`ahead of`", "`behind`", "`offset along`"), ("by",)),
+    "`beyond`": ("by", "from"), "`following`": ("for", "from"), "`apparently facing`": ("from",),
+}
+"""Words behind which the further arguments of specifiers stand."""
+INFIX = frozenset({"`@`", "`at`", "`offset by`", "`relative to`", "`can see`"})
+
+
+def named_at(name: str, number: int, count: int) -> tuple[str, str]:
+    """How an operator or specifier is called where its operand of this number, from 0, is meant, and on which side that stands."""
+    if count == 2 and name in INFIX:
+        return name, " on its right" if number else " on its left"
+    words = BEHIND.get(name, ())
+    return (f"{name[:-1]} ... {words[number - 1]}`" if 0 < number <= len(words) else name), ""
+
+
+def one_of(kinds: Sequence[str]) -> str:
+    """The kinds with their articles: "a heading or a vector field"."""
+    *most, last = [f"{'an' if kind[0] in 'aeiouAEIOU' else 'a'} {kind}" for kind in kinds]
+    return f"{', '.join(most)} or {last}" if most else last
+
+
+def instead_of_point(name: str, value: object, kinds: Collection[str]) -> str:
+    """What to write where a point is given for the region of `in` and `on`."""
+    if name not in ("`in`", "`on`") or VECTOR in kinds or not is_pair_of_numbers(value):
+        return ""
+    x, y = map(str, value) if all(type(c) in (int, float) and -MOST_TOLD < c < MOST_TOLD for c in value) else ("x", "y")  # type: ignore[attr-defined]
+    return f"write `at ({x}, {y})`" if max(len(x), len(y)) <= LONGEST_TOLD else "write `at (x, y)`"
+
+
+MOST_TOLD, LONGEST_TOLD = 1e6, 6
+"""Numbers as programs write them are told again; what was computed or drawn is larger, or has more digits."""
+
+
+def function_without_return(node: Node, state: State) -> str:
+    """What to write in the function whose call gave None; "" where it is not one of the program that is called by its name."""
+    function = plain(state.sigma.lookup(node.function.name)) if isinstance(node, Call) and isinstance(node.function, Name) else None
+    if not isinstance(function, Function) or not isinstance(function.body, tuple) or function.span.file != node.span.file:
+        return ""
+    name, line = function.name, function.span.line
+    if any(isinstance(inner, Return) and inner.value is not None for statement in function.body for inner in descendants(statement)):
+        return f"see why {name} (line {line}) gives None: a function that ends without `return` does"
+    return f"write `return ...` at the end of {name} (line {line}), which has none"
 
 
 def is_pair_of_numbers(value: object) -> bool:
@@ -284,6 +342,8 @@ def repair(value: object, kinds: Collection[str]) -> str:
             return "write a vector without quotation marks, as in `(1, 2)`"
         case str() if SCALAR in kinds:
             return "write a number without quotation marks"
+        case list() | tuple() if REGION in kinds and value and all(isinstance(one, Region) for one in value):
+            return "for one of them write `Uniform(*values)`"
         case (_, _) if VECTOR in kinds and (pair := next((one for one in value if is_pair_of_numbers(one)), None)) is not None:
             return f"a coordinate is one number: for a random one write `Range({pair[0]}, {pair[1]})`"
         case (low, high) if SCALAR in kinds and is_scalar(low) and is_scalar(high):
@@ -296,6 +356,8 @@ def repair(value: object, kinds: Collection[str]) -> str:
             return "a vector has two coordinates: write `(x, y)`"
         case Vector() | Instance() if REGION in kinds:
             return "a region is a set of points: write `at` for one point, or `CircularRegion(center, radius)`"
+        case _ if REGION in kinds and isinstance(instead := getattr(type(value), "as_region", None), str):
+            return instead
         case ScenicClass() if OBJECT in kinds or VECTOR in kinds:
             return f"that is the class; name an object of it: x = {value.name} ..."
         case _:

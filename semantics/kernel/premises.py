@@ -22,7 +22,7 @@ from .outcome import Next, Outcome
 from .positions import remaining, specified, wait
 from .scopes import MISSING, Scope
 from .suggestions import meant
-from .values import Bound, Origin, Random, Special, plain
+from .values import Bound, Instance, Origin, Random, Special, plain
 from .versions import changes_its_owner
 
 Conclusion = Callable[..., Outcome]
@@ -127,7 +127,9 @@ def variable(node: Name, state: State) -> object:
             if node.span == NOWHERE:  # an operator or specifier that leaves it out
                 other = "or say what is meant instead, as in `distance from X to Y`"
                 raise RunError("this is seen from ego, which is not assigned yet", rule="E-Variable", hint=f"{make}, {other}")
-            raise RunError("ego is used before it is assigned", node.span, rule="E-Variable", hint=make)
+            line = line_below(node, state)
+            below = f"it is assigned below, on line {line}: move that above its first use"
+            raise RunError("ego is used before it is assigned", node.span, rule="E-Variable", hint=below if line else make)
         return state.ego
     if name == "workspace" and state.workspace is not None:
         return state.workspace
@@ -165,17 +167,26 @@ def unknown_variable(node: Name, state: State) -> RunError:
         return RunError("there is no workspace", node.span, rule="E-Variable", hint="set it first: workspace = Workspace(REGION)")
     if node.name in SPATIAL:
         return RunError(f"{node.name} {FLAT}", node.span, rule="E-Variable")
-    below = state.settings.defined.get(node.name)
-    if below is not None and below.file == node.span.file and below.line > node.span.line:
-        hint = f"it is defined below, on line {below.line}: move that above its first use"
+    if line := line_below(node, state):
+        hint = f"it is defined below, on line {line}: move that above its first use"
         return RunError(f"{node.name} is not defined", node.span, rule="E-Variable", hint=hint)
     if state.ego is not None:
         known.append("ego")
     if node.name in state.params:
         hint = f"it is a global parameter: write globalParameters.{node.name}"
+    elif isinstance(owner := plain(state.sigma.lookup("self")), Instance) and node.name in owner.class_.defaults:
+        hint = f"it is a property: write self.{node.name}"
     else:
         hint = meant(node.name, [name for name in known if not name.startswith("__")], state.settings.elsewhere)
-    return RunError(f"{node.name} is not defined", node.span, rule="E-Variable", hint=hint)
+    over_time = node.name in ("always", "eventually")
+    message = f"`{node.name}` stands only directly behind `require`" if over_time else f"{node.name} is not defined"
+    return RunError(message, node.span, rule="E-Variable", hint=hint)
+
+
+def line_below(node: Name, state: State) -> int:
+    """The line, below a name, on which the top level of its program first binds it; 0 if there is none."""
+    found = state.settings.defined.get(node.name)
+    return found.line if found is not None and found.file == node.span.file and found.line > node.span.line else 0
 
 
 def describe_origin(origin: Origin) -> str:

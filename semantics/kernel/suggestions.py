@@ -28,6 +28,9 @@ OF_OTHERS: Mapping[str, str] = {
     "degrees": "write math.degrees(x), after `import math`",
     "uniform": "write Range(low, high)", "gauss": "write Normal(mean, stdDev)", "sin": "write math.sin, after `import math`",
     "cos": "write math.cos, after `import math`", "time": "a simulation has simulation().currentTime, in time steps",
+    "always": "write `require always B` as a statement of its own, and for `not always B` write `require eventually not (B)`",
+    "eventually": "write `require eventually B` as a statement of its own, and for `not eventually B` write `require always not (B)`",
+    "that": "behind `require` the condition follows at once, without `that`",
 }
 """Names that people bring from Python and other languages, and what to write for them."""
 OF_OBJECTS = ("position", "heading", "width", "length", "speed", "velocity", "viewAngle", "viewDistance")

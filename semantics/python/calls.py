@@ -221,7 +221,9 @@ def call_host(node: Node, function: object, arguments: tuple[object, ...], keywo
         result = host(state.settings.door, state, invoke, vector if function is Vector else function, *arguments, **keywords)
     except HostException as problem:
         if isinstance(problem.exception, (BadField, BadRegion, BadParameters)):
-            raise RunError(str(problem.exception), node.span, rule="E-Call-Host", hint=swapped(function, arguments)) from None
+            hint = swapped(function, arguments) or split(function, arguments)
+            place = node.arguments[0].span if hint and isinstance(node, p.Call) and node.arguments else node.span
+            raise RunError(str(problem.exception), place, rule="E-Call-Host", hint=hint) from None
         class_ = plain(function)
         if isinstance(problem.exception, TypeError) and isinstance(class_, type) and issubclass(class_, NAMED):
             raise misapplied_class(class_, keywords, problem) from None
@@ -270,6 +272,21 @@ def swapped(function: object, arguments: tuple[object, ...]) -> str:
     if isinstance(class_, type) and issubclass(class_, Region) and len(first) > 1 and is_scalar(first[0]) and not is_scalar(first[1]):
         return f"write {class_.__name__}({', '.join(inspect.signature(class_).parameters)})"
     return ""
+
+
+def split(function: object, arguments: tuple[object, ...]) -> str:
+    """How a region is called whose first argument, a vector, seems to be given as two numbers."""
+    class_, values = plain(function), [plain(a) for a in arguments]
+    if not (isinstance(class_, type) and issubclass(class_, Region)) or len(values) < 2 or not all(map(is_scalar, values)):
+        return ""
+    parameters = inspect.signature(class_).parameters.values()
+    first, *others = [one.name for one in parameters if one.default is one.empty and one.kind is one.POSITIONAL_OR_KEYWORD] or [""]
+    if first not in ("center", "position"):
+        return ""
+    short = not any(isinstance(a, Random) for a in arguments) and all(-1e6 < value < 1e6 for value in values)  # type: ignore[operator]
+    x, y, *rest = map(str, values) if short and len(others) == len(values) - 2 else ("x", "y", *others)
+    pair = f"({x}, {y})"
+    return f"write {class_.__name__}({', '.join([pair, *rest])})"
 
 
 MISSING_ARGUMENTS = re.compile(r"missing \d+ required (?:positional|keyword-only) arguments?: (.+)")

@@ -13,7 +13,7 @@ from ..syntax import python_expressions as p
 from .assignment import bind_target
 from .expressions import container
 from .functions import InScope
-from .generators import EXHAUSTED, GO_ON, Generator, give, in_order, made, pull, taken, walk
+from .generators import EXHAUSTED, GO_ON, Generator, give, in_order, made, pull, taken, walk_of_for
 
 
 class Comprehending(NamedTuple):
@@ -47,7 +47,7 @@ def resume_comprehension(frame: Comprehending, result: object, stack: Stack, sta
         case _ if result is GO_ON:
             return advance(frame, stack, state)
         case "iterable":
-            opened = frame._replace(sources=(*frame.sources, walk(result, node.clauses[clause].iterable, state)))
+            opened = frame._replace(sources=(*frame.sources, walk_of_for(result, node.clauses[clause].iterable, state)))
             if clause:
                 return advance(opened, stack, state)
             inner = inner_scope(node, state.sigma)

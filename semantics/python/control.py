@@ -16,7 +16,7 @@ from ..syntax import statements as s
 from ..syntax.nodes import Node, Span
 from .assignment import bind_target, done
 from .functions import make_function
-from .generators import EXHAUSTED, Generator, pull, taken, walk
+from .generators import EXHAUSTED, Generator, pull, taken, walk_of_for
 
 
 class Rest(NamedTuple):
@@ -108,7 +108,7 @@ def for_statement(node: s.For, stack: Stack, state: State) -> Outcome:
 
 def resume_iterating(frame: Iterating, result: object, stack: Stack, state: State) -> Outcome:
     """What gives the elements is known: the first turn."""
-    return next_turn(frame.node, walk(result, frame.node.iterable, state), stack, state)
+    return next_turn(frame.node, walk_of_for(result, frame.node.iterable, state), stack, state)
 
 
 def next_turn(node: s.For, source: object, stack: Stack, state: State) -> Outcome:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import operator as python
 from collections import defaultdict
 from collections.abc import Callable, Mapping
+from types import BuiltinFunctionType
 
 from ..kernel.allowed import is_user_made, may_ask, names_in
 from ..kernel.classes import canonical
@@ -25,7 +26,23 @@ from ..kernel.scenic_classes import Above, ScenicClass
 from ..kernel.scopes import BEGUN, MISSING, Scope, function_names
 from ..kernel.sets import Set
 from ..kernel.suggestions import did_you_mean, note_keys
-from ..kernel.values import Bound, Dynamic, Function, Instance, Method, Module, Native, Random, each, plain, unwrap, with_random_keys, wrap
+from ..kernel.values import (
+    Bound,
+    Constructor,
+    Dynamic,
+    Function,
+    Instance,
+    Method,
+    Module,
+    Native,
+    Random,
+    Special,
+    each,
+    plain,
+    unwrap,
+    with_random_keys,
+    wrap,
+)
 from ..kernel.versions import note_call, note_item
 from ..kernel.waiting import Waiting, needs_position
 from ..space.fields import VectorField
@@ -41,7 +58,7 @@ from .keys import check_key, check_keys
 from .library import ascii_of, attribute_of, bound
 from .members import Member, member, own_name, rewritten
 from .texts import formatted as format_value
-from .texts import represented, written
+from .texts import represented, stable_repr, written
 
 
 def axiom_rule(node: Node, stack: Stack, state: State) -> Outcome:
@@ -321,12 +338,44 @@ def get_item(node: p.Subscript, values: list[object], state: State) -> object:
         result = raw(state.settings.door, state, python.getitem, container, index)
     except HostException as problem:
         note_keys(problem.exception, container, index)
+        if isinstance(problem.exception, TypeError) and isinstance(container, CALLED):
+            raise HostException(in_square_brackets(node), problem.origin, node.span) from None
         if isinstance(problem.exception, IndexError) and isinstance(container, SEQUENCES):
             problem.exception.add_note(numbered(len(container)))
         raise
     return result if origin is None else wrap(unwrap(result)[0], origin)
 
 
+CALLED = (type, Function, Method, Constructor, Special, Native, BuiltinFunctionType, Closest, Dynamic)
+"""What is called with parameters, and has no elements."""
+
+
+def in_square_brackets(node: p.Subscript) -> TypeError:
+    """The exception for parameters in square brackets, with what to write."""
+    name, items = as_written(node.value), node.index.items if isinstance(node.index, p.TupleDisplay) else (node.index,)
+    given = [as_written(item) for item in items]
+    error = TypeError(f"the parameters of {name or 'a function'} stand in round brackets")
+    error.add_note(f"write `{name or 'f'}({'...' if '' in given else ', '.join(given)})`")
+    return error
+
+
+def as_written(node: Node) -> str:
+    """The text of a constant or a name with dots; "" for other expressions."""
+    match node:
+        case p.Constant(value=int() | float() | str() as constant) if not isinstance(constant, str) or len(constant) <= LONGEST:
+            return stable_repr(constant)
+        case p.UnaryOperation(operator="-", operand=p.Constant() as operand):
+            return f"-{as_written(operand)}"
+        case p.Name(name=name):
+            return name
+        case p.Attribute(value=inner, name=name) if (before := as_written(inner)):
+            return f"{before}.{name}"
+        case _:
+            return ""
+
+
+LONGEST = 40
+"""Longer texts are not told again."""
 SEQUENCES = (list, tuple, str)
 
 

@@ -14,10 +14,12 @@ from ..kernel.config import Abrupt, Config, Stack, State, Value
 from ..kernel.errors import NeedsElements, RunError
 from ..kernel.generators import EXHAUSTED, Generator
 from ..kernel.host import HostException, raw
+from ..kernel.kinds import is_scalar
 from ..kernel.outcome import Next, Outcome
 from ..kernel.scopes import Scope
 from ..kernel.values import Function, Random
 from ..syntax.nodes import Node
+from ..syntax.python_expressions import Name
 from .functions import InScope
 from .iteration import elements
 
@@ -44,6 +46,16 @@ def walk(iterable: object, node: Node, state: State) -> object:
             raise random_branch(found, node, "what its iterator gives")
         return found
     return Walk(elements(iterable, node, state), 0, iterable if hasattr(iterable, "keys") else None)  # type: ignore[arg-type]
+
+
+def walk_of_for(iterable: object, node: Node, state: State) -> object:
+    """`walk` for a `for` of a statement or comprehension. Raises TypeError for a number, with what to write for one that counts."""
+    if is_scalar(iterable):
+        error = TypeError("`for` goes through a list or a range, not a number")
+        if isinstance(iterable, int) and 0 <= iterable <= LARGEST_SEQUENCE:
+            error.add_note(f"write range({node.name if isinstance(node, Name) else iterable})")
+        raise HostException(error, span=node.span)
+    return walk(iterable, node, state)
 
 
 def taken(source: object, state: State) -> tuple[object, object]:

@@ -37,7 +37,7 @@ def elements(iterable: object, node: Node, state: State) -> list[object]:
         result = raw(state.settings.door, state, list, iterable)
     except HostException as problem:
         problem.span = problem.span or node.span
-        if isinstance(iterable, int):
+        if type(iterable) is int and 0 <= iterable <= LARGEST_SEQUENCE:
             problem.exception.add_note(f"write range({iterable})")
         raise
     state.settings.door.budget.made(plain(result))

@@ -60,7 +60,7 @@ def apply_equation(node: Node, equations: Sequence[o.Equation], values: list[obj
     operands = [in_the_plane(reader.plain(v), state) for v in values]
     if state.settings.dialect == "scenic-3" and isinstance(node, LIKE_SPECIFIERS) and isinstance(operands[0], ScenicClass):
         raise RunError("dialect scenic-3 makes objects with `new`", node.span, rule="E-ObjectDefinition", hint="write `new` before the class")
-    equation = select(node, equations, operands)
+    equation = select(node, equations, operands, state)
     arguments = [reader.read(operand, kind) for operand, kind in zip(operands, equation.kinds, strict=True)]
     if equation.needs_self:
         instance = specified(state)
@@ -101,7 +101,7 @@ def _any_result(node: Node, arguments: list[object]) -> object:
     return next((a for a in arguments if isinstance(a, Vector)), Vector(0.0, 0.0)) if isinstance(node, e.OffsetAlong) else 0.0
 
 
-def select(node: Node, equations: Sequence[o.Equation], operands: list[object]) -> o.Equation:
+def select(node: Node, equations: Sequence[o.Equation], operands: list[object], state: State) -> o.Equation:
     """The equation for operands of these kinds; an error names what the operator expects."""
     if isinstance(node, e.RelativeTo) and all(isinstance(v, Instance) and is_oriented(v) for v in operands):
         raise RunError(
@@ -112,7 +112,7 @@ def select(node: Node, equations: Sequence[o.Equation], operands: list[object]) 
         if all(has_kind(v, kind) for v, kind in zip(operands, equation.kinds, strict=True)):
             return equation
     nodes = [node.object] if isinstance(node, e.SideOf) else [getattr(node, name) for name in released.EQUATIONS.get(type(node), ((),))[0]]
-    raise unfit(operator_name(node), node, nodes, operands, [q.kinds for q in equations], equations[0].rule)
+    raise unfit(operator_name(node), node, nodes, operands, [q.kinds for q in equations], equations[0].rule, state)
 
 
 def operator_name(node: Node) -> str:

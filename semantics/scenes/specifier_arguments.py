@@ -72,7 +72,7 @@ def choose_form(node: Node, forms: tuple[sp.Form, ...], arguments: Sequence[obje
     nodes = arguments_of(node)
     toward = isinstance(node, q.FacingTowardSpecifier) and has_kind(operands[0], SCALAR)
     hint = "for an angle write `facing A`, without `toward`" if toward else ""
-    raise unfit(f"`{sp.specifier_name(node)}`", node, nodes, operands, [form.kinds for form in forms], forms[0].rule, hint)
+    raise unfit(f"`{sp.specifier_name(node)}`", node, nodes, operands, [form.kinds for form in forms], forms[0].rule, state, hint)
 
 
 def default_specification(name: str, expression: Node, owner: ScenicClass, state: State) -> Specification:

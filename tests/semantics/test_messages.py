@@ -41,7 +41,7 @@ ego = Object at (0, 0), with behavior B
         ("import math\nego = Object\nx = len(math)", "TypeError: object of type 'module' has no len()"),
         ("r = CircularRegion((0, 0), 3)\nr.orientation = VectorField('f', lambda p: 1)\nego = Object",
          "regions do not change: orientation of a region cannot be assigned"),
-        ("ego = Object in Region", "`in` expects (region), not (the class Region)"),
+        ("ego = Object in Region", "`in` expects a region, not the class Region"),
         ("ego = Object\nx = everywhere.intersect(3)", "intersect() takes a region, not 3"),
         ("ego = Object\nx = CircularRegion((0, 0), 3).union('a')", "union() takes a region, not 'a'"),
         ("ego = Object\nx = everywhere.difference(ego)", "difference() takes a region, not (0.0, 0.0)"),

@@ -27,7 +27,7 @@ MESSAGES = {
     "reading-random-branch": "Range(...) (line 2)",
     "random-loop": "random",
     "oriented-points-relative-to-each-other": "oriented points",
-    "at-needs-a-vector": "expects (vector)",
+    "at-needs-a-vector": "expects a vector",
     "uniform-over-nothing": "nothing to draw",
     "range-with-one-end": "low, high",
     "resample-of-an-operation": "operation on one",

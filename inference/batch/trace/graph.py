@@ -232,6 +232,12 @@ def _absolute(a: Bounds) -> Bounds:
     return (0.0 if a[0] <= 0 <= a[1] else min(abs(a[0]), abs(a[1])), max(abs(a[0]), abs(a[1])))
 
 
+def _length(a: Bounds, b: Bounds) -> Bounds:
+    """The nearest and the farthest point of a box, with room for the last digits, which hypotenuses may have wrong."""
+    near, far = zip(_absolute(a), _absolute(b), strict=True)
+    return math.hypot(*near) * (1 - 2.0**-50), math.hypot(*far) * (1 + 2.0**-50)
+
+
 _RULES: dict[object, Callable[..., Bounds]] = {
     np.add: lambda a, b: (a[0] + b[0], a[1] + b[1]),
     np.subtract: lambda a, b: (a[0] - b[1], a[1] - b[0]),
@@ -244,7 +250,7 @@ _RULES: dict[object, Callable[..., Bounds]] = {
     np.sin: lambda a: (-1.0, 1.0),
     np.cos: lambda a: (-1.0, 1.0),
     arc_tangent: lambda a, b: (-math.pi, math.pi),
-    np.hypot: lambda a, b: (0.0, 2 * max(map(abs, (*a, *b)))),
+    np.hypot: _length,
     np.maximum: lambda a, b: (max(a[0], b[0]), max(a[1], b[1])),
     np.minimum: lambda a, b: (min(a[0], b[0]), min(a[1], b[1])),
     np.where: lambda condition, a, b: (min(a[0], b[0]), max(a[1], b[1])),
@@ -257,15 +263,19 @@ OPERATORS: Mapping[object, str] = {
 
 
 def between(function: object, arguments: tuple[object, ...]) -> str:
-    """The operator of a comparison that `decided` has decided, and what its two sides can be, in words."""
+    """The operator of a comparison that `decided` has decided, and what keeps its two sides apart, in words: bounds need not be reached."""
+    known = [a.bounds if isinstance(a, GraphNode) else _constant_bounds(a) for a in arguments]
+    left, right = ((math.inf, math.inf) if found is None else found for found in known)
+    left_is_less = left[1] <= right[0]
 
-    def side(argument: object) -> str:
-        found = argument.bounds if isinstance(argument, GraphNode) else _constant_bounds(argument)
-        if found is None:
-            return "infinite"
-        return f"{found[0]:.6g}" if found[0] == found[1] else f"between {found[0]:.6g} and {found[1]:.6g}"
+    def side(found: Bounds, less: bool) -> str:
+        if found[0] == math.inf:
+            return "is infinite"
+        if found[0] == found[1]:
+            return f"is {found[0]:.6g}"
+        return f"is never more than {found[1]:.6g}" if less else f"is never less than {found[0]:.6g}"
 
-    return f"{OPERATORS[function]}: its left side is {side(arguments[0])}, its right side {side(arguments[1])}"
+    return f"{OPERATORS[function]}: its left side {side(left, left_is_less)}, and its right side {side(right, not left_is_less)}"
 
 
 def decided(function: object, arguments: tuple[object, ...]) -> bool | None:
