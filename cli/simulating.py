@@ -61,7 +61,10 @@ class SimulationTally:
     stuck: Counter[Failed] = field(default_factory=Counter)
     kept: list[ReportedRun] = field(default_factory=list)
     parts: dict[str, None] = field(default_factory=dict)
+    functions: dict[str, str] = field(default_factory=dict)
     wholes: Counter[str] = field(default_factory=Counter)
+    in_functions: Counter[str] = field(default_factory=Counter)
+    nanoseconds: int = 0
 
     def failed(self, how: Failed) -> None:
         """An attempt was rejected."""
@@ -101,7 +104,10 @@ def produce_simulations(source: Source, request: SimulationRequest, session: Ses
                 write(output, run)
                 tally.count += 1
                 tally.parts.update(dict.fromkeys(run.left.parts))
+                tally.functions.update(run.left.functions)
                 tally.wholes.update(run.left.wholes)
+                tally.in_functions.update(run.left.in_functions)
+                tally.nanoseconds += run.left.nanoseconds
                 if len(tally.kept) < (MOST if request.html is not None else 1 if request.gif is not None else 0):
                     tally.kept.append(run)
                 session.finished = told_so_far(tally.count, output)
@@ -241,6 +247,9 @@ MOST_LEFT = 5
 def left_to_machine(tally: SimulationTally) -> list[str]:
     """What was left to the machine, and why; errors of the program are told as such."""
     lines = [f"not compiled, so that the machine ran all of the behavior or monitor, more slowly: {reason}" for reason in tally.parts]
+    for function, reason in tally.functions.items():
+        share = tally.in_functions[function] / max(1, tally.nanoseconds)
+        lines.append(f"not compiled, so that the machine ran the function {function}, in {share:.0%} of the time: {reason}")
     lines += [f"the machine ran {counted(often, 'attempt')} from the beginning: {reason}" for reason, often in tally.wholes.most_common()]
     return lines[:MOST_LEFT] + ([f"... and {len(lines) - MOST_LEFT} more reasons"] if len(lines) > MOST_LEFT else [])
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from collections import Counter
 from collections.abc import Callable, Generator, Mapping
 from contextlib import AbstractContextManager
@@ -46,13 +47,19 @@ class SimulationJob(NamedTuple):
 
 
 class Uncompiled(NamedTuple):
-    """Why the machine ran what is not compiled, and how many attempts it ran as a whole, by reason."""
+    """Why the machine ran what is not compiled: behaviors and monitors, functions (by what they are), and how many attempts as a whole, by reason.
+
+    Also how long it ran which function, and how long all took, in nanoseconds of the processor.
+    """
 
     parts: tuple[str, ...]
+    functions: Mapping[str, str]
     wholes: Counter[str]
+    in_functions: Counter[str]
+    nanoseconds: int
 
 
-ALL_COMPILED = Uncompiled((), Counter())
+ALL_COMPILED = Uncompiled((), {}, Counter(), Counter(), 0)
 
 
 @dataclass(frozen=True)
@@ -114,13 +121,16 @@ def simulate_here(drawing: Drawing, job: SimulationJob, simulator: Simulator, te
 
     for index in range(job.start, job.stop):
         printed.clear()
-        before = library.wholes.copy()
+        wholes, before, begun = library.wholes.copy(), library.nanoseconds.copy(), time.thread_time_ns()
         try:
             run = drawing.scenario.simulate(
                 simulator, job.steps, job.seed, index, max_attempts=job.max_attempts, on_attempt=tell.attempt, on_failed=tell.failed,
                 witnessed=listening if drawing.prints else None, backend=job.backend,
             )  # fmt: skip
-            left = Uncompiled(tuple(library.left.values()), library.wholes - before)
+            left = Uncompiled(
+                tuple(library.left.values()), dict(library.functions_left), library.wholes - wholes, library.nanoseconds - before,
+                time.thread_time_ns() - begun,
+            )
             found = reported(run, job.wanted, tuple(printed), shown=index < job.begun + job.shown, left=left)
         except ScenicError as error:
             yield failed(error, printed)

@@ -6,7 +6,7 @@ from functools import cached_property
 from inspect import get_annotations
 from typing import Any, ClassVar, Self, TypeVar
 
-from ..semantics.space.vectors import TakesPoints
+from ..semantics.space.vectors import Unchanging
 
 HIDDEN = frozenset({
     "polygon", "by_id", "by_uid", "first", "_tree", "strips", "gaps", "nearest", "connecting", "of", "scenic_names", "left", "right", "middle",
@@ -19,7 +19,7 @@ HIDDEN = frozenset({
 F = TypeVar("F", bound="Fixed")
 
 
-class Fixed(TakesPoints):
+class Fixed(Unchanging):
     """An object whose attributes are given once; programs may ask for those that its class tells of, as annotations, properties and methods."""
 
     scenic_names: ClassVar[frozenset[str]] = frozenset()

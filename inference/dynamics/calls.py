@@ -6,6 +6,7 @@ not draw, nor change the scene.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -32,6 +33,7 @@ from ...semantics.syntax import statements as s
 from ...semantics.syntax.expressions import ObjectOrValue
 from ...semantics.syntax.nodes import Node
 from . import natives
+from .code import name_of
 from .equations import ACTION_TYPES, PLAIN, Equations, Raised
 from .leaving import LeftToMachine
 from .natives import KNOWN, SLOWLY, NativeMethod, attempted, is_known
@@ -61,8 +63,14 @@ class Calls(Equations):
     ) -> Any:
         """⟨f(E_1, ..., E_n), σ⟩ → v by the body of f, in a scope of its own; by the machine where that is not compiled, or calls are deep."""
         code = self.library.function(function)
-        bindings = None if code is None or self.calls >= MOST_CALLS else code.bindings(function, arguments, names, named)
-        if code is None or bindings is None:
+        if code is None:
+            begun = time.thread_time_ns()
+            try:
+                return self.concluded(scope, conclude_call, node, [function, *arguments, *named])
+            finally:
+                self.library.nanoseconds[name_of(function)] += time.thread_time_ns() - begun
+        bindings = None if self.calls >= MOST_CALLS else code.bindings(function, arguments, names, named)
+        if bindings is None:
             return self.concluded(scope, conclude_call, node, [function, *arguments, *named])
         self.turn(code.size)
         self.calls += 1

@@ -111,9 +111,15 @@ def scopes_of(scope: Scope) -> str:
     return OF_METHOD if scope.kind == "class" and scope.parent is not None and scope.parent.kind == "module" else ""
 
 
+def name_of(function: Function) -> str:
+    """A function in a report."""
+    return f"{function.name} (line {function.span.line})"
+
+
 class Library:
     """What is compiled of a program under its `readings`, and what is left to the machine, with the reason: coroutines (`left`), functions
-    (`functions_left`), whole simulations (`wholes`, with how many). It is not `usable` under readings that only the machine follows.
+    (`functions_left`, by what they are; in `nanoseconds` how long the machine ran them), whole simulations (`wholes`, with how many). It is not `usable`
+    under readings that only the machine follows.
     """
 
     def __init__(self, readings: Mapping[str, str]) -> None:
@@ -122,6 +128,7 @@ class Library:
         self.conditions: dict[ByIdentity, Callable[[Any, Scope], Any]] = {}
         self.functions: dict[int, tuple[object, FunctionCode | None]] = {}
         self.functions_left: dict[str, str] = {}
+        self.nanoseconds: Counter[str] = Counter()
         self.left: dict[ByIdentity, str] = {}
         self.wholes: Counter[str] = Counter()
         self.usable = readings["invariant-of-caller"] == "on-return"
@@ -179,7 +186,7 @@ class Library:
             key = FunctionKey(function.body, function.parameters, function.names)
             code = function_code(key, scopes_of(function.scope), tuple(sorted(self.readings.items())))
             if isinstance(code, Untranslated):
-                self.functions_left[f"{function.name} (line {function.span.line})"] = code.reason
+                self.functions_left[name_of(function)] = code.reason
                 code = None
             found = self.functions[id(function.body)] = function.body, code  # which is kept, so that nothing else gets its number
         return found[1]

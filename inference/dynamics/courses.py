@@ -10,7 +10,6 @@ from collections.abc import Callable, Generator, Iterator, Sequence
 from operator import is_
 from typing import Any
 
-from ...maps.fixed import Fixed
 from ...semantics.dynamics.actions import actions_of
 from ...semantics.dynamics.frames import BODY
 from ...semantics.dynamics.guards import scope_of
@@ -23,7 +22,7 @@ from ...semantics.kernel.simulation import flagged, has_passed, line_of, simulat
 from ...semantics.kernel.values import Dynamic, Instance, plain, unwrap
 from ...semantics.python.texts import stable_repr
 from ...semantics.space.distributions import Discrete
-from ...semantics.space.vectors import Vector
+from ...semantics.space.vectors import Unchanging, Vector
 from ...semantics.syntax import dynamics as d
 from ...semantics.syntax import statements as s
 from ...semantics.syntax.nodes import Node
@@ -90,7 +89,7 @@ FIXED = frozenset({float, int, bool, str, type(None), Vector, Instance})
 def is_fixed(value: object) -> bool:
     """Whether an argument is always told in the same words."""
     value = plain(value)
-    return type(value) in FIXED or isinstance(value, Fixed)
+    return type(value) in FIXED or isinstance(value, Unchanging)
 
 
 def given_to(behavior: Dynamic) -> Iterator[Any]:

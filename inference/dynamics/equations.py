@@ -256,7 +256,7 @@ class Equations:
 
     def equated(self, node: Node, equations: Sequence[Equation], operands: Sequence[Any]) -> Any:
         """The right-hand side of the equation for operands of these kinds; MISSING where that is for the machine to say."""
-        found = equation(node, equations, operands)
+        found = equation(node, equations, operands, self.state)
         if found is None:
             return MISSING
         reader = Reader(self.state)

@@ -13,9 +13,8 @@ from functools import cache, cached_property
 from types import BuiltinFunctionType, FunctionType, MethodType, NoneType
 from typing import Any, NamedTuple
 
-from ...maps.fixed import Fixed
-from ...maps.paths import Trajectory
 from ...semantics.kernel.allowed import may_ask
+from ...semantics.kernel.config import State
 from ...semantics.kernel.errors import OutOfTime, RunError
 from ...semantics.kernel.kinds import is_object, is_oriented
 from ...semantics.kernel.queries import Clock
@@ -29,7 +28,7 @@ from ...semantics.scenes.operations import select
 from ...semantics.scenes.operators import Equation
 from ...semantics.space.fields import VectorField
 from ...semantics.space.regions import Region
-from ...semantics.space.vectors import Vector
+from ...semantics.space.vectors import Unchanging, Vector
 from ...semantics.syntax.nodes import Node
 from ...simulators.worlds.driving.arguments import check_arguments
 
@@ -43,7 +42,7 @@ QUANTIFIERS = (any, all)
 
 def is_known(value: object) -> bool:
     """Whether a value is one that host code gives as it is, whatever is in it."""
-    return type(value) in KNOWN or isinstance(value, (Fixed, Region)) or type(value) is tuple
+    return type(value) in KNOWN or isinstance(value, (Unchanging, Region)) or type(value) is tuple
 
 
 class NativeMethod(NamedTuple):
@@ -56,7 +55,7 @@ class NativeMethod(NamedTuple):
 # Operators
 
 
-def equation(node: Node, equations: Sequence[Equation], operands: Sequence[object]) -> Equation | None:
+def equation(node: Node, equations: Sequence[Equation], operands: Sequence[object], state: State) -> Equation | None:
     """The equation for operands of the kinds that these have; None where their types do not tell these kinds."""
     kinds: list[object] = []
     for operand in operands:
@@ -71,7 +70,7 @@ def equation(node: Node, equations: Sequence[Equation], operands: Sequence[objec
     found = EQUATIONS.get(key, MISSING)
     if found is MISSING:
         try:
-            found = select(node, equations, list(operands))
+            found = select(node, equations, list(operands), state)
         except RunError:
             found = None
         EQUATIONS[key] = found = None if found is None or found.needs_self else found  # type: ignore[union-attr]
@@ -106,7 +105,7 @@ def is_open(class_: type, name: str) -> bool:
 
 def attribute(subject: object, name: str) -> Any:
     """An attribute of a lane or another thing of a map."""
-    if not isinstance(subject, Fixed) or not is_open(type(subject), name):
+    if not isinstance(subject, Unchanging) or not is_open(type(subject), name):
         return SLOWLY
     try:
         found = getattr(subject, name)
@@ -125,9 +124,9 @@ def given(value: object, objects: Mapping[int, Mapping[str, object]]) -> Any:
     if type(value) is Instance:
         value = objects[value.number].get("position")
         return value if type(value) is Vector else SLOWLY
-    if type(value) in KNOWN or isinstance(value, (Fixed, Region)):
+    if type(value) in KNOWN or isinstance(value, (Unchanging, Region)):
         return value
-    if type(value) in (list, tuple) and all(type(v) is Vector or isinstance(v, (Fixed, Region)) for v in value):  # type: ignore[attr-defined]
+    if type(value) in (list, tuple) and all(type(v) is Vector or isinstance(v, (Unchanging, Region)) for v in value):  # type: ignore[attr-defined]
         return value
     return SLOWLY
 
@@ -136,7 +135,7 @@ def call(function: Any, arguments: tuple[Any, ...], named: Mapping[str, Any], ob
     """The value of a call of host code; it is random if one of the arguments is."""
     kind = type(function)
     if kind is MethodType:
-        if not isinstance(function.__self__, Fixed):
+        if not isinstance(function.__self__, Unchanging):
             return SLOWLY
         if not named and KNOWN.issuperset(map(type, arguments)):
             return attempted(function, arguments, named)
@@ -148,7 +147,7 @@ def call(function: Any, arguments: tuple[Any, ...], named: Mapping[str, Any], ob
             return quick(function, arguments)
     elif kind is Clock:
         return SLOWLY if arguments or named else function
-    elif function is not Trajectory and function is not check_arguments and function is not ISINSTANCE:
+    elif function is not check_arguments and function is not ISINSTANCE and not (kind is type and issubclass(function, Unchanging)):
         return SLOWLY
     every = (*arguments, *named.values())
     origin = next((a.origin for a in every if type(a) is Random), None)
@@ -165,7 +164,7 @@ def known_call(function: Any, arguments: tuple[Any, ...], named: Mapping[str, An
     if function is ISINSTANCE:
         return SLOWLY if named else is_instance(arguments)
     if function is check_arguments:
-        known = not named and all(type(a) in KNOWN or type(a) is Instance or isinstance(a, Fixed) for a in arguments)
+        known = not named and all(type(a) in KNOWN or type(a) is Instance or isinstance(a, Unchanging) for a in arguments)
         return attempted(function, arguments, named) if known else SLOWLY
     taken = [given(a, objects) for a in arguments]
     by_name = {name: given(a, objects) for name, a in named.items()}

@@ -78,6 +78,12 @@ class TakesPoints:
     __slots__ = ()
 
 
+class Unchanging(TakesPoints):
+    """A value of a library that stays what it is, and whose methods change nothing: compiled code asks and calls it by itself."""
+
+    __slots__ = ()
+
+
 class TakesObjects:
     """A value of a library whose methods are given objects with their properties."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 PROGRAM = """
 behavior B():
@@ -126,10 +127,13 @@ def test_only_a_file_of_the_same_simulations_is_resumed(ask, tmp_path):
 
 def test_backends_give_the_same_file_and_what_is_left_to_the_machine_is_told(ask, tmp_path):
     (tmp_path / "p.scenic").write_text(PROGRAM)
-    (tmp_path / "odd.scenic").write_text("behavior B:\n    for a, b in [(1, 2)]:\n        take a\nego = Object with behavior B\n")
+    odd = "def f(n):\n    param y = n\n    return n\nbehavior B:\n    param x = 1\n    take 1\nbehavior C:\n    take f(1)\n    take f(2)\n"
+    (tmp_path / "odd.scenic").write_text(odd + "ego = Object with behavior B\nother = Object at (3, 3), with behavior C\n")
     for name in ("p", "odd"):
         found = [ask("simulate", f"{name}.scenic", "-n", "3", "-o", "-", "--backend", backend) for backend in ("compiled", "interpreter")]
         assert found[0].out == found[1].out
-        assert ("the machine ran all of the behavior or monitor, more slowly: this loop variable on line 2" in found[0].err) is (name == "odd")
+        assert ("the machine ran all of the behavior or monitor, more slowly: `param` on line 5" in found[0].err) is (name == "odd")
+        told = re.search(r"the machine ran the function f \(line 1\), in \d+% of the time: `param` on line 2", found[0].err)
+        assert bool(told) is (name == "odd")
         assert "the machine ran" not in found[1].err
     assert ask("simulate", "p.scenic", "--backend", "fast").code == 2

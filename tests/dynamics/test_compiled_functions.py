@@ -127,9 +127,11 @@ def test_a_wrong_translation_is_found_out(name: str, monkeypatch: pytest.MonkeyP
 
 
 def test_functions_with_something_untranslated_are_left_to_the_machine() -> None:
-    scenario = scenic_ref.loads(taking("f(3)", "def f(n):\n    n = n + 1\n    mutate ego by n\n    return n"))
+    scenario = scenic_ref.loads(taking("f(3)", "def f(n):\n    n = n + 1\n    param x = n\n    return n"))
     assert not list(differences(scenario, range(1), steps=3))
-    assert scenario.compiled.functions_left == {"f (line 1)": "`mutate` on line 3"} or scenario.compiled.wholes
+    assert scenario.compiled.functions_left == {"f (line 1)": "`param` on line 3"}
+    assert scenario.compiled.nanoseconds["f (line 1)"] > 0
+    assert not scenario.compiled.wholes
 
 
 def test_deep_calls_are_the_machines(monkeypatch: pytest.MonkeyPatch) -> None:
