@@ -6,6 +6,8 @@ import hashlib
 import os
 import sys
 import tempfile
+import time
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -14,6 +16,21 @@ from .regular_file import read_regular_file
 DIGEST = hashlib.blake2b().digest_size
 """Bytes at the beginning of a kept file that tell whether the others are as they were written."""
 PART = ".part"
+SKEW = 60.0
+"""Seconds by which clocks differ; what was used later than that was used by a wrong clock, and goes first."""
+
+
+def digest_of_code(folders: Sequence[str], versions: str) -> bytes:
+    """A digest of the modules below some folders of the package, and of the versions of what they use; empty if it cannot be told."""
+    package = Path(__file__).parents[1]
+    found = hashlib.blake2b(versions.encode())
+    try:
+        sources = sorted(file for folder in folders for file in (package / folder).rglob("*.py") if not file.name.startswith("."))
+        for file in sources:
+            found.update(file.read_bytes())
+    except OSError:
+        return b""
+    return found.digest() if sources else b""
 
 
 def cache_place() -> Path:
@@ -62,3 +79,20 @@ def write_kept(place: Path, data: bytes | memoryview) -> bool:
             with suppress(OSError):
                 os.unlink(temporary)
     return True
+
+
+def forget(folder: Path, ending: str, most: int, most_bytes: int) -> None:
+    """Delete the files with an ending that were not used for longest, until no more is kept than is wanted."""
+    found, size = list[tuple[float, int, str]](), 0
+    for entry in os.scandir(folder):
+        if entry.name.endswith((ending, PART)):
+            with suppress(OSError):  # another process has deleted it
+                known = entry.stat(follow_symlinks=False)
+                used = known.st_mtime if known.st_mtime < time.time() + SKEW else 0.0
+                found.append((used, known.st_size, entry.path))
+    for number, (_, bytes_of_it, path) in enumerate(sorted(found, reverse=True)):
+        if number < most and size + bytes_of_it <= most_bytes:
+            size += bytes_of_it
+            continue
+        with suppress(OSError):
+            os.unlink(path)

@@ -11,7 +11,6 @@ import io
 import os
 import struct
 import sys
-import time
 import zipfile
 import zlib
 from collections.abc import Mapping, Sequence
@@ -24,7 +23,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
-from ..interpreter.caches import PART, cache_folder, read_kept, write_kept
+from ..interpreter.caches import cache_folder, digest_of_code, forget, read_kept, write_kept
 from ..semantics.space.fields import Cell
 
 Arrays: TypeAlias = Mapping[str, NDArray[Any]]
@@ -32,8 +31,6 @@ SMALLEST = 1 << 16
 """Bytes of a map from which on something is kept of it; smaller ones are read as quickly."""
 MOST, MOST_BYTES = 64, 1 << 29
 """Files that are kept, two of each map, and their size; those that were not used for longest go first."""
-SKEW = 60.0
-"""Seconds by which clocks differ; what was used later than that was used by a wrong clock, and goes first."""
 FAULTS = (
     ValueError, LookupError, TypeError, AttributeError, EOFError, RuntimeError, MemoryError, zlib.error, zipfile.BadZipFile,
     shapely.errors.ShapelyError,
@@ -44,15 +41,7 @@ ENDING = ".map"
 
 def code_there() -> bytes:
     """All code that what is made of a map may depend on, and the libraries that calculate; empty if it cannot be told."""
-    package = Path(__file__).parents[1]
-    found = hashlib.blake2b(f"{sys.version} {np.__version__} {shapely.__version__} {shapely.geos_version_string}".encode())
-    try:
-        sources = sorted(file for folder in ("maps", "semantics") for file in (package / folder).rglob("*.py") if not file.name.startswith("."))
-        for file in sources:
-            found.update(file.read_bytes())
-    except OSError:
-        return b""
-    return found.digest() if sources else b""
+    return digest_of_code(("maps", "semantics"), f"{sys.version} {np.__version__} {shapely.__version__} {shapely.geos_version_string}")
 
 
 CODE = code_there()
@@ -91,24 +80,7 @@ def keep(place: Path, arrays: Arrays) -> None:
     buffer = io.BytesIO()
     np.savez(buffer, **arrays)  # type: ignore[arg-type]  # none is named allow_pickle
     if write_kept(place, buffer.getbuffer()):
-        forget(place.parent)
-
-
-def forget(folder: Path) -> None:
-    """Delete what was not used for longest, until no more is kept than is wanted."""
-    found, size = list[tuple[float, int, str]](), 0
-    for entry in os.scandir(folder):
-        if entry.name.endswith((ENDING, PART)):
-            with suppress(OSError):  # another process has deleted it
-                known = entry.stat(follow_symlinks=False)
-                used = known.st_mtime if known.st_mtime < time.time() + SKEW else 0.0
-                found.append((used, known.st_size, entry.path))
-    for number, (_, bytes_of_it, path) in enumerate(sorted(found, reverse=True)):
-        if number < MOST and size + bytes_of_it <= MOST_BYTES:
-            size += bytes_of_it
-            continue
-        with suppress(OSError):
-            os.unlink(path)
+        forget(place.parent, ENDING, MOST, MOST_BYTES)
 
 
 # Shapes

@@ -51,7 +51,7 @@ ONLY_IN = {
     "arviz": {"formats/chains.py"}, "pyro": {"inference/with_pyro.py"},
     "pyproj": {"formats/geodata.py"}, "shapefile": {"formats/geodata.py"},
     "torch": {"inference/with_pyro.py", *(f"inference/batch/tensors/{name}.py" for name in TENSORS)},
-    "numba": {"inference/batch/compile/kernels.py"}, "llvmlite": {"inference/batch/compile/kernels.py"},
+    **{name: {"inference/batch/compile/kernels.py", "inference/batch/compile/code_cache.py"} for name in ("numba", "llvmlite")},
 }
 
 SEAM = {"space/crowds.py", "space/symbols.py", "space/numeric.py", "kernel/allowed.py", "kernel/kinds.py", "kernel/values.py"}

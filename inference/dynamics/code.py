@@ -118,8 +118,9 @@ def name_of(function: Function) -> str:
 
 class Library:
     """What is compiled of a program under its `readings`, and what is left to the machine, with the reason: coroutines (`left`), functions
-    (`functions_left`, by what they are; in `nanoseconds` how long the machine ran them), whole simulations (`wholes`, with how many). It is not `usable`
-    under readings that only the machine follows.
+    (`functions_left`, by what they are; in `nanoseconds` how long the machine ran them), whole simulations (`wholes`, with how many).
+
+    It is not `usable` under readings that only the machine follows.
     """
 
     def __init__(self, readings: Mapping[str, str]) -> None:

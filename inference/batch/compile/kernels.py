@@ -6,41 +6,58 @@ interpreter.
 
 from __future__ import annotations
 
-import ctypes
+import hashlib
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+import llvmlite.binding
 import numba
 import numpy as np
 from llvmlite import ir
+from numba import types
 from numba.core import cgutils
 from numba.extending import get_cython_function_address, intrinsic
 
 from ....interpreter.streams import MULTIPLIER_0, MULTIPLIER_1, ROUNDS, UNIT, UNUSED_BITS, WEYL_0, WEYL_1
 from ..evaluate.polygons import INSIDE, OUTSIDE, TIE, UNSURE, Grid
+from .code_cache import keep_code
 
 _M0, _M1 = np.uint64(MULTIPLIER_0), np.uint64(MULTIPLIER_1)
 _W0, _W1 = np.uint64(WEYL_0), np.uint64(WEYL_1)
 _ZERO, _UNUSED = np.uint64(0), np.uint64(UNUSED_BITS)
 
 
-def compile_(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The function compiled: IEEE arithmetic as it stands, division as in NumPy, other threads run on."""
-    return numba.njit(nogil=True, error_model="numpy")(function)
+def compile_(function: Callable[..., Any], text: str = "") -> Callable[..., Any]:
+    """The function compiled: IEEE arithmetic as it stands, division as in NumPy, other threads run on.
+
+    Machine code is kept under the `text` that the function was made from; one of a module, under its name.
+    """
+    return keep_code(numba.njit(nogil=True, error_model="numpy")(function), text or f"{function.__module__}.{function.__qualname__}")
 
 
 def from_libm(name: str, arguments: int) -> Callable[..., float]:
     """A function of the C library, the one that Python's `math` calls."""
-    function = getattr(ctypes.CDLL(None), name)
-    function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double] * arguments
-    return function
+    return types.ExternalFunction(name, types.float64(*[types.float64] * arguments))
 
 
 def from_scipy(name: str) -> Callable[..., float]:
     """A function of one number of scipy.special, the one behind its ufunc."""
-    kind = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_double)
-    return kind(get_cython_function_address("scipy.special.cython_special", name))
+    symbol = f"scenic_ref_{name}"
+    llvmlite.binding.add_symbol(symbol, get_cython_function_address("scipy.special.cython_special", name))
+    return types.ExternalFunction(symbol, types.float64(types.float64))
+
+
+def made(source: str, name: str, names: Mapping[str, object], callees: Sequence[str] = ()) -> Callable[..., Any]:
+    """The function of that name which a text defines, compiled; `callees` are the texts of what it calls that is not in a module.
+
+    Its own name tells its text, since the names of compiled functions that are called alike must not meet.
+    """
+    text = "\n".join([source, *callees])
+    own = f"{name}_{hashlib.blake2b(text.encode(), digest_size=8).hexdigest()}"
+    space: dict[str, Any] = {**names, "__name__": __name__}
+    exec(source.replace(f"def {name}(", f"def {own}(", 1), space)  # our own text
+    return compile_(space[own], text)
 
 
 def _high(context: Any, a: Any, b: Any) -> Any:

@@ -61,16 +61,17 @@ INFIX = {
 PREFIX = {
     np.negative: "-", np.positive: "+", np.logical_not: "not ", np.absolute: "abs", np.sqrt: "math.sqrt", np.sin: "math.sin", np.cos: "math.cos",
 }
-LIBRARY = {"hypot": 2, "atan2": 2, "exp": 1, "expm1": 1, "log": 1, "log1p": 1}
+LIBRARY = {"hypot": 2, "atan2": 2, "fmod": 2, "exp": 1, "expm1": 1, "log": 1, "log1p": 1}
 SPECIAL = {"ndtri": "ndtri", "ndtri_exp": "ndtri_exp", "log_ndtr": "__pyx_fuse_1log_ndtr"}
 
 
 class Writer:
-    """The source of an evaluator, and what its names stand for."""
+    """The source of an evaluator, and what its names stand for; the texts of what it calls that is made of a graph as well (`callees`)."""
 
     def __init__(self) -> None:
         self.lines: list[str] = []
         self.names: dict[str, object] = {"math": math, "np": np, "philox": kernels.philox, "bisect_right": kernels.bisect_right}
+        self.callees: list[str] = []
         self.arrays: dict[str, np.ndarray] = {}
         self.blocks: dict[tuple[object, ...], str] = {}
         self.macros: dict[object, str] = {}
@@ -168,8 +169,9 @@ class Writer:
     def macro(self, macro: Macro) -> str:
         """The name of a compiled macro: its function traced on symbols of its own."""
         if macro not in self.macros:
-            self.macros[macro] = f"m{len(self.macros)}"
-            self.names[self.macros[macro]] = compiled_macro(macro)
+            name = self.macros[macro] = f"m{len(self.macros)}"
+            self.names[name], text = compiled_macro(macro)
+            self.callees.append(f"{name}: {text}")
         return self.macros[macro]
 
     def crowd(self, name: str, operands: Sequence[str], closed: bool) -> None:
@@ -348,13 +350,11 @@ def compile_stage(stage: Stage) -> tuple[Callable[..., tuple[int, int]], tuple[n
         "    for j in range(len(live)):",
     ]
     source = "\n".join([*head, *writer.lines, "    return runs, len(live)"])
-    space: dict[str, Any] = dict(writer.names)
-    exec(source, space)  # our own text
-    return kernels.compile_(space["evaluator"]), tuple(writer.arrays.values()), events  # type: ignore[return-value]
+    return kernels.made(source, "evaluator", writer.names, writer.callees), tuple(writer.arrays.values()), events
 
 
-def compiled_macro(macro: Macro, margin: Callable[[Writer, object], str] | None = None) -> Callable[..., object]:
-    """A macro's function, compiled: its graph written as code. `margin` may write something else of its result."""
+def compiled_macro(macro: Macro, margin: Callable[[Writer, object], str] | None = None) -> tuple[Callable[..., object], str]:
+    """A macro's function, compiled, and its text: its graph written as code. `margin` may write something else of its result."""
     try:
         graph = graph_of(macro)
     except NotLifted as reason:
@@ -368,9 +368,7 @@ def compiled_macro(macro: Macro, margin: Callable[[Writer, object], str] | None 
     returned = writer.operand(graph.result) if margin is None else margin(writer, graph.result)
     arguments = ", ".join(f"v{node.number}" for node in graph.arguments)
     source = "\n".join([f"def function({arguments}):", *writer.lines, f"    return {returned}"])
-    space: dict[str, Any] = dict(writer.names)
-    exec(source, space)  # our own text
-    return kernels.compile_(space["function"])
+    return kernels.made(source, "function", writer.names, writer.callees), "\n".join([source, *writer.callees])
 
 
 __all__ = ["ACCEPTED", "EXHAUSTED", "LEFT", "PENDING", "NotCompiled", "compile_stage"]

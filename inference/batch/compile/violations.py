@@ -6,7 +6,6 @@ It is that of `evaluate.margins`, up to rounding; which states are accepted is t
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
@@ -92,7 +91,8 @@ def margin(writer: Writer, node: object) -> str:
         return f"({first} if {writer.operand(condition)} else {second})"
     if isinstance(function, Macro):
         name = f"{writer.macro(function)}_margin"
-        writer.names[name] = compiled_macro(function, margin)
+        writer.names[name], text = compiled_macro(function, margin)
+        writer.callees.append(f"{name}: {text}")
         return f"{name}({', '.join(map(writer.operand, arguments))})"
     if isinstance(function, RowCall) and function.function in IN_POLYGON and isinstance(function.structure[0], PolygonalRegion):
         region, *rest = function.structure
@@ -126,9 +126,7 @@ def compile_violations(
         "        total = 0.0",
         "        while True:",
     ]
-    space: dict[str, Any] = dict(writer.names)
-    exec("\n".join([*head, *writer.lines]), space)  # our own text
-    compiled = kernels.compile_(space["violations"])
+    compiled = kernels.made("\n".join([*head, *writer.lines]), "violations", writer.names, writer.callees)
     arrays = tuple(writer.arrays.values())
 
     def violations(uniforms: np.ndarray, words: np.ndarray, most: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
