@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter, deque
 from collections.abc import Callable, Collection, Iterator, Mapping
+from enum import Enum
 from types import BuiltinFunctionType, MethodType, NoneType
 from typing import Any
 
@@ -78,6 +79,8 @@ def resample_constant(node: Node, subject: object, stack: Stack, state: State) -
 
 def may_be_a_point_mass(value: object) -> bool:
     """Return whether a value that is not random is one that cannot change: no instance, no container but a tuple or frozen set of such values."""
+    if is_user_made(value) and not isinstance(value, (type, Enum)) and hasattr(value, "__dict__"):
+        return False
     is_fixed = isinstance(value, (tuple, FrozenSet))
     return all(map(may_be_a_point_mass, value)) if is_fixed else not isinstance(value, (Instance, Iterator, *HOLDING))  # type: ignore[arg-type]
 
