@@ -189,7 +189,7 @@ class StatementBuilder(BuilderBase):
         for node in nodes_of_scope(statements):
             if node.span in self.annotations:
                 raise self.no_property(self.annotations[node.span])
-            words = {word for target in getattr(node, "targets", ()) for word in attributes_in(target) or ()} if isinstance(node, Assignment) else set()
+            words = {word for target in node.targets for word in attributes_in(target) or ()} if isinstance(node, Assignment) else set()
             if self.dialect.released and words and words <= set(ATTRIBUTES) - own:
                 raise ParseError("the default of a property stands behind `:`, not `=`", node.span, hint="write `name[dynamic]: default`")
         return ClassDefinition(span=span, name=self.identifier(name), superclasses=tuple(superclasses or ()), properties=properties, body=statements)

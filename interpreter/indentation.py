@@ -66,8 +66,8 @@ def _with_commas(stream: Iterator[Token]) -> Iterator[Token]:
     """The tokens of `stream`, with the commas before specifiers that are none made plain ones.
 
     A comma before `visible` alone, or before `facing(` and the like, is a specifier's where one of the same object stands before it: in
-    `(1, visible)` it is a variable, in `(a, facing(b))` a function. The parameters of a lambda and its colon begin no new element. Outside of brackets a comma ends its line if the next one is not indented,
-    whatever word that begins with.
+    `(1, visible)` it is a variable, in `(a, facing(b))` a function. The parameters of a lambda and its colon begin no new element. Outside
+    of brackets a comma ends its line if the next one is not indented, whatever word that begins with.
     """
     specified = [False]  # of each bracket that is open, whether a specifier stands in its present element
     lambdas = [0]  # and how many lambdas there have not come to their colons

@@ -45,7 +45,8 @@ def test_the_widths_are_those_of_the_dialect(dialect: str, widths: list[float]) 
 
 
 @pytest.mark.parametrize(
-    "value", ["lambda x: x", "lambda: 3", "lambda x, y=3: x + y", "lambda x: lambda y: x", "lambda x: {1: x}[1]", "{1: 2}", "xs[1:2]", "(lambda x: x)"]
+    "value",
+    ["lambda x: x", "lambda: 3", "lambda x, y=3: x + y", "lambda x: lambda y: x", "lambda x: {1: x}[1]", "{1: 2}", "xs[1:2]", "(lambda x: x)"],
 )
 @pytest.mark.parametrize("rest", ["visible", "facing(3)"])
 @pytest.mark.parametrize("text", ["o = Object with f {}, {}", "o = [Object with f {}, {}]", "o = f(Object with f {}, {})"])
