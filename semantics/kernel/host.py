@@ -11,6 +11,7 @@ draw is refused, never lost.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -244,6 +245,17 @@ def host(door: Door, state: State, operation: Callable[..., object], *arguments:
     if type(result) not in PLAIN:
         result = settled(result, state)
     return wrap(result, origin or door.origin)
+
+
+@contextmanager
+def decided_by(origin: Origin | None, state: State) -> Iterator[None]:
+    """What functions of the program are called with meanwhile depends on the draw, if there is one: they may not change what existed before."""
+    versions = state.settings.door.budget.versions
+    before, versions.given = versions.given, None if state.may_branch else origin
+    try:
+        yield
+    finally:
+        versions.given = before
 
 
 def in_list(argument: object) -> object:

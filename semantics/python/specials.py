@@ -13,7 +13,7 @@ from ..kernel.conditions import random_branch
 from ..kernel.config import Stack, State, value
 from ..kernel.draws import ask
 from ..kernel.errors import RunError
-from ..kernel.host import HostException, host, raw
+from ..kernel.host import HostException, decided_by, host, raw
 from ..kernel.kinds import kind_name
 from ..kernel.nesting import check_written
 from ..kernel.outcome import Change, Outcome
@@ -218,7 +218,8 @@ def _named(node: Node, arguments: Arguments, state: State) -> tuple[object, Orig
     origin = next((v.origin for v in (subject, name) if type(v) is Random), None)
     access = p.Attribute(value=p.Constant(value=None), name=str(plain(name)), span=node.span)
     try:
-        return get_attribute(plain(subject), access, state), origin
+        with decided_by(origin, state):
+            return get_attribute(plain(subject), access, state), origin
     except HostException as problem:
         if len(arguments) == 3 and isinstance(problem.exception, AttributeError):
             return MISSING, origin

@@ -336,8 +336,10 @@ def draw_point(form: sp.Form, operands: list[object], region: Region, stack: Sta
 def resume_placing(frame: Placing, point: Vector, stack: Stack, state: State) -> Outcome:
     """The equation once its point x is drawn."""
     form, operands, origin = frame
+    reader = Reader(state)
+    reader.origin = origin
     try:
-        at = compute(form.function, (*operands, point), Reader(state))
+        at = compute(form.function, (*operands, point), reader)
     except OutsideField as problem:
         return outside_field(form.rule, problem, {"position": point, "heading": 0.0}, origin, stack, state)
     properties = properties_of(at, form, origin)

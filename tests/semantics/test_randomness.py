@@ -297,7 +297,7 @@ OPERATION, NO_DRAW = "resample needs one of the built-in distributions", "resamp
         ("collections.deque([Range(0, 1)])", OPERATION), ("{1: Range(0, 1)}.values()", OPERATION), ("ValueError(Range(0, 1))", OPERATION),
         ("Drawn()", OPERATION), ("B(Range(0, 1))", OPERATION), ("CircularRegion(0 @ 0, Range(1, 2))", OPERATION),
         ("ego", NO_DRAW), ("Point at 1 @ 2", NO_DRAW), ("OrientedPoint at 1 @ 2", NO_DRAW), ("(ego, 1)", NO_DRAW), ("(1, [2])", NO_DRAW),
-        ("[1]", NO_DRAW), ("collections.deque([1])", NO_DRAW), ("{1: 2}.values()", NO_DRAW), ("(i for i in [1])", NO_DRAW),
+        ("Fixed()", NO_DRAW), ("(1, Fixed())", NO_DRAW), ("[1]", NO_DRAW), ("collections.deque([1])", NO_DRAW), ("{1: 2}.values()", NO_DRAW), ("(i for i in [1])", NO_DRAW),
     ],
 )  # fmt: skip
 def test_resample_refuses_what_no_distribution_gave(value: str, message: str) -> None:
@@ -308,7 +308,7 @@ def test_resample_refuses_what_no_distribution_gave(value: str, message: str) ->
     assert (raised.value.rule, raised.value.span.line) == ("E-Resample", 10)
 
 
-@pytest.mark.parametrize("value", ["3", "'a'", "None", "(1, 2)", "(1, ('a', frozenset([2])))", "P(1, 2)", "1 @ 2", "B(1)", "Fixed()", "everywhere"])
+@pytest.mark.parametrize("value", ["3", "'a'", "None", "(1, 2)", "(1, ('a', frozenset([2])))", "P(1, 2)", "1 @ 2", "B(1)", "everywhere"])
 def test_resample_of_a_value_that_cannot_vary_is_that_value(value: str) -> None:
     assert result_of(f"{RESAMPLED}v = {value}\nparam r = resample(v) == v\n") is True
 
@@ -338,6 +338,14 @@ LOSSES = {
     "sorted": "seen = []\nsorted(u, key=lambda v: seen.append(v) or 1)",
     "reduce": "import functools\nseen = []\nfunctools.reduce(lambda a, b: seen.append(b) or b, [x, 1])",
     "a comparison": "import functools\nn = []\nsorted([x, 1, 0], key=functools.cmp_to_key(lambda a, b: n.append(1) or a - b))",
+    "an index": "class A(object):\n    def __getitem__(self, i):\n        self.v = i\nA()[x]",
+    "an operator": "class A(object):\n    def __add__(self, o):\n        self.v = o\nA() + x",
+    "a property": "class A(object):\n    @property\n    def p(self):\n        self.v = 1\nUniform(A(), A()).p",
+    "the truth of a choice": "class A(object):\n    def __bool__(self):\n        self.v = 1\n        return True\nnot Uniform(A(), A())",
+    "the orientation of a region": (
+        "seen = []\nF = VectorField('F', lambda p: (seen.append(p.x), 0)[1])\n"
+        "o = Object on PolygonalRegion([(5, 5), (15, 5), (15, 15)], orientation=F)"
+    ),
     "a vector field": "seen = []\nF = VectorField('F', lambda p: (seen.append(p.x), 0)[1])\ny = F at (x, 0)",
 }  # fmt: skip
 
