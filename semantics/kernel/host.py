@@ -11,6 +11,7 @@ draw is refused, never lost.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Generator as Yielding
 from contextlib import contextmanager
 from typing import Any
 
@@ -74,7 +75,7 @@ class DoorStuck(Exception):
 class Door:
     """The one way in: `call` runs a function of the program to its value in the state of the surrounding host call."""
 
-    __slots__ = ("budget", "called", "calls", "enter", "expand", "in_turn", "lift", "operands", "origin", "state", "through")
+    __slots__ = ("budget", "called", "calls", "enter", "expand", "in_turn", "lift", "operands", "origin", "reached", "state", "through")
 
     def __init__(
         self, enter: Callable[[Function, tuple[object, ...], Mapping[str, object], State], Config], expand: Callable[[NeedsElements, Config], Next]
@@ -92,6 +93,8 @@ class Door:
         self.operands: tuple[object, ...] = ()
         """What the surrounding host call may be looking through, and the numbers of the containers in it, once they were asked for (`through`)."""
         self.through: tuple[object, frozenset[int]] = ((), frozenset())
+        self.reached: tuple[object, dict[int, object]] = ((), {})
+        """The same for what functions of the program reach that are called with drawn values: as long as they change none of it, it stays as it is."""
 
     def call(self, function: Function, arguments: tuple[object, ...], keywords: Mapping[str, object]) -> object:
         """The value of `function(*arguments, **keywords)`, with nothing random left in it (its origin is kept)."""
@@ -110,7 +113,7 @@ class Door:
 
     def answer(self, function: Function, arguments: tuple[object, ...], keywords: Mapping[str, object], state: State) -> object:
         """The value of a call in a state."""
-        outer, self.called = self.origin, True
+        outer, operands, self.called = self.origin, self.operands, True
         versions = self.budget.versions
         versions.note(Slot(self, "calls", self.calls))
         self.calls = number = self.calls + 1
@@ -127,8 +130,10 @@ class Door:
                     config = self.run(function, self.expand(NeedsElements(value), Config(PASS, (), config.state)).config, state.settings.machine)
                 check_unchanged(function, begun, config.state)
                 if decided is not None and (changed := changed_since(begun.version, scopes or {}, self)):
-                    roots = (function, arguments, keywords, self.operands, begun.objects, begun.params, begun.modules)
-                    if is_reached(changed, roots, self.budget):
+                    if self.reached[0] is not operands:
+                        self.reached = operands, {}
+                    roots = (function, arguments, keywords, operands, begun.objects, begun.params, begun.modules)
+                    if is_reached(changed, roots, self.reached[1], self.budget):
                         raise lost_change(function.name)
                 result, origin = unwrap(value)
                 if any(i.number >= begun.made for i in instances_in(result)):
@@ -248,7 +253,7 @@ def host(door: Door, state: State, operation: Callable[..., object], *arguments:
 
 
 @contextmanager
-def decided_by(origin: Origin | None, state: State) -> Iterator[None]:
+def decided_by(origin: Origin | None, state: State) -> Yielding[None]:
     """What functions of the program are called with meanwhile depends on the draw, if there is one: they may not change what existed before."""
     versions = state.settings.door.budget.versions
     before, versions.given = versions.given, None if state.may_branch else origin

@@ -44,11 +44,12 @@ def changed_since(version: Version, local: Collection[int], door: object) -> lis
     return [subject for subject in changed if id(subject) not in local]
 
 
-def is_reached(changed: Iterable[object], roots: Iterable[object], budget: Budget) -> bool:
-    """Return whether one of the things that changed is reached from the roots."""
+def is_reached(changed: Iterable[object], roots: Iterable[object], seen: dict[int, object], budget: Budget) -> bool:
+    """Return whether one of the things that changed is reached from the roots, or is among those `seen`, by number, which grows by what is reached."""
     numbers = {id(subject) for subject in changed}
-    seen: dict[int, object] = {}
     level: list[Any] = list(roots)
+    if not numbers.isdisjoint(seen):
+        return True
     while level:
         if any(id(one) in numbers for one in level):
             return True

@@ -297,7 +297,8 @@ OPERATION, NO_DRAW = "resample needs one of the built-in distributions", "resamp
         ("collections.deque([Range(0, 1)])", OPERATION), ("{1: Range(0, 1)}.values()", OPERATION), ("ValueError(Range(0, 1))", OPERATION),
         ("Drawn()", OPERATION), ("B(Range(0, 1))", OPERATION), ("CircularRegion(0 @ 0, Range(1, 2))", OPERATION),
         ("ego", NO_DRAW), ("Point at 1 @ 2", NO_DRAW), ("OrientedPoint at 1 @ 2", NO_DRAW), ("(ego, 1)", NO_DRAW), ("(1, [2])", NO_DRAW),
-        ("Fixed()", NO_DRAW), ("(1, Fixed())", NO_DRAW), ("[1]", NO_DRAW), ("collections.deque([1])", NO_DRAW), ("{1: 2}.values()", NO_DRAW), ("(i for i in [1])", NO_DRAW),
+        ("Fixed()", NO_DRAW), ("(1, Fixed())", NO_DRAW), ("[1]", NO_DRAW), ("collections.deque([1])", NO_DRAW),
+        ("{1: 2}.values()", NO_DRAW), ("(i for i in [1])", NO_DRAW),
     ],
 )  # fmt: skip
 def test_resample_refuses_what_no_distribution_gave(value: str, message: str) -> None:
@@ -340,7 +341,7 @@ LOSSES = {
     "a comparison": "import functools\nn = []\nsorted([x, 1, 0], key=functools.cmp_to_key(lambda a, b: n.append(1) or a - b))",
     "an index": "class A(object):\n    def __getitem__(self, i):\n        self.v = i\nA()[x]",
     "an operator": "class A(object):\n    def __add__(self, o):\n        self.v = o\nA() + x",
-    "a property": "class A(object):\n    @property\n    def p(self):\n        self.v = 1\nUniform(A(), A()).p",
+    "a property of a choice": "class A(object):\n    @property\n    def p(self):\n        self.v = 1\nUniform(A(), A()).p",
     "the truth of a choice": "class A(object):\n    def __bool__(self):\n        self.v = 1\n        return True\nnot Uniform(A(), A())",
     "the orientation of a region": (
         "seen = []\nF = VectorField('F', lambda p: (seen.append(p.x), 0)[1])\n"
