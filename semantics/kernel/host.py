@@ -94,7 +94,7 @@ class Door:
         """What the surrounding host call may be looking through, and the numbers of the containers in it, once they were asked for (`through`)."""
         self.through: tuple[object, frozenset[int]] = ((), frozenset())
         self.reached: tuple[object, dict[int, object]] = ((), {})
-        """The same for what functions of the program reach that are called with drawn values: as long as they change none of it, it stays as it is."""
+        """The same for what functions of the program reach that are called with drawn values, which stays so while they change none of it."""
 
     def call(self, function: Function, arguments: tuple[object, ...], keywords: Mapping[str, object]) -> object:
         """The value of `function(*arguments, **keywords)`, with nothing random left in it (its origin is kept)."""

@@ -45,7 +45,7 @@ def changed_since(version: Version, local: Collection[int], door: object) -> lis
 
 
 def is_reached(changed: Iterable[object], roots: Iterable[object], seen: dict[int, object], budget: Budget) -> bool:
-    """Return whether one of the things that changed is reached from the roots, or is among those `seen`, by number, which grows by what is reached."""
+    """Return whether one of the things that changed is reached from the roots or among those `seen` (by number), which grows."""
     numbers = {id(subject) for subject in changed}
     level: list[Any] = list(roots)
     if not numbers.isdisjoint(seen):

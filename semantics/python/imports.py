@@ -150,8 +150,8 @@ def import_from(node: s.ImportFrom, stack: Stack, state: State) -> Outcome:
         if found is MISSING:
             raise unknown(member, name, module, next((n.span for n in node.names if n.name == member), None))
         check_workspace(alias, found, next((n.span for n in node.names if n.name == member), node.span))
-        if alias == "ego" and in_module(stack) and not is_the_scenes(found):
-            state.sigma.bind(alias, found)  # a variable of the module
+        if alias == "ego" and not is_the_scenes(found) and (state.sigma.kind != "module" or in_module(stack)):
+            state.sigma.bind(alias, found)  # a variable of the function, or of the module
         else:
             state = assign_name(alias, found, node, state)
     return imported(node, stack, state)
