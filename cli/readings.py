@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from . import completing
-from .options import DebugOption, ProfileOption, ReadingOption, pairs
+from .options import DebugOption, ReadingOption, pairs
 
 if TYPE_CHECKING:
     from ..semantics.readings import Reading
@@ -19,7 +19,13 @@ def readings(
     name: Annotated[
         str | None, typer.Argument(metavar="ID", autocompletion=completing.words(completing.readings), help="The reading to explain.")
     ] = None,
-    profile: ProfileOption = None,
+    profile: Annotated[
+        str | None,
+        typer.Option(
+            "--profile", metavar="PROFILE", autocompletion=completing.words(completing.profiles), show_default="paper",
+            help="A profile of readings.",
+        ),
+    ] = None,
     reading: ReadingOption = None,
     as_json: Annotated[bool, typer.Option("--json", help="As JSON.")] = False,
     debug: DebugOption = False,

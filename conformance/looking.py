@@ -110,13 +110,17 @@ def looked(
     deadline = time.monotonic() + settings.seconds
     with suppress(ImplementationFault):  # what was found stays found
         grow(FIRST_LOOK)  # one answer shows a difference, and says little of where there is none
-    return replace(found, reading=agreed(program, other, lambda here: beside(here, alpha), deadline))
+    selected = {**select(), **program.task.readings} if isinstance(scenario, ProgramError) else scenario.readings
+    return replace(found, reading=agreed(program, other, lambda here: beside(here, alpha), deadline, selected))
 
 
 def agreed(
-    program: AskedProgram, other: External, beside: Callable[[Scenario | ProgramError], ProgramVerdict], deadline: float
-) -> Mapping[str, str] | None:
+    program: AskedProgram, other: External, beside: Callable[[Scenario | ProgramError], ProgramVerdict], deadline: float,
+    selected: Mapping[str, str],
+) -> Mapping[str, str] | None:  # fmt: skip
     """The fewest readings of the other's profile under which the two agree, or one reading that does; None if none was found in time.
+
+    Readings are named that are none of the selected ones, under which the program was compared.
 
     That both refuse a program says little: another reading makes an error of nearly every program. It counts for those of the profile only.
     """
@@ -130,11 +134,10 @@ def agreed(
             return False
         return verdict.verdict != "differ" and (refused or verdict.kind != "error")
 
-    paper = select()
-    profile = {id: alternative for id, alternative in other.profile.items() if alternative != paper[id]}
+    profile = {id: alternative for id, alternative in other.profile.items() if alternative != selected[id]}
     if profile and holds(profile):
         return fewest(profile, holds)
-    single = ({id: alternative} for id, reading in READINGS.items() for alternative in reading.alternatives if alternative != paper[id])
+    single = ({id: alternative} for id, reading in READINGS.items() for alternative in reading.alternatives if alternative != selected[id])
     return next((reading for reading in single if holds(reading, refused=False)), None)
 
 

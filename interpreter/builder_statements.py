@@ -7,6 +7,7 @@ from __future__ import annotations
 from lark import Token
 
 from ..semantics.kernel.errors import ParseError
+from ..semantics.kernel.scopes import bound_by
 from ..semantics.kernel.suggestions import did_you_mean
 from ..semantics.syntax import Block, Expression, Span
 from ..semantics.syntax.dynamics import RequireAlways, RequireEventually
@@ -184,10 +185,12 @@ class StatementBuilder(BuilderBase):
         statements = tuple(item for item in body if not isinstance(item, PropertyDefault))
         for item in properties:
             self.properties.pop(item.span, None)
+        own = {name for node in nodes_of_scope(statements) for name in bound_by(node)}
         for node in nodes_of_scope(statements):
             if node.span in self.annotations:
                 raise self.no_property(self.annotations[node.span])
-            if isinstance(node, Assignment) and any(set(attributes_in(target) or ("",)) <= set(ATTRIBUTES) for target in node.targets):
+            words = {word for target in node.targets for word in attributes_in(target) or ()} if isinstance(node, Assignment) else set()
+            if self.dialect.released and words and words <= set(ATTRIBUTES) - own:
                 raise ParseError("the default of a property stands behind `:`, not `=`", node.span, hint="write `name[dynamic]: default`")
         return ClassDefinition(span=span, name=self.identifier(name), superclasses=tuple(superclasses or ()), properties=properties, body=statements)
 

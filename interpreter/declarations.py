@@ -10,7 +10,7 @@ from ..semantics.syntax import Node, Program
 from ..semantics.syntax import dynamics as d
 from ..semantics.syntax import statements as s
 from ..semantics.syntax.expressions import ObjectDefinition, ObjectOrOperator, ObjectOrValue
-from ..semantics.syntax.python_expressions import Call, Name, Parameter, Subscript, TupleDisplay
+from ..semantics.syntax.python_expressions import Call, Comprehension, Lambda, Name, Parameter, Subscript, TupleDisplay
 from .nesting import children
 
 NEEDS = {
@@ -69,13 +69,23 @@ def name_faults(
 
 
 def nodes_of_scope(blocks: tuple[Node, ...]) -> Iterator[Node]:
-    """Return the nodes of one scope in the order of the source; of a definition its own node, not what is in it."""
+    """Return the nodes of one scope in the order of the source; of a definition its own node, not what is in it.
+
+    A lambda and a comprehension have scopes of their own, but for default values and the first iterable.
+    """
     pending = list(reversed(blocks))
     while pending:
         node = pending.pop()
         yield node
-        if not isinstance(node, OPAQUE):
-            pending.extend(reversed(list(children(node))))
+        match node:
+            case Lambda(parameters=parameters):
+                pending.extend(reversed([parameter.default for parameter in parameters if parameter.default is not None]))
+            case Comprehension(clauses=(first, *_)):
+                pending.append(first.iterable)
+            case _ if not isinstance(node, OPAQUE):
+                pending.extend(reversed(list(children(node))))
+            case _:
+                pass
 
 
 SPECIFIERS = ("at", "on", "behind", "beyond", "following", "facing")

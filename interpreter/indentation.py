@@ -66,19 +66,26 @@ def _with_commas(stream: Iterator[Token]) -> Iterator[Token]:
     """The tokens of `stream`, with the commas before specifiers that are none made plain ones.
 
     A comma before `visible` alone, or before `facing(` and the like, is a specifier's where one of the same object stands before it: in
-    `(1, visible)` it is a variable, in `(a, facing(b))` a function. Outside of brackets a comma ends its line if the next one is not indented,
-    whatever word that begins with.
+    `(1, visible)` it is a variable, in `(a, facing(b))` a function. The parameters of a lambda and its colon begin no new element. Outside
+    of brackets a comma ends its line if the next one is not indented, whatever word that begins with.
     """
     specified = [False]  # of each bracket that is open, whether a specifier stands in its present element
+    lambdas = [0]  # and how many lambdas there have not come to their colons
     for token in stream:
         if token.type == "_WORD_COMMA":
             token = Token.new_borrow_pos("_SPECIFIER_COMMA" if specified[-1] else "COMMA", token, token)
         if token.type in OPENING:
             specified.append(False)
+            lambdas.append(0)
         elif token.type in CLOSING and len(specified) > 1:
             specified.pop()
+            lambdas.pop()
+        elif token.type == "_LAMBDA":
+            lambdas[-1] += 1
+        elif lambdas[-1] and token.type in ENDING:
+            lambdas[-1] -= token.type == "COLON"
         elif token.type in ENDING or (token.type == "_NEWLINE" and len(specified) == 1):
-            specified[-1] = False
+            specified[-1], lambdas[-1] = False, 0
         elif token.type in SPECIFYING:
             specified[-1] = True
         plain = token.type == "COMMA" or token.endswith("\n")  # no object goes on behind it

@@ -29,6 +29,12 @@ TIGHT = re.compile(
     re.MULTILINE,
 )
 """Words in front of a bracket which begin a statement, unless they are names: the program decides."""
+CALLED = re.compile(
+    rf"{BEGIN}(?:(?:take|require|do)(?=\()|do[ \t]+(?:choose|shuffle)(?=[(\[])|require[ \t]+(?:always|eventually)(?=\())"
+    r"|(?<![\w.])visible(?=\()",
+    re.MULTILINE,
+)
+"""Words in front of a bracket which begin a statement or operator, unless the program defines a function, variable or parameter of that name."""
 FOLLOW = re.compile(r"(?<![\w.])follow(?=\()")
 FOLLOWED = re.compile(r"[ \t]*(?:from\b|for\b(?![\w,() \t]*[ \t)]in\b))")
 """Behind the bracket of `follow(F)`: the rest of the operator, and not that of a comprehension."""
@@ -37,6 +43,20 @@ WORD = re.compile(r"(?<!\w)(?:take|do|record|simulator|override|initial|final|al
 BEFORE = re.compile(r"(?:(?<!\w)\w+|\.)?[ \t]*$")
 BEHIND = re.compile(r"[ \t]*(?:[-+*/%@<>=!|^&]*=|[,)\]};:.=+/%@<>|^&]|is\b|and\b|or\b|if\b|else\b|in\b(?![ \t]+initial\b)|for\b|$)", re.MULTILINE)
 """What may stand behind a name, but not behind a word that begins a statement."""
+NAMED = r"\b(?P<{}>take|require|do|choose|shuffle|always|eventually|visible)\b"
+BOUND = re.compile(
+    "|".join((
+        r"(?<!\w)(?:def|class|behavior|monitor|scenario|as|for|global|nonlocal|del|import)[ \t]+" + NAMED.format("a"),
+        r"^[ \t]*from[^\n]*[ \t]import[ \t][^\n]*" + NAMED.format("b") + r"(?![ \t]+as\b)",
+        r"(?<!\w)(?:def|behavior|monitor|scenario)[ \t]+\w+[ \t]*\([^\n]*" + NAMED.format("c") + r"[ \t]*[,)=:]",
+        r"(?<!\w)lambda[ \t][^\n:]*" + NAMED.format("d"),
+        r"(?<!\w)for[ \t][\w, \t()*]*" + NAMED.format("e") + r"[\w, \t()*]*[ \t]in\b",
+        r"(?:^|;)[ \t]*(?:[\w.]+[ \t]*[,=][ \t]*)*" + NAMED.format("f") + r"[ \t]*(?:,[^=\n(]*|:[\w. \t\[\],]*)?=(?!=)",
+        NAMED.format("g") + r"[ \t]*:=",
+    )),
+    re.MULTILINE,
+)  # fmt: skip
+"""Where a word becomes a name of the program: by a definition, an import, a parameter, a loop or an assignment."""
 BINDING = ("def", "class", "behavior", "monitor", "scenario", "as", "import", "for", "global", "nonlocal", "lambda", "del")
 ATTRIBUTES = re.compile(r"\[[ \t]*(?:additive|dynamic|final)(?:[ \t]*,[ \t]*(?:additive|dynamic|final))*[ \t]*\](?=[ \t]*:)")
 ALL_NAMES = re.compile(r"^[ \t]*(?:from[ \t]+(?!scenic\.)\S+[ \t]+import[ \t]+\*|model[ \t]+(?!scenic\.|gtaLib\b|mars\b))", re.MULTILINE)
@@ -45,12 +65,13 @@ ALL_NAMES = re.compile(r"^[ \t]*(?:from[ \t]+(?!scenic\.)\S+[ \t]+import[ \t]+\*
 
 @dataclass(frozen=True, slots=True)
 class JoinedText:
-    """A text for the grammar, and the way back: `added` are the offsets in it of the blanks that the user did not write; `starts` and
-    `joined_starts` are the offsets at which lines begin in the text of the user and in this one.
+    """A text for the grammar, and the way back: `added` are the offsets in it of the blanks that the user did not write; `names` are the words that
+    the program has as names; `starts` and `joined_starts` are the offsets at which lines begin in the text of the user and in this one.
     """
 
     text: str
     added: tuple[int, ...] = ()
+    names: frozenset[str] = frozenset()
     starts: tuple[int, ...] = ()
     joined_starts: tuple[int, ...] = ()
 
@@ -68,12 +89,16 @@ AS_WRITTEN = JoinedText("")
 """Places in it are those in the text of the user."""
 
 
-def join_text(source: str, *, apart: bool = True) -> JoinedText:
-    """Return `source` with its logical lines joined and, if words are to stand `apart` from brackets, with blanks where the grammar needs them."""
+def join_text(source: str, *, apart: bool = True, names: frozenset[str] = frozenset()) -> JoinedText:
+    """Return `source` with its logical lines joined, and with blanks in front of brackets where the grammar needs them.
+
+    With `apart` that holds for words that may as well be names of a module as well; `names` are words that are names, besides those of `source`.
+    """
     joined, plain = join_lines(source)
-    added = tuple(sorted(tight_brackets(plain))) if apart else ()
+    names |= bound_words(plain)
+    added = tuple(sorted({*(tight_brackets(plain) if apart else ()), *called_brackets(plain, names)}))
     if joined == source and not added:
-        return JoinedText(source)
+        return JoinedText(source, names=names)
     pieces: list[str] = []
     last = 0
     for place in added:
@@ -81,7 +106,7 @@ def join_text(source: str, *, apart: bool = True) -> JoinedText:
         last = place
     text = " ".join([*pieces, joined[last:]])
     places = tuple(place + i for i, place in enumerate(added))
-    return JoinedText(text, places, line_starts(source), line_starts(text))
+    return JoinedText(text, places, names, line_starts(source), line_starts(text))
 
 
 def line_starts(text: str) -> tuple[int, ...]:
@@ -139,6 +164,20 @@ def tight_brackets(plain: str) -> Iterator[int]:
                 yield match.end()
         elif not ASSIGNED.match(plain, closing):
             yield match.end()
+
+
+def called_brackets(plain: str, names: frozenset[str]) -> Iterator[int]:
+    """Return the offsets of the brackets right behind a word of a statement or operator that is none of the names."""
+    heads = list(CALLED.finditer(plain))
+    closings = closing_brackets(plain) if heads else {}
+    for match in heads:
+        if re.findall(r"\w+", match.group())[-1] not in names and match.end() in closings:
+            yield match.end()
+
+
+def bound_words(plain: str) -> frozenset[str]:
+    """Return the words of statements and operators that the program has as names, as far as its own text tells."""
+    return frozenset(word for match in BOUND.finditer(plain) for word in match.groups() if word)
 
 
 def words_as_names(plain: str) -> set[str]:

@@ -172,7 +172,8 @@ class TreeBuilder(ExpressionBuilder, ScenicBuilder, StatementBuilder, DynamicsBu
         column = len(before) - before.rfind("\n") if breaks else column + piece.offset
         start = self.origin.span(line + breaks, column, line + breaks, column)
         source = f"({piece.expression})"
-        origin = TextOrigin(self.origin.file, start.line - 1, start.column - 2, join_text(source, apart=False))  # the added "(" has column 1
+        joined = join_text(source, apart=False, names=self.origin.joined.names)
+        origin = TextOrigin(self.origin.file, start.line - 1, start.column - 2, joined)  # the added "(" has column 1
         builder = TreeBuilder(origin, self.dialect, self.interpolated + 1)
         value = builder.build(parse_tree(source, "interpolation", origin, self.dialect))
         layout = None

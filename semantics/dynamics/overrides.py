@@ -11,7 +11,7 @@ from ..kernel.premises import premises
 from ..kernel.properties import checked_property
 from ..kernel.simulation import Agent, Overridden, Running, Setting, simulation_of, with_agent, with_scenario, with_simulation
 from ..kernel.suggestions import did_you_mean
-from ..kernel.values import Instance, plain
+from ..kernel.values import Dynamic, Instance, plain
 from ..python.functions import InScope
 from ..scenes.resolution import Specification, specified_twice
 from ..scenes.specifier_arguments import describe
@@ -77,6 +77,9 @@ def changed_properties(node: d.Override, target: Instance, assigned: list[object
             text = f"the property {name} of {target.class_.name} is final: no specifier may specify it"
             raise RunError(text, specifier.span, rule="D-Override")
         changes[name] = checked_property(name, value, specifier.value.span, specification.name, state)
+        inner = plain(value)
+        if name == "behavior" and inner is not None and not (isinstance(inner, Dynamic) and isinstance(inner.definition, d.BehaviorDefinition)):
+            raise RunError(f"the property behavior must be a behavior, not {kind_name(inner)}", specifier.value.span, rule="D-Override")
     return changes
 
 

@@ -28,6 +28,12 @@ class OrderedDict(dict[Any, Any]):
         for other, kept in others:
             dict.__setitem__(self, other, kept)
 
+    def pop(self, key: Hashable, *default: Any, **named: Any) -> Any:
+        """Remove an entry and give its value, or `default` where there is none."""
+        if named.keys() - {"default"} or len(default) + len(named) > 1:
+            raise TypeError("pop() takes a key and a default")
+        return dict.pop(self, key, *default, *named.values())
+
     def popitem(self, last: bool = True) -> tuple[Any, Any]:
         """Remove the last entry, or the first, and give it."""
         if last:
@@ -140,7 +146,10 @@ class deque(collections.deque[Any]):
 
     def index(self, value: object, start: int = 0, stop: int = 2**62) -> int:
         """The place of the first element, of those from `start` to `stop`, that equals the value."""
-        return elements_of(self).index(value, start, stop)
+        try:
+            return elements_of(self).index(value, start, stop)
+        except ValueError as problem:
+            raise ValueError(str(problem).replace(" list", " deque")) from None
 
     def remove(self, value: object) -> None:
         """Remove the first element that equals the value."""

@@ -11,6 +11,8 @@ draw is refused, never lost.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Generator as Yielding
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -26,6 +28,7 @@ from .generators import Generator
 from .memory import short_of_memory
 from .nesting import too_deep
 from .outcome import Draw, Fault, Next, Outcome, Stuck
+from .reachability import changed_since, is_reached, lost_change
 from .values import CONTAINERS, Function, Instance, Origin, plain, unwrap, wrap
 from .versions import Slot, Version
 
@@ -72,7 +75,7 @@ class DoorStuck(Exception):
 class Door:
     """The one way in: `call` runs a function of the program to its value in the state of the surrounding host call."""
 
-    __slots__ = ("budget", "called", "calls", "enter", "expand", "lift", "operands", "origin", "state", "through")
+    __slots__ = ("budget", "called", "calls", "enter", "expand", "in_turn", "lift", "operands", "origin", "reached", "state", "through")
 
     def __init__(
         self, enter: Callable[[Function, tuple[object, ...], Mapping[str, object], State], Config], expand: Callable[[NeedsElements, Config], Next]
@@ -84,17 +87,21 @@ class Door:
         self.origin: Origin | None = None
         self.called = False
         self.calls = 0
+        self.in_turn = False
+        """Whether the surrounding host call calls the function once for each element, whatever it gives: as a key."""
         self.lift: Lift | None = None
         self.operands: tuple[object, ...] = ()
         """What the surrounding host call may be looking through, and the numbers of the containers in it, once they were asked for (`through`)."""
         self.through: tuple[object, frozenset[int]] = ((), frozenset())
+        self.reached: tuple[object, dict[int, object]] = ((), {})
+        """The same for what functions of the program reach that are called with drawn values, which stays so while they change none of it."""
 
     def call(self, function: Function, arguments: tuple[object, ...], keywords: Mapping[str, object]) -> object:
         """The value of `function(*arguments, **keywords)`, with nothing random left in it (its origin is kept)."""
         if self.state is None:
             raise RunError(f"{function.name} is called outside any run", function.span)
-        operands, versions = self.operands, self.budget.versions
-        busy = versions.busy
+        operands, in_turn, versions = self.operands, self.in_turn, self.budget.versions
+        busy, given = versions.busy, versions.given
         if function.looks:
             if self.through[0] is not operands:
                 self.through = operands, frozenset(numbers_of(operands))
@@ -102,16 +109,19 @@ class Door:
         try:
             return self.answer(function, arguments, keywords, self.state)
         finally:
-            self.operands, versions.busy = operands, busy
+            self.operands, self.in_turn, versions.busy, versions.given = operands, in_turn, busy, given
 
     def answer(self, function: Function, arguments: tuple[object, ...], keywords: Mapping[str, object], state: State) -> object:
         """The value of a call in a state."""
-        outer, self.called = self.origin, True
+        outer, operands, self.called = self.origin, self.operands, True
         versions = self.budget.versions
         versions.note(Slot(self, "calls", self.calls))
         self.calls = number = self.calls + 1
         begun = state._replace(made=state.made + self.calls * NUMBERS_PER_CALL, version=versions.settled())
-        config = self.run(function, self.enter(function, arguments, keywords, begun), state.settings.machine)
+        decided = versions.given or (None if self.in_turn or state.may_branch else outer)
+        scopes: dict[int, object] | None = None if decided is None else {}
+        versions.given = None
+        config = self.run(function, self.enter(function, arguments, keywords, begun), state.settings.machine, scopes)
         match config.control:
             case Abrupt(kind="raise", value=BaseException() as exception):
                 raise exception
@@ -119,6 +129,12 @@ class Door:
                 if type(value) is Generator and value.calls >= number:  # it would be another one if the library made its call again
                     config = self.run(function, self.expand(NeedsElements(value), Config(PASS, (), config.state)).config, state.settings.machine)
                 check_unchanged(function, begun, config.state)
+                if decided is not None and (changed := changed_since(begun.version, scopes or {}, self)):
+                    if self.reached[0] is not operands:
+                        self.reached = operands, {}
+                    roots = (function, arguments, keywords, operands, begun.objects, begun.params, begun.modules)
+                    if is_reached(changed, roots, self.reached[1], self.budget):
+                        raise lost_change(function.name)
                 result, origin = unwrap(value)
                 if any(i.number >= begun.made for i in instances_in(result)):
                     raise RunError(
@@ -130,11 +146,16 @@ class Door:
             case _:
                 return None
 
-    def run(self, function: Function, config: Config, machine: Machine) -> Config:
-        """The configuration in which the body of a function has ended. Raises `RunError` for a draw, `DoorStuck`, and the program's error."""
+    def run(self, function: Function, config: Config, machine: Machine, scopes: dict[int, object] | None = None) -> Config:
+        """The configuration in which the body of a function has ended; `scopes` gets the variables of the scopes in which it ran.
+
+        Raises `RunError` for a draw, `DoorStuck`, and the program's error.
+        """
 
         def paid(config: Config) -> Outcome:
             self.budget.spend(STEP)
+            if scopes is not None:
+                scopes[id(config.state.sigma.bindings)] = config.state.sigma.bindings
             return machine(config)
 
         def refuse(draw: Draw) -> object:
@@ -208,6 +229,9 @@ def host(door: Door, state: State, operation: Callable[..., object], *arguments:
         origin = origin or found
     door.state, door.origin, door.operands = state, None, (operation, *plain_arguments, *plain_keywords.values())
     door.budget.go_through(plain_arguments)
+    if origin is not None:
+        door.budget.versions.given = None if state.may_branch else origin
+    door.in_turn = "key" in keywords
     try:
         result = (
             operation(*plain_arguments, **plain_keywords) if door.lift is None or origin is None
@@ -221,9 +245,22 @@ def host(door: Door, state: State, operation: Callable[..., object], *arguments:
         raise short_of_memory() from None
     except Exception as exception:  # whatever library code raises is the program's to catch
         raise HostException(exception, origin or door.origin) from exception
+    finally:
+        door.budget.versions.given = None
     if type(result) not in PLAIN:
         result = settled(result, state)
     return wrap(result, origin or door.origin)
+
+
+@contextmanager
+def decided_by(origin: Origin | None, state: State) -> Yielding[None]:
+    """What functions of the program are called with meanwhile depends on the draw, if there is one: they may not change what existed before."""
+    versions = state.settings.door.budget.versions
+    before, versions.given = versions.given, None if state.may_branch else origin
+    try:
+        yield
+    finally:
+        versions.given = before
 
 
 def in_list(argument: object) -> object:
@@ -252,6 +289,7 @@ def raw(door: Door, state: State, operation: Callable[..., object], *arguments: 
     The result is random if functions of the program that it called met something random.
     """
     outer, door.state, door.origin, door.operands = door.origin, state, None, (operation, *arguments, *keywords.values())
+    door.in_turn = "key" in keywords
     try:
         result = operation(*arguments, **keywords)
         met = door.origin

@@ -12,7 +12,7 @@ costs one note per change; a version that no configuration holds any more is for
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Collection, Container, Mapping
+from collections.abc import Collection, Container, Iterator, Mapping
 from types import BuiltinFunctionType, FunctionType, GetSetDescriptorType, MemberDescriptorType, MethodDescriptorType, MethodType
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
@@ -64,12 +64,14 @@ class Version:
 class Versions:
     """The versions of one run, and the one that stands in memory."""
 
-    __slots__ = ("busy", "current")
+    __slots__ = ("busy", "current", "given")
 
     def __init__(self) -> None:
         self.current = Version(self)
         self.busy: tuple[Container[int], ...] = ()
         """The numbers (`id`) of containers that Python is looking through while it asks a method of the program."""
+        self.given: object = None
+        """The draw that the plain arguments of a running host call depend on, where control flow may depend on none."""
 
     def note(self, note: Note) -> None:
         """Something is about to change."""
@@ -108,6 +110,14 @@ class Versions:
                 self.current = older
         finally:
             self.busy = ()
+
+
+def notes_since(version: Version) -> Iterator[Any]:
+    """Yield what was noted from the version on, which led to the one that stands in memory."""
+    found: Version | None = version
+    while found is not None:
+        yield from found.undo
+        found = found.newer
 
 
 class Everything:

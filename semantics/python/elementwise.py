@@ -12,9 +12,10 @@ from typing import Any, Literal, NamedTuple
 
 from ..kernel.budget import Metered, whole
 from ..kernel.config import Config, Stack, State, value
+from ..kernel.errors import FuelExhausted, RunError
 from ..kernel.generators import EXHAUSTED, Generator
 from ..kernel.host import HostException, host, raw
-from ..kernel.kinds import cases, kind_name, of_cases
+from ..kernel.kinds import cases, is_vector, kind_name, of_cases
 from ..kernel.outcome import Next, Outcome
 from ..kernel.scopes import Scope
 from ..kernel.values import Bound, Native, Origin, Random, plain, unwrap, wrap
@@ -26,6 +27,7 @@ from .generators import GO_ON, give, in_order, made, pull, taken, walk
 from .iteration import elements, elements_in_this_run, known_elements
 from .library import BUILTIN, ITERTOOLS, LISTING
 from .members import as_function
+from .prices import as_callback
 
 Arguments = tuple[object, ...]
 Keywords = Mapping[str, object]
@@ -230,15 +232,22 @@ def map_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack,
 def filter_rule(node: Node, arguments: Arguments, keywords: Keywords, stack: Stack, state: State) -> Outcome:
     """`filter(f, xs)` is `[x for x in xs if f(x)]`, a list as in the released implementations, perhaps a random one.
 
-    Where a draw decides which container xs is, f sees the elements that it has in this run, which are not random for f.
+    Where a draw decides which container xs is, f sees the elements that it has in this run, which are not random for f; they are random for a
+    function that draws, makes or changes something, where xs has the same number of elements in every run.
     """
     if len(arguments) != 2:
         raise HostException(TypeError("filter() takes a function and an iterable"))
     function, among = arguments
-    if type(among) is Random and known_elements(among, state) is None:
+    lengths_differ = type(among) is Random and known_elements(among, state) is None
+    if type(among) is Random and (lengths_differ or not is_vector(among.value)):
         if (possible := cases(among.value)) is not None:
             return select_next(SelectingInCases(node, function, among, tuple(possible), state.address), stack, state)
-        return returned(node, host(state.settings.door, state, selected, as_function(function, state), among), stack, state)
+        try:
+            return returned(node, filtered(function, among, state), stack, state)
+        except RunError as refused:
+            if lengths_differ or refused.rule != "E-Call-Host" or isinstance(refused, FuelExhausted):
+                raise
+            state.settings.door.budget.versions.go_to(state.version)
     items, origin = elements_in_this_run(among, node, state)
     test = _X if function is None else p.Call(function=_F, arguments=(_X,), span=node.span)
     return comprehend(node, function, items, test, "list", (Selecting(node, items, origin), stack), state)
@@ -290,6 +299,12 @@ def select_next(frame: SelectingInCases, stack: Stack, state: State) -> Outcome:
 def resume_selecting_in_cases(frame: SelectingInCases, result: object, stack: Stack, state: State) -> Outcome:
     """One more case is done."""
     return select_next(frame._replace(found=(*frame.found, result)), stack, state)
+
+
+def filtered(function: object, among: object, state: State) -> object:
+    """The elements of a random container of which a function holds, which is called with the values that they have in this run."""
+    door = state.settings.door
+    return host(door, state, selected, as_callback(as_function(function, state), door.budget), among)
 
 
 def selected(function: Callable[[object], object] | None, items: Iterable[object]) -> list[object]:

@@ -16,7 +16,7 @@ from ..kernel.classes import canonical
 from ..kernel.conditions import is_counted
 from ..kernel.config import Stack, State, value
 from ..kernel.errors import NotBegun, RunError
-from ..kernel.host import HostException, host, raw
+from ..kernel.host import HostException, decided_by, host, raw
 from ..kernel.kinds import Reader, has_kind, is_a, is_pair, kind_name, lacking, no_attribute
 from ..kernel.outcome import Outcome
 from ..kernel.positions import wait
@@ -93,7 +93,10 @@ def displayed(kind: Callable[[list], object], items: list, node: Node, stack: St
 
 def container(kind: Callable[[list], object], items: list, state: State) -> object:
     """A container of the items. What a class of the program raises where its instances are hashed is the program's to catch."""
-    return raw(state.settings.door, state, hashed, kind, items) if kind is Set or kind is dict else kind(items)
+    if kind is not Set and kind is not dict:
+        return kind(items)
+    with decided_by(unwrap(items if kind is Set else [key for key, _ in items])[1], state):
+        return raw(state.settings.door, state, hashed, kind, items)
 
 
 def hashed(kind: Callable[[list], object], items: list) -> object:
@@ -187,7 +190,8 @@ def conclude_attribute(node: p.Attribute, values: list[object], stack: Stack, st
         return get_attribute(one, node, state)
 
     of_one.__qualname__ = f"there is {node.name}"
-    inner, origin = unwrap(each(of_one, subject.value))
+    with decided_by(subject.origin, state):
+        inner, origin = unwrap(each(of_one, subject.value))
     return attribute_is(node, wrap(inner, subject.origin or origin), stack, state)
 
 
@@ -335,7 +339,8 @@ def get_item(node: p.Subscript, values: list[object], state: State) -> object:
         note_item(state.settings.door.budget, container, index)
         note_call(state.settings.door.budget, container.default_factory, ())
     try:
-        result = raw(state.settings.door, state, python.getitem, container, index)
+        with decided_by(origin, state):
+            result = raw(state.settings.door, state, python.getitem, container, index)
     except HostException as problem:
         note_keys(problem.exception, container, index)
         if isinstance(problem.exception, TypeError) and isinstance(container, CALLED):

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from ..kernel.config import Abrupt, Config, Stack, State
 from ..kernel.errors import ImportRefused, RunError
 from ..kernel.host import HostException
-from ..kernel.kinds import is_object, lacking
+from ..kernel.kinds import REGION, has_kind, is_object, kind_name, lacking
 from ..kernel.outcome import Next, Outcome
 from ..kernel.scopes import MISSING, Scope
 from ..kernel.values import Instance, Module, plain
@@ -93,6 +93,7 @@ def import_statement(node: s.Import, stack: Stack, state: State) -> Outcome:
     for one, key in zip(node.names, keys, strict=True):
         module = state.modules[key]
         if one.alias is not None:
+            check_workspace(one.alias, module, one.span)
             state = assign_name(one.alias, module, node, state)
         else:
             bind_dotted(one.name, module, state)
@@ -148,11 +149,19 @@ def import_from(node: s.ImportFrom, stack: Stack, state: State) -> Outcome:
             continue  # the module has none of its own: all share the scene's
         if found is MISSING:
             raise unknown(member, name, module, next((n.span for n in node.names if n.name == member), None))
-        if alias == "ego" and (state.sigma.kind != "module" or (in_module(stack) and not is_the_scenes(found))):
+        check_workspace(alias, found, next((n.span for n in node.names if n.name == member), node.span))
+        if alias == "ego" and not is_the_scenes(found) and (state.sigma.kind != "module" or in_module(stack)):
             state.sigma.bind(alias, found)  # a variable of the function, or of the module
         else:
             state = assign_name(alias, found, node, state)
     return imported(node, stack, state)
+
+
+def check_workspace(name: str, found: object, span: Span) -> None:
+    """Refuse to import as the workspace what is no region. Raises `RunError`."""
+    if name == "workspace" and not has_kind(plain(found), REGION):
+        hint = "give it another name, and write workspace = Workspace(region)"
+        raise RunError(f"workspace must be a region, not {kind_name(found)}", span, rule="S-Import", hint=hint)
 
 
 def is_the_scenes(found: object) -> bool:

@@ -9,8 +9,9 @@ from ..kernel.allowed import KEY, is_user_class, may_make, names, own_word
 from ..kernel.budget import ITEM, LARGEST_SEQUENCE, Budget, length_of, refuse_too_large, refuse_too_long, size_of, whole
 from ..kernel.containers import apart
 from ..kernel.errors import RunError
+from ..kernel.reachability import lost_change
 from ..kernel.values import Bound, Function, Method, Special
-from ..kernel.versions import note_call
+from ..kernel.versions import changes_its_owner, note_call
 from .keys import check_hashed
 from .texts import check_encoding
 
@@ -89,6 +90,8 @@ def as_callback(function: object, budget: Budget) -> object:
 def paid_call(budget: Budget, function: Callable[..., object], *arguments: object, **keywords: object) -> object:
     """`function(*arguments, **keywords)`, and the price of it paid."""
     check_arguments(function, arguments, keywords, budget)
+    if budget.versions.given is not None and changes_its_owner(function):
+        raise lost_change(function.__name__)
     note_call(budget, function, arguments)
     result = called(function, *arguments, **keywords)
     budget.spend(ITEM)

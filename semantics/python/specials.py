@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter, deque
 from collections.abc import Callable, Collection, Iterator, Mapping
+from enum import Enum
 from types import BuiltinFunctionType, MethodType, NoneType
 from typing import Any
 
@@ -12,7 +13,7 @@ from ..kernel.conditions import random_branch
 from ..kernel.config import Stack, State, value
 from ..kernel.draws import ask
 from ..kernel.errors import RunError
-from ..kernel.host import HostException, host, raw
+from ..kernel.host import HostException, decided_by, host, raw
 from ..kernel.kinds import kind_name
 from ..kernel.nesting import check_written
 from ..kernel.outcome import Change, Outcome
@@ -78,6 +79,8 @@ def resample_constant(node: Node, subject: object, stack: Stack, state: State) -
 
 def may_be_a_point_mass(value: object) -> bool:
     """Return whether a value that is not random is one that cannot change: no instance, no container but a tuple or frozen set of such values."""
+    if is_user_made(value) and not isinstance(value, (type, Enum)) and hasattr(value, "__dict__"):
+        return False
     is_fixed = isinstance(value, (tuple, FrozenSet))
     return all(map(may_be_a_point_mass, value)) if is_fixed else not isinstance(value, (Instance, Iterator, *HOLDING))  # type: ignore[arg-type]
 
@@ -215,7 +218,8 @@ def _named(node: Node, arguments: Arguments, state: State) -> tuple[object, Orig
     origin = next((v.origin for v in (subject, name) if type(v) is Random), None)
     access = p.Attribute(value=p.Constant(value=None), name=str(plain(name)), span=node.span)
     try:
-        return get_attribute(plain(subject), access, state), origin
+        with decided_by(origin, state):
+            return get_attribute(plain(subject), access, state), origin
     except HostException as problem:
         if len(arguments) == 3 and isinstance(problem.exception, AttributeError):
             return MISSING, origin

@@ -25,7 +25,7 @@ from .operations import membership
 
 def contains(container: Any, item: object) -> bool:
     """`item in container`. Raises TypeError for a number, which a distribution gives as well."""
-    if is_scalar(container):
+    if is_scalar(container) and not is_user_made(container):
         error = TypeError("`in` needs a container or a region behind it, and this is one number")
         error.add_note("compare it, as in `3 <= x <= 5`; a distribution such as Range(3, 5) stands for the one number that it draws")
         raise error

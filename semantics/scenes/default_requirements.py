@@ -129,7 +129,8 @@ def workspace_of(state: State) -> Region:
         return everywhere
     if has_kind(found, REGION):
         return found  # type: ignore[return-value]
-    raise RunError(f"workspace must be a region, not {kind_name(found)}", NOWHERE, rule="T-Check", hint="write workspace = Workspace(region)")
+    place = state.settings.defined.get("workspace", NOWHERE)
+    raise RunError(f"workspace must be a region, not {kind_name(found)}", place, rule="T-Check", hint="write workspace = Workspace(region)")
 
 
 def contained_in(instance: Instance, reader: Reader) -> Region:

@@ -40,8 +40,9 @@ from ..syntax.nodes import Node
 from . import released
 from . import specifiers as sp
 from .operations import compute, heading_property
+from .operators import EGO, EGO_POSITION
 from .resolution import Ordered, Specification, postponed, resolve_specifiers
-from .specifier_arguments import arguments_of, choose_form, default_specification, describe, forms_under
+from .specifier_arguments import arguments_of, choose_form, default_specification, describe, ego_of, forms_under
 
 
 class ClassOf(NamedTuple):
@@ -97,7 +98,10 @@ def evaluate_arguments(node: e.ObjectDefinition, class_: ScenicClass, stack: Sta
     for index, specifier in enumerate(node.specifiers):
         rewriting = released.REWRITINGS.get(type(specifier))
         if rewriting is not None and rewriting.applies(specifier):
-            specifiers = (*node.specifiers[:index], rewriting.rewrite(specifier), *node.specifiers[index + 1 :])
+            written = rewriting.rewrite(specifier)
+            if any(argument is EGO or argument is EGO_POSITION for argument in arguments_of(written)):
+                ego_of(specifier, state)
+            specifiers = (*node.specifiers[:index], written, *node.specifiers[index + 1 :])
             rewritten = ClassOf(replace(node, specifiers=specifiers))  # type: ignore[arg-type]
             return Next(rewriting.rule, Config(Value(class_), (rewritten, stack), state), specifier)
     expressions = [a for s in node.specifiers for a in arguments_of(s)]
@@ -277,13 +281,15 @@ def specify(form: sp.Form | None, arguments: tuple[object, ...], stack: Stack, s
     if form is None:
         return assign("P-With", sp.with_property(frame.specification.specifies[0], arguments[0]), stack, state)
     reader = Reader(state)
-    operands = [reader.read(reader.plain(a), kind) for a, kind in zip(arguments, form.kinds, strict=True)]
-    if form.needs_self:
-        operands.append(reader.read(frame.instance, "Point"))
-    if form.passes_on:  # ⟦at V⟧ = ⟦V⟧: the value itself, which `resample` may draw again
-        return assign(form.rule, {form.specifies[0]: form.function(arguments[0])}, stack, state)
     try:
+        operands = [reader.read(reader.plain(a), kind) for a, kind in zip(arguments, form.kinds, strict=True)]
+        if form.needs_self:
+            operands.append(reader.read(frame.instance, "Point"))
+        if form.passes_on:  # ⟦at V⟧ = ⟦V⟧: the value itself, which `resample` may draw again
+            return assign(form.rule, {form.specifies[0]: form.function(arguments[0])}, stack, state)
         result = compute(form.function, operands, reader)
+    except OverflowError:
+        raise RunError("a number is too large", frame.specification.node.span, rule=form.rule) from None
     except OutsideField as problem:
         return outside_field(form.rule, problem, {"position": Vector(0.0, 0.0), "heading": 0.0}, reader.origin, stack, state)
     if has_kind(result, REGION):
@@ -330,8 +336,10 @@ def draw_point(form: sp.Form, operands: list[object], region: Region, stack: Sta
 def resume_placing(frame: Placing, point: Vector, stack: Stack, state: State) -> Outcome:
     """The equation once its point x is drawn."""
     form, operands, origin = frame
+    reader = Reader(state)
+    reader.origin = origin
     try:
-        at = compute(form.function, (*operands, point), Reader(state))
+        at = compute(form.function, (*operands, point), reader)
     except OutsideField as problem:
         return outside_field(form.rule, problem, {"position": point, "heading": 0.0}, origin, stack, state)
     properties = properties_of(at, form, origin)

@@ -81,7 +81,8 @@ def apply_equation(node: Node, equations: Sequence[o.Equation], values: list[obj
 def compute(equation: Callable[..., object], arguments: Sequence[object], reader: Reader) -> object:
     """The right-hand side of an equation; a vector field of the program is called through the door, and what it reads counts."""
     door = reader.state.settings.door
-    door.state, door.called, door.origin = reader.state, False, None
+    door.state, door.called, door.origin, door.in_turn, door.operands = reader.state, False, None, False, (equation, *arguments)
+    door.budget.versions.given = None if reader.state.may_branch else reader.origin
     try:
         result = equation(*arguments)
     except (OutsideField, ScenicError, HostException, DoorStuck):
@@ -92,6 +93,8 @@ def compute(equation: Callable[..., object], arguments: Sequence[object], reader
         if door.called:
             raise HostException(exception) from exception
         raise
+    finally:
+        door.budget.versions.given = None
     reader.origin = reader.origin or door.origin
     return result
 

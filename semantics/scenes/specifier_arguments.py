@@ -20,7 +20,7 @@ from ..kernel.scopes import ByIdentity, descendants
 from ..kernel.values import unwrap
 from ..syntax import python_expressions as p
 from ..syntax import specifiers as q
-from ..syntax.nodes import Node
+from ..syntax.nodes import NOWHERE, Node
 from . import released
 from . import specifiers as sp
 from .operators import EGO
@@ -60,7 +60,7 @@ def forms_under(node: Node, state: State) -> tuple[sp.Form, ...]:
 def choose_form(node: Node, forms: tuple[sp.Form, ...], arguments: Sequence[object], state: State) -> tuple[sp.Form, tuple[object, ...]]:
     """The form whose kinds fit, and its arguments (ego joins those that speak of it)."""
     if forms[0].needs_ego:
-        arguments = [*arguments, axiom(EGO, state)]
+        arguments = [*arguments, ego_of(node, state)]
     arguments = [in_the_plane(a, state) for a in arguments]
     operands = [unwrap(a)[0] for a in arguments]
     for form in forms:
@@ -73,6 +73,15 @@ def choose_form(node: Node, forms: tuple[sp.Form, ...], arguments: Sequence[obje
     toward = isinstance(node, q.FacingTowardSpecifier) and has_kind(operands[0], SCALAR)
     hint = "for an angle write `facing A`, without `toward`" if toward else ""
     raise unfit(f"`{sp.specifier_name(node)}`", node, nodes, operands, [form.kinds for form in forms], forms[0].rule, state, hint)
+
+
+def ego_of(node: Node, state: State) -> object:
+    """The value of ego for a specifier that leaves it out. Raises `RunError` at the specifier."""
+    try:
+        return axiom(EGO, state)
+    except RunError as problem:
+        problem.span = node.span if problem.span == NOWHERE else problem.span
+        raise
 
 
 def default_specification(name: str, expression: Node, owner: ScenicClass, state: State) -> Specification:

@@ -118,3 +118,8 @@ def test_the_manual_page_has_every_command_option_and_exit_code() -> None:
 def test_the_manual_page_has_no_line_that_man_takes_for_a_command_by_mistake() -> None:
     known = (".TH ", ".SH ", ".SS ", ".B ", ".PP", ".TP")
     assert not [line for line in manual().splitlines() if line.startswith((".", "'")) and not line.startswith(known)]
+
+
+def test_readings_without_a_dialect_have_the_profile_of_the_paper() -> None:
+    assert "default: (paper)" in said("readings", "--help") and "that of the dialect" not in said("readings", "--help")
+    assert "that of the dialect" in " ".join(said("run", "--help").split())

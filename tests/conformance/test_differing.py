@@ -9,6 +9,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from scenic_ref.cli import answer
@@ -18,8 +19,9 @@ from scenic_ref.conformance.process import ImplementationFault
 from scenic_ref.conformance.recorded_world import RecordedWorld, wandering
 from scenic_ref.conformance.replaying import Replayed, all_on_one_side, in_simulations, of_simulations
 from scenic_ref.interpreter.dialects import DIALECTS
-from scenic_ref.scenario import loads
+from scenic_ref.scenario import Scenario, loads
 from scenic_ref.semantics.kernel.errors import AttemptsExhausted
+from scenic_ref.semantics.readings import select
 
 OTHER = """
 from dataclasses import replace
@@ -271,6 +273,26 @@ def test_the_looks_share_the_risk() -> None:
     found = looking.looked(program, loads("ego = Object"), None, settings, grow, inconclusive)  # type: ignore[arg-type]
     assert found.verdict == "inconclusive" and sum(alphas) <= settings.alpha and len(alphas) == 7
     assert sizes == [1, 100, 300, 900, 2700, 8100, 24300, 30000]
+
+
+def test_readings_that_are_selected_explain_no_difference() -> None:
+    """A program in scenic-3 is compared under its profile: what explains a difference is another alternative than those."""
+    tried: list[dict[str, str]] = []
+
+    def load(readings: dict[str, str]) -> Scenario:
+        tried.append(dict(readings))
+        return loads("# dialect: scenic-3\nego = new Object")
+
+    def differ(here: object, alpha: float) -> looking.ProgramVerdict:
+        return looking.ProgramVerdict("p", "differ", "distribution")
+
+    other = SimpleNamespace(profile=select("scenic-2.1"))
+    program = looking.AskedProgram("p", looking.Task("", "scenic-3"), load)  # type: ignore[arg-type]
+    found = looking.looked(program, load({}), other, looking.DiffSettings(0.01, 0.1, 0, 60.0, 1), lambda _: True, differ)  # type: ignore[arg-type]
+    selected = select("scenic-3")
+    assert found.reading is None
+    assert tried[1] == {id: one for id, one in select("scenic-2.1").items() if one != selected[id]}
+    assert not any(selected[id] == one for readings in tried for id, one in readings.items())
 
 
 def test_the_recorded_world_is_the_same_for_every_run() -> None:

@@ -44,6 +44,12 @@ def test_a_program_is_refused_that_says(text: str, line: int, message: str) -> N
     assert (raised.value.message, raised.value.span.line) == (message, line)
 
 
+@pytest.mark.parametrize("body", ["[y for y in x]", "g = lambda a=x: a", "[z for y in x for z in y]"])
+def test_the_first_iterable_and_default_values_are_of_the_scope_around(body: str) -> None:
+    with pytest.raises(CheckError, match="x is used before `global x`"):
+        scenic_ref.loads(f"def f():\n    {body}\n    global x\n" + EGO)
+
+
 @pytest.mark.parametrize(
     "text",
     [
@@ -52,6 +58,13 @@ def test_a_program_is_refused_that_says(text: str, line: int, message: str) -> N
         "def g():\n    y = 0\n    def f():\n        nonlocal y\n        y = 1\n    f()\n    return y\nparam r = g()\n",
         "def g(y):\n    def f():\n        def h():\n            nonlocal y\n            y = 1\n        h()\n    f()\n    return y\nparam r = g(0)\n",
         "def f():\n    def h(): return x\n    global x\n    x = 1\nf()\nparam r = x\n",  # `x` is another function's there
+        "def f():\n    [x for x in [2]]\n    global x\n    x = 1\nf()\nparam r = x\n",
+        "def f():\n    {x: y for x, y in [(1, 2)] if x}\n    global x\n    x = 1\nf()\nparam r = x\n",
+        "def f():\n    g = lambda x: x\n    global x\n    x = 1\nf()\nparam r = x\n",
+        "def f():\n    g = lambda: x\n    global x\n    x = 1\nf()\nparam r = x\n",
+        "def g():\n    y = 0\n    def f():\n        [y for y in [2]]\n        nonlocal y\n        y = 1\n    f()\n    return y\nparam r = g()\n",
+        "class C(object):\n    d = {}\n    final = 1\n    d[final] = 1\nparam r = C.d[1]\n",
+        "class C(object):\n    d = {}\n    dynamic, additive = 1, 2\n    d[dynamic, additive] = 1\nparam r = C.d[1, 2]\n",
         "def take(): pass\ntake\nparam r = 1\n",
         "do = 1\ndo\nparam r = do\n",
         "def f(require): \n    require\n    return require\nparam r = f(1)\n",

@@ -69,10 +69,55 @@ def without_blanks(line: str) -> str:
         ("for record, x in y: pass\nrecord[0](3)", s.ExpressionStatement),
         ("always = [True]\nrequire always[0]", s.Require),
         ("x = take[1]", s.Assignment),
+        ("def take(x): pass\ntake(1, [1, 2])", s.ExpressionStatement),
+        ("from m import a, take\ntake(1)", s.ExpressionStatement),
+        ("do = f\ndo(1)", s.ExpressionStatement),
+        ("def require(x): pass\nrequire(1)", s.ExpressionStatement),
+        ("def require(x): pass\nrequire (1)", s.Require),
+        ("model own\nrequire(x)", s.Require),
+        ("from m import *\nrequire(x)", s.Require),
+        ("f(require=3)\nrequire(x)", s.Require),
+        ("def g(x): pass\nrequire(g(take=3))", s.Require),
+        ("simulator = f\nsimulator({1: 2})", s.ExpressionStatement),
     ],
 )
 def test_a_name_of_the_program_before_a_bracket_stays_a_name(text: str, node: type, dialect: str) -> None:
     assert isinstance(parse(text, dialect=dialect).statements[-1], node)
+
+
+@pytest.mark.parametrize("dialect", DIALECTS)
+@pytest.mark.parametrize(
+    ("text", "call"),
+    [
+        ("def visible(x): return x\ny = visible(3)", True),
+        ("def f(visible): return 1\ny = visible(3)", True),
+        ("visible = f\ny = visible(3)", True),
+        ("import m as visible\ny = visible(3)", True),
+        ("Object at 1 @ 2, visible\ny = visible(3)", False),
+        ("f(visible=True)\ny = visible(3)", False),
+        ("y = a.visible(3)", True),
+    ],
+)
+def test_a_function_that_is_called_visible_can_be_called(text: str, call: bool, dialect: str) -> None:
+    statement = parse(text.replace("Object at", "ego = new Object at") if dialect == "scenic-3" else text, dialect=dialect).statements[-1]
+    assert isinstance(statement, s.Assignment)
+    assert isinstance(statement.value, p.Call) is call
+
+
+def test_a_function_that_is_called_visible_can_be_called_in_requirements_and_texts() -> None:
+    statements = parse("def visible(x): return x\nrequire not visible(0)\ny = f'{visible(3)}'\n").statements
+    assert isinstance(statements[1].condition, p.UnaryOperation)  # type: ignore[attr-defined]
+    assert isinstance(statements[2].value.parts[0].value, p.Call)  # type: ignore[attr-defined]
+    text = parse("y = f'{visible(r)}'\n").statements[0]
+    assert isinstance(text.value.parts[0].value, e.Visible)  # type: ignore[attr-defined]
+
+
+def test_a_function_that_is_called_choose_may_give_what_is_done() -> None:
+    def done(text: str) -> object:
+        return parse(text + "behavior B():\n    do choose(C())\n    do choose[C()]\n").statements[-1].body[0]  # type: ignore[attr-defined]
+
+    assert isinstance(done(""), d.DoChoose)
+    assert isinstance(done("def choose(x): return x\n"), d.Do)
 
 
 def test_a_function_that_is_called_follow_may_stand_in_a_comprehension() -> None:

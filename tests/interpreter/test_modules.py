@@ -266,3 +266,20 @@ def test_what_is_imported_as_ego_must_be_an_object(program: str, tmp_path: Path)
     with pytest.raises(RunError) as raised:
         scenic_ref.load(tmp_path / "p.scenic").sample()
     assert raised.value.message == "ego must be an Object"
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ("scenario Main():\n    setup:\n        ego = Object at (5, 5), with tag 'p'\n        from m import ego\n        param r = ego.tag\n", "m"),
+        ("scenario Main():\n    setup:\n        from m import ego\n        param r = ego.tag\n", "m"),
+        ("ego = Object at (5, 5), with tag 'p'\ndef f():\n    from m import ego\n    return ego.tag\nparam r = f() + ego.tag\n", "mm"),
+        ("ego = Object at (5, 5), with tag 'p'\nfrom m import ego\nparam r = ego.tag\n", "m"),
+        ("from m import ego as other\nego = Object at (5, 5), with tag 'p'\nparam r = other.tag + ego.tag\n", "mp"),
+    ],
+)
+def test_an_ego_that_is_imported_by_its_name_is_the_scenes(tmp_path, before, after):
+    (tmp_path / "m.scenic").write_text("ego = Object at (9, 9), with tag 'm'\n")
+    scene = scenic_ref.loads(before, directory=str(tmp_path)).sample()
+    assert scene.params["r"] == after
+    assert scene.ego.properties["tag"] == after[-1]

@@ -6,6 +6,9 @@ import pytest
 import scenic_ref
 from scenic_ref.interpreter.parser import parse
 from scenic_ref.interpreter.printer import to_source
+from scenic_ref.semantics.kernel.scopes import descendants
+from scenic_ref.semantics.syntax import expressions as e
+from scenic_ref.semantics.syntax import python_expressions as p
 
 BEFORE = "class Car:\n    friend: None\nego = Object at (0, 0), "
 SAME = {
@@ -39,3 +42,20 @@ def test_what_follows_anything_else_belongs_to_the_outer_object(text: str) -> No
 def test_the_widths_are_those_of_the_dialect(dialect: str, widths: list[float]) -> None:
     text = "ego = Object at (0, 0), with friend Object at (5, 6), with width 3\nparam a = ego.width, b = ego.friend.width"
     assert list(scenic_ref.loads(text, dialect=dialect).sample().params.values()) == widths
+
+
+@pytest.mark.parametrize(
+    "value",
+    ["lambda x: x", "lambda: 3", "lambda x, y=3: x + y", "lambda x: lambda y: x", "lambda x: {1: x}[1]", "{1: 2}", "xs[1:2]", "(lambda x: x)"],
+)
+@pytest.mark.parametrize("rest", ["visible", "facing(3)"])
+@pytest.mark.parametrize("text", ["o = Object with f {}, {}", "o = [Object with f {}, {}]", "o = f(Object with f {}, {})"])
+def test_a_specifier_may_stand_behind_a_value_with_a_colon(text: str, rest: str, value: str) -> None:
+    found = [n for n in descendants(parse(text.format(value, rest) + "\n").statements[0]) if isinstance(n, e.ObjectDefinition)]
+    assert [len(n.specifiers) for n in found] == [2]
+
+
+@pytest.mark.parametrize("text", ["f = lambda x: (Object at x, visible)", "o = (lambda x: x, visible)", "o = f(lambda x, y: y, visible)"])
+def test_without_a_specifier_before_it_visible_is_a_name(text: str) -> None:
+    names = [n.name for n in descendants(parse(text + "\n").statements[0]) if isinstance(n, p.Name)]
+    assert ("visible" in names) is ("Object" not in text)

@@ -168,3 +168,30 @@ ego = {new}Object
 param sums = A().f(2) + g(Uniform(2, 2)), same = r.polygons.containsPoint((1, 1)) and not r.polygons.containsPoint((9, 9))
 """
     assert scenic_ref.loads(program, dialect=dialect).sample().params == {"sums": 6, "same": True}
+
+
+@pytest.mark.parametrize(
+    ("program", "place"),
+    [
+        ("a = Object with width 3,\n    with length 4,\n    offset by (1, 2)\nego = Object", (3, 5)),
+        ("a = Object with width 3,\n    ahead of (1, 2),\n    facing toward (1, 2),\n    visible\nego = Object", (4, 5)),
+        ("ego = Object at (0, 0),\n    with width 2,\n    facing 10**400", (3, 5)),
+        ("ego = Object at (10**400, 0),\n    with width 2", (1, 14)),
+        ("ego = Object\nimport math as workspace", (2, 8)),
+        ("ego = Object\nfrom math import pi as workspace", (2, 18)),
+        ("ego = Object\nworkspace = 3", (2, 1)),
+    ],
+)
+def test_the_place_of_an_error_is_that_of_the_specifier_or_import(program: str, place: tuple[int, int]) -> None:
+    with pytest.raises(ProgramError) as raised:
+        scenic_ref.loads(program).sample()
+    assert (raised.value.span.line, raised.value.span.column) == place
+
+
+@pytest.mark.parametrize("value", ["3", "Object", "'B'", "print"])
+def test_the_behavior_of_an_override_is_looked_at_there(value: str) -> None:
+    program = "scenario Main():\n    setup:\n        ego = Object\n    compose:\n        do Sub()\n"
+    program += f"scenario Sub():\n    setup:\n        override ego with behavior {value}\n    compose:\n        wait\n"
+    with pytest.raises(ProgramError, match="the property behavior must be a behavior") as raised:
+        scenic_ref.loads(program, scenario="Main").simulate(steps=3)
+    assert (raised.value.span.line, raised.value.span.column) == (8, 36)

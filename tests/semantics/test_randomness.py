@@ -297,7 +297,8 @@ OPERATION, NO_DRAW = "resample needs one of the built-in distributions", "resamp
         ("collections.deque([Range(0, 1)])", OPERATION), ("{1: Range(0, 1)}.values()", OPERATION), ("ValueError(Range(0, 1))", OPERATION),
         ("Drawn()", OPERATION), ("B(Range(0, 1))", OPERATION), ("CircularRegion(0 @ 0, Range(1, 2))", OPERATION),
         ("ego", NO_DRAW), ("Point at 1 @ 2", NO_DRAW), ("OrientedPoint at 1 @ 2", NO_DRAW), ("(ego, 1)", NO_DRAW), ("(1, [2])", NO_DRAW),
-        ("[1]", NO_DRAW), ("collections.deque([1])", NO_DRAW), ("{1: 2}.values()", NO_DRAW), ("(i for i in [1])", NO_DRAW),
+        ("Fixed()", NO_DRAW), ("(1, Fixed())", NO_DRAW), ("[1]", NO_DRAW), ("collections.deque([1])", NO_DRAW),
+        ("{1: 2}.values()", NO_DRAW), ("(i for i in [1])", NO_DRAW),
     ],
 )  # fmt: skip
 def test_resample_refuses_what_no_distribution_gave(value: str, message: str) -> None:
@@ -308,7 +309,7 @@ def test_resample_refuses_what_no_distribution_gave(value: str, message: str) ->
     assert (raised.value.rule, raised.value.span.line) == ("E-Resample", 10)
 
 
-@pytest.mark.parametrize("value", ["3", "'a'", "None", "(1, 2)", "(1, ('a', frozenset([2])))", "P(1, 2)", "1 @ 2", "B(1)", "Fixed()", "everywhere"])
+@pytest.mark.parametrize("value", ["3", "'a'", "None", "(1, 2)", "(1, ('a', frozenset([2])))", "P(1, 2)", "1 @ 2", "B(1)", "everywhere"])
 def test_resample_of_a_value_that_cannot_vary_is_that_value(value: str) -> None:
     assert result_of(f"{RESAMPLED}v = {value}\nparam r = resample(v) == v\n") is True
 
@@ -316,3 +317,82 @@ def test_resample_of_a_value_that_cannot_vary_is_that_value(value: str) -> None:
 @pytest.mark.parametrize("value", ["(Range(0, 1), 3)[0]", "[Range(0, 1)][0]", "Uniform((Range(0, 1), 2), (Range(0, 1), 4))"])
 def test_resample_of_a_draw_that_stood_in_a_container_is_another_draw(value: str) -> None:
     assert any(not scenic_ref.loads(f"{EGO}v = {value}\nparam r = resample(v) == v\n").sample(seed=n).params["r"] for n in range(9))
+
+
+DRAWN = EGO + "u = Uniform([1, 2], [3])\nx = Range(0, 3)\n"
+LOSSES = {
+    "append": "seen = []\nfilter(lambda v: seen.append(v) is None, u)",
+    "a method as the function": "seen = []\nfilter(seen.append, u)",
+    "global": "g = 0\ndef f(v):\n    global g\n    g = v\nfilter(f, u)",
+    "nonlocal": "def g():\n    n = 0\n    def f(v):\n        nonlocal n\n        n += 1\n    filter(f, u)\n    return n\ng()",
+    "an entry": "d = {}\ndef f(v):\n    d['a'] = v\nfilter(f, u)",
+    "an attribute": "class A(object):\n    pass\na = A()\ndef f(v):\n    a.v = v\nfilter(f, u)",
+    "an attribute of a class": "class A(object):\n    pass\ndef f(v):\n    A.v = v\nfilter(f, u)",
+    "a count of calls": "n = [0]\ndef f(v):\n    n[0] += 1\nfilter(f, u)",
+    "an iterator": "it = iter([1, 2, 3])\nfilter(lambda v: next(it) > 0, u)",
+    "a generator": "it = (i for i in range(9))\nfilter(lambda v: next(it) >= 0, u)",
+    "a default value": "def f(v, s=[]):\n    s.append(v)\nfilter(f, u)",
+    "a property": "ego = Object with tag []\nfilter(lambda v: ego.tag.append(v) is None, u)",
+    "by another function": "seen = []\ndef g(v):\n    seen.append(v)\nd = {'g': g}\nfilter(lambda v: d['g'](v), u)",
+    "max": "seen = []\nmax(u, key=lambda v: seen.append(v) or 1)",
+    "min": "seen = []\nmin(u, key=lambda v: seen.append(v) or 1)",
+    "sorted": "seen = []\nsorted(u, key=lambda v: seen.append(v) or 1)",
+    "reduce": "import functools\nseen = []\nfunctools.reduce(lambda a, b: seen.append(b) or b, [x, 1])",
+    "a comparison": "import functools\nn = []\nsorted([x, 1, 0], key=functools.cmp_to_key(lambda a, b: n.append(1) or a - b))",
+    "an index": "class A(object):\n    def __getitem__(self, i):\n        self.v = i\nA()[x]",
+    "an operator": "class A(object):\n    def __add__(self, o):\n        self.v = o\nA() + x",
+    "a property of a choice": "class A(object):\n    @property\n    def p(self):\n        self.v = 1\nUniform(A(), A()).p",
+    "the truth of a choice": "class A(object):\n    def __bool__(self):\n        self.v = 1\n        return True\nnot Uniform(A(), A())",
+    "the orientation of a region": (
+        "seen = []\nF = VectorField('F', lambda p: (seen.append(p.x), 0)[1])\n"
+        "o = Object on PolygonalRegion([(5, 5), (15, 5), (15, 15)], orientation=F)"
+    ),
+    "a vector field": "seen = []\nF = VectorField('F', lambda p: (seen.append(p.x), 0)[1])\ny = F at (x, 0)",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("program", LOSSES.values(), ids=LOSSES)
+def test_a_function_that_library_code_calls_with_drawn_values_changes_nothing_outside(program: str) -> None:
+    with pytest.raises(errors.RunError, match="changes something outside of it while library code calls it with values that a draw decides"):
+        scenic_ref.loads(DRAWN + program).sample()
+
+
+KEEPING = {
+    "its own containers": "def f(v):\n    xs = [3]\n    xs.append(v)\n    xs.sort()\n    return {'a': xs}['a'][0] < 3\nparam r = filter(f, u)",
+    "its own comprehension": "param r = filter(lambda v: all([w > 1 for w in [v, 2]]), u)",
+    "its own objects": "class A(object):\n    pass\ndef f(v):\n    a = A()\n    a.v = v\n    return a.v > 1\nparam r = filter(f, u)",
+    "its own generator": "def f(v):\n    it = (w for w in [v, 3])\n    return next(it) < 3\nparam r = filter(f, u)",
+    "its own variables, by a function that library code calls": (
+        "def f(v):\n    n = []\n    sorted([v, 2], key=lambda w: n.append(w) or w)\n    return len(n) == 2\nparam r = filter(f, u)"
+    ),
+    "what is not drawn": "seen = []\nfilter(lambda v: seen.append(v) is None, [1, x])\n"
+    "max([1, 2], key=lambda v: seen.append(v) or v * x)\nparam r = seen",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("program", KEEPING.values(), ids=KEEPING)
+def test_a_function_that_library_code_calls_with_drawn_values_may_change_what_it_made(program: str) -> None:
+    assert scenic_ref.loads(DRAWN + program).sample() is not None
+
+
+FILTERS = {
+    "a comprehension": "ys = filter(lambda v: all([w > 1 for w in v]), Uniform([[1], [2, 3]], [[4, 5], [6]]))",
+    "a branch": "def f(v):\n    if v > 1:\n        return True\nys = filter(f, Uniform([1, 2], [3, 4]))",
+    "a draw": "ys = filter(lambda v: Range(0, 5) > v, Uniform([1, 2], [3, 4]))",
+    "a draw at times": "ys = filter(lambda v: v > 1 and Range(0, 5) > v, Uniform([1, 2], [3, 4]))",
+    "a change": "seen = []\nys = filter(lambda v: seen.append(v) is None, Uniform([1, 2], [3, 4]))\nparam seen = seen",
+    "objects": "ys = filter(lambda v: (Object at (v * 5, v * 5)) is not None, Uniform([1, 2], [3, 4]))",
+    "texts": "ys = filter(lambda v: v > 'b', Uniform('ab', 'cd'))",
+    "dictionaries": "ys = filter(lambda v: v > 'b', Uniform({'a': 1}, {'c': 2}))",
+    "random elements": "x = Range(0, 3)\nys = filter(lambda v: v > 1, Uniform([x, 2], [3, x]))",
+    "another filter": "u = Uniform([1, 2, 5], [3, 4, 7])\nys = filter(lambda v: len(filter(lambda w: w > v, u)) > 1, u)",
+    "vectors": "ys = filter(lambda v: v > 1, Uniform(1 @ 2, 3 @ 4))",
+    "no function": "ys = filter(None, Uniform([0, 2], [3, 4]))",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("program", FILTERS.values(), ids=FILTERS)
+def test_filter_means_the_same_whether_drawn_lists_are_equally_long(program: str) -> None:
+    scenario = scenic_ref.loads(EGO + program + "\nparam n = len(ys), after = Range(0, 1)\n")
+    many, one_by_one = (list(scenario.sample_many(200, 1, backend=backend)) for backend in ("auto", "interpreter"))  # type: ignore[arg-type]
+    assert [scene.to_json() for scene in many] == [scene.to_json() for scene in one_by_one]

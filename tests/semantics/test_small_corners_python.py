@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import scenic_ref
 from scenic_ref.formats.scenes import json_value
-from scenic_ref.semantics.kernel.errors import ScenicError
+from scenic_ref.semantics.kernel.errors import ProgramError, ScenicError
 from scenic_ref.semantics.python.builtins import BUILTINS
 
 EGO = "ego = Object at (0, 0)\n"
@@ -97,3 +97,36 @@ def test_a_choice_among_lists_of_different_lengths_is_left_to_no_interpreter() -
 def test_what_is_built_in_has_names_that_a_program_can_write() -> None:
     assert [name for name in BUILTINS if not name.isidentifier()] == []
     assert {"resample", "localPath", "super"} <= set(BUILTINS)
+
+
+@pytest.mark.parametrize("base", ["int", "float"])
+@pytest.mark.parametrize("x", ["3", "Uniform(3, 3)"])
+def test_a_class_below_a_number_says_itself_what_is_in_it(base: str, x: str) -> None:
+    program = f"class A({base}):\n    def __contains__(self, x): return x == 3\nego = Object\nparam r = ({x} in A(4), {x} not in A(4), 5 in A(4))\n"
+    assert scenic_ref.loads(program).sample().params["r"] == (True, False, False)
+
+
+@pytest.mark.parametrize(
+    ("definition", "made"),
+    [("class A(object): pass", "A()"), ("class A(int): pass", "A(3)"), ("class A(object):\n    def __init__(self): self.v = 0", "A()"),
+     ("class A(tuple): pass", "A((1, 2))"), ("class A(object): pass", "(1, A())")],
+)
+def test_an_instance_of_a_python_class_cannot_be_drawn_again(definition: str, made: str) -> None:
+    with pytest.raises(ProgramError, match="resample needs a value drawn from a distribution"):
+        scenic_ref.loads(f"{definition}\nego = Object\na = {made}\nb = resample(a)\n").sample()
+
+
+def test_what_cannot_change_can_be_drawn_again() -> None:
+    program = "from collections import namedtuple\nfrom enum import Enum\nP = namedtuple('P', 'a b')\nclass E(Enum):\n    A = 1\n"
+    program += "ego = Object\nparam r = (resample(P(1, 2)) == P(1, 2), resample(E.A) is E.A, resample(3), resample('a'))\n"
+    assert scenic_ref.loads(program).sample().params["r"] == (True, True, 3, "a")
+
+
+def test_ordered_dictionaries_and_deques_as_in_python() -> None:
+    program = "from collections import OrderedDict, deque\nd = OrderedDict(a=1)\n"
+    program += "p = (OrderedDict().pop('z', default=4), d.pop('a'), d.pop('q', 3), d.pop(key='q', default=7), len(d))\nsaid = []\n"
+    for call in ("deque([1]).remove(99)", "deque([1]).index(99)", "OrderedDict().pop('z')"):
+        program += f"try:\n    {call}\nexcept (ValueError, KeyError) as e:\n    said.append(str(e))\n"
+    assert scenic_ref.loads(program + "ego = Object\nparam p = p, said = said\n").sample().params == {
+        "p": (4, 1, 3, 7, 0), "said": ["99 is not in deque", "99 is not in deque", "'z'"],
+    }  # fmt: skip
