@@ -130,7 +130,7 @@ def test_derivatives_by_pose() -> None:
     """Of a distance, the direction from the other point; of a box beside a wall, -1 across, and what a corner moves by as it turns."""
     import torch
 
-    text = "ego = Object at Range(1, 2) @ Range(1, 2), with requireVisible False\nrequire (distance from ego to 5 @ 4) < 3\n"
+    text = "ego = Object at Range(1, 2) @ Range(1, 2), with requireVisible False\nrequire (distance from ego to 5 @ 4) < 4\n"
     margins = margins_of(text)
     found = margins.at(margins.target.simulate(50, np.random.default_rng(2)))
     x, y, heading = found.poses[0]
