@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 import scenic_ref
 import shapely
+from scenic_ref.interpreter import caches
 from scenic_ref.maps import opendrive, records, storing
 from scenic_ref.maps.fixed import Fixed
 from scenic_ref.maps.making import KINDS, made
@@ -125,7 +126,7 @@ def test_the_code_is_all_that_the_package_has(tmp_path, monkeypatch, change):
     for folder in ("maps", "semantics/space"):
         (tmp_path / folder).mkdir(parents=True)
         (tmp_path / folder / "made.py").write_text("x = 1\n")
-    monkeypatch.setattr(storing, "__file__", str(tmp_path / "maps" / "storing.py"))
+    monkeypatch.setattr(caches, "__file__", str(tmp_path / "interpreter" / "caches.py"))
     first = storing.code_there()
     (tmp_path / "maps" / ".#made.py").symlink_to("nobody@nowhere")  # as editors lock files
     assert first == storing.code_there() != b""

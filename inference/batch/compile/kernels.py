@@ -25,6 +25,8 @@ from .code_cache import keep_code
 
 _M0, _M1 = np.uint64(MULTIPLIER_0), np.uint64(MULTIPLIER_1)
 _W0, _W1 = np.uint64(WEYL_0), np.uint64(WEYL_1)
+NEAR = 1e-9
+"""Metres, or shares of a segment, by which rounding may move what is nearest."""
 _ZERO, _UNUSED = np.uint64(0), np.uint64(UNUSED_BITS)
 
 
@@ -112,6 +114,70 @@ def bisect_right(cumulative: np.ndarray, value: float) -> int:
         else:
             low = middle + 1
     return low
+
+
+@compile_
+def search_part(values: np.ndarray, starts: np.ndarray, part: int, value: float) -> int:
+    """The position of the first number of a part that is greater than a value: see `graph.SearchPart`."""
+    low, high = starts[part], starts[part + 1] - 1
+    while low < high:
+        middle = (low + high) // 2
+        if values[middle] <= value:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
+@compile_
+def nearest_heading(x: float, y: float, segments: np.ndarray, headings: np.ndarray, first: int, last: int) -> tuple[bool, float]:
+    """The heading of the segment nearest to a point, the first one where two meet there, and whether that is beyond rounding."""
+    least = math.inf
+    for k in range(first, last):
+        least = min(least, away_from(x, y, segments, k)[0])
+    count, at, end = 0, first, 0.0
+    for k in range(first, last):
+        away, share = away_from(x, y, segments, k)
+        if away > least + NEAR:
+            continue
+        count += 1
+        if count == 1:
+            at, end = k, share
+        elif count > 2 or k != at + 1 or end < 1.0 + NEAR or share > -NEAR:  # else the point is nearest to where both meet
+            return False, 0.0
+    return count > 0, headings[at]
+
+
+@compile_
+def polygon_distance(x: float, y: float, edges: np.ndarray, first: int, last: int) -> tuple[bool, float]:
+    """The distance of a point from a polygon, as GEOS computes it, and whether it is beyond rounding on which side of its edges it is."""
+    least, inside = math.inf, False
+    for k in range(first, last):
+        ax, ay, bx, by = edges[k, 0], edges[k, 1], edges[k, 2], edges[k, 3]
+        dx, dy = bx - ax, by - ay
+        squared = dx * dx + dy * dy
+        share = 0.0 if squared == 0 else ((x - ax) * dx + (y - ay) * dy) / squared
+        if share <= 0:
+            away = math.sqrt((x - ax) * (x - ax) + (y - ay) * (y - ay))
+        elif share >= 1:
+            away = math.sqrt((x - bx) * (x - bx) + (y - by) * (y - by))
+        else:
+            away = abs(((ay - y) * dx - (ax - x) * dy) / squared) * math.sqrt(squared)
+        least = min(least, away)
+        if (ay > y) != (by > y) and (dx * (y - ay) - dy * (x - ax) > 0) == (dy > 0):
+            inside = not inside
+    return least > NEAR, 0.0 if inside else least
+
+
+@compile_
+def away_from(x: float, y: float, segments: np.ndarray, k: int) -> tuple[float, float]:
+    """How far a point is from a segment, and at which share of its line the nearest point of that is."""
+    ax, ay = segments[k, 0], segments[k, 1]
+    dx, dy = segments[k, 2] - ax, segments[k, 3] - ay
+    squared = dx * dx + dy * dy
+    share = 0.5 if squared == 0 else ((x - ax) * dx + (y - ay) * dy) / squared
+    within = min(max(share, 0.0), 1.0)
+    return math.sqrt((ax + within * dx - x) ** 2 + (ay + within * dy - y) ** 2), share
 
 
 GridArrays = tuple[np.ndarray, np.ndarray, np.ndarray]

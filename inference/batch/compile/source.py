@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
+import shapely
 
 from ....interpreter.choosers import PER_SCENE
 from ....interpreter.streams import site_code
@@ -19,9 +20,9 @@ from ....semantics.space.regions import PolygonalRegion
 from ....semantics.space.symbols import NotLifted
 from ....semantics.space.vectors import Vector
 from ..evaluate.clipped import curve_tests, largest_radius
-from ..evaluate.column_calls import is_polygon_test
+from ..evaluate.column_calls import column_methods, distance_from_polygon, heading_along, is_polygon_test
 from ..evaluate.components import Stage
-from ..evaluate.polygons import constant_cells, field_of, tests_of
+from ..evaluate.polygons import constant_cells, edges_of, field_of, tests_of
 from ..evaluate.rows import is_clipped
 from ..trace.graph import (
     AsFloat,
@@ -41,7 +42,7 @@ from ..trace.graph import (
     Site,
 )
 from ..trace.macros import graph_of
-from ..trace.symbols import Traced
+from ..trace.symbols import Choice, Traced
 from . import crowds, kernels
 
 PENDING, ACCEPTED, LEFT, EXHAUSTED = 0, 1, 2, 3
@@ -112,7 +113,14 @@ class Writer:
                 self.add(f"{name} = {self.macro(function)}({', '.join(operands)})")
             case Crowd(closed=closed):
                 self.crowd(name, operands, closed)
-            case SearchPart() | ItemOf() | HasValue() | PositionOf():
+            case SearchPart(values=values, starts=starts):
+                self.names["search_part"] = kernels.search_part
+                self.add(f"{name} = search_part({self.array(values)}, {self.array(starts)}, {', '.join(operands)})")
+            case ItemOf(items=items, starts=starts) if items.dtype != object:
+                self.add(f"{name} = {self.array(items)}[{self.array(starts)}[{operands[0]}] + np.int64({operands[1]})]")
+            case HasValue(rejected=rejected, left=left) if not (rejected.any() or left.any()):
+                self.add(f"{name} = {operands[0]}")
+            case ItemOf() | HasValue() | PositionOf():
                 raise NotCompiled("what is asked of something that is drawn from a list")
             case RowCall():
                 self.call(name, function)
@@ -147,7 +155,7 @@ class Writer:
         if function is np.mod:
             return f"np.mod({operands[0]}, {operands[1]})"
         name = getattr(function, "__name__", "")
-        if isinstance(function, Elementary) or function is np.hypot:
+        if isinstance(function, Elementary) or function in (np.hypot, np.fmod):
             self.names.setdefault(name, kernels.from_libm(name, LIBRARY[name]))
         elif name in SPECIAL:
             self.names.setdefault(name, kernels.from_scipy(SPECIAL[name]))
@@ -199,12 +207,15 @@ class Writer:
 
     def call(self, name: str, call: RowCall) -> None:
         """A test on a polygon or the value of a field."""
-        if not is_polygon_test(call):
+        asked = owners_asked(call)
+        if asked is None and not is_polygon_test(call):
             raise NotCompiled(call.text)
         subject, *rest = call.structure
         parts = [v for part in rest for v in (part if isinstance(part, Vector) else (part,))]
         values = [self.operand(v.node if isinstance(v, Traced) else v) for v in parts]
-        if isinstance(subject, PolygonalRegion):
+        if asked is not None:
+            self.asked(name, *asked, self.operand(subject.node) if isinstance(subject, Choice) else "0", values)
+        elif isinstance(subject, PolygonalRegion):
             self.region(name, call, subject, values)
         elif constant_cells(subject):
             self.field(name, subject, values)
@@ -252,6 +263,15 @@ class Writer:
         self.add("if q == -2:")
         self.leave()
         self.add(f"{name} = {self.array(headings)}[q]")
+
+    def asked(self, name: str, kernel: str, owners: Sequence[object], which: str, values: list[str]) -> None:
+        """What one of some curves or polygons says of a place, by a kernel that goes through its own edges."""
+        *numbers, starts = self.kept_arrays(owners, lambda: arrays_of(owners))
+        self.names[kernel] = getattr(kernels, kernel)
+        borders = [f"{self.array(starts)}[{which}{more}]" for more in ("", " + 1")]
+        self.add(f"q, {name} = {kernel}({', '.join([*values, *map(self.array, numbers), *borders])})")
+        self.add("if not q:")
+        self.leave()
 
     def leave(self) -> None:
         """Leave this run to others."""
@@ -311,6 +331,27 @@ class Writer:
         found()
         self.add("break")
         self.depth -= 1
+
+
+def owners_asked(call: RowCall) -> tuple[str, list[object]] | None:
+    """The kernel that answers a call, and the curves or polygons one of which is asked in each row; None for another call."""
+    methods = column_methods(call)
+    if methods is None:
+        return None
+    owners, columns = [owner for owner, _ in methods], {column for _, column in methods}
+    if columns == {heading_along}:
+        return "nearest_heading", owners
+    return ("polygon_distance", owners) if columns == {distance_from_polygon} else None
+
+
+def arrays_of(owners: Sequence[Any]) -> tuple[np.ndarray, ...]:
+    """The edges of curves or polygons (edges, 4), the headings of curves, and where those of each owner begin."""
+    if isinstance(owners[0], PolygonalRegion):
+        edges = [edges_of(region.polygon) for region in owners]
+        return np.concatenate(edges), np.cumsum([0, *map(len, edges)]).astype(np.int64)
+    ends = [shapely.get_coordinates(curve.segment_tree.geometries).reshape(-1, 4) for curve in owners]
+    headings = np.concatenate([np.asarray(curve.headings, dtype=float) for curve in owners])
+    return np.concatenate(ends), headings, np.cumsum([0, *map(len, ends)]).astype(np.int64)
 
 
 def compile_stage(stage: Stage) -> tuple[Callable[..., tuple[int, int]], tuple[np.ndarray, ...], list[GraphEvent]]:

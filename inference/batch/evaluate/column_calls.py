@@ -34,6 +34,11 @@ def heading_along(curve: PolylineRegion, x: np.ndarray, y: np.ndarray) -> np.nda
     return np.append(curve.headings, np.nan)[first]
 
 
+def distance_from_polygon(region: PolygonalRegion, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Return the distances of (x, y) from a polygon, 0 within it."""
+    return np.asarray(shapely.distance(region.polygon, shapely.points(x, y)))
+
+
 def heading_in_field(field: PolygonalVectorField, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Return the headings of a field with constant cells at (x, y); NaN outside of its cells."""
     tests, headings = field_of(field)
@@ -48,7 +53,7 @@ POLYGON_TESTS: dict[Callable[..., object], ColumnCall] = {
 """The calls that compiled code and tensors have forms for as well."""
 COLUMN_CALLS: dict[Callable[..., object], ColumnCall] = {
     **POLYGON_TESTS,
-    PolygonalRegion.distance_to: lambda region, x, y: shapely.distance(region.polygon, shapely.points(x, y)),
+    PolygonalRegion.distance_to: distance_from_polygon,
     PolylineRegion.contains_point: lambda region, x, y: shapely.dwithin(region.polyline, shapely.points(x, y), METRES),
     PolylineRegion.distance_to: lambda region, x, y: shapely.distance(region.polyline, shapely.points(x, y)),
     PolylineRegion.heading_at: heading_along,
